@@ -1,0 +1,35 @@
+# The Python module photon_splat_native: stable ABI from Python 3.12 on, one build per version before.
+
+if(NOT TARGET Python::Module)
+  message(FATAL_ERROR "Python's C headers are missing for ${Python_EXECUTABLE}; on Debian they are in python3-dev.")
+endif()
+if(NOT nanobind_ROOT)
+  execute_process(
+    COMMAND "${Python_EXECUTABLE}" -m nanobind --cmake_dir
+    OUTPUT_VARIABLE nanobind_ROOT OUTPUT_STRIP_TRAILING_WHITESPACE RESULT_VARIABLE status)
+  if(status)
+    message(FATAL_ERROR "nanobind is not installed for ${Python_EXECUTABLE}.")
+  endif()
+endif()
+# TLS descriptors may clobber vector registers with glibc before 2.40 (its bug 31372); nothing of ours is faster with them.
+set(NB_HAS_MTLS_GNU2 OFF CACHE INTERNAL "")
+find_package(nanobind CONFIG REQUIRED)
+
+file(GLOB module_sources CONFIGURE_DEPENDS src/module.cpp src/bindings/*.cpp)
+set(lto "")
+if(PHOTON_SPLAT_LTO)
+  set(lto LTO)
+endif()
+nanobind_add_module(photon_splat_native STABLE_ABI NB_STATIC NOMINSIZE NB_SUPPRESS_WARNINGS ${lto} ${module_sources})
+target_link_libraries(photon_splat_native PRIVATE photon_splat_core)
+
+# Blender has Embree, TBB and more in its global symbol scope: nothing of ours may be seen there, or be replaced by it.
+if(UNIX AND NOT APPLE)
+  set(version_script "${CMAKE_CURRENT_SOURCE_DIR}/cmake/exports.map")
+  target_link_options(photon_splat_native PRIVATE "-Wl,--version-script=${version_script}" -Wl,--exclude-libs,ALL)
+  set_target_properties(photon_splat_native PROPERTIES LINK_DEPENDS "${version_script}")
+endif()
+# Embree is the one that Blender has loaded: found by its soname, never by a path.
+set_target_properties(photon_splat_native PROPERTIES SKIP_BUILD_RPATH ON INSTALL_RPATH "")
+
+install(TARGETS photon_splat_native LIBRARY DESTINATION . RUNTIME DESTINATION .)

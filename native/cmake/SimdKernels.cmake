@@ -1,0 +1,32 @@
+# The splat kernels, each file compiled for its own instruction set: target photon_splat_simd.
+#
+# A function with external linkage that such a file shares with the rest (an inline function of a header, a template of
+# the standard library) may be kept by the linker in its AVX-512 form and then crash older machines. So these files
+# define nothing but their entry points with external linkage; tests/packaging checks the object files.
+
+add_library(photon_splat_simd OBJECT)
+target_include_directories(photon_splat_simd PRIVATE src)
+target_link_libraries(photon_splat_simd PRIVATE photon_splat_flags)
+
+function(add_simd_kernel file)
+  set(path "${CMAKE_CURRENT_SOURCE_DIR}/src/simd/${file}")
+  if(NOT EXISTS "${path}")
+    return()
+  endif()
+  target_sources(photon_splat_simd PRIVATE "${path}")
+  set_source_files_properties("${path}" PROPERTIES COMPILE_OPTIONS "${ARGN}")
+endfunction()
+
+if(PHOTON_SPLAT_X86)
+  if(MSVC)
+    add_simd_kernel(splat_sse42.cpp)
+    add_simd_kernel(splat_avx2.cpp /arch:AVX2)
+    add_simd_kernel(splat_avx512.cpp /arch:AVX512)
+  else()
+    add_simd_kernel(splat_sse42.cpp -msse4.2)
+    add_simd_kernel(splat_avx2.cpp -mavx2 -mfma)
+    add_simd_kernel(splat_avx512.cpp -mavx512f -mavx512vl -mavx512dq -mavx512bw -mfma -mprefer-vector-width=512)
+  endif()
+else()
+  add_simd_kernel(splat_generic.cpp)
+endif()
