@@ -1,0 +1,129 @@
+# make render   sets everything up and renders the Cornell box to out/
+# make test     sets everything up and runs every test (10 minutes at most on 2 cores)
+# make help     lists the rest
+
+.DEFAULT_GOAL := help
+.DELETE_ON_ERROR:
+
+SCENE ?= blend_scenes/cornell_box.blend
+NAME := $(basename $(notdir $(SCENE)))
+RENDER_OPTIONS ?=
+# Seconds that a whole `make test` may take after set-up, and one of its test processes.
+TEST_SECONDS ?= 600
+
+# Python 3.13 is for Blender 5.2 LTS; 3.11, for Blender 4.5 LTS, stands in where there is no 3.13.
+VENV := .venv
+VENV_OLD := .venv-3.11
+PY := $(VENV)/bin/python
+PY_OLD := $(VENV_OLD)/bin/python
+NATIVE_SOURCES := $(shell find native -path native/.cache -prune -o -path native/tests -prune -o -type f -print 2>/dev/null)
+# What is built in the virtual environment must find its tools there: cmake and ninja.
+IN_VENV = PATH="$(CURDIR)/$(@D)/bin:$$PATH"
+
+.PHONY: help setup setup-old render test lint test-native test-python test-old bench chart references scenes oracle sanitize wheel clean
+
+help:
+	@sed -n 's/^\([a-z-]*\):.*## /  make \1\t/p' $(MAKEFILE_LIST) | expand -t 20
+
+setup: $(VENV)/.addon ## virtual environment with Blender as a module, the native module and the add-on
+setup-old: $(VENV_OLD)/.addon ## the same for Python 3.11 and Blender 4.5 LTS
+
+# --- set-up: each step leaves a stamp, so that nothing is done twice ------------------------------------------------
+
+$(VENV)/.made: tools/find_python.sh
+	@python=$$(tools/find_python.sh 3.13 3.11) && echo "== $(VENV): $$python" && "$$python" -m venv --clear $(VENV)
+	@touch $@
+
+$(VENV_OLD)/.made: tools/find_python.sh
+	@python=$$(tools/find_python.sh 3.11) && echo "== $(VENV_OLD): $$python" && "$$python" -m venv --clear $(VENV_OLD)
+	@touch $@
+
+%/.packages: %/.made requirements-dev.txt
+	@echo "== $(@D): installing packages (Blender is about 400 MB)"
+	$(@D)/bin/python -m pip install --disable-pip-version-check -r requirements-dev.txt
+	@touch $@
+
+%/.native: %/.packages $(NATIVE_SOURCES)
+	@echo "== $(@D): building the native module"
+	$(IN_VENV) $(@D)/bin/python -m pip install --disable-pip-version-check --no-build-isolation --no-deps --force-reinstall -v ./native
+	@touch $@
+
+%/.addon: %/.native pyproject.toml
+	@echo "== $(@D): installing the add-on (editable)"
+	$(@D)/bin/python -m pip install --disable-pip-version-check --no-build-isolation --no-deps -q -e .
+	@touch $@
+
+.PRECIOUS: %/.made %/.packages %/.native %/.addon
+
+# --- pictures -------------------------------------------------------------------------------------------------------
+
+render: out/$(NAME).png ## SCENE to out/*.exr and out/*.png (RENDER_OPTIONS: see photon-splat render --help)
+	@echo "out/$(NAME).exr and out/$(NAME).png are ready."
+
+.PHONY: out/$(NAME).exr
+out/$(NAME).exr: setup
+	@mkdir -p out
+	$(VENV)/bin/photon-splat render $(SCENE) -o $@ --stats out/$(NAME).json $(RENDER_OPTIONS)
+
+out/$(NAME).png: out/$(NAME).exr
+	@$(PY) tools/exr_to_png.py $< $@
+
+scenes: setup ## blend_scenes/*.blend from their scripts
+	$(PY) blend_scenes/make_all.py
+
+# --- tests ----------------------------------------------------------------------------------------------------------
+
+test: lint test-native test-python test-old ## every test
+	@echo "All tests passed."
+
+lint: setup ## formatter, linter and types
+	$(VENV)/bin/ruff check .
+	$(VENV)/bin/ruff format --check .
+	$(VENV)/bin/mypy
+
+test-native: build/tests/.built ## C++ tests
+	$(VENV)/bin/ctest --test-dir build/tests --output-on-failure --timeout 120 --no-tests=error
+
+test-python: setup ## Python tests
+	$(PY) tools/run_tests.py --time-limit $(TEST_SECONDS)
+
+test-old: setup ## the smoke tests with Python 3.11 and Blender 4.5 LTS, where there is a Python 3.11
+	@if $(PY) -c 'import sys; sys.exit(sys.version_info[:2] == (3, 11))' && tools/find_python.sh 3.11 >/dev/null; then \
+		$(MAKE) --no-print-directory setup-old && $(PY_OLD) tools/run_tests.py --time-limit $(TEST_SECONDS) -m smoke; \
+	else echo "No second Python 3.11: the smoke tests with Blender 4.5 LTS are left out."; fi
+
+CMAKE_TESTS = $(VENV)/bin/cmake -S native -G Ninja -DCMAKE_MAKE_PROGRAM=$(CURDIR)/$(VENV)/bin/ninja \
+	-DPython_EXECUTABLE=$(CURDIR)/$(PY) -DPHOTON_SPLAT_MODULE=OFF -DPHOTON_SPLAT_TESTS=ON
+
+build/tests/.built: $(VENV)/.packages $(NATIVE_SOURCES) $(wildcard native/tests/*)
+	$(CMAKE_TESTS) -B build/tests -DPHOTON_SPLAT_WERROR=ON
+	$(VENV)/bin/cmake --build build/tests
+	@touch $@
+
+sanitize: $(VENV)/.packages ## C++ tests under the address, undefined behaviour and thread sanitizers
+	$(CMAKE_TESTS) -B build/asan -DCMAKE_BUILD_TYPE=RelWithDebInfo -DPHOTON_SPLAT_SANITIZE=address,undefined
+	$(VENV)/bin/cmake --build build/asan
+	$(VENV)/bin/ctest --test-dir build/asan --output-on-failure --timeout 600 --no-tests=error
+	$(CMAKE_TESTS) -B build/tsan -DCMAKE_BUILD_TYPE=RelWithDebInfo -DPHOTON_SPLAT_SANITIZE=thread
+	$(VENV)/bin/cmake --build build/tsan
+	$(VENV)/bin/ctest --test-dir build/tsan --output-on-failure --timeout 600 --no-tests=error
+
+oracle: setup ## agreement with Cycles, against the committed references
+	$(PY) tools/run_tests.py --time-limit 1800 tests/oracle
+
+references: setup ## the Cycles references of tests/oracle anew (long)
+	$(PY) -m tests.oracle.references
+
+# --- measurements ---------------------------------------------------------------------------------------------------
+
+bench: setup ## benchmarks
+	$(PY) -m tests.bench.run
+
+chart: setup ## error against time, as a chart in out/
+	$(PY) -m tests.bench.chart
+
+wheel: setup ## dist/*.whl of the native module and of the add-on
+	PATH="$(CURDIR)/$(VENV)/bin:$$PATH" $(PY) -m pip wheel --disable-pip-version-check --no-build-isolation --no-deps -w dist ./native .
+
+clean: ## removes everything that was built, installed or rendered
+	rm -rf $(VENV) $(VENV_OLD) build dist out native/.cache *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
