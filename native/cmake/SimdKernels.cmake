@@ -1,19 +1,15 @@
-# The splat kernels, each file compiled for its own instruction set: target photon_splat_simd.
+# The splat kernels, each file compiled for its own instruction set; part of photon_splat_core.
 #
 # A function with external linkage that such a file shares with the rest (an inline function of a header, a template of
 # the standard library) may be kept by the linker in its AVX-512 form and then crash older machines. So these files
-# define nothing but their entry points with external linkage; tests/packaging checks the object files.
-
-add_library(photon_splat_simd OBJECT)
-target_include_directories(photon_splat_simd PRIVATE src)
-target_link_libraries(photon_splat_simd PRIVATE photon_splat_flags)
+# define nothing but their entry points with external linkage; the test simd_symbols checks the object files.
 
 function(add_simd_kernel file)
   set(path "${CMAKE_CURRENT_SOURCE_DIR}/src/simd/${file}")
   if(NOT EXISTS "${path}")
     return()
   endif()
-  target_sources(photon_splat_simd PRIVATE "${path}")
+  target_sources(photon_splat_core PRIVATE "${path}")
   set_source_files_properties("${path}" PROPERTIES COMPILE_OPTIONS "${ARGN}")
 endfunction()
 

@@ -1,0 +1,45 @@
+"""The Python package: the core stands without Blender, and the wheel holds addon/ and nothing else."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+RunPython = Callable[..., subprocess.CompletedProcess[str]]
+ROOT = Path(__file__).resolve().parents[2]
+MODULES = sorted(path.relative_to(ROOT / "addon") for path in (ROOT / "addon").rglob("*.py"))
+
+IMPORT_CORE = """
+import importlib, pkgutil, sys
+import photon_splat.core
+names = [module.name for module in pkgutil.walk_packages(photon_splat.core.__path__, "photon_splat.core.")]
+for name in names:
+    importlib.import_module(name)
+print(len(names), sorted(name for name in sys.modules if name.split(".")[0] in ("bpy", "mathutils", "_bpy")))
+"""
+
+
+@pytest.mark.smoke
+def test_the_core_imports_no_blender(run_python: RunPython) -> None:
+    process = run_python(IMPORT_CORE)
+    expected = sum(path.parts[0] == "core" and path.name != "__init__.py" for path in MODULES)
+    assert process.stdout.strip() == f"{expected} []", process.stderr
+
+
+def test_the_wheel_holds_every_module_and_the_manifest(tmp_path: Path) -> None:
+    source = tmp_path / "source"
+    shutil.copytree(ROOT / "addon", source / "addon", ignore=shutil.ignore_patterns("__pycache__"))
+    for name in ("pyproject.toml", "setup.py", "LICENSE"):
+        shutil.copy(ROOT / name, source)
+    command = [sys.executable, "-m", "pip", "wheel", "-q", "--no-build-isolation", "--no-deps", "--disable-pip-version-check"]
+    subprocess.run([*command, "-w", tmp_path, source], check=True, timeout=120)
+    (wheel,) = tmp_path.glob("photon_splat-*-py3-none-any.whl")
+    names = zipfile.ZipFile(wheel).namelist()
+    payload = {name for name in names if ".dist-info/" not in name}
+    assert payload == {f"photon_splat/{path.as_posix()}" for path in [*MODULES, Path("blender_manifest.toml")]}
