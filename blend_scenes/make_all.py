@@ -1,0 +1,13 @@
+"""Makes every scene of this folder anew: `python -m blend_scenes.make_all`.
+
+Run it with the oldest Blender that must open the files: newer ones read them, not the other way round.
+"""
+
+from blend_scenes import cornell_box, instances, interior, light_types
+
+cornell_box.make("cornell_box", 0)
+cornell_box.make("cornell_box_1500", 3)
+cornell_box.make("cornell_box_100k", 6)
+interior.make()
+instances.make()
+light_types.make()
