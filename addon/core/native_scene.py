@@ -1,0 +1,117 @@
+"""Hands a `Scene` to the native renderer."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .scene import Scene, Side
+from .settings import RenderSettings
+
+if TYPE_CHECKING:
+    from photon_splat_native import Renderer
+
+
+def world_bounds(scene: Scene) -> NDArray[np.float64]:
+    """(2, 3) lower and upper corner, m, of boxes around all instances; the camera's place for an empty scene."""
+    instances = scene.instances
+    corners = np.zeros((len(scene.meshes), 8, 3))
+    for i, mesh in enumerate(scene.meshes):
+        if len(mesh.positions):
+            box = np.stack([mesh.positions.min(axis=0), mesh.positions.max(axis=0)]).astype(np.float64)
+            corners[i] = np.array([[box[a, 0], box[b, 1], box[c, 2]] for a in (0, 1) for b in (0, 1) for c in (0, 1)])
+    if not len(instances.mesh):
+        return np.stack([scene.camera.matrix[:3, 3]] * 2)
+    local = corners[instances.mesh]
+    world = np.einsum("ijk,ick->icj", instances.matrix[:, :3, :3], local) + instances.matrix[:, None, :3, 3]
+    return np.stack([world.min(axis=(0, 1)), world.max(axis=(0, 1))])
+
+
+def fill_renderer(renderer: Renderer, scene: Scene, settings: RenderSettings) -> None:
+    """Copies everything into `renderer`. ValueError, with one sentence, for data that is not finite or does not fit."""
+    origin = world_bounds(scene).mean(axis=0)
+    if not np.isfinite(origin).all():
+        raise ValueError("the scene has an instance whose place in the world is not finite")
+    renderer.set_origin([float(c) for c in origin])
+    for texture in scene.textures:
+        renderer.add_texture(np.ascontiguousarray(texture.pixels), texture.srgb, str(texture.interpolation), str(texture.extension))
+    for material in scene.materials:
+        _add_named(f"material '{material.name}'", lambda m=material: renderer.add_material(_side(m.front), _side(m.back)))
+    for mesh in scene.meshes:
+        _add_named(
+            f"mesh '{mesh.name}'",
+            lambda m=mesh: renderer.add_mesh(
+                np.ascontiguousarray(m.positions, np.float32),
+                np.ascontiguousarray(m.triangles, np.uint32),
+                _contiguous(m.corner_normals, np.float32),
+                _contiguous(m.uv, np.float32),
+                _contiguous(m.slots, np.uint16),
+            ),
+        )
+    instances = scene.instances
+    material_sets = [[int(m) for m in s] for s in scene.material_sets]
+    matrices = np.ascontiguousarray(instances.matrix, np.float64)
+    for mesh_index, matrix, material_set in zip(instances.mesh, matrices, instances.material_set, strict=True):
+        renderer.add_instance(int(mesh_index), matrix, material_sets[int(material_set)])
+    for light in scene.lights:
+        _add_named(
+            f"light '{light.name}'",
+            lambda s=light: renderer.add_lamp(
+                kind=str(s.kind),
+                matrix=np.ascontiguousarray(s.matrix, np.float64),
+                strength=_rgb(s.strength),
+                radius=s.radius,
+                soft_falloff=s.soft_falloff,
+                spot_size=s.spot_size,
+                spot_blend=s.spot_blend,
+                angle=s.angle,
+                size=[float(c) for c in s.size],
+                ellipse=s.ellipse,
+                spread=s.spread,
+                normalize=s.normalize,
+                camera_visible=s.camera_visible,
+            ),
+        )
+    renderer.set_world(_rgb(scene.world))
+    frame, camera = scene.frame, scene.camera
+    renderer.set_camera(
+        matrix=np.ascontiguousarray(camera.matrix, np.float64),
+        screen=[float(c) for c in camera.screen],
+        orthographic=camera.orthographic,
+        clip_start=camera.clip_start,
+        clip_end=camera.clip_end,
+        frame=[frame.width, frame.height],
+        region=list(frame.region),
+        transparent=frame.transparent,
+        pixel_filter=str(frame.pixel_filter),
+        filter_width=frame.filter_width,
+    )
+    renderer.set_options(
+        photons_per_pass=settings.photons_per_pass,
+        max_bounces=settings.max_bounces,
+        radius_scale=settings.radius_scale,
+        point_spacing=settings.point_spacing,
+        boundary_correction=settings.boundary_correction,
+        seed=settings.seed & 0xFFFFFFFF,
+    )
+
+
+def _add_named(what: str, add) -> None:  # noqa: ANN001 - a thunk
+    try:
+        add()
+    except ValueError as error:
+        raise ValueError(f"{what}: {error}") from error
+
+
+def _side(side: Side) -> tuple:
+    return (_rgb(side.base_color), side.base_color_texture, _rgb(side.emission), side.emission_texture)
+
+
+def _rgb(color: tuple[float, float, float]) -> list[float]:
+    return [float(c) for c in color]
+
+
+def _contiguous(values: NDArray | None, dtype: type) -> NDArray | None:
+    return None if values is None else np.ascontiguousarray(values, dtype)

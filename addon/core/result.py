@@ -1,0 +1,80 @@
+"""What a render gives back: named passes made of the film's sums, and how far it has come."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Passes = dict[str, NDArray[np.float32]]
+
+
+@dataclass(frozen=True, slots=True)
+class PassInfo:
+    name: str
+    channels: str
+    """One letter per channel, as an EXR file names them."""
+
+
+PASSES = (
+    PassInfo("Combined", "RGBA"),
+    PassInfo("Depth", "Z"),
+    PassInfo("Normal", "XYZ"),
+    PassInfo("Diffuse Direct", "RGB"),
+    PassInfo("Diffuse Indirect", "RGB"),
+    PassInfo("Diffuse Color", "RGB"),
+    PassInfo("Emission", "RGB"),
+    PassInfo("Photon Density", "X"),
+    PassInfo("Surface ID", "X"),
+)
+
+
+@dataclass(slots=True)
+class Progress:
+    """fraction 0..1 of what `passes` or `time_limit` ask for; `interim` holds passes where they were wanted and are new."""
+
+    fraction: float
+    message: str
+    passes_done: int
+    interim: Passes | None = None
+
+
+@dataclass(slots=True)
+class RenderResult:
+    """passes: name → (height, width, channels) float32, row 0 at the bottom. statistics: the --stats object."""
+
+    passes: Passes
+    cancelled: bool
+    statistics: dict[str, Any]
+
+
+def passes_from_film(film: dict[str, Any]) -> Passes:
+    """Means over samples. Light passes are divided by the albedo, as Cycles divides them (0 where it is black)."""
+    samples = max(int(film["samples"]), 1)
+    color = film["diffuse_color"]
+
+    def per_albedo(light: NDArray[np.float32]) -> NDArray[np.float32]:
+        return np.divide(light, color, out=np.zeros_like(light), where=color > 0)
+
+    combined = np.empty((*color.shape[:2], 4), np.float32)
+    combined[..., :3] = film["diffuse_direct"] + film["diffuse_indirect"] + film["emission"] + film["environment"]
+    combined[..., 3:] = film["alpha"]
+    combined /= samples
+    return {
+        "Combined": combined,
+        "Depth": film["depth"],
+        "Normal": film["normal"] / samples,
+        "Diffuse Direct": per_albedo(film["diffuse_direct"]),
+        "Diffuse Indirect": per_albedo(film["diffuse_indirect"]),
+        "Diffuse Color": color / samples,
+        "Emission": film["emission"] / samples,
+        "Photon Density": film["photon_density"] / samples,
+        "Surface ID": film["surface_id"],
+    }
+
+
+def black_passes(width: int, height: int) -> Passes:
+    """What a render that was cancelled before its first pass gives back."""
+    return {p.name: np.zeros((height, width, len(p.channels)), np.float32) for p in PASSES}

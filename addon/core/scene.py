@@ -1,0 +1,201 @@
+"""The scene as plain numpy data: what the exporter writes and the native scene reads.
+
+Lengths are in metres, colours in linear Rec. 709, angles in radians. Matrices are row-major 4x4 float64 that map
+column vectors of local coordinates to world coordinates. Nothing here knows Blender.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import StrEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+Rgb = tuple[float, float, float]
+NO_TEXTURE = -1
+
+
+class Interpolation(StrEnum):
+    """How a texture is read between its pixels."""
+
+    LINEAR = "linear"
+    CLOSEST = "closest"
+
+
+class Extension(StrEnum):
+    """How a texture continues outside the unit square."""
+
+    REPEAT = "repeat"
+    EXTEND = "extend"
+    CLIP = "clip"
+    MIRROR = "mirror"
+
+
+@dataclass(slots=True)
+class Texture:
+    """An image: `pixels` (height, width, 4) uint8 or float32, RGBA, row 0 at v = 0 (bottom).
+
+    `srgb` tells that the RGB of `pixels` is sRGB-encoded and is decoded when read; otherwise it is linear.
+    """
+
+    name: str
+    pixels: NDArray
+    srgb: bool = True
+    interpolation: Interpolation = Interpolation.LINEAR
+    extension: Extension = Extension.REPEAT
+
+
+@dataclass(slots=True)
+class Side:
+    """One side of a surface: Lambertian reflectance and Lambertian emission.
+
+    `base_color` is the diffuse albedo, multiplied by the texture's RGB if there is one; `emission` is the emitted
+    radiance (W/m^2/sr), multiplied by its texture likewise. Texture indices point into `Scene.textures`.
+    """
+
+    base_color: Rgb = (0.8, 0.8, 0.8)
+    base_color_texture: int = NO_TEXTURE
+    emission: Rgb = (0.0, 0.0, 0.0)
+    emission_texture: int = NO_TEXTURE
+
+
+@dataclass(slots=True)
+class Material:
+    """A surface material; the two sides may differ (a Mix Shader driven by Geometry > Backfacing)."""
+
+    name: str
+    front: Side = field(default_factory=Side)
+    back: Side = field(default_factory=Side)
+
+
+@dataclass(slots=True)
+class Mesh:
+    """A triangle mesh in its own coordinates, in memory once however often it is instanced.
+
+    positions       (V, 3) float32
+    triangles       (T, 3) uint32, indices into positions; counter-clockwise seen from the front
+    corner_normals  (T, 3, 3) float32 unit shading normals per corner, or None: flat everywhere
+    uv              (T, 3, 2) float32 of the render-active UV map, or None
+    slots           (T,) uint16 material slot per triangle, or None: all 0
+
+    No NaN, no infinity, no triangle of zero area (the exporter drops those and says so).
+    """
+
+    name: str
+    positions: NDArray[np.float32]
+    triangles: NDArray[np.uint32]
+    corner_normals: NDArray[np.float32] | None = None
+    uv: NDArray[np.float32] | None = None
+    slots: NDArray[np.uint16] | None = None
+
+
+@dataclass(slots=True)
+class Instances:
+    """Meshes placed in the world, as arrays over instances (I of them).
+
+    mesh          (I,) uint32 index into Scene.meshes
+    matrix        (I, 4, 4) float64 local to world; negative determinants (mirroring) are fine
+    material_set  (I,) uint32 index into Scene.material_sets
+    """
+
+    mesh: NDArray[np.uint32]
+    matrix: NDArray[np.float64]
+    material_set: NDArray[np.uint32]
+
+    @classmethod
+    def empty(cls) -> Instances:
+        return cls(np.zeros(0, np.uint32), np.zeros((0, 4, 4)), np.zeros(0, np.uint32))
+
+
+class LightKind(StrEnum):
+    POINT = "point"
+    SPOT = "spot"
+    SUN = "sun"
+    AREA = "area"
+
+
+@dataclass(slots=True)
+class Light:
+    """A lamp. It shines along the local -Z axis of `matrix`, whose scale is honoured where Blender honours it.
+
+    strength      RGB with colour, temperature, exposure, light-node strength and energy already multiplied in:
+                  radiant power in W as Blender's light setting means it (point, spot, area), irradiance in W/m^2 (sun)
+    radius        m; point and spot
+    soft_falloff  point and spot: the emitter is a disc that faces the receiver instead of a sphere
+    spot_size     full cone angle; spot_blend in 0..1
+    angle         full angular diameter of a sun
+    size          (x, y) of an area light, m, in local coordinates; `ellipse`: inscribed ellipse instead of rectangle
+    spread        full angle of an area light's emission; pi = Lambertian
+    normalize     area, point, spot: `strength` is total power (True), or does not depend on the emitter's area (False)
+    camera_visible  seen directly by camera rays
+    """
+
+    name: str
+    kind: LightKind
+    matrix: NDArray[np.float64]
+    strength: Rgb
+    radius: float = 0.0
+    soft_falloff: bool = True
+    spot_size: float = np.pi / 4
+    spot_blend: float = 0.15
+    angle: float = 0.0
+    size: tuple[float, float] = (1.0, 1.0)
+    ellipse: bool = False
+    spread: float = np.pi
+    normalize: bool = True
+    camera_visible: bool = False
+
+
+class PixelFilter(StrEnum):
+    BOX = "box"
+    GAUSSIAN = "gaussian"
+    BLACKMAN_HARRIS = "blackman_harris"
+
+
+@dataclass(slots=True)
+class Camera:
+    """A camera that looks along its local -Z axis, +Y up (scale and shear of `matrix` already removed).
+
+    `screen` is (left, right, bottom, top) of the whole frame: on the plane z = -1 for a perspective camera, in metres
+    for an orthographic one; shift, sensor fit, lens and pixel aspect are already in it.
+    Points nearer than `clip_start` or beyond `clip_end` (m, along the viewing axis) are not seen.
+    """
+
+    matrix: NDArray[np.float64]
+    screen: tuple[float, float, float, float]
+    orthographic: bool = False
+    clip_start: float = 0.1
+    clip_end: float = 1000.0
+
+
+@dataclass(slots=True)
+class Frame:
+    """The raster: the whole frame in pixels and the part of it that is rendered (`border`: x, y, width, height, origin bottom left)."""
+
+    width: int
+    height: int
+    border: tuple[int, int, int, int] | None = None
+    transparent: bool = False
+    pixel_filter: PixelFilter = PixelFilter.BLACKMAN_HARRIS
+    filter_width: float = 1.5
+
+    @property
+    def region(self) -> tuple[int, int, int, int]:
+        return self.border or (0, 0, self.width, self.height)
+
+
+@dataclass(slots=True)
+class Scene:
+    """Everything a render needs. `world` is the constant radiance (W/m^2/sr) seen where a ray leaves the scene."""
+
+    camera: Camera
+    frame: Frame
+    meshes: list[Mesh] = field(default_factory=list)
+    instances: Instances = field(default_factory=Instances.empty)
+    material_sets: list[NDArray[np.int32]] = field(default_factory=list)
+    materials: list[Material] = field(default_factory=list)
+    textures: list[Texture] = field(default_factory=list)
+    lights: list[Light] = field(default_factory=list)
+    world: Rgb = (0.0, 0.0, 0.0)
+    warnings: list[str] = field(default_factory=list)

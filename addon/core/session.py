@@ -1,0 +1,146 @@
+"""Runs a render: passes of camera samples and photons until passes, time or patience are spent."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+from .native import load
+from .native_scene import fill_renderer
+from .result import Passes, Progress, RenderResult, black_passes, passes_from_film
+from .scene import Scene
+from .settings import Backend, Integrator, RenderSettings
+
+if TYPE_CHECKING:
+    from photon_splat_native import Renderer
+
+PHOTONS_PER_BATCH = 1 << 17
+"""Photon paths in memory at once; a pass of more streams them."""
+POLL_SECONDS = 0.05
+
+
+class Cancelled(Exception):
+    """The render was cancelled before it began."""
+
+
+class _Worker(threading.Thread):
+    """Does the passes off the caller's thread, which meanwhile reports progress and polls for cancellation."""
+
+    def __init__(self, renderer: Renderer, settings: RenderSettings, started: float, want_interim: bool) -> None:
+        super().__init__(name="Photon Splat", daemon=True)
+        self.renderer = renderer
+        self.settings = settings
+        self.started = started
+        self.want_interim = want_interim
+        self.stage = "Building acceleration structure"
+        self.passes_done = 0
+        self.interim: Passes | None = None
+        self.error: BaseException | None = None
+        self.cancelled = False
+        self.pass_finished = threading.Event()
+
+    def run(self) -> None:
+        try:
+            self._render()
+        except BaseException as error:
+            if type(error) is load().Cancelled:
+                self.cancelled = True
+            else:
+                self.error = error
+        finally:
+            self.pass_finished.set()
+
+    def _render(self) -> None:
+        self.renderer.build()
+        while self.passes_done < self.settings.passes:
+            began = time.monotonic()
+            self.stage = f"Pass {self.passes_done + 1}"
+            if self.settings.integrator is Integrator.REFERENCE:
+                self.renderer.trace_reference(self.passes_done)
+            else:
+                self._splat_pass(self.passes_done)
+            self.passes_done += 1
+            if self.want_interim and self.interim is None:
+                self.interim = passes_from_film(self.renderer.film())
+            self.pass_finished.set()
+            now = time.monotonic()
+            # Another pass takes as long as this one did: it is begun only if it fits.
+            if self.settings.time_limit and now + (now - began) > self.started + self.settings.time_limit:
+                return
+
+    def _splat_pass(self, number: int) -> None:
+        self.renderer.trace_camera(number)
+        self.renderer.make_points(number)
+        for first in range(0, self.settings.photons_per_pass, PHOTONS_PER_BATCH):
+            count = min(PHOTONS_PER_BATCH, self.settings.photons_per_pass - first)
+            self.renderer.trace_photons(number, first, count)
+            self.renderer.splat()
+        self.renderer.resolve()
+
+    def progress(self) -> Progress:
+        done, settings = self.passes_done, self.settings
+        fraction = done / settings.passes
+        elapsed = time.monotonic() - self.started
+        if settings.time_limit:
+            fraction = max(fraction, min(elapsed / settings.time_limit, 1.0))
+        interim, self.interim = self.interim, None
+        return Progress(fraction, f"{self.stage} | {done} passes | {elapsed:.1f} s", done, interim)
+
+
+def render(
+    scene: Scene,
+    settings: RenderSettings,
+    *,
+    started: float,
+    export_seconds: float = 0.0,
+    on_progress: Callable[[Progress], None] | None = None,
+    should_cancel: Callable[[], bool] | None = None,
+    want_interim: bool = False,
+) -> RenderResult:
+    """Renders `scene`. `started` is `time.monotonic()` when the render call began, export included.
+
+    Both callbacks run on the caller's thread about every 50 ms. A cancelled render returns what is there.
+    Errors: ValueError for a scene or setting that cannot be rendered, RuntimeError and MemoryError from native code.
+    """
+    if settings.backend is Backend.GPU:
+        raise ValueError("the GPU splatter is not available yet; set the backend to CPU or Automatic")
+    renderer = load().Renderer(settings.threads)
+    fill_renderer(renderer, scene, settings)
+    worker = _Worker(renderer, settings, started, want_interim)
+    worker.start()
+    try:
+        while worker.is_alive():
+            worker.pass_finished.wait(POLL_SECONDS)
+            worker.pass_finished.clear()
+            if should_cancel is not None and should_cancel():
+                renderer.cancel()
+                break
+            if on_progress is not None:
+                on_progress(worker.progress())
+    except BaseException:
+        renderer.cancel()
+        worker.join()
+        raise
+    worker.join()
+    if worker.error is not None:
+        raise worker.error
+    width, height = scene.frame.region[2:]
+    passes = passes_from_film(renderer.film()) if worker.passes_done else black_passes(width, height)
+    return RenderResult(passes, worker.cancelled, _statistics(renderer, worker, scene, started, export_seconds))
+
+
+def _statistics(renderer: Renderer, worker: _Worker, scene: Scene, started: float, export_seconds: float) -> dict[str, Any]:
+    statistics = renderer.statistics()
+    statistics["seconds"] |= {"export": export_seconds, "total": time.monotonic() - started}
+    statistics |= {
+        "passes": worker.passes_done,
+        "backend": "CPU",
+        "integrator": str(worker.settings.integrator),
+        "cancelled": worker.cancelled,
+        "warnings": list(scene.warnings),
+    }
+    if statistics["bad_samples"]:
+        statistics["warnings"].append(f"{statistics['bad_samples']} camera samples were not finite and have been left out.")
+    return statistics

@@ -1,0 +1,58 @@
+"""What a render is asked for, independent of Blender."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+
+class Integrator(StrEnum):
+    SPLAT = "splat"
+    REFERENCE = "reference"
+
+
+class Backend(StrEnum):
+    AUTO = "AUTO"
+    CPU = "CPU"
+    GPU = "GPU"
+
+
+@dataclass(slots=True)
+class RenderSettings:
+    """Settings of one render; it stops at whichever of `passes` and `time_limit` comes first.
+
+    time_limit           seconds from `started` (0 = none)
+    passes               camera samples per pixel, one per pass
+    photons_per_pass     photon paths that start in each pass
+    max_bounces          surface bounces between light and camera; 0 = direct light only
+    radius_scale         multiplies the automatic kernel radius
+    boundary_correction  divide by the kernel mass M(x) at patch boundaries
+    threads              0 = all of the machine
+    point_spacing        visible points are this many kernel radii apart; 0 = one point per camera sample
+    """
+
+    passes: int = 64
+    time_limit: float = 0.0
+    photons_per_pass: int = 200_000
+    max_bounces: int = 32
+    radius_scale: float = 1.0
+    boundary_correction: bool = True
+    backend: Backend = Backend.AUTO
+    seed: int = 0
+    threads: int = 0
+    integrator: Integrator = Integrator.SPLAT
+    point_spacing: float = 1.0 / 3.0
+
+    def __post_init__(self) -> None:
+        if self.passes < 1:
+            raise ValueError(f"passes is {self.passes}; it must be at least 1")
+        if self.photons_per_pass < 0:
+            raise ValueError(f"photons_per_pass is {self.photons_per_pass}; it must not be negative")
+        if self.max_bounces < 0:
+            raise ValueError(f"max_bounces is {self.max_bounces}; it must not be negative")
+        if not self.time_limit >= 0.0:
+            raise ValueError(f"time_limit is {self.time_limit}; it must be 0 (none) or a number of seconds")
+        if not 0.0 < self.radius_scale < float("inf"):
+            raise ValueError(f"radius_scale is {self.radius_scale}; it must be positive")
+        if self.threads < 0:
+            raise ValueError(f"threads is {self.threads}; it must be 0 (all) or a number of threads")

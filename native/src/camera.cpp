@@ -1,0 +1,77 @@
+#include "camera.h"
+
+#include <stdexcept>
+
+namespace photon_splat {
+namespace {
+
+constexpr int kFilterTable = 1024;
+
+// Filter value at t in -1/2 .. 1/2 of its width; the shapes are those of Cycles' pixel filters.
+float filter_value(FilterKind kind, float t) {
+  switch (kind) {
+    case FilterKind::kBox: return 1;
+    case FilterKind::kGaussian: return std::exp(-2 * 36 * t * t);
+    case FilterKind::kBlackmanHarris: {
+      const float v = 2 * kPi * (t + 0.5f);
+      return 0.35875f - 0.48829f * std::cos(v) + 0.14128f * std::cos(2 * v) - 0.01168f * std::cos(3 * v);
+    }
+  }
+  return 0;
+}
+
+}  // namespace
+
+Camera::Camera(const CameraSettings& settings) : s_(settings) {
+  if (s_.width < 1 || s_.height < 1 || s_.region_width < 1 || s_.region_height < 1)
+    throw std::invalid_argument("the picture has no pixels");
+  if (s_.x0 < 0 || s_.y0 < 0 || s_.x0 + s_.region_width > s_.width || s_.y0 + s_.region_height > s_.height)
+    throw std::invalid_argument("the render border lies outside the picture");
+  const Affine& m = s_.to_world;
+  right_ = m.column(0);
+  up_ = m.column(1);
+  back_ = m.column(2);
+  position_ = {m.m[3], m.m[7], m.m[11]};
+  if (s_.filter == FilterKind::kBox) s_.filter_width = 1;
+  filter_cdf_.resize(kFilterTable);
+  double sum = 0;
+  for (int i = 0; i < kFilterTable; ++i) {
+    sum += std::max(0.0f, filter_value(s_.filter, (static_cast<float>(i) + 0.5f) / kFilterTable - 0.5f));
+    filter_cdf_[i] = static_cast<float>(sum);
+  }
+}
+
+float Camera::filter_offset(float u) const {
+  const float target = u * filter_cdf_.back();
+  size_t bin = std::upper_bound(filter_cdf_.begin(), filter_cdf_.end(), target) - filter_cdf_.begin();
+  bin = std::min(bin, filter_cdf_.size() - 1);
+  const float before = bin ? filter_cdf_[bin - 1] : 0, share = filter_cdf_[bin] - before;
+  const float inside = share > 0 ? (target - before) / share : 0.5f;
+  return ((static_cast<float>(bin) + inside) / kFilterTable - 0.5f) * s_.filter_width;
+}
+
+CameraRay Camera::ray(int x, int y, const Vec2& u) const {
+  const float px = static_cast<float>(s_.x0 + x) + 0.5f + filter_offset(u.x);
+  const float py = static_cast<float>(s_.y0 + y) + 0.5f + filter_offset(u.y);
+  const float sx = s_.left + (s_.right - s_.left) * px / static_cast<float>(s_.width);
+  const float sy = s_.bottom + (s_.top - s_.bottom) * py / static_cast<float>(s_.height);
+  CameraRay ray;
+  ray.footprint = std::max((s_.right - s_.left) / static_cast<float>(s_.width),
+                           (s_.top - s_.bottom) / static_cast<float>(s_.height));
+  if (s_.orthographic) {
+    ray.origin = position_ + right_ * sx + up_ * sy;
+    ray.direction = -back_;
+    ray.cosine = 1;
+  } else {
+    const Vec3 toward = right_ * sx + up_ * sy - back_;
+    const float len = length(toward);
+    ray.origin = position_;
+    ray.direction = toward / len;
+    ray.cosine = 1 / len;
+  }
+  ray.near = s_.clip_start / ray.cosine;
+  ray.far = s_.clip_end / ray.cosine;
+  return ray;
+}
+
+}  // namespace photon_splat

@@ -1,0 +1,31 @@
+#include "film.h"
+
+#include "parallel.h"
+
+namespace photon_splat {
+
+void add_sample(Film& sum, const Film& sample, ThreadPool& pool) {
+  const bool first = sum.samples == 0;
+  const CancelFlag never;  // a sum is never left half done
+  pool.for_each(static_cast<size_t>(sum.height), never, [&](size_t row, int) {
+    for (size_t i = row * sum.width; i < (row + 1) * sum.width; ++i) {
+      Pixel& to = sum.pixels[i];
+      const Pixel& from = sample.pixels[i];
+      to.diffuse_direct += from.diffuse_direct;
+      to.diffuse_indirect += from.diffuse_indirect;
+      to.diffuse_color += from.diffuse_color;
+      to.emission += from.emission;
+      to.environment += from.environment;
+      to.normal += from.normal;
+      to.alpha += from.alpha;
+      to.photon_density += from.photon_density;
+      if (first) {
+        to.depth = from.depth;
+        to.surface_id = from.surface_id;
+      }
+    }
+  });
+  ++sum.samples;
+}
+
+}  // namespace photon_splat

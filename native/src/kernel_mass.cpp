@@ -1,0 +1,99 @@
+#include "kernel_mass.h"
+
+namespace photon_splat {
+namespace {
+
+constexpr uint32_t kFewEdges = 48;         // planar patches up to here are summed whole, without cancellation
+constexpr float kRadiusOverCurvature = 0.3f;
+
+struct EdgeInPlane {
+  double distance;     // from x to the edge's line, positive when x is on the patch's side; in units of h
+  double begin, end;   // along the line from x's foot point, counter-clockwise
+};
+
+// Projects an edge to the tangent plane; `front` is the normal about which the edge runs counter-clockwise.
+bool project(const Vec3& x, const Vec3& front, float h, const Vec3& a, const Vec3& b, EdgeInPlane& out) {
+  const Vec3 along = (b - a) - front * dot(b - a, front);
+  const double len = length(along);
+  if (!(len > 0)) return false;
+  const Vec3 t = along / static_cast<float>(len), inward = cross(front, t);
+  const Vec3 from = x - a;
+  out.distance = double(dot(inward, from)) / h;
+  out.begin = -double(dot(t, from)) / h;
+  out.end = out.begin + len / h;
+  return true;
+}
+
+// Angle and kernel integral of the triangle (x, begin, end), signed by the side of the edge on which x lies.
+double triangle_mass(const EdgeInPlane& e) {
+  const double d = e.distance;
+  if (d == 0) return 0;
+  const auto angle = [d](double t) { return std::atan2(t, std::abs(d)); };
+  const double half = std::sqrt(std::max(0.0, 1 - d * d));  // where the line leaves the unit disc
+  const double t0 = std::clamp(e.begin, -half, half), t1 = std::clamp(e.end, -half, half);
+  double mass = (angle(e.end) - angle(e.begin) - (angle(t1) - angle(t0))) / (2 * M_PI);  // seen beyond the disc
+  // Inside: integral of (1/pi)(1 - s^2/2) |d| dt with s^2 = d^2 + t^2.
+  mass += std::abs(d) / M_PI * ((1 - d * d / 2) * (t1 - t0) - (t1 * t1 * t1 - t0 * t0 * t0) / 6);
+  return d > 0 ? mass : -mass;
+}
+
+// The kernel's mass beyond an edge: what the edge takes from 1.
+double mass_beyond(const EdgeInPlane& e) {
+  const double d = e.distance;
+  if (std::abs(d) >= 1) return 0;
+  const double half = std::sqrt(1 - d * d);
+  const double t0 = std::max(e.begin, -half), t1 = std::min(e.end, half);
+  if (t0 >= t1) return 0;
+  const auto primitive = [d](double t) {  // of (1 - s^2)^2 |d| / s^2
+    const double a = std::abs(d);
+    return std::atan2(t, a) - 2 * a * t + a * (d * d * t + t * t * t / 3);
+  };
+  const double mass = (primitive(t1) - primitive(t0)) / (2 * M_PI);
+  return d >= 0 ? mass : -mass;
+}
+
+}  // namespace
+
+float curvature_radius_limit(const Scene& scene, uint32_t instance, uint32_t triangle) {
+  const Instance& placed = scene.instances[instance];
+  const float curvature = scene.meshes[placed.mesh].topology.curvature_of(triangle);
+  return curvature > 0 ? kRadiusOverCurvature * placed.scale / curvature : INFINITY;
+}
+
+float kernel_mass(const Scene& scene, uint32_t instance, uint32_t triangle, const Vec3& x, const Vec3& normal, float h) {
+  const Instance& placed = scene.instances[instance];
+  const Mesh& mesh = scene.meshes[placed.mesh];
+  const Topology& topology = mesh.topology;
+  const uint32_t patch = topology.patch[triangle];
+  const uint32_t first = topology.first_edge[patch], count = topology.first_edge[patch + 1] - first;
+  if (!count) return 1;
+
+  // The side about which edges run counter-clockwise in world space.
+  const auto world_front = [&](const BoundaryEdge& edge) {
+    const Vec3 n = placed.shared ? placed.to_local.transposed_vector(edge.normal) : edge.normal;
+    const Vec3 front = dot(n, normal) >= 0 ? normal : -normal;
+    return placed.mirrored ? -front : front;
+  };
+  const auto world = [&](const Vec3& p) { return placed.shared ? placed.to_world.point(p) : p; };
+
+  double mass;
+  EdgeInPlane e;
+  if (topology.planar[patch] && count <= kFewEdges) {
+    mass = 0;
+    for (uint32_t i = first; i < first + count; ++i) {
+      const BoundaryEdge& edge = topology.edges[i];
+      if (project(x, world_front(edge), h, world(edge.a), world(edge.b), e)) mass += triangle_mass(e);
+    }
+  } else {
+    mass = 1;
+    const Vec3 local = placed.shared ? placed.to_local.point(x) : x;
+    const float stretch = placed.shared ? std::max({length(placed.to_local.column(0)), length(placed.to_local.column(1)),
+                                                    length(placed.to_local.column(2))}) : 1.0f;
+    mesh.edge_tree->near(local, h * stretch, patch, [&](const BoundaryEdge& edge) {
+      if (project(x, world_front(edge), h, world(edge.a), world(edge.b), e)) mass -= mass_beyond(e);
+    });
+  }
+  return std::max(static_cast<float>(mass), kSmallestMass);
+}
+
+}  // namespace photon_splat

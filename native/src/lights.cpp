@@ -1,0 +1,282 @@
+#include "lights.h"
+
+#include <stdexcept>
+
+namespace photon_splat {
+namespace {
+
+constexpr size_t kFewEmitters = 32;  // up to here every emitter is ranked at every point
+
+float smoothstep(float t) {
+  t = std::clamp(t, 0.0f, 1.0f);
+  return t * t * (3 - 2 * t);
+}
+
+float power_heuristic(float a, float b) { return a * a / (a * a + b * b); }
+
+}  // namespace
+
+Lights::Lights(const Scene& scene, const std::vector<LampSettings>& lamps) : scene_(scene) {
+  for (const LampSettings& lamp : lamps) add_lamp(lamp);
+  add_emissive_instances();
+  double sum = 0;
+  for (const Emitter& e : emitters_) choice_cdf_.push_back(sum += e.power);
+  // Half the sphere of directions times the disc that the scene shows: pi R^2 * 4 pi.
+  const double r = scene.radius();
+  world_power_ = average(scene.world) * 4.0 * kPi * kPi * r * r;
+  power_cdf_ = choice_cdf_;
+  power_cdf_.push_back(total_power_ = sum + world_power_);
+}
+
+float Lights::spot_attenuation(const Lamp& lamp, const Vec3& from_lamp) const {
+  const Vec3 local{dot(from_lamp, lamp.axis_x) / lamp.scale_x, dot(from_lamp, lamp.axis_y) / lamp.scale_y,
+                   dot(from_lamp, lamp.forward) / lamp.scale_z};
+  return smoothstep((local.z / length(local) - lamp.cos_half) * lamp.inverse_smooth);
+}
+
+float Lights::spread_attenuation(const Lamp& lamp, float cosine) const {
+  if (lamp.normalize_spread == 0) return 1;
+  const float tangent = std::sqrt(std::max(0.0f, 1 - cosine * cosine)) / std::max(cosine, 1e-6f);
+  return std::max(0.0f, (lamp.tan_half_spread - tangent) * lamp.normalize_spread);
+}
+
+bool Lights::inside_shape(const Lamp& lamp, const Vec3& from_center) const {
+  const float px = dot(from_center, lamp.axis_x) / lamp.half_x, py = dot(from_center, lamp.axis_y) / lamp.half_y;
+  return lamp.s.ellipse ? px * px + py * py <= 1 : std::abs(px) <= 1 && std::abs(py) <= 1;
+}
+
+float Lights::sampled_area(const Lamp& lamp, const Vec3& x) const {
+  if (lamp.normalize_spread == 0) return lamp.area;
+  const float beam = dot(lamp.center - x, lamp.forward) * lamp.tan_half_spread;
+  return std::min(lamp.area, std::max(kPi * beam * beam, 1e-30f));
+}
+
+float Lights::emitter_weight(const Emitter& e, const Vec3& x, const Vec3& n) const {
+  if (e.lamp >= 0 && lamps_[e.lamp].s.kind == LampKind::kSun) {
+    const Lamp& lamp = lamps_[e.lamp];
+    return dot(n, -lamp.forward) + std::sqrt(2 * lamp.one_minus_cos) < 0 ? 0 : e.importance;
+  }
+  const Vec3 to_center = e.center - x;
+  if (dot(n, to_center) < -e.radius) return 0;  // wholly below the horizon
+  if (e.lamp >= 0 && lamps_[e.lamp].s.kind == LampKind::kArea && dot(lamps_[e.lamp].forward, to_center) >= 0) return 0;
+  return e.importance / std::max({length2(to_center), e.radius * e.radius, 1e-30f});
+}
+
+bool Lights::is_near(const Emitter& e, const Vec3& x) const {
+  if (e.lamp >= 0 && lamps_[e.lamp].s.kind != LampKind::kArea) return false;  // the others are sampled by solid angle
+  return length2(e.center - x) < 4 * e.radius * e.radius;
+}
+
+bool Lights::wants_bsdf_ray(const Vec3& x) const {
+  if (!is_black(scene_.world)) return true;
+  for (const Emitter& e : emitters_)
+    if (is_near(e, x)) return true;
+  return false;
+}
+
+float Lights::choice_probability(uint32_t emitter, const Vec3& x, const Vec3& n) const {
+  if (emitters_.size() > kFewEmitters) return static_cast<float>(emitters_[emitter].power / choice_cdf_.back());
+  float sum = 0, chosen = 0;
+  for (uint32_t i = 0; i < emitters_.size(); ++i) {
+    const float w = emitter_weight(emitters_[i], x, n);
+    sum += w;
+    if (i == emitter) chosen = w;
+  }
+  return sum > 0 ? chosen / sum : 0;
+}
+
+std::optional<LightSample> Lights::sample(const Vec3& x, const Vec3& n, float choice, const Vec2& u) const {
+  if (emitters_.empty()) return std::nullopt;
+  size_t chosen = 0;
+  float probability = 1;
+  if (emitters_.size() > kFewEmitters) {
+    const double target = choice * choice_cdf_.back();
+    chosen = std::upper_bound(choice_cdf_.begin(), choice_cdf_.end(), target) - choice_cdf_.begin();
+    chosen = std::min(chosen, emitters_.size() - 1);
+    probability = static_cast<float>(emitters_[chosen].power / choice_cdf_.back());
+  } else {
+    float weight[kFewEmitters], sum = 0;
+    for (size_t i = 0; i < emitters_.size(); ++i) sum += weight[i] = emitter_weight(emitters_[i], x, n);
+    if (!(sum > 0)) return std::nullopt;
+    float target = choice * sum;
+    for (chosen = 0; chosen + 1 < emitters_.size() && target >= weight[chosen]; ++chosen) target -= weight[chosen];
+    if (!(weight[chosen] > 0)) return std::nullopt;
+    probability = weight[chosen] / sum;
+  }
+  const Emitter& e = emitters_[chosen];
+  LightSample out{};
+  if (!(e.lamp >= 0 ? sample_lamp(e, x, u, out) : sample_mesh(e, x, u, out))) return std::nullopt;
+  out.weight *= 1 / probability;
+  out.pdf *= probability;
+  out.use_mis = is_near(e, x);
+  return out;
+}
+
+bool Lights::sample_lamp(const Emitter& e, const Vec3& x, const Vec2& u, LightSample& out) const {
+  const Lamp& lamp = lamps_[e.lamp];
+  if (lamp.s.kind == LampKind::kSun) {
+    out.direction = Basis(-lamp.forward).to_world(sample_cone(u, lamp.one_minus_cos));
+    out.distance = INFINITY;
+    // Radiance over the cone's pdf is its flux per area; the cosine belongs to the receiver.
+    out.weight = lamp.one_minus_cos > 0 ? lamp.radiance * (2 * kPi * lamp.one_minus_cos) : lamp.intensity;
+    return true;
+  }
+  if (lamp.s.kind == LampKind::kArea) {
+    Vec3 point;
+    const float area = sampled_area(lamp, x);
+    if (area < lamp.area) {  // only what lies in the beam that reaches x
+      const Vec2 p = sample_disk(u);
+      const float radius = std::sqrt(area / kPi);
+      point = x + lamp.forward * dot(lamp.center - x, lamp.forward) + lamp.axis_x * (p.x * radius) + lamp.axis_y * (p.y * radius);
+      if (!inside_shape(lamp, point - lamp.center)) return false;
+    } else {
+      Vec2 p{2 * u.x - 1, 2 * u.y - 1};
+      if (lamp.s.ellipse) p = sample_disk(u);
+      point = lamp.center + lamp.axis_x * (p.x * lamp.half_x) + lamp.axis_y * (p.y * lamp.half_y);
+    }
+    const Vec3 to = point - x;
+    const float d2 = length2(to);
+    if (!(d2 > 0)) return false;
+    out.distance = std::sqrt(d2);
+    out.direction = to / out.distance;
+    const float cosine = -dot(out.direction, lamp.forward);
+    if (cosine <= 0) return false;
+    out.pdf = d2 / (cosine * area);
+    out.weight = lamp.radiance * (spread_attenuation(lamp, cosine) / out.pdf);
+    return !is_black(out.weight);
+  }
+  const Vec3 to = lamp.center - x;
+  const float d2 = length2(to);
+  if (!(d2 > 0)) return false;
+  const float d = std::sqrt(d2), r = lamp.s.radius;
+  if (r <= 0) {
+    out.direction = to / d;
+    out.distance = d;
+    out.weight = lamp.intensity / d2;
+  } else if (lamp.s.soft_falloff) {  // the disc that faces x fills a cone exactly
+    const float one_minus_cos = (r * r / (d2 + r * r)) / (1 + d / std::sqrt(d2 + r * r));
+    const Vec3 local = sample_cone(u, one_minus_cos);
+    out.direction = Basis(to / d).to_world(local);
+    out.distance = d / local.z;
+    out.weight = lamp.radiance * (2 * kPi * one_minus_cos);
+  } else if (d > r) {
+    const float sin2 = r * r / d2;
+    const float one_minus_cos = sin2 / (1 + std::sqrt(1 - sin2));
+    const Vec3 local = sample_cone(u, one_minus_cos);
+    out.direction = Basis(to / d).to_world(local);
+    const float miss2 = d2 * (local.x * local.x + local.y * local.y);
+    out.distance = d * local.z - std::sqrt(std::max(0.0f, r * r - miss2));
+    out.weight = lamp.radiance * (2 * kPi * one_minus_cos);
+  } else {
+    return false;  // a receiver inside a spherical lamp sees it from nowhere: it shines outwards
+  }
+  if (lamp.s.kind == LampKind::kSpot) out.weight *= spot_attenuation(lamp, -out.direction);
+  return !is_black(out.weight);
+}
+
+void Lights::triangle_corners(uint32_t instance, uint32_t triangle, Vec3 corner[3]) const {
+  const Instance& placed = scene_.instances[instance];
+  const Mesh& mesh = scene_.meshes[placed.mesh];
+  for (int i = 0; i < 3; ++i) corner[i] = placed.to_world.point(mesh.positions[mesh.triangles[triangle][i]]);
+}
+
+bool Lights::sample_mesh(const Emitter& e, const Vec3& x, const Vec2& u, LightSample& out) const {
+  // The triangle is picked by the integer part of a stretched sample; the rest is used again.
+  const float target = u.x * e.cdf.back();
+  size_t pick = std::upper_bound(e.cdf.begin(), e.cdf.end(), target) - e.cdf.begin();
+  pick = std::min(pick, e.cdf.size() - 1);
+  const float low = pick ? e.cdf[pick - 1] : 0;
+  const float share = e.cdf[pick] - low;
+  if (!(share > 0)) return false;
+  const float again = std::clamp((target - low) / share, 0.0f, 1.0f);
+  Vec3 corner[3];
+  triangle_corners(e.instance, e.triangles[pick], corner);
+  const float root = std::sqrt(again), b1 = root * (1 - u.y), b2 = root * u.y;
+  const Vec3 point = corner[0] * (1 - root) + corner[1] * b1 + corner[2] * b2;
+  Vec3 normal = cross(corner[1] - corner[0], corner[2] - corner[0]);
+  const float twice_area = length(normal);
+  if (!(twice_area > 0)) return false;
+  normal = normal / twice_area;
+  if (scene_.instances[e.instance].mirrored) normal = -normal;
+
+  const Vec3 to = point - x;
+  const float d2 = length2(to);
+  if (!(d2 > 0)) return false;
+  out.distance = std::sqrt(d2);
+  out.direction = to / out.distance;
+  const float cosine = std::abs(dot(out.direction, normal));
+  if (cosine <= 1e-7f) return false;
+  const Material& material = scene_.material_of(e.instance, e.triangles[pick]);
+  Surface s{};
+  s.instance = e.instance;
+  s.triangle = e.triangles[pick];
+  s.u = b1;
+  s.v = b2;
+  s.side = dot(out.direction, normal) > 0 ? &material.back : &material.front;
+  const float pdf_area = share / e.cdf.back() / (0.5f * twice_area);
+  out.pdf = pdf_area * d2 / cosine;
+  out.weight = scene_.emission(s) / out.pdf;
+  return !is_black(out.weight);
+}
+
+float Lights::surface_mis_weight(const Vec3& x, const Vec3& n, const Surface& hit, float bsdf_pdf) const {
+  const int32_t index = emitter_of_instance_[hit.instance];
+  if (index < 0) return 0;
+  const Emitter& e = emitters_[index];
+  if (!is_near(e, x)) return 0;
+  const Material& material = scene_.material_of(hit.instance, hit.triangle);
+  const float weight = average(material.front.emission) + average(material.back.emission);
+  Vec3 corner[3];
+  triangle_corners(hit.instance, hit.triangle, corner);
+  const Vec3 to = hit.position - x;
+  const float cosine = std::abs(dot(normalize(to), hit.ng));
+  const float pdf = choice_probability(index, x, n) * weight / e.total_weight * length2(to) / std::max(cosine, 1e-7f);
+  return power_heuristic(bsdf_pdf, pdf);
+}
+
+Rgb Lights::lamp_radiance_met(const Lamp& lamp, const Vec3& origin, const Vec3& direction, float far, float& pdf) const {
+  pdf = 0;
+  if (lamp.s.kind == LampKind::kArea) {
+    const float cosine = -dot(direction, lamp.forward);
+    if (cosine <= 0) return {};
+    const Vec3 to = lamp.center - origin;
+    const float t = -dot(to, lamp.forward) / cosine;
+    if (!(t > 0) || t > far) return {};
+    if (!inside_shape(lamp, direction * t - to)) return {};
+    pdf = t * t / (cosine * sampled_area(lamp, origin));
+    return lamp.radiance * spread_attenuation(lamp, cosine);
+  }
+  if (lamp.s.kind == LampKind::kSun) {
+    if (std::isfinite(far) || lamp.one_minus_cos <= 0) return {};
+    return length2(direction + lamp.forward) <= 2 * lamp.one_minus_cos ? lamp.radiance : Rgb{};
+  }
+  const Vec3 to = lamp.center - origin;
+  const float along = dot(to, direction), d2 = length2(to), r2 = lamp.s.radius * lamp.s.radius;
+  const float miss2 = d2 - along * along;
+  if (r2 <= 0 || along <= 0 || along > far || miss2 > r2 || d2 < r2) return {};
+  if (lamp.s.soft_falloff && miss2 * (d2 + r2) > r2 * d2) return {};
+  return lamp.s.kind == LampKind::kSpot ? lamp.radiance * spot_attenuation(lamp, -direction) : lamp.radiance;
+}
+
+Rgb Lights::lamps_met(const Vec3& x, const Vec3& n, const Vec3& direction, float far, float bsdf_pdf) const {
+  Rgb sum{};
+  for (uint32_t i = 0; i < emitters_.size(); ++i) {
+    const Emitter& e = emitters_[i];
+    if (e.lamp < 0 || !is_near(e, x)) continue;
+    float pdf;
+    const Rgb radiance = lamp_radiance_met(lamps_[e.lamp], x, direction, far, pdf);
+    if (pdf > 0) sum += radiance * power_heuristic(bsdf_pdf, pdf * choice_probability(i, x, n));
+  }
+  return sum;
+}
+
+Rgb Lights::lamps_seen(const Vec3& origin, const Vec3& direction, float far) const {
+  Rgb sum{};
+  for (const Lamp& lamp : lamps_) {
+    float pdf;
+    if (lamp.s.camera_visible) sum += lamp_radiance_met(lamp, origin, direction, far, pdf);
+  }
+  return sum;
+}
+
+}  // namespace photon_splat

@@ -1,0 +1,132 @@
+// Light sources: sampled from a point (direct light), met by a ray, and as starting places of photons.
+#pragma once
+
+#include <optional>
+
+#include "scene.h"
+
+namespace photon_splat {
+
+enum class LampKind { kPoint, kSpot, kSun, kArea };
+
+// A lamp as Blender means it; positions relative to the scene's origin. Which radiometric quantity `strength` stands
+// for is said in lights.cpp, beside the conversion.
+struct LampSettings {
+  LampKind kind = LampKind::kPoint;
+  Affine to_world;
+  Rgb strength{};
+  float radius = 0;
+  bool soft_falloff = true;
+  float spot_size = kPi / 4, spot_blend = 0;
+  float angle = 0;
+  float size_x = 1, size_y = 1;
+  bool ellipse = false;
+  float spread = kPi;
+  bool normalize = true;
+  bool camera_visible = false;
+};
+
+// Light arriving at a point from one direction. weight = radiance / pdf (solid angle, choice of light included).
+struct LightSample {
+  Vec3 direction;
+  float distance;
+  Rgb weight;
+  float pdf;       // solid angle; 0 for directions no BSDF sample can find
+  bool use_mis;
+};
+
+// Where a photon path starts. `power` is that of the whole light field divided by the pdf: W for one photon of one.
+struct PhotonStart {
+  Vec3 origin, direction;
+  Rgb power;
+  Vec3 soft_center;            // of a lamp that faces its receiver; see `accepts`
+  float soft_radius2 = -1;
+
+  // A disc of radius r that faces a receiver at distance d shows it only rays that pass the centre closer than
+  // r d / sqrt(d^2 + r^2); the lines themselves are those of a sphere of radius r.
+  bool accepts(const Vec3& receiver) const {
+    if (soft_radius2 < 0) return true;
+    const Vec3 offset = soft_center - receiver;
+    const float along = dot(offset, direction), d2 = length2(offset);
+    const float miss2 = std::max(0.0f, d2 - along * along);
+    return miss2 * (d2 + soft_radius2) <= soft_radius2 * d2;
+  }
+};
+
+class Lights {
+ public:
+  Lights(const Scene& scene, const std::vector<LampSettings>& lamps);
+
+  // One light sample for a point with unit normal n; nullopt when no light reaches it.
+  std::optional<LightSample> sample(const Vec3& x, const Vec3& n, float choice, const Vec2& u) const;
+
+  // True when a BSDF-sampled ray from x could add light that `sample` leaves to it (world, lights near by).
+  bool wants_bsdf_ray(const Vec3& x) const;
+
+  // Share of a BSDF-sampled direction (pdf given) in the emission of an emissive surface hit by a ray from x with normal n.
+  float surface_mis_weight(const Vec3& x, const Vec3& n, const Surface& hit, float bsdf_pdf) const;
+
+  // Radiance of the lamps that a ray meets before `far`, weighted as above.
+  Rgb lamps_met(const Vec3& x, const Vec3& n, const Vec3& direction, float far, float bsdf_pdf) const;
+  // The same for a camera ray, unweighted: only lamps that the camera may see.
+  Rgb lamps_seen(const Vec3& origin, const Vec3& direction, float far) const;
+
+  Rgb world() const { return scene_.world; }
+  double total_power() const { return total_power_; }  // W, mean over RGB
+
+  // Photon number `index` of the stream `seed`: starts in proportion to power.
+  PhotonStart emit(uint64_t index, uint32_t seed) const;
+
+ private:
+  struct Lamp {
+    LampSettings s;
+    Vec3 center, axis_x, axis_y, forward;  // unit axes; forward: where the light shines
+    Rgb radiance, intensity;               // W/m^2/sr; W/sr of point and spot; W/m^2 of a sun in `intensity`
+    float half_x = 0, half_y = 0, area = 0;
+    float one_minus_cos = 0;               // of a sun's half angle
+    float cos_half = 0, inverse_smooth = 0, scale_x = 1, scale_y = 1, scale_z = 1;  // spot cone
+    float tan_half_spread = 0, normalize_spread = 0;
+    std::vector<float> angle_cdf;          // of the photon's direction: spots and narrow areas, see lights_photons.cpp
+    float angle_low = 0;                   // lower end of the tabled variable; the upper end is 1 (spot) or in angle_high
+    float angle_high = 1;
+  };
+  // Something that emits: a lamp or an emissive instance. `importance` over squared distance ranks them.
+  struct Emitter {
+    int lamp = -1;
+    uint32_t instance = 0;
+    Vec3 center;
+    float radius = 0;                       // bounding sphere
+    float importance = 0;
+    double power = 0;
+    std::vector<uint32_t> triangles;
+    std::vector<float> cdf;                 // over triangles, by power
+    float total_weight = 0;                 // sum of area * weight
+  };
+
+  void add_lamp(const LampSettings& settings);
+  void add_emissive_instances();
+  float emitter_weight(const Emitter& e, const Vec3& x, const Vec3& n) const;
+  bool is_near(const Emitter& e, const Vec3& x) const;
+  float choice_probability(uint32_t emitter, const Vec3& x, const Vec3& n) const;
+  float spot_attenuation(const Lamp& lamp, const Vec3& from_lamp) const;
+  float spread_attenuation(const Lamp& lamp, float cosine) const;
+  bool inside_shape(const Lamp& lamp, const Vec3& from_center) const;
+  float sampled_area(const Lamp& lamp, const Vec3& x) const;  // of an area lamp, from x
+  bool sample_lamp(const Emitter& e, const Vec3& x, const Vec2& u, LightSample& out) const;
+  bool sample_mesh(const Emitter& e, const Vec3& x, const Vec2& u, LightSample& out) const;
+  Rgb lamp_radiance_met(const Lamp& lamp, const Vec3& origin, const Vec3& direction, float far, float& pdf) const;
+  PhotonStart emit_lamp(const Lamp& lamp, const Vec2& place, const Vec2& way) const;
+  PhotonStart emit_mesh(const Emitter& e, float pick, const Vec2& place, const Vec2& way) const;
+  PhotonStart emit_parallel(const Vec3& direction, const Vec2& place) const;
+  void triangle_corners(uint32_t instance, uint32_t triangle, Vec3 corner[3]) const;
+
+  const Scene& scene_;
+  std::vector<Lamp> lamps_;
+  std::vector<Emitter> emitters_;
+  std::vector<int32_t> emitter_of_instance_;  // -1: none
+  std::vector<double> choice_cdf_;            // over emitters by power, for scenes with many lights
+  std::vector<double> power_cdf_;             // over emitters and, last, the world
+  double world_power_ = 0, total_power_ = 0;
+};
+
+}  // namespace photon_splat

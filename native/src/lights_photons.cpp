@@ -1,0 +1,296 @@
+// Setting light sources up, and starting photons from them in proportion to power.
+#include <stdexcept>
+
+#include "lights.h"
+
+namespace photon_splat {
+namespace {
+
+constexpr int kTableSize = 256;
+constexpr float kSmallestSpread = 0.1f * kPi / 180;
+
+// Cumulative table of a density over [low, high]; the last entry is its integral.
+template <class Density>
+std::vector<float> tabulate(float low, float high, Density density) {
+  std::vector<float> cdf(kTableSize);
+  double sum = 0;
+  const float step = (high - low) / kTableSize;
+  for (int i = 0; i < kTableSize; ++i) {
+    // A floor keeps every place that may emit reachable; the exact weight of a sample makes good for it.
+    const float value = density(low + (static_cast<float>(i) + 0.5f) * step);
+    sum += std::max(value, 1e-4f) * step;
+    cdf[i] = static_cast<float>(sum);
+  }
+  return cdf;
+}
+
+struct TableSample {
+  float value, pdf;
+};
+
+TableSample sample_table(const std::vector<float>& cdf, float low, float high, float u) {
+  const float target = u * cdf.back();
+  size_t bin = std::upper_bound(cdf.begin(), cdf.end(), target) - cdf.begin();
+  bin = std::min(bin, cdf.size() - 1);
+  const float before = bin ? cdf[bin - 1] : 0, share = cdf[bin] - before;
+  const float step = (high - low) / static_cast<float>(cdf.size());
+  const float inside = std::clamp((target - before) / share, 0.0f, 1.0f);
+  return {low + (static_cast<float>(bin) + inside) * step, share / (cdf.back() * step)};
+}
+
+Vec3 around_axis(const Vec3& x, const Vec3& y, const Vec3& z, float cosine, float turn) {
+  const float sine = std::sqrt(std::max(0.0f, 1 - cosine * cosine));
+  return x * (sine * std::cos(2 * kPi * turn)) + y * (sine * std::sin(2 * kPi * turn)) + z * cosine;
+}
+
+}  // namespace
+
+void Lights::add_lamp(const LampSettings& settings) {
+  Lamp lamp;
+  lamp.s = settings;
+  const Affine& m = settings.to_world;
+  lamp.center = {m.m[3], m.m[7], m.m[11]};
+  const Vec3 x = m.column(0), y = m.column(1), z = m.column(2);
+  lamp.scale_x = length(x);
+  lamp.scale_y = length(y);
+  lamp.scale_z = length(z);
+  if (!(lamp.scale_x > 0) || !(lamp.scale_y > 0) || !(lamp.scale_z > 0)) return;  // flattened: emits nothing
+  lamp.axis_x = x / lamp.scale_x;
+  lamp.axis_y = y / lamp.scale_y;
+  lamp.forward = z / -lamp.scale_z;
+  if (is_black(settings.strength)) return;
+
+  Emitter e;
+  e.lamp = static_cast<int>(lamps_.size());
+  e.center = lamp.center;
+  const Rgb strength = settings.strength;
+  switch (settings.kind) {
+    case LampKind::kPoint:
+    case LampKind::kSpot: {
+      // Blender's watts are spread over all directions: I = P / (4 pi); without `normalize` L = P / pi.
+      const float r = settings.radius, disc = kPi * r * r;
+      lamp.intensity = settings.normalize ? strength / (4 * kPi) : strength * ((r > 0 ? disc : 1.0f) / kPi);
+      if (r > 0) lamp.radiance = lamp.intensity / disc;
+      float share = 4 * kPi;
+      if (settings.kind == LampKind::kSpot) {
+        lamp.cos_half = std::cos(0.5f * std::clamp(settings.spot_size, 0.0f, kPi));
+        lamp.inverse_smooth = 1 / std::max((1 - lamp.cos_half) * settings.spot_blend, 1e-6f);
+        if (!(lamp.cos_half < 1)) return;
+        lamp.angle_low = lamp.cos_half;
+        lamp.angle_cdf = tabulate(lamp.angle_low, 1.0f, [&](float c) {
+          const float t = std::clamp((c - lamp.cos_half) * lamp.inverse_smooth, 0.0f, 1.0f);
+          return t * t * (3 - 2 * t);
+        });
+        share = 2 * kPi * lamp.angle_cdf.back();
+      }
+      e.radius = r;
+      e.importance = average(lamp.intensity);
+      e.power = average(lamp.intensity) * share;
+      break;
+    }
+    case LampKind::kSun: {
+      const float half = 0.5f * std::clamp(settings.angle, 0.0f, kPi), sine = std::sin(half);
+      lamp.one_minus_cos = 2 * std::sin(0.5f * half) * std::sin(0.5f * half);
+      lamp.intensity = strength;
+      if (lamp.one_minus_cos > 0) lamp.radiance = settings.normalize ? strength / (kPi * sine * sine) : strength;
+      const Rgb through_disc = lamp.one_minus_cos > 0 ? lamp.radiance * (2 * kPi * lamp.one_minus_cos) : strength;
+      e.importance = average(through_disc);
+      e.power = average(through_disc) * kPi * double(scene_.radius()) * scene_.radius();
+      break;
+    }
+    case LampKind::kArea: {
+      lamp.half_x = 0.5f * settings.size_x * lamp.scale_x;
+      lamp.half_y = 0.5f * settings.size_y * lamp.scale_y;
+      lamp.area = 4 * lamp.half_x * lamp.half_y * (settings.ellipse ? kPi / 4 : 1.0f);
+      if (!(lamp.area > 0)) return;  // Blender's area light of size 0 emits nothing
+      const Vec3 plane = cross(lamp.axis_x, lamp.axis_y);
+      if (!(length(plane) > 0)) return;
+      lamp.forward = normalize(plane) * std::copysign(1.0f, dot(plane, lamp.forward));
+      lamp.radiance = settings.normalize ? strength / (kPi * lamp.area) : strength / kPi;
+      const float half_spread = 0.5f * std::clamp(settings.spread, kSmallestSpread, kPi);
+      float sin2_max = 1;
+      if (half_spread < 0.5f * kPi - 1e-4f) {
+        lamp.tan_half_spread = std::tan(half_spread);
+        // tan(h) - h by its series where the difference would cancel.
+        const float h3 = half_spread * half_spread * half_spread;
+        const float excess = half_spread < 0.05f ? h3 / 3 + 2 * h3 * half_spread * half_spread / 15
+                                                 : lamp.tan_half_spread - half_spread;
+        lamp.normalize_spread = 1 / excess;
+        const float sine = std::sin(half_spread);
+        sin2_max = sine * sine;
+        lamp.angle_high = sin2_max;
+        lamp.angle_cdf = tabulate(0.0f, sin2_max, [&](float s2) {
+          return spread_attenuation(lamp, std::sqrt(std::max(0.0f, 1 - s2)));
+        });
+      }
+      const float share = lamp.angle_cdf.empty() ? 1.0f : lamp.angle_cdf.back();
+      e.radius = std::sqrt(lamp.half_x * lamp.half_x + lamp.half_y * lamp.half_y);
+      e.importance = average(lamp.radiance) * lamp.area;
+      e.power = average(lamp.radiance) * double(lamp.area) * kPi * share;
+      break;
+    }
+  }
+  if (!(e.power > 0)) return;
+  lamps_.push_back(std::move(lamp));
+  emitters_.push_back(std::move(e));
+}
+
+void Lights::add_emissive_instances() {
+  emitter_of_instance_.assign(scene_.instances.size(), -1);
+  for (uint32_t i = 0; i < scene_.instances.size(); ++i) {
+    const Instance& instance = scene_.instances[i];
+    bool emissive = false;
+    for (uint32_t s = 0; s < instance.slot_count; ++s) {
+      const Material& m = scene_.materials[scene_.slot_materials[instance.first_material + s]];
+      emissive |= !is_black(m.front.emission) || !is_black(m.back.emission);
+    }
+    if (!emissive) continue;
+    Emitter e;
+    e.instance = i;
+    Bounds bounds;
+    double sum = 0;
+    const uint32_t count = static_cast<uint32_t>(scene_.meshes[instance.mesh].triangles.size());
+    for (uint32_t t = 0; t < count; ++t) {
+      const Material& m = scene_.material_of(i, t);
+      const float weight = average(m.front.emission) + average(m.back.emission);
+      if (!(weight > 0)) continue;
+      Vec3 corner[3];
+      triangle_corners(i, t, corner);
+      const float area = 0.5f * length(cross(corner[1] - corner[0], corner[2] - corner[0]));
+      for (const Vec3& p : corner) bounds.add(p);
+      e.triangles.push_back(t);
+      e.cdf.push_back(static_cast<float>(sum += double(area) * weight));
+    }
+    if (!(sum > 0)) continue;
+    e.total_weight = static_cast<float>(sum);
+    e.center = bounds.center();
+    e.radius = 0.5f * bounds.diagonal();
+    e.importance = e.total_weight;
+    e.power = sum * kPi;
+    emitter_of_instance_[i] = static_cast<int32_t>(emitters_.size());
+    emitters_.push_back(std::move(e));
+  }
+}
+
+PhotonStart Lights::emit_parallel(const Vec3& direction, const Vec2& place) const {
+  const Vec2 p = sample_disk(place);
+  const float r = scene_.radius() * 1.0001f;
+  const Basis basis(direction);
+  PhotonStart start;
+  start.origin = scene_.center() + basis.to_world({p.x * r, p.y * r, -r});
+  start.direction = direction;
+  const float disc = kPi * r * r;
+  start.power = {disc, disc, disc};
+  return start;
+}
+
+PhotonStart Lights::emit_lamp(const Lamp& lamp, const Vec2& place, const Vec2& way) const {
+  if (lamp.s.kind == LampKind::kSun) {
+    PhotonStart start = emit_parallel(Basis(lamp.forward).to_world(sample_cone(way, lamp.one_minus_cos)), place);
+    start.power *= lamp.one_minus_cos > 0 ? lamp.radiance * (2 * kPi * lamp.one_minus_cos) : lamp.intensity;
+    return start;
+  }
+  PhotonStart start;
+  if (lamp.s.kind == LampKind::kArea) {
+    Vec2 p{2 * place.x - 1, 2 * place.y - 1};
+    if (lamp.s.ellipse) p = sample_disk(place);
+    start.origin = lamp.center + lamp.axis_x * (p.x * lamp.half_x) + lamp.axis_y * (p.y * lamp.half_y);
+    float sin2 = way.x, pdf = 1;  // of sin^2: cosine-weighted directions are uniform in it
+    if (!lamp.angle_cdf.empty()) {
+      const TableSample s = sample_table(lamp.angle_cdf, 0, lamp.angle_high, way.x);
+      sin2 = s.value;
+      pdf = s.pdf;
+    }
+    const float cosine = std::sqrt(std::max(0.0f, 1 - sin2));
+    const Basis basis(lamp.forward);
+    start.direction = around_axis(basis.tangent, basis.bitangent, basis.normal, cosine, way.y);
+    start.power = lamp.radiance * (lamp.area * kPi * spread_attenuation(lamp, cosine) / pdf);
+    return start;
+  }
+  // Point and spot: lines of uniform density that pass the centre within the radius.
+  if (lamp.s.kind == LampKind::kPoint) {
+    start.direction = sample_sphere(way);
+    start.power = lamp.intensity * (4 * kPi);
+  } else {
+    const TableSample s = sample_table(lamp.angle_cdf, lamp.angle_low, 1, way.x);
+    const float t = std::clamp((s.value - lamp.cos_half) * lamp.inverse_smooth, 0.0f, 1.0f);
+    const Vec3 local = around_axis({1, 0, 0}, {0, 1, 0}, {0, 0, 1}, s.value, way.y);
+    const Vec3 scaled{local.x * lamp.scale_x, local.y * lamp.scale_y, local.z * lamp.scale_z};
+    const float len = length(scaled);
+    const float jacobian = lamp.scale_x * lamp.scale_y * lamp.scale_z / (len * len * len);
+    start.direction = normalize(lamp.axis_x * scaled.x + lamp.axis_y * scaled.y + lamp.forward * scaled.z);
+    start.power = lamp.intensity * (2 * kPi * t * t * (3 - 2 * t) * jacobian / s.pdf);
+  }
+  start.origin = lamp.center;
+  const float r = lamp.s.radius;
+  if (r > 0) {
+    const Vec2 p = sample_disk(place);
+    const float ahead = lamp.s.soft_falloff ? 0 : r * std::sqrt(std::max(0.0f, 1 - p.x * p.x - p.y * p.y));
+    start.origin += Basis(start.direction).to_world({p.x * r, p.y * r, ahead});
+    if (lamp.s.soft_falloff) {
+      start.soft_center = lamp.center;
+      start.soft_radius2 = r * r;
+    }
+  }
+  return start;
+}
+
+PhotonStart Lights::emit_mesh(const Emitter& e, float pick, const Vec2& place, const Vec2& way) const {
+  const float target = pick * e.cdf.back();
+  size_t i = std::upper_bound(e.cdf.begin(), e.cdf.end(), target) - e.cdf.begin();
+  i = std::min(i, e.cdf.size() - 1);
+  const float low = i ? e.cdf[i - 1] : 0, share = std::max(e.cdf[i] - low, 1e-37f);
+  float again = std::clamp((target - low) / share, 0.0f, 1.0f);
+
+  Vec3 corner[3];
+  triangle_corners(e.instance, e.triangles[i], corner);
+  const float root = std::sqrt(place.x), b1 = root * (1 - place.y), b2 = root * place.y;
+  Vec3 normal = cross(corner[1] - corner[0], corner[2] - corner[0]);
+  const float twice_area = length(normal);
+  normal = twice_area > 0 ? normal / twice_area : Vec3{0, 0, 1};
+  if (scene_.instances[e.instance].mirrored) normal = -normal;
+
+  const Material& material = scene_.material_of(e.instance, e.triangles[i]);
+  const float front = average(material.front.emission), back = average(material.back.emission);
+  const float front_share = front / (front + back);
+  const bool on_back = again >= front_share;
+  const float side_pdf = on_back ? 1 - front_share : front_share;
+  if (on_back) normal = -normal;
+
+  Surface s{};
+  s.instance = e.instance;
+  s.triangle = e.triangles[i];
+  s.u = b1;
+  s.v = b2;
+  s.side = on_back ? &material.back : &material.front;
+  PhotonStart start;
+  const Vec3 point = corner[0] * (1 - root) + corner[1] * b1 + corner[2] * b2;
+  start.origin = point + normal * ray_epsilon(point, 0);
+  start.direction = Basis(normal).to_world(sample_cosine_hemisphere(way));
+  const float pdf_area = share / e.cdf.back() / std::max(0.5f * twice_area, 1e-37f) * side_pdf;
+  start.power = scene_.emission(s) * (kPi / pdf_area);
+  return start;
+}
+
+PhotonStart Lights::emit(uint64_t index, uint32_t seed) const {
+  const uint32_t i = static_cast<uint32_t>(index), s = hash_combine(seed, static_cast<uint32_t>(index >> 32));
+  const Vec2 choice = sobol_2d(i, 0, s), place = sobol_2d(i, 1, s), way = sobol_2d(i, 2, s);
+  const double target = choice.x * total_power_;
+  size_t chosen = std::upper_bound(power_cdf_.begin(), power_cdf_.end(), target) - power_cdf_.begin();
+  chosen = std::min(chosen, emitters_.size());
+  PhotonStart start;
+  double power;
+  if (chosen == emitters_.size()) {
+    start = emit_parallel(sample_sphere(way), place);
+    start.power *= scene_.world * (4 * kPi);
+    power = world_power_;
+  } else {
+    const Emitter& e = emitters_[chosen];
+    start = e.lamp >= 0 ? emit_lamp(lamps_[e.lamp], place, way) : emit_mesh(e, choice.y, place, way);
+    power = e.power;
+  }
+  start.power *= static_cast<float>(total_power_ / power);
+  return start;
+}
+
+}  // namespace photon_splat

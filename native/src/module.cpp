@@ -1,0 +1,347 @@
+// Python's view of the renderer. Arrays come in and go out as numpy; the GIL is released while stages run.
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include "bench.h"
+#include "embree_check.h"
+#include "renderer.h"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+namespace photon_splat {
+namespace {
+
+template <class T, class... Shape>
+using Array = nb::ndarray<const T, nb::c_contig, nb::device::cpu, Shape...>;
+using Matrix = Array<double, nb::shape<4, 4>>;
+using Rgb3 = std::array<float, 3>;
+
+Rgb to_rgb(const Rgb3& c) { return {c[0], c[1], c[2]}; }
+
+std::array<double, 12> to_rows(const double* m) {
+  std::array<double, 12> rows;
+  std::copy(m, m + 12, rows.begin());
+  return rows;
+}
+
+Affine relative(const Matrix& matrix, const double origin[3]) {
+  auto rows = to_rows(matrix.data());
+  for (int i = 0; i < 3; ++i) rows[4 * i + 3] -= origin[i];
+  Affine out;
+  for (int i = 0; i < 12; ++i) out.m[i] = static_cast<float>(rows[i]);
+  return out;
+}
+
+template <class E>
+E named(const std::string& name, std::initializer_list<std::pair<const char*, E>> known, const char* what) {
+  for (const auto& [text, value] : known)
+    if (name == text) return value;
+  throw std::invalid_argument("unknown " + std::string(what) + " '" + name + "'");
+}
+
+// Hands a vector over to numpy.
+template <class T>
+nb::ndarray<nb::numpy, T> to_numpy(std::vector<T>&& values, std::initializer_list<size_t> shape) {
+  auto* kept = new std::vector<T>(std::move(values));
+  nb::capsule owner(kept, [](void* p) noexcept { delete static_cast<std::vector<T>*>(p); });
+  return nb::ndarray<nb::numpy, T>(kept->data(), shape, owner);
+}
+
+uint32_t add_mesh(Renderer& r, Array<float, nb::shape<-1, 3>> positions, Array<uint32_t, nb::shape<-1, 3>> triangles,
+                  std::optional<Array<float, nb::shape<-1, 3, 3>>> corner_normals,
+                  std::optional<Array<float, nb::shape<-1, 3, 2>>> uv, std::optional<Array<uint16_t, nb::shape<-1>>> slots) {
+  const size_t vertices = positions.shape(0), count = triangles.shape(0);
+  if (count >= (1u << 30)) throw std::invalid_argument("a mesh has more triangles than the renderer can hold");
+  if ((corner_normals && corner_normals->shape(0) != count) || (uv && uv->shape(0) != count) ||
+      (slots && slots->shape(0) != count))
+    throw std::invalid_argument("a mesh's corner data does not fit its triangles");
+  const uint32_t* index = triangles.data();
+  for (size_t i = 0; i < 3 * count; ++i)
+    if (index[i] >= vertices) throw std::invalid_argument("a mesh's triangle names a vertex that does not exist");
+  Mesh mesh;
+  const Vec3* p = reinterpret_cast<const Vec3*>(positions.data());
+  for (size_t i = 0; i < vertices; ++i)
+    if (!is_finite(p[i])) throw std::invalid_argument("a mesh has a vertex that is not finite");
+  mesh.positions.reserve(vertices + 1);
+  mesh.positions.assign(p, p + vertices);
+  mesh.positions.push_back({});  // Embree reads 16 bytes at the last vertex
+  const Triangle* t = reinterpret_cast<const Triangle*>(index);
+  mesh.triangles.assign(t, t + count);
+  if (corner_normals) {
+    const Vec3* n = reinterpret_cast<const Vec3*>(corner_normals->data());
+    mesh.corner_normals.assign(n, n + 3 * count);
+  }
+  if (uv) {
+    const Vec2* v = reinterpret_cast<const Vec2*>(uv->data());
+    mesh.uv.assign(v, v + 3 * count);
+  }
+  if (slots) mesh.slots.assign(slots->data(), slots->data() + count);
+  r.scene.meshes.push_back(std::move(mesh));
+  return static_cast<uint32_t>(r.scene.meshes.size() - 1);
+}
+
+uint32_t add_texture(Renderer& r, nb::ndarray<nb::c_contig, nb::device::cpu, nb::shape<-1, -1, 4>, nb::ro> pixels, bool srgb,
+                     const std::string& interpolation, const std::string& extension) {
+  Texture texture;
+  texture.height = static_cast<int>(pixels.shape(0));
+  texture.width = static_cast<int>(pixels.shape(1));
+  if (texture.width < 1 || texture.height < 1) throw std::invalid_argument("a texture has no pixels");
+  texture.srgb = srgb;
+  texture.interpolation = named<Interpolation>(
+      interpolation, {{"linear", Interpolation::kLinear}, {"closest", Interpolation::kClosest}}, "interpolation");
+  texture.extension = named<Extension>(extension, {{"repeat", Extension::kRepeat}, {"extend", Extension::kExtend},
+                                                   {"clip", Extension::kClip}, {"mirror", Extension::kMirror}}, "extension");
+  if (pixels.dtype() == nb::dtype<uint8_t>()) {
+    const auto* p = static_cast<const uint8_t*>(pixels.data());
+    texture.bytes.assign(p, p + pixels.size());
+  } else if (pixels.dtype() == nb::dtype<float>()) {
+    const auto* p = static_cast<const float*>(pixels.data());
+    texture.floats.assign(p, p + pixels.size());
+    for (float& f : texture.floats)
+      if (!std::isfinite(f)) f = 0;
+  } else {
+    throw std::invalid_argument("a texture's pixels are neither uint8 nor float32");
+  }
+  r.scene.textures.push_back(std::move(texture));
+  return static_cast<uint32_t>(r.scene.textures.size() - 1);
+}
+
+MaterialSide make_side(const Renderer& r, const nb::tuple& t) {
+  MaterialSide side;
+  side.albedo = to_rgb(nb::cast<Rgb3>(t[0]));
+  side.albedo_texture = nb::cast<int>(t[1]);
+  side.emission = to_rgb(nb::cast<Rgb3>(t[2]));
+  side.emission_texture = nb::cast<int>(t[3]);
+  if (!is_finite(side.albedo) || !is_finite(side.emission)) throw std::invalid_argument("a material has a colour that is not finite");
+  side.albedo = max(side.albedo, Vec3{});
+  for (int texture : {side.albedo_texture, side.emission_texture})
+    if (texture >= static_cast<int>(r.scene.textures.size())) throw std::invalid_argument("a material names a texture that does not exist");
+  return side;
+}
+
+void add_lamp(Renderer& r, const std::string& kind, Matrix matrix, Rgb3 strength, float radius, bool soft_falloff,
+              float spot_size, float spot_blend, float angle, std::array<float, 2> size, bool ellipse, float spread,
+              bool normalize, bool camera_visible) {
+  LampSettings s;
+  s.kind = named<LampKind>(kind, {{"point", LampKind::kPoint}, {"spot", LampKind::kSpot}, {"sun", LampKind::kSun},
+                                  {"area", LampKind::kArea}}, "lamp kind");
+  s.to_world = relative(matrix, r.scene.origin);
+  s.strength = to_rgb(strength);
+  s.radius = radius;
+  s.soft_falloff = soft_falloff;
+  s.spot_size = spot_size;
+  s.spot_blend = spot_blend;
+  s.angle = angle;
+  s.size_x = size[0];
+  s.size_y = size[1];
+  s.ellipse = ellipse;
+  s.spread = spread;
+  s.normalize = normalize;
+  s.camera_visible = camera_visible;
+  bool finite = is_finite(s.strength);
+  for (float f : s.to_world.m) finite &= std::isfinite(f);
+  for (float f : {radius, spot_size, spot_blend, angle, size[0], size[1], spread}) finite &= std::isfinite(f);
+  if (!finite) throw std::invalid_argument("a lamp has a setting that is not finite");
+  r.lamps.push_back(s);
+}
+
+void set_camera(Renderer& r, Matrix matrix, std::array<float, 4> screen, bool orthographic, float clip_start, float clip_end,
+                std::array<int, 2> frame, std::array<int, 4> region, bool transparent, const std::string& filter,
+                float filter_width) {
+  CameraSettings c;
+  c.to_world = relative(matrix, r.scene.origin);
+  c.left = screen[0];
+  c.right = screen[1];
+  c.bottom = screen[2];
+  c.top = screen[3];
+  c.orthographic = orthographic;
+  c.clip_start = clip_start;
+  c.clip_end = clip_end;
+  c.width = frame[0];
+  c.height = frame[1];
+  c.x0 = region[0];
+  c.y0 = region[1];
+  c.region_width = region[2];
+  c.region_height = region[3];
+  c.transparent = transparent;
+  c.filter = named<FilterKind>(filter, {{"box", FilterKind::kBox}, {"gaussian", FilterKind::kGaussian},
+                                        {"blackman_harris", FilterKind::kBlackmanHarris}}, "pixel filter");
+  c.filter_width = filter_width;
+  r.camera_settings = c;
+}
+
+nb::dict film_arrays(const Renderer& r) {
+  // One array per sum; the session divides. Rows from the bottom up.
+  const Film& film = r.film();
+  const size_t width = film.width, height = film.height;
+  nb::dict out;
+  const auto add = [&](const char* name, size_t channels, auto&& get) {
+    std::vector<float> values(width * height * channels);
+    for (size_t i = 0; i < width * height; ++i) get(film.pixels[i], &values[i * channels]);
+    out[name] = to_numpy(std::move(values), {height, width, channels});
+  };
+  const auto rgb = [](const Rgb& c, float* v) { v[0] = c.x; v[1] = c.y; v[2] = c.z; };
+  add("diffuse_direct", 3, [&](const Pixel& p, float* v) { rgb(p.diffuse_direct, v); });
+  add("diffuse_indirect", 3, [&](const Pixel& p, float* v) { rgb(p.diffuse_indirect, v); });
+  add("diffuse_color", 3, [&](const Pixel& p, float* v) { rgb(p.diffuse_color, v); });
+  add("emission", 3, [&](const Pixel& p, float* v) { rgb(p.emission, v); });
+  add("environment", 3, [&](const Pixel& p, float* v) { rgb(p.environment, v); });
+  add("normal", 3, [&](const Pixel& p, float* v) { rgb(p.normal, v); });
+  add("alpha", 1, [&](const Pixel& p, float* v) { *v = p.alpha; });
+  add("photon_density", 1, [&](const Pixel& p, float* v) { *v = p.photon_density; });
+  add("depth", 1, [&](const Pixel& p, float* v) { *v = p.depth; });
+  add("surface_id", 1, [&](const Pixel& p, float* v) { *v = p.surface_id; });
+  out["samples"] = film.samples;
+  return out;
+}
+
+nb::dict statistics(Renderer& r) {
+  nb::dict seconds, photons, out;
+  seconds["acceleration"] = r.seconds().acceleration;
+  seconds["camera"] = r.seconds().camera;
+  seconds["photons"] = r.seconds().photons;
+  seconds["splat"] = r.seconds().splat;
+  seconds["boundary"] = r.seconds().boundary;
+  photons["traced"] = r.photon_counts().traced;
+  photons["stored"] = r.photon_counts().stored;
+  out["seconds"] = seconds;
+  out["photons"] = photons;
+  out["rays"] = r.rays();
+  out["threads"] = r.threads();
+  out["kernel"] = r.kernel_name();
+  out["visible_points"] = r.points().size();
+  out["bad_samples"] = r.bad_samples();
+  return out;
+}
+
+// Points of the current pass as plain arrays: a copy, for tests and other splatters.
+nb::dict point_arrays(const Renderer& r) {
+  const auto& blocks = r.points().blocks();
+  const size_t n = r.points().size();
+  std::vector<float> position(3 * n), normal(3 * n), radius(n), slab(n), mass(n), irradiance(3 * n), count(n);
+  std::vector<uint32_t> key(n);
+  for (size_t i = 0; i < n; ++i) {
+    const PointBlock& b = blocks[i / kBlockSize];
+    const size_t l = i % kBlockSize;
+    const float p[3] = {b.x[l], b.y[l], b.z[l]}, d[3] = {b.nx[l], b.ny[l], b.nz[l]}, e[3] = {b.r[l], b.g[l], b.b[l]};
+    for (int c = 0; c < 3; ++c) {
+      position[3 * i + c] = p[c];
+      normal[3 * i + c] = d[c];
+      irradiance[3 * i + c] = e[c] * b.scale[l];
+    }
+    radius[i] = 1 / std::sqrt(b.inverse_h2[l]);
+    mass[i] = 2 * b.inverse_h2[l] / (kPi * b.scale[l]);
+    slab[i] = b.slab[l];
+    count[i] = b.count[l];
+    key[i] = b.key[l];
+  }
+  nb::dict out;
+  out["position"] = to_numpy(std::move(position), {n, 3});
+  out["normal"] = to_numpy(std::move(normal), {n, 3});
+  out["key"] = to_numpy(std::move(key), {n});
+  out["radius"] = to_numpy(std::move(radius), {n});
+  out["slab"] = to_numpy(std::move(slab), {n});
+  out["mass"] = to_numpy(std::move(mass), {n});
+  out["irradiance"] = to_numpy(std::move(irradiance), {n, 3});
+  out["count"] = to_numpy(std::move(count), {n});
+  return out;
+}
+
+nb::dict photon_arrays(const Renderer& r) {
+  const auto& photons = r.photons();
+  const size_t n = photons.size();
+  std::vector<float> position(3 * n), power(3 * n);
+  std::vector<uint32_t> key(n);
+  for (size_t i = 0; i < n; ++i)
+    for (int c = 0; c < 3; ++c) {
+      position[3 * i + c] = photons[i].position[c];
+      power[3 * i + c] = photons[i].power[c];
+      key[i] = photons[i].key;
+    }
+  nb::dict out;
+  out["position"] = to_numpy(std::move(position), {n, 3});
+  out["power"] = to_numpy(std::move(power), {n, 3});
+  out["key"] = to_numpy(std::move(key), {n});
+  return out;
+}
+
+}  // namespace
+}  // namespace photon_splat
+
+NB_MODULE(photon_splat_native, m) {
+  using namespace photon_splat;
+  try {
+    check_embree_version();
+  } catch (const std::exception& e) {
+    throw nb::import_error(e.what());
+  }
+  m.doc() = "Photon tracer and splatter of Photon Splat.";
+  nb::exception<Cancelled>(m, "Cancelled");
+  const auto released = nb::call_guard<nb::gil_scoped_release>();
+
+  nb::class_<Renderer>(m, "Renderer", "One render; stages are called in the order pass by pass that renderer.h states.")
+      .def("__init__", [](Renderer* self, int threads) {
+        if (threads < 0) throw std::invalid_argument("the number of threads is negative");
+        new (self) Renderer(threads);
+      }, "threads"_a)
+      .def("set_origin", [](Renderer& r, std::array<double, 3> o) { std::copy(o.begin(), o.end(), r.scene.origin); }, "origin"_a,
+           "World position that the renderer's coordinates are relative to; before anything is added.")
+      .def("add_texture", &add_texture, "pixels"_a, "srgb"_a, "interpolation"_a, "extension"_a)
+      .def("add_material", [](Renderer& r, nb::tuple front, nb::tuple back) {
+        r.scene.materials.push_back({make_side(r, front), make_side(r, back)});
+      }, "front"_a, "back"_a, "Each side: (albedo rgb, albedo texture or -1, emission rgb, emission texture or -1).")
+      .def("add_mesh", &add_mesh, "positions"_a, "triangles"_a, "corner_normals"_a.none(), "uv"_a.none(), "slots"_a.none())
+      .def("add_instance", [](Renderer& r, uint32_t mesh, Matrix matrix, std::vector<int32_t> materials) {
+        auto rows = to_rows(matrix.data());
+        for (int i = 0; i < 3; ++i) rows[4 * i + 3] -= r.scene.origin[i];
+        for (double d : rows)
+          if (!std::isfinite(d)) throw std::invalid_argument("an instance has a matrix that is not finite");
+        r.scene.add_instance(mesh, rows, materials);
+      }, "mesh"_a, "matrix"_a, "materials"_a)
+      .def("add_lamp", &add_lamp, "kind"_a, "matrix"_a, "strength"_a, "radius"_a, "soft_falloff"_a, "spot_size"_a,
+           "spot_blend"_a, "angle"_a, "size"_a, "ellipse"_a, "spread"_a, "normalize"_a, "camera_visible"_a)
+      .def("set_world", [](Renderer& r, Rgb3 radiance) {
+        if (!is_finite(to_rgb(radiance))) throw std::invalid_argument("the world has a colour that is not finite");
+        r.scene.world = max(to_rgb(radiance), Vec3{});
+      }, "radiance"_a)
+      .def("set_camera", &set_camera, "matrix"_a, "screen"_a, "orthographic"_a, "clip_start"_a, "clip_end"_a, "frame"_a,
+           "region"_a, "transparent"_a, "pixel_filter"_a, "filter_width"_a)
+      .def("set_options", [](Renderer& r, uint64_t photons_per_pass, int max_bounces, float radius_scale, float point_spacing,
+                             bool boundary_correction, uint32_t seed, const std::string& kernel) {
+        r.options = {photons_per_pass, max_bounces, radius_scale, point_spacing, boundary_correction, seed, kernel};
+      }, "photons_per_pass"_a, "max_bounces"_a, "radius_scale"_a, "point_spacing"_a, "boundary_correction"_a, "seed"_a,
+           "kernel"_a = "")
+      .def("build", &Renderer::build, released)
+      .def("trace_camera", &Renderer::trace_camera, "pass"_a, released)
+      .def("make_points", &Renderer::make_points, "pass"_a, released)
+      .def("trace_photons", &Renderer::trace_photons, "pass"_a, "first"_a, "count"_a, released)
+      .def("splat", &Renderer::splat, released)
+      .def("resolve", &Renderer::resolve, released)
+      .def("trace_reference", &Renderer::trace_reference, "sample"_a, released)
+      .def("cancel", &Renderer::cancel, "Makes the running stage, and every later one, raise Cancelled. From any thread.")
+      .def("film", &film_arrays)
+      .def("statistics", &statistics)
+      .def("points", &point_arrays)
+      .def("photons", &photon_arrays)
+      .def("bench_photon_tracer", [](Renderer& r, uint64_t paths) {
+        TracerBench result;
+        {
+          nb::gil_scoped_release release;
+          result = bench_photon_tracer(r, paths);
+        }
+        nb::dict out;
+        out["rays"] = result.rays;
+        out["tracer_seconds"] = result.tracer_seconds;
+        nb::dict embree;
+        embree["intersect1"] = result.intersect1_seconds;
+        embree["intersect8"] = result.intersect8_seconds;
+        embree["intersect16"] = result.intersect16_seconds;
+        out["embree_seconds"] = embree;
+        return out;
+      }, "paths"_a, "Traces photon paths, then replays their rays by Embree alone.");
+}

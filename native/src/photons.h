@@ -1,0 +1,64 @@
+// Photons: where light arrived on a diffuse surface after at least one bounce.
+#pragma once
+
+#include "lights.h"
+
+namespace photon_splat {
+
+struct Photon {
+  Vec3 position;       // m, relative to the scene's origin
+  uint32_t key;        // surface patch and side
+  uint32_t from;       // direction towards where it came from, octahedral
+  Rgb power;           // W; the shading normal's factor |w.ns|/|w.ng| is in it
+};
+static_assert(sizeof(Photon) == 32);
+
+// Which surface keys are visible; may say yes for one that is not, never no for one that is.
+class KeyFilter {
+ public:
+  KeyFilter() : bits_(kBits / 64) {}
+  void clear() { std::fill(bits_.begin(), bits_.end(), 0); }
+  void add(uint32_t key) { bits_[slot(key) / 64] |= uint64_t{1} << (slot(key) % 64); }
+  bool contains(uint32_t key) const { return bits_[slot(key) / 64] >> (slot(key) % 64) & 1; }
+
+ private:
+  static constexpr uint32_t kBits = 1 << 18;
+  static uint32_t slot(uint32_t key) { return hash32(key) & (kBits - 1); }
+  std::vector<uint64_t> bits_;
+};
+
+struct PhotonCounts {
+  uint64_t traced = 0, stored = 0, rays = 0;
+};
+
+// Traces photon paths first .. first + count - 1 of the stream `seed` and returns what they left on surfaces of
+// `visible`. Powers are those of a set of `total` paths. Their order follows the index, not the thread.
+class PhotonTracer {
+ public:
+  PhotonTracer(Scene& scene, const Lights& lights, int max_bounces)
+      : scene_(scene), lights_(lights), max_bounces_(max_bounces) {}
+
+  const std::vector<Photon>& trace(uint64_t first, uint64_t count, double total, uint32_t seed,
+                                   const KeyFilter& visible, const CancelFlag& cancel);
+  const PhotonCounts& counts() const { return counts_; }
+
+  // For the benchmark: every ray that path tracing asks for, as origin, near, direction, far (8 floats a ray).
+  std::vector<float>* ray_log = nullptr;
+
+ private:
+  struct Chunk {
+    std::vector<Photon> photons;
+    uint64_t rays = 0;
+    std::vector<float> ray_log;
+  };
+  void trace_path(uint64_t index, double total, uint32_t seed, const KeyFilter& visible, Chunk& out) const;
+
+  Scene& scene_;
+  const Lights& lights_;
+  int max_bounces_;
+  std::vector<Chunk> chunks_;
+  std::vector<Photon> photons_;
+  PhotonCounts counts_;
+};
+
+}  // namespace photon_splat

@@ -1,0 +1,38 @@
+// What splatting kernels see: plain data, included by files that are compiled for several instruction sets.
+// Nothing here may define a function: the linker would keep one copy for all machines.
+#pragma once
+
+#include <cstdint>
+
+namespace photon_splat {
+
+inline constexpr uint32_t kBlockSize = 64;
+
+// Up to 64 spatially compact points, structure of arrays. Unused places have slab = -1 and catch nothing.
+struct alignas(64) PointBlock {
+  float x[kBlockSize], y[kBlockSize], z[kBlockSize];
+  float nx[kBlockSize], ny[kBlockSize], nz[kBlockSize];
+  uint32_t key[kBlockSize];
+  float inverse_h2[kBlockSize];  // 1/h^2
+  float slab[kBlockSize];        // |n.(y - x)| may not exceed it
+  float scale[kBlockSize];       // 2/(pi h^2 M): turns the sums below into irradiance, W/m^2
+  float r[kBlockSize], g[kBlockSize], b[kBlockSize];  // sum of power * (1 - d^2/h^2)
+  float count[kBlockSize];       // photons caught
+};
+
+// A photon as a kernel reads it: position, key, direction, power.
+struct SplatPhoton {
+  float x, y, z;
+  uint32_t key, from;
+  float r, g, b;
+};
+
+// Adds photons[0 .. count-1] to the sums of a block.
+using SplatKernel = void (*)(PointBlock& block, const SplatPhoton* photons, uint32_t count);
+
+void splat_block_generic(PointBlock& block, const SplatPhoton* photons, uint32_t count);
+void splat_block_sse42(PointBlock& block, const SplatPhoton* photons, uint32_t count);
+void splat_block_avx2(PointBlock& block, const SplatPhoton* photons, uint32_t count);
+void splat_block_avx512(PointBlock& block, const SplatPhoton* photons, uint32_t count);
+
+}  // namespace photon_splat

@@ -1,0 +1,50 @@
+#include "radius_map.h"
+
+namespace photon_splat {
+
+RadiusMap::RadiusMap(const Scene& scene, const std::vector<Photon>& pilot, double pilot_paths)
+    : pilot_paths_(std::max(pilot_paths, 1.0)) {
+  const float r = scene.radius();
+  corner_ = scene.center() - Vec3{r, r, r};
+  size_ = 2 * r;
+  largest_ = 0.25f * r;
+  std::vector<uint32_t> inside(pilot.size());
+  for (uint32_t i = 0; i < inside.size(); ++i) inside[i] = i;
+  // Level by level, photons in cells that hold few of them drop out.
+  for (int level = 0; level < kLevels && !inside.empty(); ++level) {
+    std::vector<uint64_t> cells(inside.size());
+    for (size_t i = 0; i < inside.size(); ++i) {
+      cells[i] = cell(pilot[inside[i]].key, pilot[inside[i]].position, level);
+      ++counts_[cells[i]];
+    }
+    size_t kept = 0;
+    for (size_t i = 0; i < inside.size(); ++i)
+      if (counts_[cells[i]] >= kFewest) inside[kept++] = inside[i];
+    inside.resize(kept);
+  }
+  std::erase_if(counts_, [](const auto& entry) { return entry.second < kFewest; });
+}
+
+uint64_t RadiusMap::cell(uint32_t key, const Vec3& x, int level) const {
+  const float scale = static_cast<float>(1 << level) / size_;
+  const Vec3 p = (x - corner_) * scale;
+  const auto index = [](float f) { return static_cast<uint64_t>(static_cast<int64_t>(std::floor(f)) & 0xffff); };
+  return hash64((uint64_t{key} << 4 | static_cast<uint64_t>(level)) * 0x9e3779b97f4a7c15ull ^
+                hash64(index(p.x) | index(p.y) << 16 | index(p.z) << 32));
+}
+
+float RadiusMap::radius(uint32_t key, const Vec3& x, double photons, double paths) const {
+  float size = size_;
+  uint32_t found = 0;
+  for (int level = 0; level < kLevels; ++level) {
+    const auto it = counts_.find(cell(key, x, level));
+    if (it == counts_.end()) break;
+    found = it->second;
+    size = size_ / static_cast<float>(1 << level);
+  }
+  if (!found) return largest_;
+  const double expected = found * paths / pilot_paths_;
+  return std::min(largest_, size * static_cast<float>(std::sqrt(photons / (kPi * expected))));
+}
+
+}  // namespace photon_splat

@@ -1,0 +1,241 @@
+#include "scene.h"
+
+#include <new>
+#include <set>
+
+#include "sampling.h"
+
+namespace photon_splat {
+namespace {
+
+bool report_progress(void* cancel, double) { return !static_cast<const CancelFlag*>(cancel)->is_set(); }
+
+RTCGeometry make_geometry(RTCDevice device, const Mesh& mesh) {
+  RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  // positions has one element more than the mesh: Embree may read 16 bytes at the last vertex.
+  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh.positions.data(), 0,
+                             sizeof(Vec3), mesh.positions.size() - 1);
+  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.triangles.data(), 0,
+                             sizeof(Triangle), mesh.triangles.size());
+  rtcCommitGeometry(geometry);
+  return geometry;
+}
+
+float largest_stretch(const Affine& a) {
+  // The Frobenius norm over sqrt(3) is exact for similarities; the longest column covers the rest well enough.
+  return std::max({length(a.column(0)), length(a.column(1)), length(a.column(2))});
+}
+
+Vec3 transform_exactly(const std::array<double, 12>& m, const Vec3& p) {
+  const auto row = [&](int r) {
+    return static_cast<float>(m[4 * r] * p.x + m[4 * r + 1] * p.y + m[4 * r + 2] * p.z + m[4 * r + 3]);
+  };
+  return {row(0), row(1), row(2)};
+}
+
+}  // namespace
+
+Scene::Scene(int threads) : pool_(threads) {
+  // A thread count given to Embree limits TBB, and so Blender, while the device lives: given only when asked for.
+  const bool restricted = threads > 0 && static_cast<unsigned>(threads) < std::thread::hardware_concurrency();
+  const std::string n = std::to_string(pool_.size());
+  device_ = rtcNewDevice(restricted ? ("threads=" + n + ",user_threads=" + n).c_str() : nullptr);
+  if (!device_) throw std::runtime_error("Embree could not be started");
+}
+
+Scene::~Scene() {
+  if (top_) rtcReleaseScene(top_);
+  for (RTCScene scene : mesh_scenes_)
+    if (scene) rtcReleaseScene(scene);
+  rtcReleaseDevice(device_);
+}
+
+void Scene::add_instance(uint32_t mesh, const std::array<double, 12>& exact, const std::vector<int32_t>& slots) {
+  if (mesh >= meshes.size()) throw std::invalid_argument("an instance names a mesh that does not exist");
+  Affine to_world;
+  for (int i = 0; i < 12; ++i) to_world.m[i] = static_cast<float>(exact[i]);
+  Instance instance;
+  instance.exact = exact;
+  instance.mesh = mesh;
+  instance.to_world = to_world;
+  instance.to_local = inverse(to_world);
+  instance.mirrored = determinant(to_world) < 0;
+  instance.scale = largest_stretch(to_world);
+  instance.first_material = static_cast<uint32_t>(slot_materials.size());
+  instance.slot_count = static_cast<uint32_t>(slots.size());
+  instance.seed = hash32(static_cast<uint32_t>(instances.size()) * 2 + 1);
+  for (int32_t material : slots) {
+    if (material < 0 || static_cast<size_t>(material) >= materials.size())
+      throw std::invalid_argument("an instance names a material that does not exist");
+    slot_materials.push_back(material);
+  }
+  if (slots.empty()) throw std::invalid_argument("an instance has no material");
+  instances.push_back(instance);
+}
+
+void Scene::throw_on_error(const CancelFlag& cancel) const {
+  const RTCError error = rtcGetDeviceError(device_);
+  cancel.check();
+  if (error == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
+  if (error != RTC_ERROR_NONE)
+    throw std::runtime_error(std::string("Embree failed: ") + rtcGetErrorString(error));
+}
+
+void Scene::commit(RTCScene scene, const CancelFlag& cancel) {
+  rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
+  rtcSetSceneProgressMonitorFunction(scene, report_progress, const_cast<CancelFlag*>(&cancel));
+  pool_.run_on_all([&](int) { rtcJoinCommitScene(scene); });
+  rtcSetSceneProgressMonitorFunction(scene, nullptr, nullptr);
+  throw_on_error(cancel);
+}
+
+void Scene::build(const CancelFlag& cancel) {
+  std::vector<uint32_t> uses(meshes.size());
+  for (const Instance& instance : instances) ++uses[instance.mesh];
+  for (Instance& instance : instances) {
+    instance.shared = uses[instance.mesh] > 1;
+    if (instance.shared) continue;
+    Mesh& mesh = meshes[instance.mesh];
+    for (Vec3& p : mesh.positions) p = transform_exactly(instance.exact, p);
+    for (Vec3& n : mesh.corner_normals) {
+      const Vec3 world = instance.to_local.transposed_vector(n);
+      const float len = length(world);
+      n = len > 0 ? world / len : n;
+    }
+    if (instance.mirrored) {  // restore the winding, so that the front stays the front
+      for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+        std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
+        if (!mesh.corner_normals.empty()) std::swap(mesh.corner_normals[3 * t + 1], mesh.corner_normals[3 * t + 2]);
+        if (!mesh.uv.empty()) std::swap(mesh.uv[3 * t + 1], mesh.uv[3 * t + 2]);
+      }
+    }
+    instance.to_world = instance.to_local = Affine{};
+    instance.mirrored = false;
+    instance.scale = 1;
+  }
+
+  pool_.for_each(meshes.size(), cancel, [&](size_t m, int) {
+    Mesh& mesh = meshes[m];
+    if (!uses[m]) return;
+    mesh.topology = build_topology(mesh.positions, mesh.triangles);
+    mesh.edge_tree = std::make_unique<EdgeTree>(mesh.topology.edges);
+  });
+
+  top_ = rtcNewScene(device_);
+  mesh_scenes_.assign(meshes.size(), nullptr);
+  for (uint32_t i = 0; i < instances.size(); ++i) {
+    const Instance& instance = instances[i];
+    const Mesh& mesh = meshes[instance.mesh];
+    RTCGeometry geometry;
+    if (instance.shared) {
+      RTCScene& inner = mesh_scenes_[instance.mesh];
+      if (!inner) {
+        inner = rtcNewScene(device_);
+        RTCGeometry triangles = make_geometry(device_, mesh);
+        rtcAttachGeometryByID(inner, triangles, 0);
+        rtcReleaseGeometry(triangles);
+        commit(inner, cancel);
+      }
+      geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_INSTANCE);
+      rtcSetGeometryInstancedScene(geometry, inner);
+      rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, instance.to_world.m.data());
+      rtcCommitGeometry(geometry);
+    } else {
+      geometry = make_geometry(device_, mesh);
+    }
+    rtcAttachGeometryByID(top_, geometry, i);
+    rtcReleaseGeometry(geometry);
+  }
+  commit(top_, cancel);
+  if (!instances.empty()) {
+    RTCBounds b;
+    rtcGetSceneBounds(top_, &b);
+    if (b.lower_x <= b.upper_x) {
+      bounds_.add(Vec3{b.lower_x, b.lower_y, b.lower_z});
+      bounds_.add(Vec3{b.upper_x, b.upper_y, b.upper_z});
+    }
+  }
+  throw_on_error(cancel);
+}
+
+bool Scene::intersect(const Vec3& origin, const Vec3& direction, float near, float far, bool coherent,
+                      Surface& surface) const {
+  RTCRayHit hit;
+  hit.ray = {origin.x, origin.y, origin.z, near, direction.x, direction.y, direction.z, 0, far, ~0u, 0, 0};
+  hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  hit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  RTCIntersectArguments arguments;
+  rtcInitIntersectArguments(&arguments);
+  arguments.flags = coherent ? RTC_RAY_QUERY_FLAG_COHERENT : RTC_RAY_QUERY_FLAG_INCOHERENT;
+  rtcIntersect1(top_, &hit, &arguments);
+  if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
+  fill_surface(hit, surface);
+  return true;
+}
+
+bool Scene::occluded(const Vec3& origin, const Vec3& direction, float near, float far) const {
+  RTCRay ray{origin.x, origin.y, origin.z, near, direction.x, direction.y, direction.z, 0, far, ~0u, 0, 0};
+  RTCOccludedArguments arguments;
+  rtcInitOccludedArguments(&arguments);
+  arguments.flags = RTC_RAY_QUERY_FLAG_INCOHERENT;
+  rtcOccluded1(top_, &ray, &arguments);
+  return ray.tfar < 0;
+}
+
+void Scene::fill_surface(const RTCRayHit& hit, Surface& s) const {
+  const bool instanced = hit.hit.instID[0] != RTC_INVALID_GEOMETRY_ID;
+  s.instance = instanced ? hit.hit.instID[0] : hit.hit.geomID;
+  s.triangle = hit.hit.primID;
+  s.u = hit.hit.u;
+  s.v = hit.hit.v;
+  s.distance = hit.ray.tfar;
+  const Vec3 direction{hit.ray.dir_x, hit.ray.dir_y, hit.ray.dir_z};
+  s.position = Vec3{hit.ray.org_x, hit.ray.org_y, hit.ray.org_z} + direction * hit.ray.tfar;
+  const Instance& instance = instances[s.instance];
+  const Mesh& mesh = meshes[instance.mesh];
+  Vec3 ng{hit.hit.Ng_x, hit.hit.Ng_y, hit.hit.Ng_z};
+  if (instanced) ng = instance.to_local.transposed_vector(ng);
+  // Blender keeps a mirrored object's front where the mesh's normals, mirrored with it, point.
+  ng = normalize(ng);
+  s.back = dot(ng, direction) > 0;
+  s.ns = ng;
+  if (!mesh.corner_normals.empty()) {
+    const Vec3* n = &mesh.corner_normals[3 * static_cast<size_t>(s.triangle)];
+    Vec3 ns = n[0] * (1 - s.u - s.v) + n[1] * s.u + n[2] * s.v;
+    if (instanced) ns = instance.to_local.transposed_vector(ns);
+    const float len = length(ns);
+    if (len > 0) s.ns = ns / len;
+  }
+  if (s.back) {
+    ng = -ng;
+    s.ns = -s.ns;
+  }
+  s.ng = ng;
+  const uint32_t patch = mesh.topology.patch[s.triangle];
+  s.key = (hash_combine(instance.seed, patch) & ~1u) | (s.back ? 1u : 0u);
+  const Material& material = material_of(s.instance, s.triangle);
+  s.side = s.back ? &material.back : &material.front;
+}
+
+const Material& Scene::material_of(uint32_t instance_index, uint32_t triangle) const {
+  const Instance& instance = instances[instance_index];
+  const Mesh& mesh = meshes[instance.mesh];
+  uint32_t slot = mesh.slots.empty() ? 0 : mesh.slots[triangle];
+  slot = std::min(slot, instance.slot_count - 1);
+  return materials[slot_materials[instance.first_material + slot]];
+}
+
+Vec2 Scene::uv_at(uint32_t instance, uint32_t triangle, float u, float v) const {
+  const Mesh& mesh = meshes[instances[instance].mesh];
+  if (mesh.uv.empty()) return {0, 0};
+  const Vec2* uv = &mesh.uv[3 * static_cast<size_t>(triangle)];
+  const float w = 1 - u - v;
+  return {uv[0].x * w + uv[1].x * u + uv[2].x * v, uv[0].y * w + uv[1].y * u + uv[2].y * v};
+}
+
+Rgb Scene::textured(const Rgb& factor, int texture, const Surface& s) const {
+  if (texture < 0) return factor;
+  return factor * textures[texture].lookup(uv_at(s.instance, s.triangle, s.u, s.v));
+}
+
+}  // namespace photon_splat

@@ -1,0 +1,114 @@
+// Geometry, materials and textures as the tracers see them, in metres relative to the scene's origin.
+#pragma once
+
+#include <embree4/rtcore.h>
+
+#include <memory>
+#include <string>
+
+#include "parallel.h"
+#include "texture.h"
+#include "topology.h"
+
+namespace photon_splat {
+
+// One side of a surface; albedo and emission are multiplied by their texture where there is one.
+struct MaterialSide {
+  Rgb albedo{0.8f, 0.8f, 0.8f}, emission{};  // emission: radiance, W/m^2/sr
+  int albedo_texture = -1, emission_texture = -1;
+};
+
+struct Material {
+  MaterialSide front, back;
+};
+
+struct Mesh {
+  std::vector<Vec3> positions;
+  std::vector<Triangle> triangles;
+  std::vector<Vec3> corner_normals;  // 3 per triangle, or empty: flat
+  std::vector<Vec2> uv;              // 3 per triangle, or empty
+  std::vector<uint16_t> slots;       // per triangle, or empty
+  Topology topology;
+  std::unique_ptr<EdgeTree> edge_tree;
+};
+
+// A mesh that stands once in the scene is held in world coordinates (`shared` false, to_world = identity);
+// others are Embree instances.
+struct Instance {
+  uint32_t mesh = 0;
+  bool shared = false;
+  bool mirrored = false;       // the transform flips the winding; the front stays where Blender has it
+  uint32_t first_material = 0; // into Scene::slot_materials
+  uint32_t slot_count = 1;
+  uint32_t seed = 0;           // of surface keys
+  float scale = 1;             // largest stretch of to_world
+  Affine to_world, to_local;
+  std::array<double, 12> exact{};  // to_world before rounding
+};
+
+// A point on a surface as a ray found it. Normals are unit length and on the side the ray came from.
+struct Surface {
+  Vec3 position, ng, ns;
+  uint32_t instance, triangle;
+  uint32_t key;        // hash of instance, patch and side
+  bool back;
+  float u, v;          // barycentric
+  float distance;
+  const MaterialSide* side;
+};
+
+// A ray offset that clears the rounding error of a hit at `position` found `distance` away.
+inline float ray_epsilon(const Vec3& position, float distance) { return 4e-6f * std::max(max_abs(position), distance); }
+
+class Scene {
+ public:
+  explicit Scene(int threads);
+  ~Scene();
+  Scene(const Scene&) = delete;
+  Scene& operator=(const Scene&) = delete;
+
+  // Filling; indices are checked here and reported with std::invalid_argument.
+  std::vector<Mesh> meshes;
+  std::vector<Instance> instances;
+  std::vector<int32_t> slot_materials;
+  std::vector<Material> materials;
+  std::vector<Texture> textures;
+  Rgb world{};
+  double origin[3] = {0, 0, 0};
+
+  // Adds a mesh placed by a matrix that is already relative to `origin`.
+  void add_instance(uint32_t mesh, const std::array<double, 12>& to_world,
+                    const std::vector<int32_t>& slot_materials_of_instance);
+
+  // Patches, world-space meshes and the acceleration structure. Stops with Cancelled.
+  void build(const CancelFlag& cancel);
+
+  // True and fills `surface` when the ray hits something between `near` and `far`.
+  bool intersect(const Vec3& origin, const Vec3& direction, float near, float far, bool coherent, Surface& surface) const;
+  bool occluded(const Vec3& origin, const Vec3& direction, float near, float far) const;
+
+  Rgb albedo(const Surface& s) const { return textured(s.side->albedo, s.side->albedo_texture, s); }
+  Rgb emission(const Surface& s) const { return textured(s.side->emission, s.side->emission_texture, s); }
+  Vec2 uv_at(uint32_t instance, uint32_t triangle, float u, float v) const;
+  const Material& material_of(uint32_t instance, uint32_t triangle) const;
+
+  const Bounds& bounds() const { return bounds_; }
+  Vec3 center() const { return bounds_.empty() ? Vec3{} : bounds_.center(); }
+  float radius() const { return bounds_.empty() ? 1.0f : std::max(0.5f * bounds_.diagonal(), 1e-20f); }
+  ThreadPool& pool() { return pool_; }
+  RTCScene embree() const { return top_; }
+
+ private:
+  Rgb textured(const Rgb& factor, int texture, const Surface& s) const;
+  void fill_surface(const RTCRayHit& hit, Surface& surface) const;
+  void commit(RTCScene scene, const CancelFlag& cancel);
+  void throw_on_error(const CancelFlag& cancel) const;
+
+  ThreadPool pool_;
+  RTCDevice device_ = nullptr;
+  RTCScene top_ = nullptr;
+  std::vector<RTCScene> mesh_scenes_;
+  Bounds bounds_;
+};
+
+}  // namespace photon_splat

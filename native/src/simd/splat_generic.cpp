@@ -1,0 +1,23 @@
+// The splatting loop in plain C++, for compilers and machines without a vector version, and to test those against.
+#include "../point_block.h"
+
+namespace photon_splat {
+
+void splat_block_generic(PointBlock& block, const SplatPhoton* photons, uint32_t count) {
+  for (uint32_t i = 0; i < count; ++i) {
+    const SplatPhoton& p = photons[i];
+    for (uint32_t lane = 0; lane < kBlockSize; ++lane) {
+      const float dx = p.x - block.x[lane], dy = p.y - block.y[lane], dz = p.z - block.z[lane];
+      const float kernel = 1 - (dx * dx + dy * dy + dz * dz) * block.inverse_h2[lane];
+      const float height = block.nx[lane] * dx + block.ny[lane] * dy + block.nz[lane] * dz;
+      const float slab = block.slab[lane];
+      if (!(kernel > 0) || height > slab || height < -slab || p.key != block.key[lane]) continue;
+      block.r[lane] += kernel * p.r;
+      block.g[lane] += kernel * p.g;
+      block.b[lane] += kernel * p.b;
+      block.count[lane] += 1;
+    }
+  }
+}
+
+}  // namespace photon_splat

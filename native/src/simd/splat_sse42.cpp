@@ -1,0 +1,3 @@
+#define PHOTON_SPLAT_LANES 4
+#define PHOTON_SPLAT_KERNEL splat_block_sse42
+#include "splat_kernel.inl"

@@ -1,0 +1,43 @@
+// The CPU splatter: photons and blocks of points in, sums in the blocks out. Knows no camera.
+#pragma once
+
+#include <string>
+
+#include "photons.h"
+#include "point_block.h"
+
+namespace photon_splat {
+
+// The fastest kernel this machine runs, or the one asked for: "avx512", "avx2", "sse42", "generic", "" = fastest.
+// Throws std::invalid_argument for one that this machine or build does not have.
+SplatKernel choose_kernel(const std::string& name, std::string* chosen = nullptr);
+
+class Splatter {
+ public:
+  explicit Splatter(const std::string& kernel = "") : kernel_(choose_kernel(kernel, &kernel_name_)) {}
+
+  // Makes the search tree over block bounds (grown by kernel radii). Call after the points changed.
+  void set_blocks(const std::vector<Bounds>& bounds);
+
+  // Adds photons to the sums of all blocks they may reach. Each block takes its photons in the order given, so that
+  // the sums are the same for any number of threads.
+  void splat(const std::vector<Photon>& photons, std::vector<PointBlock>& blocks, ThreadPool& pool, const CancelFlag& cancel);
+
+  const std::string& kernel_name() const { return kernel_name_; }
+  uint64_t pairs() const { return pairs_; }
+
+ private:
+  struct Pair {
+    uint32_t block, photon;
+  };
+  void find_blocks(const Vec3& p, uint32_t photon, std::vector<Pair>& out) const;
+
+  std::string kernel_name_;
+  SplatKernel kernel_;
+  std::vector<std::vector<Bounds>> levels_;  // level 0: blocks; each further level bounds kFanout of the one below
+  std::vector<std::vector<Pair>> chunk_pairs_;
+  std::vector<uint32_t> first_, order_;
+  uint64_t pairs_ = 0;
+};
+
+}  // namespace photon_splat

@@ -1,0 +1,200 @@
+#include "visible_points.h"
+
+#include <numeric>
+
+namespace photon_splat {
+namespace {
+
+constexpr size_t kChunk = 4096;
+constexpr size_t kShards = 64;
+constexpr float kSlab = 0.5f;             // of h: thickness of the domain on either side of the tangent plane
+constexpr float kFootprintFloor = 2.0f;   // a kernel narrower than this many camera samples shows nothing more
+
+size_t chunks_of(size_t count) { return (count + kChunk - 1) / kChunk; }
+
+uint64_t spread_bits(uint64_t x) {  // 21 bits to every third place
+  x &= 0x1fffff;
+  x = (x | x << 32) & 0x1f00000000ffffull;
+  x = (x | x << 16) & 0x1f0000ff0000ffull;
+  x = (x | x << 8) & 0x100f00f00f00f00full;
+  x = (x | x << 4) & 0x10c30c30c30c30c3ull;
+  return (x | x << 2) & 0x1249249249249249ull;
+}
+
+// Radii come in steps of 2^(1/4), so that neighbours share cells.
+float quantized(float h) { return std::exp2(std::round(std::log2(h) * 4) / 4); }
+
+}  // namespace
+
+void VisiblePoints::build(Scene& scene, const std::vector<Record>& records, const RadiusMap& radii,
+                          const PointSettings& settings, uint32_t pass, uint32_t seed, const CancelFlag& cancel) {
+  find_cells(scene, records, radii, settings, pass, seed, cancel);
+  pick_points(scene, pass, cancel);
+  fill_blocks(scene, records, cancel);
+}
+
+void VisiblePoints::find_cells(Scene& scene, const std::vector<Record>& records, const RadiusMap& radii,
+                               const PointSettings& s, uint32_t pass, uint32_t seed, const CancelFlag& cancel) {
+  cells_.resize(records.size());
+  Random random(pass, hash_combine(seed, 0x9017u));
+  const Vec3 shift{random.next(), random.next(), random.next()};
+  const float magnitude = std::max(max_abs(scene.bounds().lower), max_abs(scene.bounds().upper));
+  const float smallest = std::max(1e-6f * (std::isfinite(magnitude) ? magnitude : 1.0f), 1e-30f);
+  scene.pool().for_each(chunks_of(records.size()), cancel, [&](size_t c, int) {
+    const size_t end = std::min(records.size(), (c + 1) * kChunk);
+    for (size_t i = c * kChunk; i < end; ++i) {
+      const Record& r = records[i];
+      float h = s.radius_factor * radii.radius(r.key, r.position, s.photons_per_disc, s.paths_per_pass);
+      h = std::max(h, kFootprintFloor * r.footprint);
+      h = std::min({h, radii.largest(), curvature_radius_limit(scene, r.instance, r.triangle)});
+      h = quantized(std::max(h, smallest));
+      uint64_t hash = i;
+      if (s.spacing > 0) {
+        const float inverse = 1 / (s.spacing * h);
+        const auto index = [&](float p, float d) {
+          return static_cast<uint64_t>(static_cast<int64_t>(std::floor(p * inverse + d)));
+        };
+        const uint64_t place = hash64(index(r.position.x, shift.x)) ^ hash64(index(r.position.y, shift.y) + 0x51ed27ull) * 3 ^
+                               hash64(index(r.position.z, shift.z) + 0xa0761dull) * 5;
+        hash = hash64(place ^ (uint64_t{r.key} << 32 | static_cast<uint32_t>(std::lround(std::log2(h) * 4))));
+      }
+      cells_[i] = {hash, static_cast<uint32_t>(i), h};
+    }
+  });
+}
+
+// One record of each cell, drawn at random, gives the point's place. Cells are dealt to shards by their hash and
+// each shard is worked off in record order, so that the outcome does not depend on threads.
+void VisiblePoints::pick_points(Scene& scene, uint32_t pass, const CancelFlag& cancel) {
+  const size_t count = cells_.size(), chunk_count = chunks_of(count);
+  std::vector<uint32_t> dealt(chunk_count * kShards);
+  const auto shard_of = [](uint64_t hash) { return hash >> 58; };
+  scene.pool().for_each(chunk_count, cancel, [&](size_t c, int) {
+    for (size_t i = c * kChunk; i < std::min(count, (c + 1) * kChunk); ++i) ++dealt[c * kShards + shard_of(cells_[i].hash)];
+  });
+  std::vector<uint32_t> first(kShards + 1);
+  uint32_t at = 0;
+  for (size_t shard = 0; shard < kShards; ++shard) {
+    first[shard] = at;
+    for (size_t c = 0; c < chunk_count; ++c) {
+      const uint32_t n = dealt[c * kShards + shard];
+      dealt[c * kShards + shard] = at;
+      at += n;
+    }
+  }
+  first[kShards] = at;
+  std::vector<uint32_t> order(count);
+  scene.pool().for_each(chunk_count, cancel, [&](size_t c, int) {
+    for (size_t i = c * kChunk; i < std::min(count, (c + 1) * kChunk); ++i)
+      order[dealt[c * kShards + shard_of(cells_[i].hash)]++] = static_cast<uint32_t>(i);
+  });
+
+  point_of_record_.resize(count);
+  std::vector<std::vector<Point>> shard_points(kShards);
+  scene.pool().for_each(kShards, cancel, [&](size_t shard, int) {
+    const uint32_t begin = first[shard], end = first[shard + 1];
+    uint32_t capacity = 16;
+    while (capacity < 2 * (end - begin)) capacity *= 2;
+    std::vector<uint32_t> table(capacity, ~0u);  // point number in this shard
+    std::vector<Point>& points = shard_points[shard];
+    std::vector<uint32_t> rank;
+    for (uint32_t k = begin; k < end; ++k) {
+      const uint32_t i = order[k];
+      uint32_t slot = static_cast<uint32_t>(cells_[i].hash) & (capacity - 1);
+      while (table[slot] != ~0u && cells_[points[table[slot]].record].hash != cells_[i].hash) slot = (slot + 1) & (capacity - 1);
+      const uint32_t draw = hash_combine(i, pass);
+      if (table[slot] == ~0u) {
+        table[slot] = static_cast<uint32_t>(points.size());
+        points.push_back({i, cells_[i].h});
+        rank.push_back(draw);
+      } else if (draw < rank[table[slot]]) {
+        points[table[slot]].record = i;
+        rank[table[slot]] = draw;
+      }
+      point_of_record_[i] = table[slot];
+    }
+  });
+  std::vector<uint32_t> offset(kShards + 1);
+  for (size_t shard = 0; shard < kShards; ++shard)
+    offset[shard + 1] = offset[shard] + static_cast<uint32_t>(shard_points[shard].size());
+  points_.resize(offset[kShards]);
+  scene.pool().for_each(kShards, cancel, [&](size_t shard, int) {
+    std::copy(shard_points[shard].begin(), shard_points[shard].end(), points_.begin() + offset[shard]);
+    for (uint32_t k = first[shard]; k < first[shard + 1]; ++k) point_of_record_[order[k]] += offset[shard];
+  });
+}
+
+void VisiblePoints::fill_blocks(Scene& scene, const std::vector<Record>& records, const CancelFlag& cancel) {
+  // Morton order makes blocks compact.
+  Bounds all;
+  for (const Point& p : points_) all.add(records[p.record].position);
+  const Vec3 size = points_.empty() ? Vec3{} : all.upper - all.lower;
+  const float extent = std::max(max_component(size), 1e-30f);
+  std::vector<std::pair<uint64_t, uint32_t>> order(points_.size());
+  for (uint32_t i = 0; i < order.size(); ++i) {
+    const Vec3 q = (records[points_[i].record].position - all.lower) * (2097151.0f / extent);
+    order[i] = {spread_bits(static_cast<uint64_t>(q.x)) | spread_bits(static_cast<uint64_t>(q.y)) << 1 |
+                    spread_bits(static_cast<uint64_t>(q.z)) << 2, i};
+  }
+  std::sort(order.begin(), order.end());
+  std::vector<uint32_t> place(order.size());
+  for (uint32_t i = 0; i < order.size(); ++i) place[order[i].second] = i;
+  scene.pool().for_each(chunks_of(point_of_record_.size()), cancel, [&](size_t c, int) {
+    for (size_t i = c * kChunk; i < std::min(point_of_record_.size(), (c + 1) * kChunk); ++i)
+      point_of_record_[i] = place[point_of_record_[i]];
+  });
+
+  const size_t block_count = (points_.size() + kBlockSize - 1) / kBlockSize;
+  blocks_.resize(block_count);
+  bounds_.resize(block_count);
+  places_.resize(points_.size());
+  keys_.clear();
+  for (const Point& p : points_) keys_.add(records[p.record].key);
+  scene.pool().for_each(block_count, cancel, [&](size_t b, int) {
+    PointBlock& block = blocks_[b];
+    Bounds bounds;
+    for (uint32_t lane = 0; lane < kBlockSize; ++lane) {
+      const size_t at = b * kBlockSize + lane;
+      block.r[lane] = block.g[lane] = block.b[lane] = block.count[lane] = 0;
+      if (at >= order.size()) {
+        block.x[lane] = block.y[lane] = block.z[lane] = block.nx[lane] = block.ny[lane] = block.nz[lane] = 0;
+        block.key[lane] = 0;
+        block.inverse_h2[lane] = 0;
+        block.slab[lane] = -1;
+        block.scale[lane] = 0;
+        continue;
+      }
+      const Point& point = points_[order[at].second];
+      const Record& r = records[point.record];
+      const float h = point.h;
+      places_[at] = {r.instance, r.triangle};
+      block.x[lane] = r.position.x;
+      block.y[lane] = r.position.y;
+      block.z[lane] = r.position.z;
+      block.nx[lane] = r.ng.x;
+      block.ny[lane] = r.ng.y;
+      block.nz[lane] = r.ng.z;
+      block.key[lane] = r.key;
+      block.inverse_h2[lane] = 1 / (h * h);
+      block.slab[lane] = kSlab * h;
+      block.scale[lane] = 2 / (kPi * h * h);
+      bounds.add(r.position - Vec3{h, h, h});
+      bounds.add(r.position + Vec3{h, h, h});
+    }
+    bounds_[b] = bounds;
+  });
+}
+
+void VisiblePoints::correct_boundaries(Scene& scene, const CancelFlag& cancel) {
+  scene.pool().for_each(blocks_.size(), cancel, [&](size_t b, int) {
+    PointBlock& block = blocks_[b];
+    for (uint32_t lane = 0; lane < kBlockSize && b * kBlockSize + lane < places_.size(); ++lane) {
+      const auto [instance, triangle] = places_[b * kBlockSize + lane];
+      block.scale[lane] /= kernel_mass(scene, instance, triangle, {block.x[lane], block.y[lane], block.z[lane]},
+                                       {block.nx[lane], block.ny[lane], block.nz[lane]},
+                                       1 / std::sqrt(block.inverse_h2[lane]));
+    }
+  });
+}
+
+}  // namespace photon_splat

@@ -1,0 +1,60 @@
+// Where irradiance is wanted: points on surfaces, in blocks. They come from records but are no pixels: many records
+// share a point, and the splatter that fills them knows no camera.
+#pragma once
+
+#include "camera_tracer.h"
+#include "kernel_mass.h"
+#include "point_block.h"
+#include "radius_map.h"
+
+namespace photon_splat {
+
+struct PointSettings {
+  double photons_per_disc = 0;   // wanted in each kernel disc from one pass
+  double paths_per_pass = 0;
+  float radius_factor = 1;       // user's scale times the shrinking over passes
+  float spacing = 1.0f / 3.0f;   // of points, in kernel radii; 0: a point per record
+  bool boundary_correction = true;
+};
+
+class VisiblePoints {
+ public:
+  // Chooses radii and points for `records`; `pass` decides the random places of the cells.
+  void build(Scene& scene, const std::vector<Record>& records, const RadiusMap& radii, const PointSettings& settings,
+             uint32_t pass, uint32_t seed, const CancelFlag& cancel);
+
+  // Kernel masses of all points (the seed's boundary term), kept apart so that it can be timed.
+  void correct_boundaries(Scene& scene, const CancelFlag& cancel);
+
+  size_t size() const { return points_.size(); }
+  std::vector<PointBlock>& blocks() { return blocks_; }
+  const std::vector<PointBlock>& blocks() const { return blocks_; }
+  const std::vector<Bounds>& block_bounds() const { return bounds_; }  // grown by the kernel radii
+  const KeyFilter& keys() const { return keys_; }
+  uint32_t point_of_record(size_t record) const { return point_of_record_[record]; }
+
+ private:
+  struct Point {
+    uint32_t record;
+    float h;
+  };
+  struct Cell {
+    uint64_t hash;
+    uint32_t record;
+    float h;
+  };
+  void find_cells(Scene& scene, const std::vector<Record>& records, const RadiusMap& radii, const PointSettings& s,
+                  uint32_t pass, uint32_t seed, const CancelFlag& cancel);
+  void pick_points(Scene& scene, uint32_t pass, const CancelFlag& cancel);
+  void fill_blocks(Scene& scene, const std::vector<Record>& records, const CancelFlag& cancel);
+
+  std::vector<Cell> cells_;
+  std::vector<Point> points_;
+  std::vector<std::pair<uint32_t, uint32_t>> places_;  // instance and triangle per point, in block order
+  std::vector<uint32_t> point_of_record_;
+  std::vector<PointBlock> blocks_;
+  std::vector<Bounds> bounds_;
+  KeyFilter keys_;
+};
+
+}  // namespace photon_splat
