@@ -1,0 +1,87 @@
+#include "sampling.h"
+
+#include <doctest/doctest.h>
+
+#include <set>
+
+using namespace photon_splat;
+
+namespace {
+
+// Means of f over a scrambled Sobol' set: exact to about 1/n for smooth f.
+template <class F>
+double mean_over_square(F&& f) {
+  constexpr uint32_t count = 1 << 14;
+  double sum = 0;
+  for (uint32_t i = 0; i < count; ++i) sum += f(sobol_2d(i, 0, 1));
+  return sum / count;
+}
+
+}  // namespace
+
+TEST_CASE("the first 2^m points of each pair of dimensions are a (0, m, 2)-net") {
+  constexpr int m = 8, count = 1 << m;
+  for (uint32_t dimension : {0u, 1u, 17u})
+    for (uint32_t seed : {0u, 5u})
+      for (int bits_x = 0; bits_x <= m; ++bits_x) {
+        std::set<std::pair<int, int>> cells;
+        for (uint32_t i = 0; i < count; ++i) {
+          const Vec2 p = sobol_2d(i, dimension, seed);
+          REQUIRE(p.x >= 0);
+          REQUIRE(p.x < 1);
+          REQUIRE(p.y >= 0);
+          REQUIRE(p.y < 1);
+          cells.insert({int(p.x * float(1 << bits_x)), int(p.y * float(1 << (m - bits_x)))});
+        }
+        CHECK(cells.size() == count);
+      }
+}
+
+TEST_CASE("random streams of neighbouring indices and seeds are uniform and independent") {
+  constexpr int count = 20000;
+  for (uint32_t seed : {0u, 1u}) {
+    double sum = 0, squares = 0, product = 0;
+    for (uint64_t i = 0; i < count; ++i) {
+      const float a = Random(i, seed).next(), b = Random(i + 1, seed).next();
+      REQUIRE(a >= 0);
+      REQUIRE(a < 1);
+      sum += a;
+      squares += double(a) * a;
+      product += (a - 0.5) * (b - 0.5);
+    }
+    CHECK(sum / count == doctest::Approx(0.5).epsilon(0.02));
+    CHECK(squares / count == doctest::Approx(1.0 / 3).epsilon(0.02));
+    CHECK(std::abs(product / count) < 4.0 / 12 / std::sqrt(count));
+  }
+}
+
+TEST_CASE("the disc map is uniform in area and stays in the disc") {
+  CHECK(mean_over_square([](Vec2 u) { const Vec2 d = sample_disk(u); return d.x * d.x + d.y * d.y; }) == doctest::Approx(0.5).epsilon(1e-3));
+  CHECK(mean_over_square([](Vec2 u) { return sample_disk(u).x; }) == doctest::Approx(0).epsilon(1e-3));
+  CHECK(mean_over_square([](Vec2 u) { const Vec2 d = sample_disk(u); return d.x * d.x + d.y * d.y > 1.000001f; }) == 0);
+}
+
+TEST_CASE("the cosine-weighted hemisphere has the moments of cos/pi") {
+  const auto z = [](Vec2 u) { return double(sample_cosine_hemisphere(u).z); };
+  CHECK(mean_over_square(z) == doctest::Approx(2.0 / 3).epsilon(1e-3));
+  CHECK(mean_over_square([&](Vec2 u) { return z(u) * z(u); }) == doctest::Approx(0.5).epsilon(1e-3));
+}
+
+TEST_CASE("the sphere is uniform") {
+  for (int axis = 0; axis < 3; ++axis) {
+    CHECK(std::abs(mean_over_square([&](Vec2 u) { return double(sample_sphere(u)[axis]); })) < 1e-3);
+    CHECK(mean_over_square([&](Vec2 u) { return std::pow(double(sample_sphere(u)[axis]), 2); }) == doctest::Approx(1.0 / 3).epsilon(1e-3));
+  }
+}
+
+TEST_CASE("cones are uniform in solid angle, hemispheres and tiny ones alike") {
+  for (float one_minus_cos : {1.0f, 0.1f, 1e-8f}) {
+    const auto drop = [&](Vec2 u) {  // 1 - cos, from the sine: exact where 1 - z is not
+      const Vec3 d = sample_cone(u, one_minus_cos);
+      const double sine2 = double(d.x) * d.x + double(d.y) * d.y;
+      return sine2 / (1 + d.z);
+    };
+    CHECK(mean_over_square(drop) == doctest::Approx(one_minus_cos / 2).epsilon(1e-3));
+    CHECK(mean_over_square([&](Vec2 u) { return drop(u) > one_minus_cos * 1.00001; }) == 0);
+  }
+}
