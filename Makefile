@@ -4,6 +4,8 @@
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
+# ninja and the renderer already use all cores, and Blender prints from several threads.
+.NOTPARALLEL:
 
 SCENE ?= blend_scenes/cornell_box.blend
 NAME := $(basename $(notdir $(SCENE)))
@@ -25,16 +27,16 @@ IN_VENV = PATH="$(CURDIR)/$(@D)/bin:$$PATH"
 help:
 	@sed -n 's/^\([a-z-]*\):.*## /  make \1\t/p' $(MAKEFILE_LIST) | expand -t 20
 
-setup: $(VENV)/.addon ## virtual environment with Blender as a module, the native module and the add-on
-setup-old: $(VENV_OLD)/.addon ## the same for Python 3.11 and Blender 4.5 LTS
+setup: $(VENV)/.native $(VENV)/.addon ## virtual environment with Blender as a module, the native module and the add-on
+setup-old: $(VENV_OLD)/.native $(VENV_OLD)/.addon ## the same for Python 3.11 and Blender 4.5 LTS
 
 # --- set-up: each step leaves a stamp, so that nothing is done twice ------------------------------------------------
 
-$(VENV)/.made: tools/find_python.sh
+$(VENV)/.made:
 	@python=$$(tools/find_python.sh 3.13 3.11) && echo "== $(VENV): $$python" && "$$python" -m venv --clear $(VENV)
 	@touch $@
 
-$(VENV_OLD)/.made: tools/find_python.sh
+$(VENV_OLD)/.made:
 	@python=$$(tools/find_python.sh 3.11) && echo "== $(VENV_OLD): $$python" && "$$python" -m venv --clear $(VENV_OLD)
 	@touch $@
 
@@ -48,7 +50,7 @@ $(VENV_OLD)/.made: tools/find_python.sh
 	$(IN_VENV) $(@D)/bin/python -m pip install --disable-pip-version-check --no-build-isolation --no-deps --force-reinstall -v ./native
 	@touch $@
 
-%/.addon: %/.native pyproject.toml
+%/.addon: %/.packages pyproject.toml setup.py $(wildcard addon/__init__.py)
 	@echo "== $(@D): installing the add-on (editable)"
 	$(@D)/bin/python -m pip install --disable-pip-version-check --no-build-isolation --no-deps -q -e .
 	@touch $@

@@ -6,9 +6,6 @@
 
 function(add_simd_kernel file)
   set(path "${CMAKE_CURRENT_SOURCE_DIR}/src/simd/${file}")
-  if(NOT EXISTS "${path}")
-    return()
-  endif()
   target_sources(photon_splat_core PRIVATE "${path}")
   set_source_files_properties("${path}" PROPERTIES COMPILE_OPTIONS "${ARGN}")
 endfunction()
