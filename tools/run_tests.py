@@ -1,6 +1,6 @@
 """Runs the Python tests, each folder of tests/ in a pytest process of its own.
 
-Usage: run_tests.py [--time-limit SECONDS] [FOLDER ...] [pytest options]
+Usage: run_tests.py [--time-limit SECONDS] [-m MARKER] [FOLDER ...]
 
 Blender keeps its state for a whole process, may hang when it exits, and may die there after the last test has passed. So
 every process gets a clean Blender user folder and a time limit, and writes pytest's exit status to a file before it
@@ -35,7 +35,9 @@ def main() -> int:
     parser = argparse.ArgumentParser(description="Run the Python tests.")
     parser.add_argument("--time-limit", type=float, default=600.0, help="seconds for all folders together")
     parser.add_argument("folders", nargs="*", help="test folders (default: each folder of tests/ that has tests)")
-    options, pytest_options = parser.parse_known_args()
+    parser.add_argument("-m", dest="marker", help="only tests with this marker")
+    options = parser.parse_args()
+    pytest_options = ["-m", options.marker] if options.marker else []
     folders = [Path(folder).resolve() for folder in options.folders] or all_folders()
     deadline = time.monotonic() + options.time_limit
 
