@@ -60,13 +60,13 @@ float curvature_radius_limit(const Scene& scene, uint32_t instance, uint32_t tri
   return curvature > 0 ? kRadiusOverCurvature * placed.scale / curvature : INFINITY;
 }
 
-float kernel_mass(const Scene& scene, uint32_t instance, uint32_t triangle, const Vec3& x, const Vec3& normal, float h) {
+KernelMass kernel_mass(const Scene& scene, uint32_t instance, uint32_t triangle, const Vec3& x, const Vec3& normal, float h) {
   const Instance& placed = scene.instances[instance];
   const Mesh& mesh = scene.meshes[placed.mesh];
   const Topology& topology = mesh.topology;
   const uint32_t patch = topology.patch[triangle];
   const uint32_t first = topology.first_edge[patch], count = topology.first_edge[patch + 1] - first;
-  if (!count) return 1;
+  if (!count) return {1, topology.planar[patch] != 0};
 
   // The side about which edges run counter-clockwise in world space.
   const auto world_front = [&](const BoundaryEdge& edge) {
@@ -93,7 +93,7 @@ float kernel_mass(const Scene& scene, uint32_t instance, uint32_t triangle, cons
       if (project(x, world_front(edge), h, world(edge.a), world(edge.b), e)) mass -= mass_beyond(e);
     });
   }
-  return std::max(static_cast<float>(mass), kSmallestMass);
+  return {std::max(static_cast<float>(mass), kSmallestMass), topology.planar[patch] != 0};
 }
 
 }  // namespace photon_splat

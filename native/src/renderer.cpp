@@ -6,7 +6,7 @@ namespace photon_splat {
 namespace {
 
 constexpr uint64_t kPilotPaths = 65536;
-constexpr double kPhotonsPerDisc = 40;   // from one pass, before radii shrink
+constexpr double kPhotonsPerDisc = 100;  // from one pass, before radii shrink
 constexpr double kShrinkExponent = -1.0 / 6.0;  // h ~ pass^(-1/6): variance and squared bias fall alike (Knaus & Zwicker 2011)
 
 class Timer {

@@ -129,14 +129,18 @@ Topology build_topology(const std::vector<Vec3>& positions, const std::vector<Tr
     }
   }
 
+  // A crease between triangles that are joined some other way round is no end: photons beyond it count.
+  const auto is_boundary = [&](uint32_t half) {
+    return partner[half] == kNone || out.patch[half / 3] != out.patch[partner[half] / 3];
+  };
   out.first_edge.assign(patches + 1, 0);
   for (uint32_t h = 0; h < 3 * count; ++h)
-    if (!joined(h)) ++out.first_edge[out.patch[h / 3] + 1];
+    if (is_boundary(h)) ++out.first_edge[out.patch[h / 3] + 1];
   std::partial_sum(out.first_edge.begin(), out.first_edge.end(), out.first_edge.begin());
   out.edges.resize(out.first_edge.back());
   std::vector<uint32_t> next(out.first_edge.begin(), out.first_edge.end() - 1);
   for (uint32_t h = 0; h < 3 * count; ++h) {
-    if (joined(h)) continue;
+    if (!is_boundary(h)) continue;
     const Triangle& t = triangles[h / 3];
     const uint32_t patch = out.patch[h / 3];
     out.edges[next[patch]++] = {positions[t[h % 3]], positions[t[(h + 1) % 3]], normal[h / 3], patch};

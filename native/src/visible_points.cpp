@@ -8,6 +8,8 @@ namespace {
 constexpr size_t kChunk = 4096;
 constexpr size_t kShards = 64;
 constexpr float kSlab = 0.5f;             // of h: thickness of the domain on either side of the tangent plane
+constexpr float kTrustedMass = 0.2f;      // of a curved patch
+constexpr int kMostHalvings = 6;
 constexpr float kFootprintFloor = 2.0f;   // a kernel narrower than this many camera samples shows nothing more
 
 size_t chunks_of(size_t count) { return (count + kChunk - 1) / kChunk; }
@@ -190,9 +192,18 @@ void VisiblePoints::correct_boundaries(Scene& scene, const CancelFlag& cancel) {
     PointBlock& block = blocks_[b];
     for (uint32_t lane = 0; lane < kBlockSize && b * kBlockSize + lane < places_.size(); ++lane) {
       const auto [instance, triangle] = places_[b * kBlockSize + lane];
-      block.scale[lane] /= kernel_mass(scene, instance, triangle, {block.x[lane], block.y[lane], block.z[lane]},
-                                       {block.nx[lane], block.ny[lane], block.nz[lane]},
-                                       1 / std::sqrt(block.inverse_h2[lane]));
+      const Vec3 x{block.x[lane], block.y[lane], block.z[lane]}, n{block.nx[lane], block.ny[lane], block.nz[lane]};
+      float h = 1 / std::sqrt(block.inverse_h2[lane]);
+      KernelMass m = kernel_mass(scene, instance, triangle, x, n, h);
+      // Where edges crowd on a curved patch the mass is a guess: a smaller disc sees fewer of them.
+      for (int halving = 0; !m.exact && m.mass < kTrustedMass && halving < kMostHalvings; ++halving) {
+        h *= 0.5f;
+        m = kernel_mass(scene, instance, triangle, x, n, h);
+      }
+      if (!m.exact) m.mass = std::max(m.mass, kTrustedMass);
+      block.inverse_h2[lane] = 1 / (h * h);
+      block.slab[lane] = kSlab * h;
+      block.scale[lane] = 2 / (kPi * h * h * m.mass);
     }
   });
 }
