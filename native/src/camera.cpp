@@ -5,7 +5,7 @@
 namespace photon_splat {
 namespace {
 
-constexpr int kFilterTable = 1024;
+constexpr int kFilterTable = 4096;
 
 // Filter value at t in -1/2 .. 1/2 of its width; the shapes are those of Cycles' pixel filters.
 float filter_value(FilterKind kind, float t) {
@@ -33,21 +33,24 @@ Camera::Camera(const CameraSettings& settings) : s_(settings) {
   back_ = m.column(2);
   position_ = {m.m[3], m.m[7], m.m[11]};
   if (s_.filter == FilterKind::kBox) s_.filter_width = 1;
-  filter_cdf_.resize(kFilterTable);
+  std::vector<double> cdf(kFilterTable);
   double sum = 0;
-  for (int i = 0; i < kFilterTable; ++i) {
-    sum += std::max(0.0f, filter_value(s_.filter, (static_cast<float>(i) + 0.5f) / kFilterTable - 0.5f));
-    filter_cdf_[i] = static_cast<float>(sum);
+  for (int i = 0; i < kFilterTable; ++i)
+    cdf[i] = sum += std::max(0.0f, filter_value(s_.filter, (static_cast<float>(i) + 0.5f) / kFilterTable - 0.5f));
+  filter_quantiles_.resize(kFilterTable + 1);
+  int bin = 0;
+  for (int i = 0; i <= kFilterTable; ++i) {
+    const double target = sum * i / kFilterTable;
+    while (bin + 1 < kFilterTable && cdf[bin] < target) ++bin;
+    const double before = bin ? cdf[bin - 1] : 0, inside = (target - before) / (cdf[bin] - before);
+    filter_quantiles_[i] = static_cast<float>(((bin + std::clamp(inside, 0.0, 1.0)) / kFilterTable - 0.5) * s_.filter_width);
   }
 }
 
 float Camera::filter_offset(float u) const {
-  const float target = u * filter_cdf_.back();
-  size_t bin = std::upper_bound(filter_cdf_.begin(), filter_cdf_.end(), target) - filter_cdf_.begin();
-  bin = std::min(bin, filter_cdf_.size() - 1);
-  const float before = bin ? filter_cdf_[bin - 1] : 0, share = filter_cdf_[bin] - before;
-  const float inside = share > 0 ? (target - before) / share : 0.5f;
-  return ((static_cast<float>(bin) + inside) / kFilterTable - 0.5f) * s_.filter_width;
+  const float at = u * kFilterTable;
+  const int i = std::min(static_cast<int>(at), kFilterTable - 1);
+  return filter_quantiles_[i] + (filter_quantiles_[i + 1] - filter_quantiles_[i]) * (at - static_cast<float>(i));
 }
 
 CameraRay Camera::ray(int x, int y, const Vec2& u) const {

@@ -44,7 +44,7 @@ class Camera {
 
   CameraSettings s_;
   Vec3 right_, up_, back_, position_;
-  std::vector<float> filter_cdf_;
+  std::vector<float> filter_quantiles_;  // offset in pixels at equal steps of probability
 };
 
 }  // namespace photon_splat

@@ -79,11 +79,19 @@ KernelMass kernel_mass(const Scene& scene, uint32_t instance, uint32_t triangle,
   double mass;
   EdgeInPlane e;
   if (topology.planar[patch] && count <= kFewEdges) {
-    mass = 0;
+    EdgeInPlane edges[kFewEdges];
+    uint32_t used = 0;
+    bool cut = false;
     for (uint32_t i = first; i < first + count; ++i) {
       const BoundaryEdge& edge = topology.edges[i];
-      if (project(x, world_front(edge), h, world(edge.a), world(edge.b), e)) mass += triangle_mass(e);
+      if (!project(x, world_front(edge), h, world(edge.a), world(edge.b), e)) continue;
+      edges[used++] = e;
+      const double half2 = 1 - e.distance * e.distance;  // does it come within the disc?
+      cut |= half2 > 0 && (e.begin < 0 || e.begin * e.begin < half2) && (e.end > 0 || e.end * e.end < half2);
     }
+    if (!cut) return {1, true};
+    mass = 0;
+    for (uint32_t i = 0; i < used; ++i) mass += triangle_mass(edges[i]);
   } else {
     mass = 1;
     const Vec3 local = placed.shared ? placed.to_local.point(x) : x;

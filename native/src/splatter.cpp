@@ -1,18 +1,17 @@
 #include "splatter.h"
 
+#include <bit>
 #include <stdexcept>
+
+#if defined(__SSE2__)
+#include <emmintrin.h>
+#endif
 
 namespace photon_splat {
 namespace {
 
 constexpr size_t kFanout = 4;
 constexpr size_t kChunk = 4096;
-
-bool contains(const Bounds& b, const Vec3& p) {
-  // Bitwise: the branches of a logical chain would be mispredicted.
-  return (p.x >= b.lower.x) & (p.x <= b.upper.x) & (p.y >= b.lower.y) & (p.y <= b.upper.y) & (p.z >= b.lower.z) &
-         (p.z <= b.upper.z);
-}
 
 }  // namespace
 
@@ -34,36 +33,59 @@ SplatKernel choose_kernel(const std::string& name, std::string* chosen) {
   throw std::invalid_argument("the splatting kernel '" + name + "' does not run on this machine");
 }
 
-void Splatter::set_blocks(const std::vector<Bounds>& bounds) {
-  levels_.assign(1, bounds);
-  while (levels_.back().size() > kFanout) {
-    const std::vector<Bounds>& below = levels_.back();
-    std::vector<Bounds> level((below.size() + kFanout - 1) / kFanout);
-    for (size_t i = 0; i < below.size(); ++i) level[i / kFanout].add(below[i]);
-    levels_.push_back(std::move(level));
+Splatter::Node Splatter::make_node(const std::vector<Bounds>& bounds, size_t first) {
+  Node node;
+  for (size_t k = 0; k < kFanout; ++k) {
+    const Bounds b = first + k < bounds.size() ? bounds[first + k] : Bounds{};  // an empty one holds nothing
+    node.lower_x[k] = b.lower.x; node.lower_y[k] = b.lower.y; node.lower_z[k] = b.lower.z;
+    node.upper_x[k] = b.upper.x; node.upper_y[k] = b.upper.y; node.upper_z[k] = b.upper.z;
   }
+  return node;
+}
+
+// Bit k tells whether child k holds p.
+unsigned Splatter::holding(const Node& n, const Vec3& p) {
+#if defined(__SSE2__)
+  const __m128 x = _mm_set1_ps(p.x), y = _mm_set1_ps(p.y), z = _mm_set1_ps(p.z);
+  const __m128 in_x = _mm_and_ps(_mm_cmpge_ps(x, _mm_load_ps(n.lower_x)), _mm_cmple_ps(x, _mm_load_ps(n.upper_x)));
+  const __m128 in_y = _mm_and_ps(_mm_cmpge_ps(y, _mm_load_ps(n.lower_y)), _mm_cmple_ps(y, _mm_load_ps(n.upper_y)));
+  const __m128 in_z = _mm_and_ps(_mm_cmpge_ps(z, _mm_load_ps(n.lower_z)), _mm_cmple_ps(z, _mm_load_ps(n.upper_z)));
+  return static_cast<unsigned>(_mm_movemask_ps(_mm_and_ps(in_x, _mm_and_ps(in_y, in_z))));
+#else
+  unsigned mask = 0;
+  for (unsigned k = 0; k < kFanout; ++k)
+    mask |= unsigned((p.x >= n.lower_x[k]) & (p.x <= n.upper_x[k]) & (p.y >= n.lower_y[k]) & (p.y <= n.upper_y[k]) &
+                     (p.z >= n.lower_z[k]) & (p.z <= n.upper_z[k])) << k;
+  return mask;
+#endif
+}
+
+void Splatter::set_blocks(const std::vector<Bounds>& bounds) {
+  levels_.clear();
+  std::vector<Bounds> below = bounds;
+  do {
+    std::vector<Node> level;
+    std::vector<Bounds> around((below.size() + kFanout - 1) / kFanout);
+    for (size_t i = 0; i < below.size(); ++i) around[i / kFanout].add(below[i]);
+    for (size_t i = 0; i < below.size(); i += kFanout) level.push_back(make_node(below, i));
+    levels_.push_back(std::move(level));
+    below = std::move(around);
+  } while (below.size() > 1);
 }
 
 void Splatter::find_blocks(const Vec3& p, uint32_t photon, std::vector<Pair>& out) const {
   struct Entry {
-    uint32_t level, first, end;
+    uint32_t level, node;
   };
-  Entry stack[64];
+  Entry stack[64];  // at most 3 entries wait on each of the 16 levels that 2^32 blocks would have
   int top = 0;
-  const uint32_t root = static_cast<uint32_t>(levels_.size()) - 1;
-  stack[top++] = {root, 0, static_cast<uint32_t>(levels_[root].size())};
+  stack[top++] = {static_cast<uint32_t>(levels_.size()) - 1, 0};
   while (top) {
     const Entry e = stack[--top];
-    const Bounds* bounds = levels_[e.level].data();
-    for (uint32_t i = e.first; i < e.end; ++i) {
-      if (!contains(bounds[i], p)) continue;
-      if (e.level == 0) {
-        out.push_back({i, photon});
-      } else {
-        const uint32_t first = i * kFanout;
-        stack[top++] = {e.level - 1, first,
-                        std::min<uint32_t>(first + kFanout, static_cast<uint32_t>(levels_[e.level - 1].size()))};
-      }
+    for (unsigned mask = holding(levels_[e.level][e.node], p); mask; mask &= mask - 1) {
+      const uint32_t child = e.node * kFanout + static_cast<uint32_t>(std::countr_zero(mask));
+      if (e.level == 0) out.push_back({child, photon});
+      else stack[top++] = {e.level - 1, child};
     }
   }
 }

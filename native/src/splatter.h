@@ -30,11 +30,17 @@ class Splatter {
   struct Pair {
     uint32_t block, photon;
   };
+  // Four neighbours of one level: which of them hold a point is one vector comparison.
+  struct alignas(16) Node {
+    float lower_x[4], lower_y[4], lower_z[4], upper_x[4], upper_y[4], upper_z[4];
+  };
+  static Node make_node(const std::vector<Bounds>& bounds, size_t first);
+  static unsigned holding(const Node& node, const Vec3& p);
   void find_blocks(const Vec3& p, uint32_t photon, std::vector<Pair>& out) const;
 
   std::string kernel_name_;
   SplatKernel kernel_;
-  std::vector<std::vector<Bounds>> levels_;  // level 0: blocks; each further level bounds kFanout of the one below
+  std::vector<std::vector<Node>> levels_;  // level 0: the blocks by fours; each further level the nodes of the one below
   std::vector<std::vector<Pair>> chunk_pairs_;
   std::vector<uint32_t> first_, order_;
   uint64_t pairs_ = 0;
