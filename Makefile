@@ -43,6 +43,7 @@ $(VENV_OLD)/.made:
 %/.packages: %/.made requirements-dev.txt
 	@echo "== $(@D): installing packages (Blender is about 400 MB)"
 	$(@D)/bin/python -m pip install --disable-pip-version-check -r requirements-dev.txt
+	$(@D)/bin/python tools/fetch_libraries.py
 	@touch $@
 
 %/.native: %/.packages $(NATIVE_SOURCES)
@@ -128,4 +129,4 @@ wheel: setup ## dist/*.whl of the native module and of the add-on
 	PATH="$(CURDIR)/$(VENV)/bin:$$PATH" $(PY) -m pip wheel --disable-pip-version-check --no-build-isolation --no-deps -w dist ./native .
 
 clean: ## removes everything that was built, installed or rendered
-	rm -rf $(VENV) $(VENV_OLD) build dist out native/.cache *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) $(VENV_OLD) build dist out .cache native/.cache *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
