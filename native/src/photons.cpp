@@ -4,40 +4,80 @@
 
 namespace photon_splat {
 namespace {
-constexpr uint64_t kPathsPerChunk = 2048;
+constexpr uint64_t kPathsPerChunk = 1024;  // their state stays in the cache
 }
 
-void PhotonTracer::trace_path(uint64_t index, double total, uint32_t seed, const KeyFilter& visible, Chunk& out) const {
-  PhotonStart start = lights_.emit(index, seed);
-  Rgb power = start.power * static_cast<float>(1.0 / total);
-  const float reference = max_component(power);  // survivors keep this power: Russian roulette takes the rest
-  if (!(reference > 0) || !std::isfinite(reference)) return;
-  Random random(index, seed);
-  Vec3 origin = start.origin, direction = start.direction;
-  Surface hit;
-  for (int bounce = 0; bounce <= max_bounces_; ++bounce) {
-    ++out.rays;
-    if (ray_log) {
-      const float ray[8] = {origin.x, origin.y, origin.z, 0, direction.x, direction.y, direction.z, INFINITY};
-      out.ray_log.insert(out.ray_log.end(), ray, ray + 8);
+// Stores a photon where one belongs and sends the path on; false where it ends.
+bool PhotonTracer::shade(Path& path, int bounce, const Surface& hit, uint32_t seed, const KeyFilter& visible, Vec3& origin,
+                         Vec3& direction, std::vector<Photon>& photons) const {
+  if (bounce == 0 && !path.start.accepts(hit.position)) return false;
+  const float cos_shading = -dot(direction, hit.ns), cos_geometric = -dot(direction, hit.ng);
+  if (cos_shading <= 0 || cos_geometric <= 0) return false;
+  // Density on the surface measures the geometric cosine; the BSDF wants the shading one (Veach 1997, section 5.3).
+  path.power *= cos_shading / cos_geometric;
+  if (bounce > 0 && visible.contains(hit.key))
+    photons.push_back({hit.position, hit.key, encode_direction(-direction), path.power});
+  if (bounce == max_bounces_) return false;
+  path.power *= scene_.albedo(hit);
+  const float survival = std::min(1.0f, max_component(path.power) / path.reference);
+  if (!(survival > 0) || path.random.next() >= survival) return false;
+  path.power *= 1 / survival;
+  const Vec3 local = sample_cosine_hemisphere(
+      bounce == 0 ? sobol_2d(static_cast<uint32_t>(path.index), 3, seed) : path.random.next2());
+  if (!(local.z > 0)) return false;
+  origin = hit.position + hit.ng * ray_epsilon(hit.position, hit.distance);
+  direction = Basis(hit.ng).to_world(local);
+  return true;
+}
+
+// All paths of a chunk advance by one ray at a time, in packets.
+void PhotonTracer::trace_chunk(uint64_t first, uint64_t count, double total, uint32_t seed, const KeyFilter& visible,
+                               Chunk& chunk) const {
+  chunk.photons.clear();
+  chunk.ray_log.clear();
+  chunk.rays = 0;
+  chunk.paths.clear();
+  chunk.origins.clear();
+  chunk.directions.clear();
+  for (uint64_t index = first; index < first + count; ++index) {
+    Path path;
+    path.start = lights_.emit(index, seed);
+    path.power = path.start.power * static_cast<float>(1.0 / total);
+    path.reference = max_component(path.power);
+    path.random = Random(index, seed);
+    path.index = index;
+    if (!(path.reference > 0) || !std::isfinite(path.reference)) continue;
+    chunk.paths.push_back(path);
+    chunk.origins.push_back(path.start.origin);
+    chunk.directions.push_back(path.start.direction);
+  }
+  Surface hits[Scene::kPacket];
+  for (int bounce = 0; bounce <= max_bounces_ && !chunk.paths.empty(); ++bounce) {
+    const uint32_t alive = static_cast<uint32_t>(chunk.paths.size());
+    chunk.rays += alive;
+    uint32_t kept = 0;
+    for (uint32_t begin = 0; begin < alive; begin += Scene::kPacket) {
+      const uint32_t lanes = std::min(Scene::kPacket, alive - begin);
+      if (ray_log)
+        for (uint32_t i = begin; i < begin + lanes; ++i) {
+          const Vec3 o = chunk.origins[i], d = chunk.directions[i];
+          const float ray[8] = {o.x, o.y, o.z, 0, d.x, d.y, d.z, INFINITY};
+          chunk.ray_log.insert(chunk.ray_log.end(), ray, ray + 8);
+        }
+      const unsigned found = scene_.intersect_packet(&chunk.origins[begin], &chunk.directions[begin], lanes, hits);
+      for (uint32_t k = 0; k < lanes; ++k) {
+        if (!(found >> k & 1)) continue;
+        Path path = chunk.paths[begin + k];
+        Vec3 origin = chunk.origins[begin + k], direction = chunk.directions[begin + k];
+        if (!shade(path, bounce, hits[k], seed, visible, origin, direction, chunk.photons)) continue;
+        chunk.paths[kept] = path;
+        chunk.origins[kept] = origin;
+        chunk.directions[kept++] = direction;
+      }
     }
-    if (!scene_.intersect(origin, direction, 0, INFINITY, false, hit)) return;
-    if (bounce == 0 && !start.accepts(hit.position)) return;
-    const float cos_shading = -dot(direction, hit.ns), cos_geometric = -dot(direction, hit.ng);
-    if (cos_shading <= 0 || cos_geometric <= 0) return;
-    // Density on the surface measures the geometric cosine; the BSDF wants the shading one (Veach 1997, section 5.3).
-    power *= cos_shading / cos_geometric;
-    if (bounce > 0 && visible.contains(hit.key))
-      out.photons.push_back({hit.position, hit.key, encode_direction(-direction), power});
-    power *= scene_.albedo(hit);
-    const float survival = std::min(1.0f, max_component(power) / reference);
-    if (!(survival > 0) || random.next() >= survival) return;
-    power *= 1 / survival;
-    const Vec3 local = sample_cosine_hemisphere(bounce == 0 ? sobol_2d(static_cast<uint32_t>(index), 3, seed)
-                                                            : random.next2());
-    if (!(local.z > 0)) return;
-    origin = hit.position + hit.ng * ray_epsilon(hit.position, hit.distance);
-    direction = Basis(hit.ng).to_world(local);
+    chunk.paths.resize(kept);
+    chunk.origins.resize(kept);
+    chunk.directions.resize(kept);
   }
 }
 
@@ -48,12 +88,8 @@ const std::vector<Photon>& PhotonTracer::trace(uint64_t first, uint64_t count, d
   const size_t chunk_count = (count + kPathsPerChunk - 1) / kPathsPerChunk;
   if (chunks_.size() < chunk_count) chunks_.resize(chunk_count);
   scene_.pool().for_each(chunk_count, cancel, [&](size_t c, int) {
-    Chunk& chunk = chunks_[c];
-    chunk.photons.clear();
-    chunk.ray_log.clear();
-    chunk.rays = 0;
-    const uint64_t end = std::min(count, (c + 1) * kPathsPerChunk);
-    for (uint64_t i = c * kPathsPerChunk; i < end; ++i) trace_path(first + i, total, seed, visible, chunk);
+    const uint64_t begin = c * kPathsPerChunk;
+    trace_chunk(first + begin, std::min(kPathsPerChunk, count - begin), total, seed, visible, chunks_[c]);
   });
   std::vector<size_t> offset(chunk_count + 1);
   for (size_t c = 0; c < chunk_count; ++c) {

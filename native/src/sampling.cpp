@@ -3,18 +3,19 @@
 namespace photon_splat {
 namespace {
 
-// The second Sobol' dimension in bit-reversed form: table[byte][value] is the XOR of the direction numbers of that byte's set bits.
+// The second Sobol' dimension with its bits reversed: table[byte][value] is the XOR of the reversed direction numbers of
+// that byte's set bits. Reversed, a point can be scrambled without turning its bits round first.
 struct SecondDimension {
   uint32_t table[4][256];
 
   constexpr SecondDimension() : table{} {
-    uint32_t direction[32] = {};
-    direction[0] = 0x80000000u;
-    for (int i = 1; i < 32; ++i) direction[i] = direction[i - 1] ^ (direction[i - 1] >> 1);
-    for (int byte = 0; byte < 4; ++byte)
+    uint32_t direction = 0x80000000u;
+    for (int i = 0; i < 32; ++i, direction ^= direction >> 1) {
+      uint32_t reversed = 0;
+      for (int bit = 0; bit < 32; ++bit) reversed |= (direction >> bit & 1) << (31 - bit);
       for (int value = 0; value < 256; ++value)
-        for (int bit = 0; bit < 8; ++bit)
-          if (value >> bit & 1) table[byte][value] ^= direction[byte * 8 + bit];
+        if (value >> (i % 8) & 1) table[i / 8][value] ^= reversed;
+    }
   }
 };
 constexpr SecondDimension kSecond;
@@ -35,18 +36,17 @@ uint32_t owen_scramble_reversed(uint32_t x, uint32_t seed) {
   x ^= x * 0x53a22864u;
   return x;
 }
-uint32_t owen_scramble(uint32_t x, uint32_t seed) { return reverse_bits(owen_scramble_reversed(reverse_bits(x), seed)); }
 
 }  // namespace
 
 Vec2 sobol_2d(uint32_t index, uint32_t dimension, uint32_t seed) {
   const uint32_t key = hash_combine(seed, dimension);
-  const uint32_t i = owen_scramble(index, key);
-  const uint32_t first = reverse_bits(i);
-  const uint32_t second = kSecond.table[0][i & 255] ^ kSecond.table[1][i >> 8 & 255] ^
-                          kSecond.table[2][i >> 16 & 255] ^ kSecond.table[3][i >> 24];
-  return {to_unit_float(owen_scramble(first, hash32(key ^ 0x68bc21ebu))),
-          to_unit_float(owen_scramble(second, hash32(key ^ 0x02e5be93u)))};
+  // The shuffled index; its first Sobol' dimension is its bits reversed, so that the index itself is that dimension reversed.
+  const uint32_t i = reverse_bits(owen_scramble_reversed(reverse_bits(index), key));
+  const uint32_t second_reversed = kSecond.table[0][i & 255] ^ kSecond.table[1][i >> 8 & 255] ^
+                                   kSecond.table[2][i >> 16 & 255] ^ kSecond.table[3][i >> 24];
+  return {to_unit_float(reverse_bits(owen_scramble_reversed(i, hash32(key ^ 0x68bc21ebu)))),
+          to_unit_float(reverse_bits(owen_scramble_reversed(second_reversed, hash32(key ^ 0x02e5be93u))))};
 }
 
 }  // namespace photon_splat

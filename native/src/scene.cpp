@@ -41,6 +41,7 @@ Scene::Scene(int threads) : pool_(threads) {
   const std::string n = std::to_string(pool_.size());
   device_ = rtcNewDevice(restricted ? ("threads=" + n + ",user_threads=" + n).c_str() : nullptr);
   if (!device_) throw std::runtime_error("Embree could not be started");
+  packets_ = rtcGetDeviceProperty(device_, RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED) != 0;
 }
 
 Scene::~Scene() {
@@ -169,8 +170,47 @@ bool Scene::intersect(const Vec3& origin, const Vec3& direction, float near, flo
   arguments.flags = coherent ? RTC_RAY_QUERY_FLAG_COHERENT : RTC_RAY_QUERY_FLAG_INCOHERENT;
   rtcIntersect1(top_, &hit, &arguments);
   if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
-  fill_surface(hit, surface);
+  const bool instanced = hit.hit.instID[0] != RTC_INVALID_GEOMETRY_ID;
+  fill_surface({instanced ? hit.hit.instID[0] : hit.hit.geomID, hit.hit.primID, instanced, hit.hit.u, hit.hit.v,
+                hit.ray.tfar, {hit.hit.Ng_x, hit.hit.Ng_y, hit.hit.Ng_z}},
+               origin, direction, surface);
   return true;
+}
+
+unsigned Scene::intersect_packet(const Vec3* origins, const Vec3* directions, uint32_t count, Surface* surfaces) const {
+  unsigned found = 0;
+  if (!packets_) {
+    for (uint32_t k = 0; k < count; ++k)
+      found |= unsigned(intersect(origins[k], directions[k], 0, INFINITY, false, surfaces[k])) << k;
+    return found;
+  }
+  alignas(64) RTCRayHit8 hit;
+  alignas(64) int valid[kPacket];
+  for (uint32_t k = 0; k < kPacket; ++k) {
+    const uint32_t from = std::min(k, count - 1);
+    valid[k] = k < count ? -1 : 0;
+    hit.ray.org_x[k] = origins[from].x; hit.ray.org_y[k] = origins[from].y; hit.ray.org_z[k] = origins[from].z;
+    hit.ray.dir_x[k] = directions[from].x; hit.ray.dir_y[k] = directions[from].y; hit.ray.dir_z[k] = directions[from].z;
+    hit.ray.tnear[k] = 0;
+    hit.ray.tfar[k] = INFINITY;
+    hit.ray.time[k] = 0;
+    hit.ray.mask[k] = ~0u;
+    hit.ray.id[k] = hit.ray.flags[k] = 0;
+    hit.hit.geomID[k] = hit.hit.instID[0][k] = RTC_INVALID_GEOMETRY_ID;
+  }
+  RTCIntersectArguments arguments;
+  rtcInitIntersectArguments(&arguments);
+  arguments.flags = RTC_RAY_QUERY_FLAG_INCOHERENT;
+  rtcIntersect8(valid, top_, &hit, &arguments);
+  for (uint32_t k = 0; k < count; ++k) {
+    if (hit.hit.geomID[k] == RTC_INVALID_GEOMETRY_ID) continue;
+    found |= 1u << k;
+    const bool instanced = hit.hit.instID[0][k] != RTC_INVALID_GEOMETRY_ID;
+    fill_surface({instanced ? hit.hit.instID[0][k] : hit.hit.geomID[k], hit.hit.primID[k], instanced, hit.hit.u[k],
+                  hit.hit.v[k], hit.ray.tfar[k], {hit.hit.Ng_x[k], hit.hit.Ng_y[k], hit.hit.Ng_z[k]}},
+                 origins[k], directions[k], surfaces[k]);
+  }
+  return found;
 }
 
 bool Scene::occluded(const Vec3& origin, const Vec3& direction, float near, float far) const {
@@ -182,19 +222,17 @@ bool Scene::occluded(const Vec3& origin, const Vec3& direction, float near, floa
   return ray.tfar < 0;
 }
 
-void Scene::fill_surface(const RTCRayHit& hit, Surface& s) const {
-  const bool instanced = hit.hit.instID[0] != RTC_INVALID_GEOMETRY_ID;
-  s.instance = instanced ? hit.hit.instID[0] : hit.hit.geomID;
-  s.triangle = hit.hit.primID;
-  s.u = hit.hit.u;
-  s.v = hit.hit.v;
-  s.distance = hit.ray.tfar;
-  const Vec3 direction{hit.ray.dir_x, hit.ray.dir_y, hit.ray.dir_z};
-  s.position = Vec3{hit.ray.org_x, hit.ray.org_y, hit.ray.org_z} + direction * hit.ray.tfar;
+void Scene::fill_surface(const RawHit& hit, const Vec3& origin, const Vec3& direction, Surface& s) const {
+  const bool instanced = hit.instanced;
+  s.instance = hit.instance;
+  s.triangle = hit.triangle;
+  s.u = hit.u;
+  s.v = hit.v;
+  s.distance = hit.distance;
+  s.position = origin + direction * hit.distance;
   const Instance& instance = instances[s.instance];
   const Mesh& mesh = meshes[instance.mesh];
-  Vec3 ng{hit.hit.Ng_x, hit.hit.Ng_y, hit.hit.Ng_z};
-  if (instanced) ng = instance.to_local.transposed_vector(ng);
+  Vec3 ng = instanced ? instance.to_local.transposed_vector(hit.normal) : hit.normal;
   // Blender keeps a mirrored object's front where the mesh's normals, mirrored with it, point.
   ng = normalize(ng);
   s.back = dot(ng, direction) > 0;
@@ -211,7 +249,8 @@ void Scene::fill_surface(const RTCRayHit& hit, Surface& s) const {
     s.ns = -s.ns;
   }
   s.ng = ng;
-  const uint32_t patch = mesh.topology.patch[s.triangle];
+  // The look-up is a cache miss in large meshes; a mesh of one patch needs none.
+  const uint32_t patch = mesh.topology.planar.size() == 1 ? 0 : mesh.topology.patch[s.triangle];
   s.key = (hash_combine(instance.seed, patch) & ~1u) | (s.back ? 1u : 0u);
   const Material& material = material_of(s.instance, s.triangle);
   s.side = s.back ? &material.back : &material.front;
