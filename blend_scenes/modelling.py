@@ -31,7 +31,10 @@ class _Placeholder(bpy.types.RenderEngine):
 def new_scene(width: int, height: int, view_transform: str = "Standard") -> bpy.types.Scene:
     """An empty file whose scene is set to Photon Splat."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
-    if not _Placeholder.is_registered:
+    if not any(
+        getattr(engine, "bl_idname", "") == _Placeholder.bl_idname and engine.is_registered
+        for engine in bpy.types.RenderEngine.__subclasses__()
+    ):
         bpy.utils.register_class(_Placeholder)
     scene = bpy.context.scene
     scene.render.engine = "PHOTON_SPLAT"

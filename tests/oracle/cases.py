@@ -1,0 +1,129 @@
+"""The one table of pictures that Cycles and Photon Splat must agree on. Read by references.py, worker.py and the tests.
+
+`build` names the function of stage.py that makes the scene, `options` are its arguments. Sizes are in pixels, `samples`
+those of each of the two Cycles halves. `mean_tolerance` is for the whole picture's mean; `block_bias` the relative bias
+that an 8x8 block of the splat may show beside its noise (the kernel's: it blurs indirect light within a patch).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from math import radians
+from typing import Any
+
+SCENES = ("cornell_box", "interior", "light_types", "instances")
+
+
+@dataclass(frozen=True)
+class Case:
+    name: str
+    build: str
+    options: dict[str, Any] = field(default_factory=dict)
+    width: int = 48
+    height: int = 48
+    samples: int = 1024
+    mean_tolerance: float = 0.02
+    block_bias: float = 0.02
+    reference_bias: float = 0.003
+    alpha: bool = False
+    passes: int = 32
+    photons_per_pass: int = 20_000
+
+
+def _scene(name: str, width: int, height: int, samples: int, **more: Any) -> Case:
+    return Case(name, "open_scene", {"name": name}, width, height, samples, mean_tolerance=0.01, **more)
+
+
+def _lamp(name: str, kind: str, energy: float, **options: Any) -> Case:
+    return Case(name, "lamp_on_stage", {"kind": kind, "energy": energy, **options})
+
+
+def _geometry(name: str, **options: Any) -> Case:
+    return Case(name, name, options)
+
+
+_WIDE = {"spot_size": radians(70.0)}
+_LOW = {"location": (0.3, -0.3, 0.9)}
+_SLANT = (0.9, -0.5, 2.0)
+
+CASES: tuple[Case, ...] = (
+    # Scenes of blend_scenes/
+    _scene("cornell_box", 128, 128, 1024),
+    _scene("interior", 128, 80, 2500, photons_per_pass=60_000),
+    _scene("light_types", 128, 48, 4096, photons_per_pass=60_000),
+    _scene("instances", 128, 72, 512),
+    # Point lights
+    _lamp("point", "POINT", 40.0, shadow_soft_size=0.0),
+    _lamp("point_soft", "POINT", 40.0, shadow_soft_size=0.25),
+    _lamp("point_sphere", "POINT", 40.0, shadow_soft_size=0.25, use_soft_falloff=False),
+    _lamp("point_soft_large", "POINT", 20.0, shadow_soft_size=0.8, **_LOW),
+    _lamp("point_sphere_cuts_floor", "POINT", 20.0, shadow_soft_size=1.0, use_soft_falloff=False, location=(0.3, -0.3, 0.7)),
+    _lamp("point_not_normalized", "POINT", 20.0, shadow_soft_size=0.3, normalize=False),
+    _lamp("point_object_scaled", "POINT", 40.0, shadow_soft_size=0.25, scale=(2.0, 2.0, 2.0)),
+    # Spots
+    _lamp("spot_blend_0", "SPOT", 100.0, shadow_soft_size=0.0, spot_blend=0.0, **_WIDE),
+    _lamp("spot_blend_015", "SPOT", 100.0, shadow_soft_size=0.0, spot_blend=0.15, **_WIDE),
+    _lamp("spot_blend_1", "SPOT", 100.0, shadow_soft_size=0.0, spot_blend=1.0, **_WIDE),
+    _lamp("spot_soft", "SPOT", 100.0, shadow_soft_size=0.3, spot_blend=0.3, **_WIDE),
+    _lamp("spot_sphere", "SPOT", 100.0, shadow_soft_size=0.3, spot_blend=0.3, use_soft_falloff=False, **_WIDE),
+    _lamp("spot_wide", "SPOT", 60.0, shadow_soft_size=0.0, spot_size=radians(165.0), spot_blend=0.5),
+    _lamp("spot_scaled", "SPOT", 100.0, shadow_soft_size=0.0, spot_blend=0.3, scale=(2.0, 0.7, 1.0), **_WIDE),
+    # Suns
+    _lamp("sun_0", "SUN", 3.0, angle=0.0, aim=_SLANT),
+    _lamp("sun_half_degree", "SUN", 3.0, angle=radians(0.526), aim=_SLANT),
+    _lamp("sun_10", "SUN", 3.0, angle=radians(10.0), aim=_SLANT),
+    _lamp("sun_60", "SUN", 3.0, angle=radians(60.0), aim=_SLANT),
+    _lamp("sun_150", "SUN", 3.0, angle=radians(150.0), aim=_SLANT),
+    _lamp("sun_not_normalized", "SUN", 3.0, angle=radians(60.0), normalize=False, aim=_SLANT),
+    # Area lights
+    _lamp("area_square", "AREA", 30.0, shape="SQUARE", size=0.8),
+    _lamp("area_rectangle", "AREA", 30.0, shape="RECTANGLE", size=1.2, size_y=0.3),
+    _lamp("area_disk", "AREA", 30.0, shape="DISK", size=0.8),
+    _lamp("area_ellipse", "AREA", 30.0, shape="ELLIPSE", size=1.2, size_y=0.4),
+    _lamp("area_tilted", "AREA", 30.0, shape="RECTANGLE", size=1.2, size_y=0.4, aim=(0.6, 0.5, 0.0)),
+    _lamp("area_spread_90", "AREA", 20.0, shape="RECTANGLE", size=1.0, size_y=0.6, spread=radians(90.0)),
+    _lamp("area_spread_30", "AREA", 15.0, shape="DISK", size=1.0, spread=radians(30.0)),
+    _lamp("area_spread_5", "AREA", 10.0, shape="SQUARE", size=1.0, spread=radians(5.0)),
+    _lamp("area_spread_0", "AREA", 10.0, shape="SQUARE", size=1.0, spread=0.0),
+    _lamp("area_scaled", "AREA", 30.0, shape="SQUARE", size=0.4, scale=(3.0, 1.0, 2.0)),
+    _lamp("area_mirrored", "AREA", 30.0, shape="RECTANGLE", size=1.0, size_y=0.3, scale=(-1.0, 1.0, 1.0), aim=(0.6, 0.5, 0.0)),
+    _lamp("area_upwards", "AREA", 30.0, shape="SQUARE", size=0.6, scale=(1.0, 1.0, -1.0), aim=(0.3, 4.0, 1.6)),
+    _lamp("area_not_normalized", "AREA", 20.0, shape="DISK", size=0.5, normalize=False),
+    _lamp("area_seen", "AREA", 30.0, shape="SQUARE", size=0.8, visible_camera=True, location=(0.3, 0.6, 1.2), aim=(0.0, -4.0, 2.0)),
+    # What every lamp has
+    _lamp("exposure", "POINT", 10.0, shadow_soft_size=0.1, exposure=1.5),
+    _lamp("temperature", "POINT", 30.0, shadow_soft_size=0.1, use_temperature=True, temperature=3000.0, color=(0.6, 0.9, 1.0)),
+    _lamp("light_nodes", "AREA", 10.0, shape="SQUARE", size=0.5, emission=((0.4, 1.0, 0.6), 3.0), color=(1.0, 0.7, 0.5)),
+    _geometry("many_lamps"),
+    _geometry("instanced_lamp"),
+    # World and emissive meshes
+    _geometry("world", color=(0.5, 0.7, 1.0), strength=1.5),
+    _geometry("emissive_mesh"),
+    _geometry("emissive_front_only"),
+    _geometry("emissive_texture"),
+    # Surfaces
+    _geometry("smooth_sphere"),
+    _geometry("textured_plane", interpolation="Linear", extension="REPEAT"),
+    Case("texture_closest_clip", "textured_plane", {"interpolation": "Closest", "extension": "CLIP"}),
+    Case("texture_mirror", "textured_plane", {"interpolation": "Linear", "extension": "MIRROR"}),
+    Case("texture_extend_float", "textured_plane", {"interpolation": "Linear", "extension": "EXTEND", "float_pixels": True}),
+    _geometry("mirrored_object"),
+    _geometry("several_materials"),
+    _geometry("curve_and_text"),
+    # Camera and frame
+    Case("ortho", "camera_variant", {"kind": "ORTHO"}),
+    Case("shift", "camera_variant", {"shift": (0.2, -0.15)}),
+    Case("sensor_vertical", "camera_variant", {"sensor_fit": "VERTICAL"}, width=64, height=40),
+    Case("tall_frame", "camera_variant", {}, width=40, height=64),
+    Case("pixel_aspect", "camera_variant", {"aspect": (1.0, 1.6)}),
+    Case("scaled_camera", "camera_variant", {"scale": (2.0, 0.5, 3.0)}),
+    Case("clipping", "camera_variant", {"clip": (4.2, 5.6)}),
+    Case("border", "camera_variant", {"border": (0.2, 0.7, 0.3, 0.85), "crop": False}, width=80, height=64),
+    Case("border_crop", "camera_variant", {"border": (0.2, 0.7, 0.3, 0.85), "crop": True, "shift": (0.1, 0.0)}, width=80, height=64),
+    Case("percentage", "camera_variant", {"percentage": 50}, width=96, height=80),
+    Case("film_transparent", "camera_variant", {"transparent": True}, alpha=True),
+    Case("wide_pixel_filter", "camera_variant", {"filter_size": 3.0}),
+)
+
+NAMES = tuple(case.name for case in CASES)
+CASE = {case.name: case for case in CASES}

@@ -1,0 +1,105 @@
+"""Makes the Cycles references anew: `python -m tests.oracle.references [NAME ...]` (all cases without names).
+
+Two independent halves of each picture go to tests/oracle/references/NAME.npz as float16 (rounding of 0.05 % a pixel,
+far below the noise): half_1 and half_2, (height, width, 4) RGBA, row 0 at the bottom, only the border where there is one.
+"""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+
+from tests.oracle.cases import CASE, NAMES, Case
+
+FOLDER = Path(__file__).resolve().parent / "references"
+
+
+def cycles_settings(samples: int, seed: int) -> None:
+    """Tell Cycles to solve the rendering equation, nothing less: no clamp, no blur, no denoiser, no early end of a path."""
+    import bpy
+
+    scene = bpy.context.scene
+    scene.render.engine = "CYCLES"
+    cycles = scene.cycles
+    cycles.device = "CPU"
+    cycles.samples, cycles.seed = samples, seed
+    cycles.use_animated_seed = False
+    cycles.use_adaptive_sampling = cycles.use_denoising = False
+    cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0.0
+    cycles.blur_glossy = cycles.light_sampling_threshold = 0.0
+    cycles.caustics_reflective = cycles.caustics_refractive = True
+    cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = cycles.transmission_bounces = 64
+    cycles.transparent_max_bounces = 64
+    # The default arranges noise so that it cancels between neighbours; the block tests need independent pixels.
+    cycles.sampling_pattern = "TABULATED_SOBOL"
+    cycles.pixel_filter_type, cycles.filter_width = "BLACKMAN_HARRIS", scene.render.filter_size
+    cycles.use_light_tree = True
+    scene.render.use_persistent_data = False
+
+
+def render_with_cycles(samples: int, seed: int) -> np.ndarray:
+    """The current scene as (height, width, 4) float32, row 0 at the bottom; of a border only its inside."""
+    import bpy
+
+    cycles_settings(samples, seed)
+    scene = bpy.context.scene
+    render = scene.render
+    if hasattr(render.image_settings, "media_type"):
+        render.image_settings.media_type = "IMAGE"
+    render.image_settings.file_format = "OPEN_EXR"
+    render.image_settings.color_depth, render.image_settings.color_mode = "32", "RGBA"
+    with tempfile.TemporaryDirectory() as folder:
+        render.filepath = str(Path(folder, "half.exr"))
+        bpy.ops.render.render(write_still=True)
+        image = bpy.data.images.load(render.filepath)
+        image.colorspace_settings.name = "Non-Color"
+        width, height = image.size
+        pixels = np.empty(width * height * 4, np.float32)
+        image.pixels.foreach_get(pixels)
+        bpy.data.images.remove(image)
+    picture = pixels.reshape(height, width, 4)
+    if render.use_border and not render.use_crop_to_border:
+        x0, x1 = (round(f * width) for f in (render.border_min_x, render.border_max_x))
+        y0, y1 = (round(f * height) for f in (render.border_min_y, render.border_max_y))
+        picture = picture[y0:y1, x0:x1]
+    return picture
+
+
+def make(case: Case) -> None:
+    from tests.oracle import stage
+
+    halves = []
+    for seed in (1, 2):
+        stage.build(case)
+        halves.append(render_with_cycles(case.samples, seed))
+    FOLDER.mkdir(exist_ok=True)
+    np.savez_compressed(FOLDER / f"{case.name}.npz", half_1=halves[0].astype(np.float16), half_2=halves[1].astype(np.float16))
+
+
+def load(case: Case) -> np.ndarray:
+    """The two halves as (2, height, width, 4) float64."""
+    with np.load(FOLDER / f"{case.name}.npz") as file:
+        return np.stack([file["half_1"], file["half_2"]]).astype(np.float64)
+
+
+def main(names: list[str]) -> int:
+    unknown = [name for name in names if name not in CASE]
+    if unknown:
+        print(f"no such case: {', '.join(unknown)}; there are {', '.join(NAMES)}", file=sys.stderr)
+        return 2
+    for name in names or NAMES:
+        started = time.monotonic()
+        make(CASE[name])
+        halves = load(CASE[name])
+        difference = float(np.abs(halves[0, ..., :3] - halves[1, ..., :3]).mean() / max(halves[..., :3].mean(), 1e-9))
+        seconds = time.monotonic() - started
+        print(f"{name:28} {seconds:6.1f} s  mean {halves[..., :3].mean():.4f}  noise {difference:.3f}", file=sys.stderr, flush=True)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

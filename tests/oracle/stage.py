@@ -1,0 +1,278 @@
+"""Builds the scenes of cases.py in Blender's current file. Needs bpy; every function here is a `build` of the table.
+
+The stage: a floor, a wall behind it, a block and a wedge between them, all flat and Lambertian; world black.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import pi, radians
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+from mathutils import Euler, Matrix, Vector
+
+from blend_scenes import modelling as m
+from tests.oracle.cases import Case
+
+SCENES = Path(__file__).resolve().parents[2] / "blend_scenes"
+HIGH = (0.3, -0.3, 1.9)
+
+
+def build(case: Case) -> bpy.types.Scene:
+    """Make the case's scene the current one, at the case's resolution."""
+    globals()[case.build](**case.options)
+    scene = bpy.context.scene
+    scene.render.resolution_x, scene.render.resolution_y = case.width, case.height
+    bpy.context.view_layer.update()
+    return scene
+
+
+def open_scene(name: str) -> None:
+    bpy.ops.wm.open_mainfile(filepath=str(SCENES / f"{name}.blend"))
+    bpy.context.scene.render.resolution_percentage = 100
+
+
+# The stage ---------------------------------------------------------------------------------------------------------
+
+
+def _floor_and_wall() -> None:
+    m.add_mesh(
+        "Floor", [(-1.6, -1.6, 0), (1.6, -1.6, 0), (1.6, 1.5, 0), (-1.6, 1.5, 0)], [(0, 1, 2, 3)], m.diffuse("Floor", (0.7, 0.62, 0.5))
+    )
+    m.add_mesh(
+        "Wall", [(-1.6, 1.5, 0), (1.6, 1.5, 0), (1.6, 1.5, 2.2), (-1.6, 1.5, 2.2)], [(0, 1, 2, 3)], m.principled("Wall", (0.5, 0.6, 0.7))
+    )
+
+
+def _stage(*, things: bool = True) -> None:
+    m.new_scene(48, 48)
+    _floor_and_wall()
+    if things:
+        red = m.diffuse("Red", (0.7, 0.2, 0.15))
+        m.add_boxes("Block", [((-0.25, -0.25, 0.0), (0.25, 0.25, 0.7))], red, (-0.6, 0.3, 0.0), 0.5)
+        corners = [(-0.3, -0.3, 0), (0.3, -0.3, 0), (0.3, 0.3, 0), (-0.3, 0.3, 0), (-0.3, 0.3, 0.5), (0.3, 0.3, 0.5)]
+        sides = [(0, 3, 2, 1), (0, 1, 5, 4), (2, 3, 4, 5), (1, 2, 5), (3, 0, 4)]
+        m.add_mesh("Wedge", corners, sides, m.diffuse("Green", (0.25, 0.6, 0.3)), location=(0.7, -0.2, 0.0), turn=-0.3)
+    m.set_world((0.0, 0.0, 0.0))
+    m.add_camera((0.0, -4.3, 2.7), (0.0, 0.15, 0.55), lens=42.0)
+
+
+def _lamp(
+    kind: str,
+    energy: float,
+    location: Sequence[float] = HIGH,
+    aim: Sequence[float] | None = None,
+    scale: Sequence[float] = (1.0, 1.0, 1.0),
+    visible_camera: bool = False,
+    emission: tuple[Sequence[float], float] | None = None,
+    **settings: Any,
+) -> bpy.types.Object:
+    """A lamp; a sun's `aim` is the direction it comes from. emission: colour and strength of the light's Emission node."""
+    if kind == "SUN" and aim is not None:
+        location, aim = aim, (0.0, 0.0, 0.0)
+    lamp = m.add_light("Lamp", kind, energy, location, aim, **settings)
+    lamp.scale = scale
+    lamp.visible_camera = visible_camera
+    if emission:
+        lamp.data.use_nodes = True
+        node = next(node for node in lamp.data.node_tree.nodes if node.type == "EMISSION")
+        node.inputs["Color"].default_value = (*emission[0], 1.0)
+        node.inputs["Strength"].default_value = emission[1]
+    return lamp
+
+
+def lamp_on_stage(kind: str, energy: float, **options: Any) -> None:
+    _stage()
+    _lamp(kind, energy, **options)
+
+
+def many_lamps() -> None:
+    """Lamps of very different power, two of them with colours that exclude each other."""
+    _stage()
+    _lamp("POINT", 20.0, (-0.9, -0.7, 0.8), color=(1.0, 0.1, 0.0), shadow_soft_size=0.05)
+    _lamp("SPOT", 60.0, (1.1, -0.8, 1.6), (0.2, 0.6, 0.0), color=(0.0, 0.2, 1.0), spot_size=radians(40.0), shadow_soft_size=0.0)
+    _lamp("AREA", 10.0, (0.0, 0.9, 1.8), size=0.5)
+    _lamp("SUN", 0.5, aim=(-0.4, -0.8, 1.0), angle=0.02)
+    for k in range(8):
+        _lamp("POINT", 0.15, (-1.4 + 0.4 * k, -1.2, 0.1), shadow_soft_size=0.02)
+
+
+def instanced_lamp() -> None:
+    """Collection instances of a collection that holds a lamp and the plate above it."""
+    _stage()
+    group = bpy.data.collections.new("Fixture")
+    lamp = _lamp("SPOT", 40.0, (0.0, 0.0, 0.0), spot_size=radians(80.0), shadow_soft_size=0.05)
+    plate = m.add_boxes("Plate", [((-0.15, -0.15, 0.08), (0.15, 0.15, 0.12))], m.diffuse("Plate", (0.5, 0.5, 0.5)))
+    for thing in (lamp, plate):
+        bpy.context.scene.collection.objects.unlink(thing)
+        group.objects.link(thing)
+    for place, tilt in (((-0.8, -0.3, 1.5), 0.3), ((0.7, 0.2, 1.2), -0.2)):
+        stand = m.add_object("Fixture", None)
+        stand.instance_type, stand.instance_collection = "COLLECTION", group
+        stand.matrix_world = Matrix.LocRotScale(Vector(place), Euler((tilt, 0.0, 0.5)), Vector((1.0, 1.0, 1.0)))
+
+
+# World and emissive meshes -----------------------------------------------------------------------------------------
+
+
+def world(color: Sequence[float], strength: float) -> None:
+    _stage()
+    m.set_world(color, strength)
+
+
+def emissive_mesh() -> None:
+    """A sheet that shines on both sides, and a globe."""
+    _stage()
+    sheet = [(-0.4, -0.2, 0.0), (0.4, -0.2, 0.0), (0.4, 0.2, 0.0), (-0.4, 0.2, 0.0)]
+    m.add_mesh("Sheet", sheet, [(0, 1, 2, 3)], m.emission("Sheet", (1.0, 0.8, 0.6), 6.0), location=(0.2, 0.5, 1.4))
+    globe = m.add_sphere("Globe", 0.12, m.principled("Globe", (0.4, 0.4, 0.4)), (0.1, -0.8, 0.3), 16)
+    node = globe.data.materials[0].node_tree.nodes["Principled BSDF"]
+    node.inputs["Emission Color"].default_value = (0.3, 0.6, 1.0, 1.0)
+    node.inputs["Emission Strength"].default_value = 4.0
+    globe.data.polygons.foreach_set("use_smooth", [False] * len(globe.data.polygons))
+
+
+def emissive_front_only() -> None:
+    _stage()
+    sheet = [(-0.4, -0.2, 0.0), (-0.4, 0.2, 0.0), (0.4, 0.2, 0.0), (0.4, -0.2, 0.0)]
+    m.add_mesh("Sheet", sheet, [(0, 1, 2, 3)], m.front_emission("Sheet", (1.0, 0.8, 0.6), 8.0), location=(0.2, 0.5, 1.2))
+
+
+def emissive_texture() -> None:
+    _stage()
+    image = m.packed_image("signs", _test_pixels())
+    material, tree, output = m._node_material("Screen")
+    node, texture = tree.nodes.new("ShaderNodeEmission"), tree.nodes.new("ShaderNodeTexImage")
+    texture.image = image
+    node.inputs["Strength"].default_value = 5.0
+    tree.links.new(texture.outputs["Color"], node.inputs["Color"])
+    tree.links.new(node.outputs[0], output.inputs["Surface"])
+    m.add_picture("Screen", [(-0.9, 0.9, 0.6), (0.7, 0.9, 0.6), (0.7, 0.6, 1.5), (-0.9, 0.6, 1.5)], material)
+
+
+# Surfaces ----------------------------------------------------------------------------------------------------------
+
+
+def smooth_sphere() -> None:
+    """Few faces, smooth normals: shading and geometric normals differ by up to 15 degrees."""
+    _stage(things=False)
+    m.add_sphere("Ball", 0.6, m.diffuse("Ball", (0.7, 0.5, 0.3)), (0.0, 0.1, 0.62), 12)
+    _lamp("AREA", 40.0, (-1.0, -1.0, 2.0), (0.0, 0.1, 0.6), size=0.8)
+
+
+def _test_pixels() -> np.ndarray:
+    """Coloured fields with a dark cross, (16, 24, 3), not symmetric in any way."""
+    row, column = np.mgrid[:16, :24]
+    pixels = np.stack([(column + 2) / 26, (row + 1) / 17, ((row // 4 + column // 4) % 2) * 0.8 + 0.1], -1)
+    pixels[6:8, :] *= 0.3
+    pixels[:, 5] *= 0.2
+    return pixels.astype(np.float32)
+
+
+def textured_plane(interpolation: str, extension: str, float_pixels: bool = False) -> None:
+    """The wall shows an image one and a half times across, shifted; `float_pixels`: a linear float image above 1 in places."""
+    _stage()
+    if float_pixels:
+        pixels = _test_pixels()
+        image = bpy.data.images.new("float", pixels.shape[1], pixels.shape[0], float_buffer=True)
+        image.colorspace_settings.name = "Non-Color"
+        rgba = np.ones((*pixels.shape[:2], 4), np.float32)
+        rgba[..., :3] = pixels * 0.9
+        image.pixels.foreach_set(rgba.ravel())
+        image.update()
+    else:
+        image = m.packed_image("signs", _test_pixels())
+    material = m.principled("Painted", image=image)
+    texture = next(node for node in material.node_tree.nodes if node.type == "TEX_IMAGE")
+    texture.interpolation, texture.extension = interpolation, extension
+    wall = bpy.data.objects["Wall"]
+    wall.data.materials[0] = material
+    wall.data.uv_layers.new(name="UVMap").data.foreach_set("uv", [-0.25, -0.3, 1.25, -0.3, 1.25, 1.2, -0.25, 1.2])
+    _lamp("AREA", 30.0, (0.0, -1.0, 1.9), (0.0, 0.6, 0.6), size=0.8)
+
+
+def mirrored_object() -> None:
+    """One smooth mesh twice, the second mirrored by a negative scale; a flat one with negative scale on all axes."""
+    _stage(things=False)
+    profile = [(0.0, 0.0), (0.32, 0.0), (0.35, 0.1), (0.2, 0.35), (0.12, 0.6), (0.2, 0.8), (0.0, 0.85)]
+    vase = m.add_lathe("Vase", profile, m.diffuse("Vase", (0.6, 0.5, 0.7)), (-0.7, 0.4, 0.0), 48)
+    twin = m.add_object("Twin", vase.data, (0.2, 0.5, 0.0), 0.4)
+    twin.scale = (-1.0, 0.7, 1.2)
+    block = m.add_boxes("Block", [((-0.2, -0.2, -0.6), (0.2, 0.2, 0.0))], m.diffuse("Block", (0.3, 0.6, 0.6)), (0.9, -0.3, 0.0), 0.7)
+    block.scale = (-1.0, -1.0, -1.0)
+    _lamp("AREA", 40.0, (-1.0, -1.0, 2.0), (0.0, 0.1, 0.4), size=0.6)
+
+
+def several_materials() -> None:
+    """A material per face, an object-level material, an empty slot, and one mesh under two sets of materials."""
+    _stage(things=False)
+    colors = ((0.8, 0.1, 0.1), (0.1, 0.7, 0.1), (0.1, 0.2, 0.8), (0.8, 0.7, 0.1), (0.7, 0.2, 0.7), (0.2, 0.7, 0.7))
+    materials = [m.diffuse(f"Side {k}", color) for k, color in enumerate(colors)]
+    corners, faces = m.box_data((-0.3, -0.3, 0.0), (0.3, 0.3, 0.6))
+    dice = m.add_mesh("Dice", corners, faces, materials, range(6), location=(-0.7, 0.2, 0.0), turn=0.6)
+    twin = m.add_object("Twin", dice.data, (0.6, 0.3, 0.0), -0.5)
+    for slot, color in ((1, (0.9, 0.9, 0.9)), (2, (0.05, 0.05, 0.05))):
+        twin.material_slots[slot].link = "OBJECT"
+        twin.material_slots[slot].material = m.diffuse("Own", color)
+    bare = m.add_boxes("Bare", [((-0.2, -0.2, 0.0), (0.2, 0.2, 0.3))], materials[0], (0.1, -0.7, 0.0), 0.2)
+    bare.data.materials.clear()
+    _lamp("AREA", 30.0, HIGH, size=0.6)
+
+
+def curve_and_text() -> None:
+    _stage(things=False)
+    path = bpy.data.curves.new("Ring", "CURVE")
+    path.dimensions, path.bevel_depth, path.bevel_resolution, path.resolution_u = "3D", 0.12, 5, 12
+    spline = path.splines.new("BEZIER")
+    spline.bezier_points.add(3)
+    spline.use_cyclic_u = True
+    for k, point in enumerate(spline.bezier_points):
+        angle = k * pi / 2
+        point.co = (0.5 * np.cos(angle), 0.5 * np.sin(angle), 0.15)
+        point.handle_left_type = point.handle_right_type = "AUTO"
+    path.materials.append(m.diffuse("Ring", (0.7, 0.4, 0.2)))
+    m.add_object("Ring", path, (-0.6, 0.0, 0.0))
+    text = bpy.data.curves.new("Text", "FONT")
+    text.body, text.size, text.extrude = "PS", 0.9, 0.08
+    text.materials.append(m.diffuse("Text", (0.2, 0.4, 0.7)))
+    m.add_object("Text", text, (0.15, 0.1, 0.1)).rotation_euler = (radians(80.0), 0.0, 0.0)
+    _lamp("AREA", 30.0, HIGH, size=0.6)
+
+
+# Camera and frame --------------------------------------------------------------------------------------------------
+
+
+def camera_variant(
+    kind: str = "PERSP",
+    shift: tuple[float, float] = (0.0, 0.0),
+    sensor_fit: str = "AUTO",
+    aspect: tuple[float, float] = (1.0, 1.0),
+    scale: Sequence[float] = (1.0, 1.0, 1.0),
+    clip: tuple[float, float] = (0.1, 100.0),
+    border: tuple[float, float, float, float] | None = None,
+    crop: bool = False,
+    percentage: int = 100,
+    transparent: bool = False,
+    filter_size: float = 1.5,
+) -> None:
+    """border: min x, max x, min y, max y as fractions of the frame."""
+    _stage()
+    _lamp("AREA", 40.0, HIGH, size=0.6)
+    scene, camera = bpy.context.scene, bpy.context.scene.camera
+    data, render = camera.data, scene.render
+    data.type, data.ortho_scale, data.sensor_fit = kind, 3.2, sensor_fit
+    data.shift_x, data.shift_y = shift
+    data.clip_start, data.clip_end = clip
+    camera.scale = scale
+    render.pixel_aspect_x, render.pixel_aspect_y = aspect
+    render.resolution_percentage = percentage
+    render.film_transparent = transparent
+    if transparent or clip[1] < 100.0:
+        m.set_world((0.1, 0.2, 0.4), 0.5)
+    if border:
+        render.use_border, render.use_crop_to_border = True, crop
+        render.border_min_x, render.border_max_x, render.border_min_y, render.border_max_y = border
+    render.filter_size = filter_size
