@@ -9,15 +9,22 @@ namespace photon_splat {
 namespace {
 
 constexpr uint32_t kNone = ~0u;
+constexpr uint32_t kCheckEvery = 1 << 16;  // iterations between looks at the cancel flag
+
+void check_now_and_then(uint64_t iteration, const CancelFlag& cancel) {
+  if (iteration % kCheckEvery == 0) cancel.check();
+}
+
 constexpr float kPlanarCosine = 0.9999995f;  // 0.06 degrees
 
 // Gives vertices at the same position the same number.
-std::vector<uint32_t> weld(const std::vector<Vec3>& positions) {
+std::vector<uint32_t> weld(const std::vector<Vec3>& positions, const CancelFlag& cancel) {
   const size_t count = positions.size();
   size_t capacity = 16;
   while (capacity < 2 * count) capacity *= 2;
   std::vector<uint32_t> table(capacity, kNone), welded(count);
   for (uint32_t i = 0; i < count; ++i) {
+    check_now_and_then(i, cancel);
     const Vec3 p = positions[i] + Vec3{0, 0, 0};  // turns -0 into +0
     uint32_t bits[3];
     std::memcpy(bits, &p, sizeof bits);
@@ -32,41 +39,45 @@ std::vector<uint32_t> weld(const std::vector<Vec3>& positions) {
   return welded;
 }
 
-// The half-edges of all triangles grouped by their smaller vertex, to find partners without sorting.
+// The half-edges of all triangles, grouped by their smaller vertex and sorted by the other one.
 struct HalfEdges {
-  std::vector<uint32_t> first, other, id;  // id = 3 * triangle + corner
+  struct End {
+    uint32_t other, id;  // id = 3 * triangle + corner
+  };
+  std::vector<uint32_t> first;
+  std::vector<End> ends;
 
-  HalfEdges(const std::vector<uint32_t>& welded, const std::vector<Triangle>& triangles)
-      : first(welded.size() + 1), other(3 * triangles.size()), id(3 * triangles.size()) {
-    const auto ends = [&](uint32_t half) {
+  HalfEdges(const std::vector<uint32_t>& welded, const std::vector<Triangle>& triangles, const CancelFlag& cancel)
+      : first(welded.size() + 1), ends(3 * triangles.size()) {
+    const auto vertices = [&](uint32_t half) {
       const Triangle& t = triangles[half / 3];
       const uint32_t a = welded[t[half % 3]], b = welded[t[(half + 1) % 3]];
       return std::pair(std::min(a, b), std::max(a, b));
     };
-    const uint32_t count = static_cast<uint32_t>(id.size());
-    for (uint32_t h = 0; h < count; ++h) ++first[ends(h).first + 1];
+    const uint32_t count = static_cast<uint32_t>(ends.size());
+    for (uint32_t h = 0; h < count; ++h) ++first[vertices(h).first + 1];
     std::partial_sum(first.begin(), first.end(), first.begin());
     std::vector<uint32_t> next(first.begin(), first.end() - 1);
     for (uint32_t h = 0; h < count; ++h) {
-      const auto [low, high] = ends(h);
-      other[next[low]] = high;
-      id[next[low]++] = h;
+      check_now_and_then(h, cancel);
+      const auto [low, high] = vertices(h);
+      ends[next[low]++] = {high, h};
     }
+    for (size_t v = 0; v + 1 < first.size(); ++v)
+      std::sort(ends.begin() + first[v], ends.begin() + first[v + 1], [](const End& a, const End& b) { return a.other < b.other; });
   }
 };
 
 // partner[half] is the one other half-edge on the same edge, or kNone where there is none or more than one.
-std::vector<uint32_t> find_partners(const HalfEdges& half) {
-  std::vector<uint32_t> partner(half.id.size(), kNone);
-  for (size_t v = 0; v + 1 < half.first.size(); ++v) {
-    const uint32_t begin = half.first[v], end = half.first[v + 1];
-    for (uint32_t i = begin; i < end; ++i) {
-      uint32_t found = kNone, matches = 0;
-      for (uint32_t j = begin; j < end; ++j)
-        if (j != i && half.other[j] == half.other[i]) { found = half.id[j]; ++matches; }
-      if (matches == 1) partner[half.id[i]] = found;
+std::vector<uint32_t> find_partners(const HalfEdges& half, const CancelFlag& cancel) {
+  std::vector<uint32_t> partner(half.ends.size(), kNone);
+  for (size_t v = 0; v + 1 < half.first.size(); ++v)
+    for (uint32_t begin = half.first[v], end; begin < half.first[v + 1]; begin = end) {
+      for (end = begin + 1; end < half.first[v + 1] && half.ends[end].other == half.ends[begin].other;) ++end;
+      if (end - begin != 2) continue;
+      partner[half.ends[begin].id] = half.ends[begin + 1].id;
+      partner[half.ends[begin + 1].id] = half.ends[begin].id;
     }
-  }
   return partner;
 }
 
@@ -77,9 +88,10 @@ uint32_t find_root(std::vector<uint32_t>& parent, uint32_t i) {
 
 }  // namespace
 
-Topology build_topology(const std::vector<Vec3>& positions, const std::vector<Triangle>& triangles) {
+Topology build_topology(const std::vector<Vec3>& positions, const std::vector<Triangle>& triangles,
+                        const CancelFlag& cancel) {
   const uint32_t count = static_cast<uint32_t>(triangles.size());
-  const std::vector<uint32_t> partner = find_partners(HalfEdges(weld(positions), triangles));
+  const std::vector<uint32_t> partner = find_partners(HalfEdges(weld(positions, cancel), triangles, cancel), cancel);
   std::vector<Vec3> normal(count);
   std::vector<float> area(count);
   for (uint32_t t = 0; t < count; ++t) {
@@ -96,11 +108,13 @@ Topology build_topology(const std::vector<Vec3>& positions, const std::vector<Tr
   };
   std::vector<uint32_t> parent(count);
   std::iota(parent.begin(), parent.end(), 0u);
-  for (uint32_t h = 0; h < 3 * count; ++h)
+  for (uint32_t h = 0; h < 3 * count; ++h) {
+    check_now_and_then(h, cancel);
     if (joined(h)) {
       const uint32_t a = find_root(parent, h / 3), b = find_root(parent, partner[h] / 3);
       parent[std::max(a, b)] = std::min(a, b);
     }
+  }
 
   Topology out;
   out.patch.resize(count);
@@ -140,6 +154,7 @@ Topology build_topology(const std::vector<Vec3>& positions, const std::vector<Tr
   out.edges.resize(out.first_edge.back());
   std::vector<uint32_t> next(out.first_edge.begin(), out.first_edge.end() - 1);
   for (uint32_t h = 0; h < 3 * count; ++h) {
+    check_now_and_then(h, cancel);
     if (!is_boundary(h)) continue;
     const Triangle& t = triangles[h / 3];
     const uint32_t patch = out.patch[h / 3];
