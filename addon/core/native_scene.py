@@ -53,7 +53,10 @@ def fill_renderer(renderer: Renderer, scene: Scene, settings: RenderSettings) ->
     instances = scene.instances
     material_sets = [[int(m) for m in s] for s in scene.material_sets]
     matrices = np.ascontiguousarray(instances.matrix, np.float64)
-    for mesh_index, matrix, material_set in zip(instances.mesh, matrices, instances.material_set, strict=True):
+    flat = np.linalg.det(matrices[:, :3, :3].astype(np.float32)) == 0
+    for name in sorted({scene.meshes[m].name for m in instances.mesh[flat]}):
+        scene.warnings.append(f"Mesh '{name}' stands in the scene flattened to nothing (a scale of 0); those instances are left out.")
+    for mesh_index, matrix, material_set in zip(instances.mesh[~flat], matrices[~flat], instances.material_set[~flat], strict=True):
         renderer.add_instance(int(mesh_index), matrix, material_sets[int(material_set)])
     for light in scene.lights:
         _add_named(

@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
+from .memory import peak_memory_bytes
 from .native import load
 from .native_scene import fill_renderer
 from .result import Passes, Progress, RenderResult, black_passes, passes_from_film
@@ -139,6 +140,7 @@ def _statistics(renderer: Renderer, worker: _Worker, scene: Scene, started: floa
         "backend": "CPU",
         "integrator": str(worker.settings.integrator),
         "cancelled": worker.cancelled,
+        "peak_memory_bytes": peak_memory_bytes(),
         "warnings": list(scene.warnings),
     }
     if statistics["bad_samples"]:

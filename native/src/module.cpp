@@ -209,6 +209,7 @@ nb::dict statistics(Renderer& r) {
   seconds["boundary"] = r.seconds().boundary;
   photons["traced"] = r.photon_counts().traced;
   photons["stored"] = r.photon_counts().stored;
+  photons["pilot"] = r.pilot_paths();
   out["seconds"] = seconds;
   out["photons"] = photons;
   out["rays"] = r.rays();

@@ -52,6 +52,7 @@ void Renderer::make_points(uint32_t pass) {
     const uint64_t paths = std::max<uint64_t>(1, std::min(options.photons_per_pass, kPilotPaths));
     const auto& pilot = photon_tracer_->trace(0, paths, static_cast<double>(paths), hash_combine(options.seed, 3), keys, cancel_);
     radii_ = std::make_unique<RadiusMap>(scene, pilot, static_cast<double>(paths));
+    pilot_ = photon_tracer_->counts();
   }
   {
     Timer timer(seconds_.camera);
@@ -109,6 +110,12 @@ void Renderer::trace_reference(uint32_t sample) {
   Timer timer(seconds_.camera);
   camera_tracer_->trace_reference(sample, options.max_bounces, pass_film_, cancel_);
   add_sample(film_, pass_film_, scene.pool());
+}
+
+PhotonCounts Renderer::photon_counts() const {
+  if (!photon_tracer_) return {};
+  const PhotonCounts all = photon_tracer_->counts();
+  return {all.traced - pilot_.traced, all.stored - pilot_.stored, all.rays};
 }
 
 uint64_t Renderer::rays() const {

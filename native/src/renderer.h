@@ -56,7 +56,9 @@ class Renderer {
   const std::vector<Photon>& photons() const { return *photons_; }
   PhotonTracer& photon_tracer() { return *photon_tracer_; }
   const StageSeconds& seconds() const { return seconds_; }
-  PhotonCounts photon_counts() const { return photon_tracer_ ? photon_tracer_->counts() : PhotonCounts{}; }
+  // Without the pilot, whose photons only choose radii; rays are all rays.
+  PhotonCounts photon_counts() const;
+  uint64_t pilot_paths() const { return pilot_.traced; }
   uint64_t rays() const;
   uint64_t bad_samples() const { return camera_tracer_ ? camera_tracer_->bad_samples() : 0; }
   std::string kernel_name() const { return splatter_ ? splatter_->kernel_name() : ""; }
@@ -71,6 +73,7 @@ class Renderer {
   std::unique_ptr<CameraTracer> camera_tracer_;
   std::unique_ptr<PhotonTracer> photon_tracer_;
   std::unique_ptr<RadiusMap> radii_;
+  PhotonCounts pilot_;
   std::unique_ptr<Splatter> splatter_;
   VisiblePoints points_;
   Film film_, pass_film_;

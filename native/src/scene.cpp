@@ -97,6 +97,7 @@ void Scene::build(const CancelFlag& cancel) {
     instance.shared = uses[instance.mesh] > 1;
     if (instance.shared) continue;
     Mesh& mesh = meshes[instance.mesh];
+    cancel.check();
     for (Vec3& p : mesh.positions) p = transform_exactly(instance.exact, p);
     for (Vec3& n : mesh.corner_normals) {
       const Vec3 world = instance.to_local.transposed_vector(n);
@@ -118,7 +119,7 @@ void Scene::build(const CancelFlag& cancel) {
   pool_.for_each(meshes.size(), cancel, [&](size_t m, int) {
     Mesh& mesh = meshes[m];
     if (!uses[m]) return;
-    mesh.topology = build_topology(mesh.positions, mesh.triangles);
+    mesh.topology = build_topology(mesh.positions, mesh.triangles, cancel);
     mesh.edge_tree = std::make_unique<EdgeTree>(mesh.topology.edges);
   });
 

@@ -71,13 +71,15 @@ struct HalfEdges {
 // partner[half] is the one other half-edge on the same edge, or kNone where there is none or more than one.
 std::vector<uint32_t> find_partners(const HalfEdges& half, const CancelFlag& cancel) {
   std::vector<uint32_t> partner(half.ends.size(), kNone);
-  for (size_t v = 0; v + 1 < half.first.size(); ++v)
+  for (size_t v = 0; v + 1 < half.first.size(); ++v) {
+    check_now_and_then(v, cancel);
     for (uint32_t begin = half.first[v], end; begin < half.first[v + 1]; begin = end) {
       for (end = begin + 1; end < half.first[v + 1] && half.ends[end].other == half.ends[begin].other;) ++end;
       if (end - begin != 2) continue;
       partner[half.ends[begin].id] = half.ends[begin + 1].id;
       partner[half.ends[begin + 1].id] = half.ends[begin].id;
     }
+  }
   return partner;
 }
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "parallel.h"
 #include "vec.h"
 
 namespace photon_splat {
@@ -30,7 +31,9 @@ struct Topology {
   float curvature_of(uint32_t triangle) const { return curvature.empty() ? 0.0f : curvature[triangle]; }
 };
 
-Topology build_topology(const std::vector<Vec3>& positions, const std::vector<Triangle>& triangles);
+// Throws Cancelled.
+Topology build_topology(const std::vector<Vec3>& positions, const std::vector<Triangle>& triangles,
+                        const CancelFlag& cancel = {});
 
 // Finds the boundary edges near a point; a median-split tree over their bounds.
 class EdgeTree {
