@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 import subprocess
 import sys
+import tomllib
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
@@ -23,6 +25,21 @@ for name in names:
     importlib.import_module(name)
 print(len(names), sorted(name for name in sys.modules if name.split(".")[0] in ("bpy", "mathutils", "_bpy")))
 """
+
+
+def test_every_part_has_the_same_version() -> None:
+    def toml(path: str) -> dict:
+        return tomllib.loads((ROOT / path).read_text())
+
+    cmake = re.search(r"project\(\w+ VERSION ([\d.]+)", (ROOT / "native/CMakeLists.txt").read_text())
+    assert cmake is not None
+    versions = {
+        "package": toml("pyproject.toml")["project"]["version"],
+        "extension": toml("addon/blender_manifest.toml")["version"],
+        "native wheel": toml("native/pyproject.toml")["project"]["version"],
+        "native build": cmake[1],
+    }
+    assert len(set(versions.values())) == 1, versions
 
 
 @pytest.mark.smoke
