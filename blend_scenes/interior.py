@@ -64,22 +64,21 @@ def _rug() -> np.ndarray:
 
 
 def _room() -> None:
+    """The shell is one sheet, its front inwards, closed but for the window; nothing of it lies hidden under something else."""
     (y0, y1), (z0, z1) = WINDOW_Y, WINDOW_Z
-    out_x, out_y = X + WALL, Y + WALL
-    walls = [
-        ((-X, Y, 0.0), (X, out_y, Z)),
-        ((-X, -out_y, 0.0), (X, -Y, Z)),
-        ((X, -out_y, 0.0), (out_x, out_y, Z)),
-        ((-out_x, -out_y, 0.0), (-X, y0, Z)),
-        ((-out_x, y1, 0.0), (-X, out_y, Z)),
-        ((-out_x, y0, 0.0), (-X, y1, z0)),
-        ((-out_x, y0, z1), (-X, y1, Z)),
-    ]
-    m.add_boxes("Walls", walls, m.principled("Wall", (0.72, 0.68, 0.6)))
-    m.add_boxes("Ceiling", [((-out_x, -out_y, Z), (out_x, out_y, Z + WALL))], m.diffuse("Ceiling", (0.78, 0.78, 0.76)))
+    out = -X - WALL
+    shell = [(x, y, z) for x in (-X, X) for y in (-Y, Y) for z in (0.0, Z)]
+    inner = [(-X, y, z) for y in (y0, y1) for z in (z0, z1)]
+    outer = [(out, y, z) for y in (y0, y1) for z in (z0, z1)]
+    # Three whole walls, the window wall around its opening (8..11), and the reveal from there outwards (12..15).
+    walls = [(2, 6, 7, 3), (0, 1, 5, 4), (4, 5, 7, 6)]
+    walls += [(0, 2, 10, 8), (2, 3, 11, 10), (3, 1, 9, 11), (1, 0, 8, 9)]
+    walls += [(8, 10, 14, 12), (10, 11, 15, 14), (11, 9, 13, 15), (9, 8, 12, 13)]
+    m.add_mesh("Walls", shell + inner + outer, walls, m.principled("Wall", (0.72, 0.68, 0.6)))
+    m.add_mesh("Ceiling", [(-X, -Y, Z), (-X, Y, Z), (X, Y, Z), (X, -Y, Z)], [(0, 1, 2, 3)], m.diffuse("Ceiling", (0.78, 0.78, 0.76)))
     m.add_picture(
         "Floor",
-        [(-out_x, -out_y, 0.0), (out_x, -out_y, 0.0), (out_x, out_y, 0.0), (-out_x, out_y, 0.0)],
+        [(-X, -Y, 0.0), (X, -Y, 0.0), (X, Y, 0.0), (-X, Y, 0.0)],
         m.principled("Parquet", image=m.packed_image("parquet", _parquet())),
         (5.0, 4.0),
     )

@@ -20,23 +20,61 @@ def cell_centre(column: int, row: int) -> tuple[float, float, float]:
     return ((column - (COLUMNS - 1) / 2) * (WIDTH + WALL), 0.0, row * (HEIGHT + WALL))
 
 
+class _Quads:
+    """Gathers axis-aligned rectangles as faces of one mesh."""
+
+    def __init__(self) -> None:
+        self.vertices: list[tuple[float, float, float]] = []
+        self.faces: list[tuple[int, ...]] = []
+
+    def add(self, axis: int, at: float, low: tuple[float, float], high: tuple[float, float], *, positive: bool) -> None:
+        """A rectangle across `axis` (0, 1, 2) at `at`; low and high give the other two axes in cyclic order; `positive`: faces +axis."""
+        base = len(self.vertices)
+        for u, v in ((low[0], low[1]), (high[0], low[1]), (high[0], high[1]), (low[0], high[1])):
+            point = [0.0, 0.0, 0.0]
+            point[axis], point[(axis + 1) % 3], point[(axis + 2) % 3] = at, u, v
+            self.vertices.append((point[0], point[1], point[2]))
+        order = (0, 1, 2, 3) if positive else (3, 2, 1, 0)
+        self.faces.append(tuple(base + k for k in order))
+
+
 def _shelf() -> None:
-    x0, x1 = cell_centre(0, 0)[0] - WIDTH / 2, cell_centre(COLUMNS - 1, 0)[0] + WIDTH / 2
-    z2 = 2 * HEIGHT + WALL
+    """Twelve boxes open to the front, the first of the upper row to the top as well. No face lies hidden under another."""
+    quads = _Quads()
     y0, y1 = -DEPTH / 2, DEPTH / 2
-    open_cell_end = x0 + WIDTH
-    boards = [
-        ((x0 - WALL, y0, -WALL), (x1 + WALL, y1, 0.0)),
-        ((x0 - WALL, y0, HEIGHT), (x1 + WALL, y1, HEIGHT + WALL)),
-        ((open_cell_end, y0, z2), (x1 + WALL, y1, z2 + WALL)),
-        ((x0 - WALL, y1, -WALL), (x1 + WALL, y1 + WALL, z2 + WALL)),
-    ]
+    top = 2 * HEIGHT + WALL
+    for row in range(2):
+        for column in range(COLUMNS):
+            x, _, z = cell_centre(column, row)
+            x0, x1, z1 = x - WIDTH / 2, x + WIDTH / 2, z + HEIGHT
+            quads.add(2, z, (x0, y0), (x1, y1), positive=True)
+            if (column, row) != (0, 1):
+                quads.add(2, z1, (x0, y0), (x1, y1), positive=False)
+            quads.add(1, y1, (z, x0), (z1, x1), positive=False)
+            quads.add(0, x0, (y0, z), (y1, z1), positive=True)
+            quads.add(0, x1, (y0, z), (y1, z1), positive=False)
+    left, right = cell_centre(0, 0)[0] - WIDTH / 2, cell_centre(COLUMNS - 1, 0)[0] + WIDTH / 2
+    open_end = left + WIDTH
+    # The front edges of the boards: upright ones row by row, lying ones from end to end, none above the open compartment.
     for row in range(2):
         z = row * (HEIGHT + WALL)
         for column in range(COLUMNS + 1):
-            x = x0 - WALL + column * (WIDTH + WALL)
-            boards.append(((x, y0, z), (x + WALL, y1, z + HEIGHT)))
-    m.add_boxes("Shelf", boards, m.principled("Paper", PAPER))
+            x = left - WALL + column * (WIDTH + WALL)
+            quads.add(1, y0, (z, x), (z + HEIGHT, x + WALL), positive=False)
+    for z, x in ((-WALL, left - WALL), (HEIGHT, left - WALL), (top, open_end)):
+        quads.add(1, y0, (z, x), (z + WALL, right + WALL), positive=False)
+    # Outside.
+    quads.add(0, left - WALL, (y0, -WALL), (y1 + WALL, top), positive=False)
+    quads.add(0, right + WALL, (y0, -WALL), (y1 + WALL, top + WALL), positive=True)
+    quads.add(2, -WALL, (left - WALL, y0), (right + WALL, y1 + WALL), positive=False)
+    quads.add(1, y1 + WALL, (-WALL, left - WALL), (top, right + WALL), positive=True)
+    quads.add(1, y1 + WALL, (top, open_end), (top + WALL, right + WALL), positive=True)
+    quads.add(2, top + WALL, (open_end, y0), (right + WALL, y1 + WALL), positive=True)
+    quads.add(0, open_end, (y0, top), (y1 + WALL, top + WALL), positive=False)
+    # The rim of the open compartment.
+    quads.add(2, top, (left - WALL, y0), (left, y1), positive=True)
+    quads.add(2, top, (left - WALL, y1), (open_end, y1 + WALL), positive=True)
+    m.add_mesh("Shelf", quads.vertices, quads.faces, m.principled("Paper", PAPER))
 
 
 def _objects() -> None:
