@@ -1,14 +1,12 @@
 // Python's view of the renderer. Arrays come in and go out as numpy; the GIL is released while stages run.
-#include <nanobind/nanobind.h>
-#include <nanobind/ndarray.h>
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
 #include "bench.h"
+#include "bindings/bindings.h"
 #include "embree_check.h"
-#include "renderer.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -42,14 +40,6 @@ E named(const std::string& name, std::initializer_list<std::pair<const char*, E>
   for (const auto& [text, value] : known)
     if (name == text) return value;
   throw std::invalid_argument("unknown " + std::string(what) + " '" + name + "'");
-}
-
-// Hands a vector over to numpy.
-template <class T>
-nb::ndarray<nb::numpy, T> to_numpy(std::vector<T>&& values, std::initializer_list<size_t> shape) {
-  auto* kept = new std::vector<T>(std::move(values));
-  nb::capsule owner(kept, [](void* p) noexcept { delete static_cast<std::vector<T>*>(p); });
-  return nb::ndarray<nb::numpy, T>(kept->data(), shape, owner);
 }
 
 uint32_t add_mesh(Renderer& r, Array<float, nb::shape<-1, 3>> positions, Array<uint32_t, nb::shape<-1, 3>> triangles,
@@ -285,7 +275,8 @@ NB_MODULE(photon_splat_native, m) {
   nb::exception<Cancelled>(m, "Cancelled");
   const auto released = nb::call_guard<nb::gil_scoped_release>();
 
-  nb::class_<Renderer>(m, "Renderer", "One render; stages are called in the order pass by pass that renderer.h states.")
+  nb::class_<Renderer> renderer(m, "Renderer", "One render; stages are called in the order pass by pass that renderer.h states.");
+  renderer
       .def("__init__", [](Renderer* self, int threads) {
         if (threads < 0) throw std::invalid_argument("the number of threads is negative");
         new (self) Renderer(threads);
@@ -345,4 +336,5 @@ NB_MODULE(photon_splat_native, m) {
         out["embree_seconds"] = embree;
         return out;
       }, "paths"_a, "Traces photon paths, then replays their rays by Embree alone.");
+  bind_splatting(renderer);
 }

@@ -85,6 +85,20 @@ void Renderer::splat() {
   splatter_->splat(*photons_, points_.blocks(), scene.pool(), cancel_);
 }
 
+const Splatter& Renderer::find_pairs(size_t first, size_t count) {
+  require_built();
+  if (first > photons_->size() || count > photons_->size() - first) throw std::out_of_range("there are not so many photons");
+  Timer timer(seconds_.splat);
+  splatter_->find_pairs(photons_->data() + first, count, points_.blocks().size(), scene.pool(), cancel_);
+  return *splatter_;
+}
+
+void Renderer::set_photons(std::vector<Photon> photons) {
+  require_built();
+  given_photons_ = std::move(photons);
+  photons_ = &given_photons_;
+}
+
 void Renderer::resolve() {
   require_built();
   Timer timer(seconds_.splat);

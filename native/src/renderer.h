@@ -43,6 +43,12 @@ class Renderer {
   void trace_photons(uint32_t pass, uint64_t first, uint64_t count);
   // Adds those photons to the points.
   void splat();
+  // Instead of splat(), for a splatter elsewhere: which of the photons [first, first + count) each block may catch. That
+  // splatter writes its sums into blocks().
+  const Splatter& find_pairs(size_t first, size_t count);
+  std::vector<PointBlock>& blocks() { return points_.blocks(); }
+  // Instead of trace_photons(): photons made elsewhere.
+  void set_photons(std::vector<Photon> photons);
   // Adds the pass to the film, the points' irradiance with it. Until then the film is that of the passes before.
   void resolve();
   // One sample per pixel of the unbiased path tracer instead of all of the above.
@@ -78,8 +84,8 @@ class Renderer {
   VisiblePoints points_;
   Film film_, pass_film_;
   const std::vector<Record>* records_ = nullptr;
-  std::vector<Photon> no_photons_;
-  const std::vector<Photon>* photons_ = &no_photons_;
+  std::vector<Photon> given_photons_;
+  const std::vector<Photon>* photons_ = &given_photons_;
   StageSeconds seconds_;
 };
 

@@ -90,29 +90,33 @@ void Splatter::find_blocks(const Vec3& p, uint32_t photon, std::vector<Pair>& ou
   }
 }
 
-void Splatter::splat(const std::vector<Photon>& photons, std::vector<PointBlock>& blocks, ThreadPool& pool,
-                     const CancelFlag& cancel) {
-  if (photons.empty() || blocks.empty()) return;
-  const size_t chunk_count = (photons.size() + kChunk - 1) / kChunk;
+void Splatter::find_pairs(const Photon* photons, size_t count, size_t block_count, ThreadPool& pool,
+                          const CancelFlag& cancel) {
+  const size_t chunk_count = (count + kChunk - 1) / kChunk;
   if (chunk_pairs_.size() < chunk_count) chunk_pairs_.resize(chunk_count);
   pool.for_each(chunk_count, cancel, [&](size_t c, int) {
     std::vector<Pair>& pairs = chunk_pairs_[c];
     pairs.clear();
-    const size_t end = std::min(photons.size(), (c + 1) * kChunk);
+    const size_t end = std::min(count, (c + 1) * kChunk);
     for (size_t i = c * kChunk; i < end; ++i) find_blocks(photons[i].position, static_cast<uint32_t>(i), pairs);
   });
 
   // Deals the pairs to their blocks, photons staying in order.
-  first_.assign(blocks.size() + 1, 0);
+  first_.assign(block_count + 1, 0);
   for (size_t c = 0; c < chunk_count; ++c)
     for (const Pair& pair : chunk_pairs_[c]) ++first_[pair.block + 1];
-  for (size_t b = 0; b < blocks.size(); ++b) first_[b + 1] += first_[b];
+  for (size_t b = 0; b < block_count; ++b) first_[b + 1] += first_[b];
   order_.resize(first_.back());
   pairs_ += order_.size();
   std::vector<uint32_t> next(first_.begin(), first_.end() - 1);
   for (size_t c = 0; c < chunk_count; ++c)
     for (const Pair& pair : chunk_pairs_[c]) order_[next[pair.block]++] = pair.photon;
+}
 
+void Splatter::splat(const std::vector<Photon>& photons, std::vector<PointBlock>& blocks, ThreadPool& pool,
+                     const CancelFlag& cancel) {
+  if (photons.empty() || blocks.empty()) return;
+  find_pairs(photons.data(), photons.size(), blocks.size(), pool, cancel);
   static_assert(sizeof(Photon) == sizeof(SplatPhoton));
   pool.for_each(blocks.size(), cancel, [&](size_t b, int) {
     constexpr uint32_t kBatch = 512;

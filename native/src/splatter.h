@@ -23,6 +23,12 @@ class Splatter {
   // the sums are the same for any number of threads.
   void splat(const std::vector<Photon>& photons, std::vector<PointBlock>& blocks, ThreadPool& pool, const CancelFlag& cancel);
 
+  // Which photons each block may catch, for a splatter elsewhere: block b those of order()[first()[b] .. first()[b + 1]),
+  // ascending.
+  void find_pairs(const Photon* photons, size_t count, size_t block_count, ThreadPool& pool, const CancelFlag& cancel);
+  const std::vector<uint32_t>& first() const { return first_; }
+  const std::vector<uint32_t>& order() const { return order_; }
+
   const std::string& kernel_name() const { return kernel_name_; }
   uint64_t pairs() const { return pairs_; }
 

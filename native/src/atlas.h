@@ -1,0 +1,34 @@
+// Blocks of points as 8x8 tiles of images, as a graphics card wants them, and the way back.
+#pragma once
+
+#include <vector>
+
+#include "parallel.h"
+#include "point_block.h"
+
+namespace photon_splat {
+
+// Blocks [first, first + count) as tiles, `columns` to a row, rows from the first up. Images are columns * 8 texels wide
+// and rows() * 8 high; lane l of a block is texel (l % 8, l / 8) of its tile.
+struct Atlas {
+  static constexpr size_t kTile = 8;
+
+  size_t first, count, columns;
+
+  size_t rows() const { return (count + columns - 1) / columns; }
+  size_t texels() const { return rows() * columns * kTile * kTile; }
+  size_t texel(size_t block, size_t lane) const {
+    const size_t tile = block - first;
+    return (tile / columns * kTile + lane / kTile) * columns * kTile + tile % columns * kTile + lane % kTile;
+  }
+
+  // position: x, y, z, 1/h^2; normal: x, y, z, slab. Tiles beyond the last block are left as they are.
+  void pack(const std::vector<PointBlock>& blocks, float* position, float* normal, uint32_t* key, ThreadPool& pool,
+            const CancelFlag& cancel) const;
+  // sums: red, green, blue, count. They replace those of the blocks.
+  void unpack(const float* sums, std::vector<PointBlock>& blocks, ThreadPool& pool, const CancelFlag& cancel) const;
+};
+
+static_assert(Atlas::kTile * Atlas::kTile == kBlockSize);
+
+}  // namespace photon_splat

@@ -1,0 +1,22 @@
+// Shared by the files that make up the Python module.
+#pragma once
+
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+
+#include "../renderer.h"
+
+namespace photon_splat {
+
+// Hands a vector over to numpy.
+template <class T>
+nanobind::ndarray<nanobind::numpy, T> to_numpy(std::vector<T>&& values, std::initializer_list<size_t> shape) {
+  auto* kept = new std::vector<T>(std::move(values));
+  nanobind::capsule owner(kept, [](void* p) noexcept { delete static_cast<std::vector<T>*>(p); });
+  return nanobind::ndarray<nanobind::numpy, T>(kept->data(), shape, owner);
+}
+
+// What a splatter outside of the native module needs: photons, pairs, points as an atlas, sums.
+void bind_splatting(nanobind::class_<Renderer>& renderer);
+
+}  // namespace photon_splat

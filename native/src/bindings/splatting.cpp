@@ -1,0 +1,100 @@
+#include <cstring>
+
+#include "../atlas.h"
+#include "bindings.h"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+namespace photon_splat {
+namespace {
+
+constexpr size_t kPhotonFloats = sizeof(Photon) / sizeof(float);
+
+void require_blocks(const Renderer& r, size_t first, size_t count, size_t columns) {
+  const size_t blocks = r.points().blocks().size();
+  if (first > blocks || count > blocks - first) throw std::out_of_range("there are not so many blocks of points");
+  if (columns < 1) throw std::invalid_argument("an atlas has at least one column");
+}
+
+nb::ndarray<nb::numpy, float> photon_records(const Renderer& r, size_t first, size_t count, size_t rows) {
+  const auto& photons = r.photons();
+  if (first > photons.size() || count > photons.size() - first) throw std::out_of_range("there are not so many photons");
+  if (rows < count) throw std::invalid_argument("fewer rows than photons");
+  std::vector<float> values(rows * kPhotonFloats);
+  if (count) std::memcpy(values.data(), &photons[first], count * sizeof(Photon));
+  return to_numpy(std::move(values), {rows, kPhotonFloats});
+}
+
+void set_photon_records(Renderer& r, nb::ndarray<const float, nb::c_contig, nb::device::cpu, nb::shape<-1, 8>> records) {
+  std::vector<Photon> photons(records.shape(0));
+  if (!photons.empty()) std::memcpy(static_cast<void*>(photons.data()), records.data(), photons.size() * sizeof(Photon));
+  r.set_photons(std::move(photons));
+}
+
+// The lists of all blocks one after the other, cut into runs of at most `longest` photons.
+nb::tuple photon_runs(Renderer& r, size_t first, size_t count, uint32_t longest) {
+  if (longest < 1) throw std::invalid_argument("a run has at least one photon");
+  std::vector<uint32_t> order, runs;
+  {
+    nb::gil_scoped_release release;
+    const Splatter& splatter = r.find_pairs(first, count);
+    order = splatter.order();
+    const std::vector<uint32_t>& starts = splatter.first();
+    for (uint32_t b = 0; b + 1 < starts.size(); ++b)
+      for (uint32_t begin = starts[b]; begin < starts[b + 1]; begin += longest) {
+        const uint32_t run[3] = {b, begin, std::min(longest, starts[b + 1] - begin)};
+        runs.insert(runs.end(), run, run + 3);
+      }
+  }
+  const size_t pairs = order.size(), run_count = runs.size() / 3;
+  return nb::make_tuple(to_numpy(std::move(order), {pairs}), to_numpy(std::move(runs), {run_count, 3}));
+}
+
+nb::tuple point_atlas(Renderer& r, size_t first, size_t count, size_t columns) {
+  require_blocks(r, first, count, columns);
+  const Atlas atlas{first, count, columns};
+  const size_t width = columns * Atlas::kTile, height = atlas.rows() * Atlas::kTile;
+  std::vector<float> position, normal;
+  std::vector<uint32_t> key;
+  {
+    nb::gil_scoped_release release;
+    position.resize(4 * atlas.texels());
+    normal.resize(4 * atlas.texels());
+    key.resize(atlas.texels());
+    atlas.pack(r.blocks(), position.data(), normal.data(), key.data(), r.scene.pool(), r.cancel_flag());
+  }
+  return nb::make_tuple(to_numpy(std::move(position), {height, width, 4}), to_numpy(std::move(normal), {height, width, 4}),
+                        to_numpy(std::move(key), {height, width}));
+}
+
+void set_sums(Renderer& r, size_t first, size_t count, size_t columns,
+              nb::ndarray<const float, nb::c_contig, nb::device::cpu, nb::shape<-1, -1, 4>> sums) {
+  require_blocks(r, first, count, columns);
+  const Atlas atlas{first, count, columns};
+  if (sums.shape(0) != atlas.rows() * Atlas::kTile || sums.shape(1) != columns * Atlas::kTile)
+    throw std::invalid_argument("the sums have not the shape of the atlas");
+  const float* values = sums.data();
+  nb::gil_scoped_release release;
+  atlas.unpack(values, r.blocks(), r.scene.pool(), r.cancel_flag());
+}
+
+}  // namespace
+
+void bind_splatting(nb::class_<Renderer>& renderer) {
+  renderer
+      .def_prop_ro("block_count", [](const Renderer& r) { return r.points().blocks().size(); }, "Blocks of points of the pass.")
+      .def_prop_ro("photon_count", [](const Renderer& r) { return r.photons().size(); }, "Photons of the last batch.")
+      .def("photon_records", &photon_records, "first"_a, "count"_a, "rows"_a,
+           "(rows, 8) float32, zero from row `count` on: position, key (bits), direction (bits), power.")
+      .def("set_photon_records", &set_photon_records, "records"_a, "Replaces the photons of the last batch.")
+      .def("photon_runs", &photon_runs, "first"_a, "count"_a, "longest"_a,
+           "Pairs of the photons [first, first + count) and the blocks that may catch them. Returns (P,) uint32 photons\n"
+           "counted from `first`, block after block, and (R, 3) uint32 runs: block, first pair, pairs (at most `longest`).")
+      .def("point_atlas", &point_atlas, "first"_a, "count"_a, "columns"_a,
+           "Blocks [first, first + count) as 8x8 tiles: position and 1/h^2, normal and slab (H, W, 4) float32, key (H, W) uint32.")
+      .def("set_sums", &set_sums, "first"_a, "count"_a, "columns"_a, "sums"_a,
+           "(H, W, 4) float32 sums of power times kernel, and photons caught, of the same tiles: replaces those of the blocks.");
+}
+
+}  // namespace photon_splat
