@@ -8,7 +8,7 @@ void Atlas::pack(const std::vector<PointBlock>& blocks, float* position, float* 
     const PointBlock& b = blocks[first + i];
     for (size_t l = 0; l < kBlockSize; ++l) {
       const size_t at = texel(first + i, l);
-      const float p[4] = {b.x[l], b.y[l], b.z[l], b.inverse_h2[l]}, n[4] = {b.nx[l], b.ny[l], b.nz[l], b.slab[l]};
+      const float p[4] = {b.x[l], b.y[l], b.z[l], b.inverse_h2[l]}, n[4] = {b.nx[l], b.ny[l], b.nz[l], 0};
       for (size_t c = 0; c < 4; ++c) {
         position[4 * at + c] = p[c];
         normal[4 * at + c] = n[c];

@@ -22,7 +22,7 @@ struct Atlas {
     return (tile / columns * kTile + lane / kTile) * columns * kTile + tile % columns * kTile + lane % kTile;
   }
 
-  // position: x, y, z, 1/h^2; normal: x, y, z, slab. Tiles beyond the last block are left as they are.
+  // position: x, y, z, 1/h^2; normal: x, y, z, unused. Tiles beyond the last block are left as they are.
   void pack(const std::vector<PointBlock>& blocks, float* position, float* normal, uint32_t* key, ThreadPool& pool,
             const CancelFlag& cancel) const;
   // sums: red, green, blue, count. They replace those of the blocks.

@@ -1,10 +1,14 @@
 #include "kernel_mass.h"
 
+#include "point_block.h"
+
 namespace photon_splat {
 namespace {
 
 constexpr uint32_t kFewEdges = 48;         // planar patches up to here are summed whole, without cancellation
-constexpr float kRadiusOverCurvature = 0.3f;
+constexpr float kGentle = 0.3f;               // h times curvature up to which the ball's mass is good to 0.3 %
+constexpr float kRadiusOverCurvature = 0.7f;
+constexpr uint32_t kMostTriangles = 256;      // summed one by one
 
 struct EdgeInPlane {
   double distance;     // from x to the edge's line, positive when x is on the patch's side; in units of h
@@ -52,6 +56,68 @@ double mass_beyond(const EdgeInPlane& e) {
   return d >= 0 ? mass : -mass;
 }
 
+// Sums the triangles that a point query finds.
+struct TriangleSum {
+  const Scene& scene;
+  uint32_t instance, patch;
+  Vec3 x, normal;
+  float h;
+  float side = 1;  // -1: x is on the triangles' back
+  double mass = 0;
+  uint32_t visited = 0;
+
+  void add(uint32_t triangle) {
+    const Instance& placed = scene.instances[instance];
+    const Mesh& mesh = scene.meshes[placed.mesh];
+    if (mesh.topology.patch[triangle] != patch) return;
+    ++visited;
+    Vec3 corner[3];
+    for (int i = 0; i < 3; ++i) corner[i] = placed.to_world.point(mesh.positions[mesh.triangles[triangle][i]]);
+    if (placed.mirrored) std::swap(corner[1], corner[2]);
+    const Vec3 n = cross(corner[1] - corner[0], corner[2] - corner[0]);
+    const float len = length(n);
+    if (!(len > 0)) return;
+    const Vec3 front = n / len;
+    // A patch has one side towards the viewer; `normal` is on it, so that the triangles' fronts all agree or all disagree.
+    const float weight = std::clamp(kNormalWeightSlope * side * dot(front, normal), 0.0f, 1.0f);
+    const float height = dot(x - corner[0], front), relative = height / h;
+    const float cut2 = 1 - relative * relative;  // squared radius of the disc that the ball cuts from the plane, in h
+    if (weight <= 0 || cut2 <= 0) return;
+    const Vec3 foot = x - front * height;
+    EdgeInPlane e;
+    double share = 0;
+    for (int i = 0; i < 3; ++i)
+      if (project(foot, front, h * std::sqrt(cut2), corner[i], corner[(i + 1) % 3], e)) share += triangle_mass(e);
+    mass += weight * double(cut2) * cut2 * share;  // the kernel on that plane is cut2^2 times one of the smaller radius
+  }
+};
+
+bool add_triangle(RTCPointQueryFunctionArguments* arguments) {
+  TriangleSum& sum = *static_cast<TriangleSum*>(arguments->userPtr);
+  const bool instanced = arguments->context->instStackSize > 0;
+  const uint32_t instance = instanced ? arguments->context->instID[0] : arguments->geomID;
+  if (instance == sum.instance) sum.add(arguments->primID);
+  if (sum.visited <= kMostTriangles) return false;
+  arguments->query->radius = 0;  // enough: the answer is not wanted any more
+  return true;
+}
+
+// The mass by triangles; a negative number where they are too many.
+double sum_triangles(const Scene& scene, uint32_t instance, uint32_t triangle, const Vec3& x, const Vec3& normal, float h) {
+  const Instance& placed = scene.instances[instance];
+  const Mesh& mesh = scene.meshes[placed.mesh];
+  TriangleSum sum{scene, instance, mesh.topology.patch[triangle], x, normal, h};
+  const Triangle& t = mesh.triangles[triangle];
+  const Vec3 a = placed.to_world.point(mesh.positions[t[0]]);
+  const Vec3 own = cross(placed.to_world.point(mesh.positions[t[1]]) - a, placed.to_world.point(mesh.positions[t[2]]) - a);
+  sum.side = (dot(own, normal) >= 0) != placed.mirrored ? 1.0f : -1.0f;
+  RTCPointQuery query{x.x, x.y, x.z, 0, h};
+  RTCPointQueryContext context;
+  rtcInitPointQueryContext(&context);
+  rtcPointQuery(scene.embree(), &query, &context, add_triangle, &sum);
+  return sum.visited <= kMostTriangles ? sum.mass : -1.0;
+}
+
 }  // namespace
 
 float curvature_radius_limit(const Scene& scene, uint32_t instance, uint32_t triangle) {
@@ -66,7 +132,12 @@ KernelMass kernel_mass(const Scene& scene, uint32_t instance, uint32_t triangle,
   const Topology& topology = mesh.topology;
   const uint32_t patch = topology.patch[triangle];
   const uint32_t first = topology.first_edge[patch], count = topology.first_edge[patch + 1] - first;
-  if (!count) return {1, topology.planar[patch] != 0};
+  const bool planar = topology.planar[patch] != 0;
+  if (!planar && h * topology.patch_curvature[patch] > kGentle * placed.scale) {
+    const double mass = sum_triangles(scene, instance, triangle, x, normal, h);
+    if (mass >= 0) return {std::max(static_cast<float>(mass), kSmallestMass), true};
+  }
+  if (!count) return {1, planar};
 
   // The side about which edges run counter-clockwise in world space.
   const auto world_front = [&](const BoundaryEdge& edge) {
@@ -78,7 +149,7 @@ KernelMass kernel_mass(const Scene& scene, uint32_t instance, uint32_t triangle,
 
   double mass;
   EdgeInPlane e;
-  if (topology.planar[patch] && count <= kFewEdges) {
+  if (planar && count <= kFewEdges) {
     EdgeInPlane edges[kFewEdges];
     uint32_t used = 0;
     bool cut = false;
@@ -101,7 +172,7 @@ KernelMass kernel_mass(const Scene& scene, uint32_t instance, uint32_t triangle,
       if (project(x, world_front(edge), h, world(edge.a), world(edge.b), e)) mass -= mass_beyond(e);
     });
   }
-  return {std::max(static_cast<float>(mass), kSmallestMass), topology.planar[patch] != 0};
+  return {std::max(static_cast<float>(mass), kSmallestMass), planar};
 }
 
 }  // namespace photon_splat

@@ -5,11 +5,14 @@
 
 namespace photon_splat {
 
-// M(x) = integral over the patch of K_h(|x - y|) dA(y) for the Epanechnikov kernel K(s) = 2/pi (1 - s^2), |s| < 1.
-// Exact on planar patches (with x on them), from their boundary edges alone: the divergence theorem turns the integral
-// into one over edges of G(r) (r.n)/r^2, G(r) = integral of K(s) s ds. On curved patches M = 1 away from boundaries
-// (Euclidean ball; exact on spheres) and edges near x count as projected to the tangent plane.
-// `normal` is the geometric normal at x, on either side. Never 0: at least kSmallestMass. `exact` tells which case it was.
+// M(x) = integral over the patch of w(n_x.n_y) K_h(|x - y|) dA(y), K(s) = 2/pi (1 - s^2) for s < 1 (Epanechnikov),
+// w as in point_block.h.
+// - Planar patch: exact from its boundary edges alone; the divergence theorem turns the integral into one over edges of
+//   G(r) (r.n)/r^2, G(r) = integral of K(s) s ds. Cost does not grow with tessellation.
+// - Bent patch: exact as a sum over the triangles within the disc, if they are few.
+// - Gently curved or finely tessellated patch: the Euclidean ball's mass, 1 (exact on spheres, 1 + h^2/32 (k1 - k2)^2 in
+//   general), less what lies beyond edges projected to the tangent plane; `exact` is false.
+// `normal` is the geometric normal at x, on either side. Never 0: at least kSmallestMass.
 struct KernelMass {
   float mass;
   bool exact;

@@ -214,7 +214,7 @@ nb::dict statistics(Renderer& r) {
 nb::dict point_arrays(const Renderer& r) {
   const auto& blocks = r.points().blocks();
   const size_t n = r.points().size();
-  std::vector<float> position(3 * n), normal(3 * n), radius(n), slab(n), mass(n), irradiance(3 * n), count(n);
+  std::vector<float> position(3 * n), normal(3 * n), radius(n), mass(n), irradiance(3 * n), count(n);
   std::vector<uint32_t> key(n);
   for (size_t i = 0; i < n; ++i) {
     const PointBlock& b = blocks[i / kBlockSize];
@@ -227,7 +227,6 @@ nb::dict point_arrays(const Renderer& r) {
     }
     radius[i] = 1 / std::sqrt(b.inverse_h2[l]);
     mass[i] = 2 * b.inverse_h2[l] / (kPi * b.scale[l]);
-    slab[i] = b.slab[l];
     count[i] = b.count[l];
     key[i] = b.key[l];
   }
@@ -236,7 +235,6 @@ nb::dict point_arrays(const Renderer& r) {
   out["normal"] = to_numpy(std::move(normal), {n, 3});
   out["key"] = to_numpy(std::move(key), {n});
   out["radius"] = to_numpy(std::move(radius), {n});
-  out["slab"] = to_numpy(std::move(slab), {n});
   out["mass"] = to_numpy(std::move(mass), {n});
   out["irradiance"] = to_numpy(std::move(irradiance), {n, 3});
   out["count"] = to_numpy(std::move(count), {n});
@@ -246,16 +244,20 @@ nb::dict point_arrays(const Renderer& r) {
 nb::dict photon_arrays(const Renderer& r) {
   const auto& photons = r.photons();
   const size_t n = photons.size();
-  std::vector<float> position(3 * n), power(3 * n);
+  std::vector<float> position(3 * n), normal(3 * n), power(3 * n);
   std::vector<uint32_t> key(n);
-  for (size_t i = 0; i < n; ++i)
+  for (size_t i = 0; i < n; ++i) {
+    const Vec3 direction = decode_direction(photons[i].normal);
+    key[i] = photons[i].key;
     for (int c = 0; c < 3; ++c) {
       position[3 * i + c] = photons[i].position[c];
+      normal[3 * i + c] = direction[c];
       power[3 * i + c] = photons[i].power[c];
-      key[i] = photons[i].key;
     }
+  }
   nb::dict out;
   out["position"] = to_numpy(std::move(position), {n, 3});
+  out["normal"] = to_numpy(std::move(normal), {n, 3});
   out["power"] = to_numpy(std::move(power), {n, 3});
   out["key"] = to_numpy(std::move(key), {n});
   return out;

@@ -16,7 +16,7 @@ bool PhotonTracer::shade(Path& path, int bounce, const Surface& hit, uint32_t se
   // Density on the surface measures the geometric cosine; the BSDF wants the shading one (Veach 1997, section 5.3).
   path.power *= cos_shading / cos_geometric;
   if (bounce > 0 && visible.contains(hit.key))
-    photons.push_back({hit.position, hit.key, encode_direction(-direction), path.power});
+    photons.push_back({hit.position, hit.key, encode_direction(hit.ng), encode_direction(-direction), path.power});
   if (bounce == max_bounces_) return false;
   path.power *= scene_.albedo(hit);
   const float survival = std::min(1.0f, max_component(path.power) / path.reference);

@@ -8,7 +8,8 @@ namespace photon_splat {
 struct Photon {
   Vec3 position;       // m, relative to the scene's origin
   uint32_t key;        // surface patch and side
-  uint32_t from;       // direction towards where it came from, octahedral
+  uint16_t normal;     // geometric normal on the side it hit, encoded
+  uint16_t from;       // direction towards where it came from, encoded
   Rgb power;           // W; the shading normal's factor |w.ns|/|w.ng| is in it
 };
 static_assert(sizeof(Photon) == 32);

@@ -8,22 +8,26 @@ namespace photon_splat {
 
 inline constexpr uint32_t kBlockSize = 64;
 
-// Up to 64 spatially compact points, structure of arrays. Unused places have slab = -1 and catch nothing.
+// Up to 64 spatially compact points, structure of arrays. Unused places have inverse_h2 = infinity and catch nothing.
 struct alignas(64) PointBlock {
   float x[kBlockSize], y[kBlockSize], z[kBlockSize];
   float nx[kBlockSize], ny[kBlockSize], nz[kBlockSize];
   uint32_t key[kBlockSize];
   float inverse_h2[kBlockSize];  // 1/h^2
-  float slab[kBlockSize];        // |n.(y - x)| may not exceed it
   float scale[kBlockSize];       // 2/(pi h^2 M): turns the sums below into irradiance, W/m^2
-  float r[kBlockSize], g[kBlockSize], b[kBlockSize];  // sum of power * (1 - d^2/h^2)
+  float r[kBlockSize], g[kBlockSize], b[kBlockSize];  // sum of power * w(n_x . n_y) * (1 - d^2/h^2)
   float count[kBlockSize];       // photons caught
 };
 
-// A photon as a kernel reads it: position, key, direction, power.
+// The weight of a photon whose surface normal differs from the point's: w = clamp(2 n_x.n_y, 0, 1), 1 up to 60 degrees.
+// The kernel mass M(x) takes the same weight.
+inline constexpr float kNormalWeightSlope = 2;
+
+// A photon as a kernel reads it: position, key, surface normal, power.
 struct SplatPhoton {
   float x, y, z;
-  uint32_t key, from;
+  uint32_t key;
+  float nx, ny, nz;
   float r, g, b;
 };
 

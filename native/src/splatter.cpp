@@ -117,7 +117,6 @@ void Splatter::splat(const std::vector<Photon>& photons, std::vector<PointBlock>
                      const CancelFlag& cancel) {
   if (photons.empty() || blocks.empty()) return;
   find_pairs(photons.data(), photons.size(), blocks.size(), pool, cancel);
-  static_assert(sizeof(Photon) == sizeof(SplatPhoton));
   pool.for_each(blocks.size(), cancel, [&](size_t b, int) {
     constexpr uint32_t kBatch = 512;
     SplatPhoton batch[kBatch];
@@ -125,7 +124,8 @@ void Splatter::splat(const std::vector<Photon>& photons, std::vector<PointBlock>
       const uint32_t count = std::min(kBatch, first_[b + 1] - begin);
       for (uint32_t i = 0; i < count; ++i) {
         const Photon& p = photons[order_[begin + i]];
-        batch[i] = {p.position.x, p.position.y, p.position.z, p.key, p.from, p.power.x, p.power.y, p.power.z};
+        const Vec3 n = decode_direction(p.normal);
+        batch[i] = {p.position.x, p.position.y, p.position.z, p.key, n.x, n.y, n.z, p.power.x, p.power.y, p.power.z};
       }
       kernel_(blocks[b], batch, count);
     }

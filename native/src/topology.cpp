@@ -145,6 +145,10 @@ Topology build_topology(const std::vector<Vec3>& positions, const std::vector<Tr
     }
   }
 
+  out.patch_curvature.assign(patches, 0.0f);
+  for (uint32_t t = 0; t < count && !all_planar; ++t)
+    out.patch_curvature[out.patch[t]] = std::max(out.patch_curvature[out.patch[t]], out.curvature[t]);
+
   // A crease between triangles that are joined some other way round is no end: photons beyond it count.
   const auto is_boundary = [&](uint32_t half) {
     return partner[half] == kNone || out.patch[half / 3] != out.patch[partner[half] / 3];

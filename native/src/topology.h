@@ -25,6 +25,7 @@ struct Topology {
   std::vector<uint32_t> patch;           // per triangle
   std::vector<uint8_t> planar;           // per patch
   std::vector<float> curvature;          // 1/m in mesh coordinates per triangle; empty when all patches are planar
+  std::vector<float> patch_curvature;    // the largest of each patch
   std::vector<BoundaryEdge> edges;       // sorted by patch
   std::vector<uint32_t> first_edge;      // per patch, and one past the end
 

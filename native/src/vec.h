@@ -89,8 +89,9 @@ struct Affine {
 double determinant(const Affine& a);
 Affine inverse(const Affine& a);  // throws std::invalid_argument for a singular matrix
 
-// Unit vector in 32 bits, octahedral (Cigolle et al. 2014, "A survey of efficient representations for unit vectors").
-inline uint32_t encode_direction(const Vec3& d) {
+// Unit vector in 16 bits, to about a degree: octahedral (Cigolle et al. 2014, "A survey of efficient representations
+// for independent unit vectors").
+inline uint16_t encode_direction(const Vec3& d) {
   const float s = 1.0f / (std::abs(d.x) + std::abs(d.y) + std::abs(d.z));
   float u = d.x * s, v = d.y * s;
   if (d.z < 0) {
@@ -98,15 +99,14 @@ inline uint32_t encode_direction(const Vec3& d) {
     v = (1.0f - std::abs(u)) * std::copysign(1.0f, v);
     u = t;
   }
-  const auto quantize = [](float f) {
-    return static_cast<uint32_t>(std::lround((std::clamp(f, -1.0f, 1.0f) * 0.5f + 0.5f) * 65535.0f));
-  };
-  return quantize(u) | quantize(v) << 16;
+  // 127 steps to either side of 0, so that the axes are exact.
+  const auto quantize = [](float f) { return static_cast<uint16_t>(std::clamp(f, -1.0f, 1.0f) * 127.0f + 127.5f); };
+  return static_cast<uint16_t>(quantize(u) | quantize(v) << 8);
 }
 
-inline Vec3 decode_direction(uint32_t e) {
-  float u = static_cast<float>(e & 0xffff) / 65535.0f * 2.0f - 1.0f;
-  float v = static_cast<float>(e >> 16) / 65535.0f * 2.0f - 1.0f;
+inline Vec3 decode_direction(uint16_t e) {
+  float u = static_cast<float>(e & 0xff) / 127.0f - 1.0f;
+  float v = static_cast<float>(e >> 8) / 127.0f - 1.0f;
   const float z = 1.0f - std::abs(u) - std::abs(v);
   if (z < 0) {
     const float t = (1.0f - std::abs(v)) * std::copysign(1.0f, u);

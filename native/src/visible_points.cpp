@@ -7,9 +7,9 @@ namespace {
 
 constexpr size_t kChunk = 4096;
 constexpr size_t kShards = 64;
-constexpr float kSlab = 0.5f;             // of h: thickness of the domain on either side of the tangent plane
 constexpr float kTrustedMass = 0.2f;      // of a curved patch
 constexpr int kMostHalvings = 6;
+constexpr float kLeastOfDensityRadius = 0.2f;  // curvature takes no more than this: 1/25 of the photons remain
 constexpr float kFootprintFloor = 2.0f;   // a kernel narrower than this many camera samples shows nothing more
 
 size_t chunks_of(size_t count) { return (count + kChunk - 1) / kChunk; }
@@ -47,8 +47,9 @@ void VisiblePoints::find_cells(Scene& scene, const std::vector<Record>& records,
     for (size_t i = c * kChunk; i < end; ++i) {
       const Record& r = records[i];
       float h = s.radius_factor * radii.radius(r.key, r.position, s.photons_per_disc, s.paths_per_pass);
-      h = std::max(h, kFootprintFloor * r.footprint);
-      h = std::min({h, radii.largest(), curvature_radius_limit(scene, r.instance, r.triangle)});
+      h = std::min(std::max(h, kFootprintFloor * r.footprint), radii.largest());
+      // Where the surface bends a disc blurs over its normals; where photons are few that is the lesser evil.
+      h = std::max(std::min(h, curvature_radius_limit(scene, r.instance, r.triangle)), kLeastOfDensityRadius * h);
       h = quantized(std::max(h, smallest));
       uint64_t hash = i;
       if (s.spacing > 0) {
@@ -161,8 +162,7 @@ void VisiblePoints::fill_blocks(Scene& scene, const std::vector<Record>& records
       if (at >= order.size()) {
         block.x[lane] = block.y[lane] = block.z[lane] = block.nx[lane] = block.ny[lane] = block.nz[lane] = 0;
         block.key[lane] = 0;
-        block.inverse_h2[lane] = 0;
-        block.slab[lane] = -1;
+        block.inverse_h2[lane] = INFINITY;
         block.scale[lane] = 0;
         continue;
       }
@@ -178,7 +178,6 @@ void VisiblePoints::fill_blocks(Scene& scene, const std::vector<Record>& records
       block.nz[lane] = r.ng.z;
       block.key[lane] = r.key;
       block.inverse_h2[lane] = 1 / (h * h);
-      block.slab[lane] = kSlab * h;
       block.scale[lane] = 2 / (kPi * h * h);
       bounds.add(r.position - Vec3{h, h, h});
       bounds.add(r.position + Vec3{h, h, h});
@@ -202,7 +201,6 @@ void VisiblePoints::correct_boundaries(Scene& scene, const CancelFlag& cancel) {
       }
       if (!m.exact) m.mass = std::max(m.mass, kTrustedMass);
       block.inverse_h2[lane] = 1 / (h * h);
-      block.slab[lane] = kSlab * h;
       block.scale[lane] = 2 / (kPi * h * h * m.mass);
     }
   });

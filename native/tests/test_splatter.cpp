@@ -22,7 +22,7 @@ std::vector<PointBlock> make_blocks(size_t count, std::vector<Bounds>& bounds) {
     std::memset(&block, 0, sizeof block);
     const Vec3 corner = random_place(random) * 0.9f;
     for (uint32_t i = 0; i < kBlockSize; ++i) {
-      block.slab[i] = -1;
+      block.inverse_h2[i] = INFINITY;
       if (i % 11 == 10) continue;
       const Vec3 p = corner + random_place(random) * 0.1f;
       const float h = 0.02f + 0.08f * random.next();
@@ -30,7 +30,6 @@ std::vector<PointBlock> make_blocks(size_t count, std::vector<Bounds>& bounds) {
       block.nz[i] = 1;
       block.key[i] = random.next() < 0.5f ? 7 : 8;
       block.inverse_h2[i] = 1 / (h * h);
-      block.slab[i] = h / 4;
       bounds[b].add(p - Vec3{h, h, h});
       bounds[b].add(p + Vec3{h, h, h});
     }
@@ -42,7 +41,8 @@ std::vector<Photon> make_photons(size_t count) {
   std::vector<Photon> photons(count);
   for (size_t i = 0; i < count; ++i) {
     Random random(i, 3);
-    photons[i] = {random_place(random), random.next() < 0.5f ? 7u : 8u, 0, {random.next(), 1, 2}};
+    photons[i] = {random_place(random), random.next() < 0.5f ? 7u : 8u, encode_direction(normalize({random.next() - 0.5f, 0.4f, random.next()})),
+                  0, {random.next(), 1, 2}};
   }
   return photons;
 }
@@ -56,9 +56,10 @@ Sums sums_at(const PointBlock& block, uint32_t i, const std::vector<Photon>& pho
   for (const Photon& p : photons) {
     const double dx = double(p.position.x) - block.x[i], dy = double(p.position.y) - block.y[i], dz = double(p.position.z) - block.z[i];
     const double kernel = 1 - (dx * dx + dy * dy + dz * dz) * block.inverse_h2[i];
-    if (kernel <= 0 || std::abs(dz) > block.slab[i] || p.key != block.key[i]) continue;
-    sums.r += kernel * p.power.x;
-    sums.b += kernel * p.power.z;
+    const double facing = std::min(1.0, 2.0 * double(decode_direction(p.normal).z));
+    if (kernel <= 0 || facing <= 0 || p.key != block.key[i]) continue;
+    sums.r += kernel * facing * p.power.x;
+    sums.b += kernel * facing * p.power.z;
     ++sums.count;
   }
   return sums;

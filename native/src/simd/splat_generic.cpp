@@ -9,12 +9,12 @@ void splat_block_generic(PointBlock& block, const SplatPhoton* photons, uint32_t
     for (uint32_t lane = 0; lane < kBlockSize; ++lane) {
       const float dx = p.x - block.x[lane], dy = p.y - block.y[lane], dz = p.z - block.z[lane];
       const float kernel = 1 - (dx * dx + dy * dy + dz * dz) * block.inverse_h2[lane];
-      const float height = block.nx[lane] * dx + block.ny[lane] * dy + block.nz[lane] * dz;
-      const float slab = block.slab[lane];
-      if (!(kernel > 0) || height > slab || height < -slab || p.key != block.key[lane]) continue;
-      block.r[lane] += kernel * p.r;
-      block.g[lane] += kernel * p.g;
-      block.b[lane] += kernel * p.b;
+      const float facing = kNormalWeightSlope * (block.nx[lane] * p.nx + block.ny[lane] * p.ny + block.nz[lane] * p.nz);
+      if (!(kernel > 0) || !(facing > 0) || p.key != block.key[lane]) continue;
+      const float weight = kernel * (facing < 1 ? facing : 1);
+      block.r[lane] += weight * p.r;
+      block.g[lane] += weight * p.g;
+      block.b[lane] += weight * p.b;
       block.count[lane] += 1;
     }
   }

@@ -20,20 +20,22 @@ void PHOTON_SPLAT_KERNEL(PointBlock& block, const SplatPhoton* photons, uint32_t
     const auto at = [lane](float* p) __attribute__((always_inline)) { return reinterpret_cast<Floats*>(p + lane); };
     const Floats x = *at(block.x), y = *at(block.y), z = *at(block.z);
     const Floats nx = *at(block.nx), ny = *at(block.ny), nz = *at(block.nz);
-    const Floats inverse_h2 = *at(block.inverse_h2), slab = *at(block.slab);
+    const Floats inverse_h2 = *at(block.inverse_h2);
     const Ints key = *reinterpret_cast<const Ints*>(block.key + lane);
     Floats r = *at(block.r), g = *at(block.g), b = *at(block.b), caught = *at(block.count);
     for (uint32_t i = 0; i < count; ++i) {
       const SplatPhoton& p = photons[i];
       const Floats dx = p.x - x, dy = p.y - y, dz = p.z - z;
       const Floats kernel = 1.0f - (dx * dx + dy * dy + dz * dz) * inverse_h2;
-      const Floats height = nx * dx + ny * dy + nz * dz;
-      const Ints inside = (kernel > 0.0f) & (height <= slab) & (height >= -slab) & (key == static_cast<int32_t>(p.key));
-      const Floats weight = select(inside, kernel);
+      const Floats facing = kNormalWeightSlope * (nx * p.nx + ny * p.ny + nz * p.nz);
+      const Ints inside = (kernel > 0.0f) & (facing > 0.0f) & (key == static_cast<int32_t>(p.key));
+      const Floats full = Floats{} + 1.0f;
+      const Ints partly = facing < full;
+      const Floats weight = select(inside, kernel) * (select(partly, facing) + select(~partly, full));
       r += weight * p.r;
       g += weight * p.g;
       b += weight * p.b;
-      caught += select(inside, Floats{} + 1.0f);
+      caught += select(inside, full);
     }
     *at(block.r) = r;
     *at(block.g) = g;
