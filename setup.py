@@ -1,6 +1,10 @@
-"""The folder addon/ is the package photon_splat; the rest of the packaging is in pyproject.toml."""
+"""The folder addon/ is the package photon_splat, with shaders/ inside; the rest of the packaging is in pyproject.toml."""
 
 from setuptools import find_packages, setup
 
 folders = find_packages(include=["addon", "addon.*"])
-setup(packages=["photon_splat" + folder.removeprefix("addon") for folder in folders])
+setup(
+    packages=["photon_splat" + folder.removeprefix("addon") for folder in folders] + ["photon_splat.shaders"],
+    package_dir={"photon_splat": "addon", "photon_splat.shaders": "shaders"},
+    package_data={"photon_splat": ["blender_manifest.toml"], "photon_splat.shaders": ["*"]},
+)

@@ -1,4 +1,4 @@
-"""The Python package: the core stands without Blender, and the wheel holds addon/ and nothing else."""
+"""The Python package: the core stands without Blender, and the wheel holds addon/ and shaders/ and nothing else."""
 
 from __future__ import annotations
 
@@ -45,13 +45,14 @@ def test_every_part_has_the_same_version() -> None:
 @pytest.mark.smoke
 def test_the_core_imports_no_blender(run_python: RunPython) -> None:
     process = run_python(IMPORT_CORE)
-    expected = sum(path.parts[0] == "core" and path.name != "__init__.py" for path in MODULES)
+    expected = sum(path.parts[0] == "core" for path in MODULES) - 1
     assert process.stdout.strip() == f"{expected} []", process.stderr
 
 
-def test_the_wheel_holds_every_module_and_the_manifest(tmp_path: Path) -> None:
+def test_the_wheel_holds_every_module_the_shaders_and_the_manifest(tmp_path: Path) -> None:
     source = tmp_path / "source"
-    shutil.copytree(ROOT / "addon", source / "addon", ignore=shutil.ignore_patterns("__pycache__"))
+    for name in ("addon", "shaders"):
+        shutil.copytree(ROOT / name, source / name, ignore=shutil.ignore_patterns("__pycache__"))
     for name in ("pyproject.toml", "setup.py", "LICENSE"):
         shutil.copy(ROOT / name, source)
     command = [sys.executable, "-m", "pip", "wheel", "-q", "--no-build-isolation", "--no-deps", "--disable-pip-version-check"]
@@ -59,4 +60,5 @@ def test_the_wheel_holds_every_module_and_the_manifest(tmp_path: Path) -> None:
     (wheel,) = tmp_path.glob("photon_splat-*-py3-none-any.whl")
     names = zipfile.ZipFile(wheel).namelist()
     payload = {name for name in names if ".dist-info/" not in name}
-    assert payload == {f"photon_splat/{path.as_posix()}" for path in [*MODULES, Path("blender_manifest.toml")]}
+    shaders = [path.relative_to(ROOT) for path in (ROOT / "shaders").iterdir()]
+    assert payload == {f"photon_splat/{path.as_posix()}" for path in [*MODULES, *shaders, Path("blender_manifest.toml")]}
