@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "emission_guide.h"
 #include "scene.h"
 
 namespace photon_splat {
@@ -74,8 +75,11 @@ class Lights {
   Rgb world() const { return scene_.world; }
   double total_power() const { return total_power_; }  // W, mean over RGB
 
-  // Photon number `index` of the stream `seed`: starts in proportion to power.
-  PhotonStart emit(uint64_t index, uint32_t seed) const;
+  // Photon number `index` of the stream `seed` starts in proportion to power, or where `guide` sends it.
+  EmissionPrimary primary(uint64_t index, uint32_t seed, const EmissionGuide* guide) const;
+  PhotonStart emit(const EmissionPrimary& primary) const;
+  // A guide for these emitters that has learnt nothing yet.
+  EmissionGuide make_guide() const;
 
  private:
   struct Lamp {

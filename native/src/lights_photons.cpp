@@ -272,25 +272,47 @@ PhotonStart Lights::emit_mesh(const Emitter& e, float pick, const Vec2& place, c
   return start;
 }
 
-PhotonStart Lights::emit(uint64_t index, uint32_t seed) const {
+EmissionPrimary Lights::primary(uint64_t index, uint32_t seed, const EmissionGuide* guide) const {
   const uint32_t i = static_cast<uint32_t>(index), s = hash_combine(seed, static_cast<uint32_t>(index >> 32));
-  const Vec2 choice = sobol_2d(i, 0, s), place = sobol_2d(i, 1, s), way = sobol_2d(i, 2, s);
-  const double target = choice.x * total_power_;
-  size_t chosen = std::upper_bound(power_cdf_.begin(), power_cdf_.end(), target) - power_cdf_.begin();
-  chosen = std::min(chosen, emitters_.size());
+  EmissionPrimary p{0, sobol_2d(i, 0, s), sobol_2d(i, 1, s), sobol_2d(i, 2, s)};
+  if (guide) {
+    guide->warp(p, {p.pick.x, sobol_2d(i, 4, s).x});
+    return p;
+  }
+  const double target = p.pick.x * total_power_;
+  const size_t chosen = std::upper_bound(power_cdf_.begin(), power_cdf_.end(), target) - power_cdf_.begin();
+  p.emitter = static_cast<uint32_t>(std::min(chosen, emitters_.size()));
+  return p;
+}
+
+PhotonStart Lights::emit(const EmissionPrimary& p) const {
   PhotonStart start;
-  double power;
-  if (chosen == emitters_.size()) {
-    start = emit_parallel(sample_sphere(way), place);
+  double power = world_power_;
+  if (p.emitter == emitters_.size()) {
+    start = emit_parallel(sample_sphere(p.way), p.place);
     start.power *= scene_.world * (4 * kPi);
-    power = world_power_;
   } else {
-    const Emitter& e = emitters_[chosen];
-    start = e.lamp >= 0 ? emit_lamp(lamps_[e.lamp], place, way) : emit_mesh(e, choice.y, place, way);
+    const Emitter& e = emitters_[p.emitter];
+    start = e.lamp >= 0 ? emit_lamp(lamps_[e.lamp], p.place, p.way) : emit_mesh(e, p.pick.y, p.place, p.way);
     power = e.power;
   }
-  start.power *= static_cast<float>(total_power_ / power);
+  start.power *= static_cast<float>(total_power_ / std::max(power, 1e-300)) * p.weight;
   return start;
+}
+
+EmissionGuide Lights::make_guide() const {
+  std::vector<double> powers;
+  std::vector<EmissionGuide::Division> divisions;
+  for (const Emitter& e : emitters_) {
+    powers.push_back(e.power);
+    const LampKind kind = e.lamp >= 0 ? lamps_[e.lamp].s.kind : LampKind::kArea;
+    if (kind == LampKind::kSun) divisions.push_back({64, 1});
+    else if (kind == LampKind::kArea) divisions.push_back({8, 8});
+    else divisions.push_back({1, 64});
+  }
+  powers.push_back(world_power_);
+  divisions.push_back({8, 8});
+  return EmissionGuide(std::move(powers), std::move(divisions));
 }
 
 }  // namespace photon_splat

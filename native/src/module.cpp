@@ -200,6 +200,7 @@ nb::dict statistics(Renderer& r) {
   photons["traced"] = r.photon_counts().traced;
   photons["stored"] = r.photon_counts().stored;
   photons["pilot"] = r.pilot_paths();
+  photons["guided"] = r.guided();
   out["seconds"] = seconds;
   out["photons"] = photons;
   out["rays"] = r.rays();

@@ -5,6 +5,7 @@
 namespace photon_splat {
 namespace {
 constexpr uint64_t kPathsPerChunk = 1024;  // their state stays in the cache
+constexpr double kUsefulShare = 0.3;       // of unguided paths, from which on they are left unguided
 }
 
 // Stores a photon where one belongs and sends the path on; false where it ends.
@@ -39,9 +40,10 @@ void PhotonTracer::trace_chunk(uint64_t first, uint64_t count, double total, uin
   chunk.paths.clear();
   chunk.origins.clear();
   chunk.directions.clear();
+  chunk.useful.assign(count, 0);
   for (uint64_t index = first; index < first + count; ++index) {
     Path path;
-    path.start = lights_.emit(index, seed);
+    path.start = lights_.emit(lights_.primary(index, seed, guide_ ? &*guide_ : nullptr));
     path.power = path.start.power * static_cast<float>(1.0 / total);
     path.reference = max_component(path.power);
     path.random = Random(index, seed);
@@ -69,7 +71,10 @@ void PhotonTracer::trace_chunk(uint64_t first, uint64_t count, double total, uin
         if (!(found >> k & 1)) continue;
         Path path = chunk.paths[begin + k];
         Vec3 origin = chunk.origins[begin + k], direction = chunk.directions[begin + k];
-        if (!shade(path, bounce, hits[k], seed, visible, origin, direction, chunk.photons)) continue;
+        const size_t stored = chunk.photons.size();
+        const bool alive_still = shade(path, bounce, hits[k], seed, visible, origin, direction, chunk.photons);
+        chunk.useful[path.index - first] += static_cast<uint16_t>(chunk.photons.size() - stored);
+        if (!alive_still) continue;
         chunk.paths[kept] = path;
         chunk.origins[kept] = origin;
         chunk.directions[kept++] = direction;
@@ -104,6 +109,21 @@ const std::vector<Photon>& PhotonTracer::trace(uint64_t first, uint64_t count, d
   counts_.traced += count;
   counts_.stored += photons_.size();
   return photons_;
+}
+
+void PhotonTracer::learn_emission(uint64_t paths, uint32_t seed, const KeyFilter& visible, const CancelFlag& cancel) {
+  if (lights_.total_power() <= 0 || max_bounces_ < 1) return;
+  trace(0, paths, static_cast<double>(paths), seed, visible, cancel);
+  EmissionGuide guide = lights_.make_guide();
+  uint64_t useful_paths = 0;
+  for (uint64_t i = 0; i < paths; ++i) {
+    const uint16_t useful = chunks_[i / kPathsPerChunk].useful[i % kPathsPerChunk];
+    useful_paths += useful > 0;
+    guide.learn(lights_.primary(i, seed, nullptr), useful);
+  }
+  if (static_cast<double>(useful_paths) > kUsefulShare * static_cast<double>(paths) || !useful_paths) return;
+  guide.finish();
+  guide_ = std::move(guide);
 }
 
 }  // namespace photon_splat

@@ -43,6 +43,11 @@ class PhotonTracer {
                                    const KeyFilter& visible, const CancelFlag& cancel);
   const PhotonCounts& counts() const { return counts_; }
 
+  // Traces a pilot and learns from it where photons that end on visible surfaces start. Guided emission is taken up
+  // only where few unguided paths are of use.
+  void learn_emission(uint64_t paths, uint32_t seed, const KeyFilter& visible, const CancelFlag& cancel);
+  bool guided() const { return guide_.has_value(); }
+
   // For the benchmark: every ray that path tracing asks for, as origin, near, direction, far (8 floats a ray).
   std::vector<float>* ray_log = nullptr;
 
@@ -60,6 +65,7 @@ class PhotonTracer {
     uint64_t rays = 0;
     std::vector<float> ray_log;
     std::vector<Path> paths;
+    std::vector<uint16_t> useful;  // photons stored per path, by index
     std::vector<Vec3> origins, directions;
   };
   void trace_chunk(uint64_t first, uint64_t count, double total, uint32_t seed, const KeyFilter& visible, Chunk& chunk) const;
@@ -69,6 +75,7 @@ class PhotonTracer {
   Scene& scene_;
   const Lights& lights_;
   int max_bounces_;
+  std::optional<EmissionGuide> guide_;
   std::vector<Chunk> chunks_;
   std::vector<Photon> photons_;
   PhotonCounts counts_;

@@ -50,6 +50,7 @@ void Renderer::make_points(uint32_t pass) {
     KeyFilter keys;
     for (const Record& r : *records_) keys.add(r.key);
     const uint64_t paths = std::max<uint64_t>(1, std::min(options.photons_per_pass, kPilotPaths));
+    photon_tracer_->learn_emission(paths, hash_combine(options.seed, 4), keys, cancel_);
     const auto& pilot = photon_tracer_->trace(0, paths, static_cast<double>(paths), hash_combine(options.seed, 3), keys, cancel_);
     radii_ = std::make_unique<RadiusMap>(scene, pilot, static_cast<double>(paths));
     pilot_ = photon_tracer_->counts();

@@ -65,6 +65,7 @@ class Renderer {
   // Without the pilot, whose photons only choose radii; rays are all rays.
   PhotonCounts photon_counts() const;
   uint64_t pilot_paths() const { return pilot_.traced; }
+  bool guided() const { return photon_tracer_ && photon_tracer_->guided(); }
   uint64_t rays() const;
   uint64_t bad_samples() const { return camera_tracer_ ? camera_tracer_->bad_samples() : 0; }
   std::string kernel_name() const { return splatter_ ? splatter_->kernel_name() : ""; }
