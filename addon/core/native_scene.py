@@ -101,7 +101,7 @@ def fill_renderer(renderer: Renderer, scene: Scene, settings: RenderSettings) ->
     )
 
 
-def _add_named(what: str, add) -> None:  # noqa: ANN001 - a thunk
+def _add_named(what: str, add) -> None:
     try:
         add()
     except ValueError as error:

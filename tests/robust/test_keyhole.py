@@ -51,6 +51,8 @@ def test_guided_photons_are_unbiased(world: float, sun: float) -> None:
 
 
 def test_an_open_box_is_left_unguided() -> None:
-    what = c.scene(c.perspective((0.0, -0.95, 0.0), (0.0, 1.0, 0.0), 32, 32, 2.2), [(c.box((-1, -1, -1), (1, 1, 1), inwards=True), c.lambert(0.9))])
+    what = c.scene(
+        c.perspective((0.0, -0.95, 0.0), (0.0, 1.0, 0.0), 32, 32, 2.2), [(c.box((-1, -1, -1), (1, 1, 1), inwards=True), c.lambert(0.9))]
+    )
     what.lights = [c.lamp(LightKind.POINT, 10.0, (0.0, 0.0, 0.5))]
     assert not c.shoot(what, passes=1, photons_per_pass=20_000).statistics["photons"]["guided"]
