@@ -7,18 +7,24 @@ import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
+from .gpu import context as gpu_context
+from .gpu.choice import choose_splatter
 from .memory import peak_memory_bytes
 from .native import load
 from .native_scene import fill_renderer
 from .result import Passes, Progress, RenderResult, black_passes, passes_from_film
 from .scene import Scene
 from .settings import Backend, Integrator, RenderSettings
+from .splatter import CpuSplatter, Splatter, SplatterFailed
 
 if TYPE_CHECKING:
     from photon_splat_native import Renderer
 
 PHOTONS_PER_BATCH = 1 << 17
 """Photon paths in memory at once; a pass of more streams them."""
+LEAST_PHOTONS_PER_BATCH = 1 << 14
+BATCHES_PER_PASS = 8
+"""At least so many, if they are not too small, where a graphics card splats one while the CPU traces the next."""
 POLL_SECONDS = 0.05
 
 
@@ -40,7 +46,15 @@ class _Worker(threading.Thread):
         self.interim: Passes | None = None
         self.error: BaseException | None = None
         self.cancelled = False
+        self.cancel_asked = threading.Event()
         self.pass_finished = threading.Event()
+        self.warnings: list[str] = []
+        self.splatter: Splatter = CpuSplatter(renderer)
+
+    def cancel(self) -> None:
+        """From any thread."""
+        self.cancel_asked.set()
+        self.renderer.cancel()
 
     def run(self) -> None:
         try:
@@ -51,9 +65,15 @@ class _Worker(threading.Thread):
             else:
                 self.error = error
         finally:
+            self.splatter.close()
             self.pass_finished.set()
 
     def _render(self) -> None:
+        settings = self.settings
+        if settings.integrator is Integrator.SPLAT:
+            self.splatter = choose_splatter(self.renderer, settings.backend, self.cancel_asked, self.warnings)
+        elif settings.backend is Backend.GPU:
+            self.warnings.append("The reference integrator has been used: it runs on the CPU only.")
         self.renderer.build()
         while self.passes_done < self.settings.passes:
             began = time.monotonic()
@@ -74,11 +94,27 @@ class _Worker(threading.Thread):
     def _splat_pass(self, number: int) -> None:
         self.renderer.trace_camera(number)
         self.renderer.make_points(number)
-        for first in range(0, self.settings.photons_per_pass, PHOTONS_PER_BATCH):
-            count = min(PHOTONS_PER_BATCH, self.settings.photons_per_pass - first)
-            self.renderer.trace_photons(number, first, count)
-            self.renderer.splat()
+        try:
+            self._splat_photons(number)
+        except SplatterFailed as failure:
+            self.warnings.append(f"The GPU splatter failed in pass {number + 1} ({failure}); the CPU splatter has done the rest.")
+            self.splatter.close()
+            gpu_context.submit(gpu_context.discard)
+            self.splatter = CpuSplatter(self.renderer)
+            self._splat_photons(number)
         self.renderer.resolve()
+
+    def _splat_photons(self, number: int) -> None:
+        """Adds all photons of a pass to its points, whose sums are 0 before."""
+        photons = self.settings.photons_per_pass
+        batch = PHOTONS_PER_BATCH
+        if self.splatter.backend is Backend.GPU:
+            batch = min(max(-(-photons // BATCHES_PER_PASS), LEAST_PHOTONS_PER_BATCH), batch)
+        self.splatter.begin_pass()
+        for first in range(0, photons, batch):
+            self.renderer.trace_photons(number, first, min(batch, photons - first))
+            self.splatter.add_photons()
+        self.splatter.finish_pass()
 
     def progress(self) -> Progress:
         done, settings = self.passes_done, self.settings
@@ -103,10 +139,9 @@ def render(
     """Renders `scene`. `started` is `time.monotonic()` when the render call began, export included.
 
     Both callbacks run on the caller's thread about every 50 ms. A cancelled render returns what is there.
-    Errors: ValueError for a scene or setting that cannot be rendered, RuntimeError and MemoryError from native code.
+    Errors: ValueError for a scene or setting that cannot be rendered, a GPU that is not there among them; RuntimeError and
+    MemoryError from native code.
     """
-    if settings.backend is Backend.GPU:
-        raise ValueError("the GPU splatter is not available yet; set the backend to CPU or Automatic")
     renderer = load().Renderer(settings.threads)
     fill_renderer(renderer, scene, settings)
     worker = _Worker(renderer, settings, started, want_interim)
@@ -116,12 +151,12 @@ def render(
             worker.pass_finished.wait(POLL_SECONDS)
             worker.pass_finished.clear()
             if should_cancel is not None and should_cancel():
-                renderer.cancel()
+                worker.cancel()
                 break
             if on_progress is not None:
                 on_progress(worker.progress())
     except BaseException:
-        renderer.cancel()
+        worker.cancel()
         worker.join()
         raise
     worker.join()
@@ -137,12 +172,12 @@ def _statistics(renderer: Renderer, worker: _Worker, scene: Scene, started: floa
     statistics["seconds"] |= {"export": export_seconds, "total": time.monotonic() - started}
     statistics |= {
         "passes": worker.passes_done,
-        "backend": "CPU",
+        "backend": str(worker.splatter.backend),
         "integrator": str(worker.settings.integrator),
         "cancelled": worker.cancelled,
         "peak_memory_bytes": peak_memory_bytes(),
-        "warnings": list(scene.warnings),
-    }
+        "warnings": [*scene.warnings, *worker.warnings],
+    } | worker.splatter.statistics()
     if statistics["bad_samples"]:
         statistics["warnings"].append(f"{statistics['bad_samples']} camera samples were not finite and have been left out.")
     return statistics

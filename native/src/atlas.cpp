@@ -1,19 +1,25 @@
 #include "atlas.h"
 
+#include <algorithm>
+#include <bit>
+#include <limits>
+
 namespace photon_splat {
 
-void Atlas::pack(const std::vector<PointBlock>& blocks, float* position, float* normal, uint32_t* key, ThreadPool& pool,
+void Atlas::pack(const std::vector<PointBlock>& blocks, float* position, uint32_t* plane, ThreadPool& pool,
                  const CancelFlag& cancel) const {
   pool.for_each(count, cancel, [&](size_t i, int) {
     const PointBlock& b = blocks[first + i];
     for (size_t l = 0; l < kBlockSize; ++l) {
-      const size_t at = texel(first + i, l);
-      const float p[4] = {b.x[l], b.y[l], b.z[l], b.inverse_h2[l]}, n[4] = {b.nx[l], b.ny[l], b.nz[l], 0};
-      for (size_t c = 0; c < 4; ++c) {
-        position[4 * at + c] = p[c];
-        normal[4 * at + c] = n[c];
-      }
-      key[at] = b.key[l];
+      const size_t at = 4 * texel(first + i, l);
+      position[at] = b.x[l];
+      position[at + 1] = b.y[l];
+      position[at + 2] = b.z[l];
+      position[at + 3] = std::min(b.inverse_h2[l], std::numeric_limits<float>::max());  // GLSL 3.30 need not know infinity
+      plane[at] = std::bit_cast<uint32_t>(b.nx[l]);
+      plane[at + 1] = std::bit_cast<uint32_t>(b.ny[l]);
+      plane[at + 2] = std::bit_cast<uint32_t>(b.nz[l]);
+      plane[at + 3] = b.key[l];
     }
   });
 }

@@ -22,8 +22,9 @@ struct Atlas {
     return (tile / columns * kTile + lane / kTile) * columns * kTile + tile % columns * kTile + lane % kTile;
   }
 
-  // position: x, y, z, 1/h^2; normal: x, y, z, unused. Tiles beyond the last block are left as they are.
-  void pack(const std::vector<PointBlock>& blocks, float* position, float* normal, uint32_t* key, ThreadPool& pool,
+  // position: x, y, z, 1/h^2 (the largest float where there is no point); plane: bits of the normal's x, y, z, and the
+  // key. Tiles beyond the last block are left as they are.
+  void pack(const std::vector<PointBlock>& blocks, float* position, uint32_t* plane, ThreadPool& pool,
             const CancelFlag& cancel) const;
   // sums: red, green, blue, count. They replace those of the blocks.
   void unpack(const float* sums, std::vector<PointBlock>& blocks, ThreadPool& pool, const CancelFlag& cancel) const;

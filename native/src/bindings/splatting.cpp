@@ -55,17 +55,15 @@ nb::tuple point_atlas(Renderer& r, size_t first, size_t count, size_t columns) {
   require_blocks(r, first, count, columns);
   const Atlas atlas{first, count, columns};
   const size_t width = columns * Atlas::kTile, height = atlas.rows() * Atlas::kTile;
-  std::vector<float> position, normal;
-  std::vector<uint32_t> key;
+  std::vector<float> position;
+  std::vector<uint32_t> plane;
   {
     nb::gil_scoped_release release;
     position.resize(4 * atlas.texels());
-    normal.resize(4 * atlas.texels());
-    key.resize(atlas.texels());
-    atlas.pack(r.blocks(), position.data(), normal.data(), key.data(), r.scene.pool(), r.cancel_flag());
+    plane.resize(4 * atlas.texels());
+    atlas.pack(r.blocks(), position.data(), plane.data(), r.scene.pool(), r.cancel_flag());
   }
-  return nb::make_tuple(to_numpy(std::move(position), {height, width, 4}), to_numpy(std::move(normal), {height, width, 4}),
-                        to_numpy(std::move(key), {height, width}));
+  return nb::make_tuple(to_numpy(std::move(position), {height, width, 4}), to_numpy(std::move(plane), {height, width, 4}));
 }
 
 void set_sums(Renderer& r, size_t first, size_t count, size_t columns,
@@ -86,13 +84,13 @@ void bind_splatting(nb::class_<Renderer>& renderer) {
       .def_prop_ro("block_count", [](const Renderer& r) { return r.points().blocks().size(); }, "Blocks of points of the pass.")
       .def_prop_ro("photon_count", [](const Renderer& r) { return r.photons().size(); }, "Photons of the last batch.")
       .def("photon_records", &photon_records, "first"_a, "count"_a, "rows"_a,
-           "(rows, 8) float32, zero from row `count` on: position, key (bits), direction (bits), power.")
+           "(rows, 8) float32, zero from row `count` on: position, key (bits), normal and direction (bits), power.")
       .def("set_photon_records", &set_photon_records, "records"_a, "Replaces the photons of the last batch.")
       .def("photon_runs", &photon_runs, "first"_a, "count"_a, "longest"_a,
            "Pairs of the photons [first, first + count) and the blocks that may catch them. Returns (P,) uint32 photons\n"
            "counted from `first`, block after block, and (R, 3) uint32 runs: block, first pair, pairs (at most `longest`).")
       .def("point_atlas", &point_atlas, "first"_a, "count"_a, "columns"_a,
-           "Blocks [first, first + count) as 8x8 tiles: position and 1/h^2, normal and slab (H, W, 4) float32, key (H, W) uint32.")
+           "Blocks [first, first + count) as 8x8 tiles, (H, W, 4): position and 1/h^2 float32; bits of the normal and key uint32.")
       .def("set_sums", &set_sums, "first"_a, "count"_a, "columns"_a, "sums"_a,
            "(H, W, 4) float32 sums of power times kernel, and photons caught, of the same tiles: replaces those of the blocks.");
 }

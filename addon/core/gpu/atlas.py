@@ -1,0 +1,60 @@
+"""The points of a pass as textures, cut into atlases where one texture cannot hold them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    import moderngl
+
+TILE = 8
+"""Side of the square of texels that holds the 64 points of a block."""
+MOST_COLUMNS = 256
+
+
+@dataclass(frozen=True, slots=True)
+class AtlasPoints:
+    """Blocks [first, first + count) as tiles. position (H, W, 4) float32, plane (H, W, 4) uint32: see the native point_atlas()."""
+
+    first: int
+    count: int
+    columns: int
+    position: NDArray[np.float32]
+    plane: NDArray[np.uint32]
+
+
+def atlas_ranges(blocks: int, most_texels: int) -> Iterator[tuple[int, int, int]]:
+    """(first block, blocks, columns) of the atlases that hold `blocks` blocks, none wider or higher than `most_texels`."""
+    most = most_texels // TILE
+    columns = min(most, MOST_COLUMNS)
+    for first in range(0, blocks, columns * most):
+        yield first, min(columns * most, blocks - first), columns
+
+
+class Atlas:
+    """The textures of one atlas, with the sums that drawing adds up: 48 bytes a point. On the OpenGL thread only."""
+
+    def __init__(self, gl: moderngl.Context, points: AtlasPoints) -> None:
+        height, width = points.position.shape[:2]
+        self.points = points
+        self.size = width, height
+        self.position = gl.texture(self.size, 4, points.position, dtype="f4")
+        self.plane = gl.texture(self.size, 4, points.plane, dtype="u4")
+        self.sums = gl.texture(self.size, 4, dtype="f4")
+        self.frame = gl.framebuffer([self.sums])
+        self.frame.clear()
+
+    def read_sums(self) -> NDArray[np.float32]:
+        """(H, W, 4) float32: red, green, blue, count."""
+        width, height = self.size
+        return np.frombuffer(self.sums.read(), np.float32).reshape(height, width, 4)
+
+    def release(self) -> None:
+        """Not while its frame is the bound one."""
+        for thing in (self.frame, self.sums, self.plane, self.position):
+            thing.release()
