@@ -1,0 +1,45 @@
+"""The render engine as Blender sees it. It only delegates: Blender makes and drops engines as it likes."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import bpy
+
+from .job import render_view_layer
+from .passes import kind, wanted_passes
+
+ENGINE = "PHOTON_SPLAT"
+
+
+class PhotonSplatEngine(bpy.types.RenderEngine):
+    """Photon splatting for final renders and previews."""
+
+    bl_idname = ENGINE
+    bl_label = "Photon Splat"
+    bl_use_preview = True
+    bl_use_postprocess = True
+    bl_use_eevee_viewport = True
+    bl_use_shading_nodes_custom = False
+
+    def render(self, depsgraph: Any) -> None:
+        render_view_layer(self, depsgraph)
+
+    def update_render_passes(self, scene: Any = None, renderlayer: Any = None) -> None:
+        for info in wanted_passes(renderlayer):
+            self.register_pass(scene, renderlayer, info.name, len(info.channels), info.channels, kind(info))
+
+    def view_update(self, context: Any, depsgraph: Any) -> None:
+        """Nothing is drawn in the viewport yet, so nothing is exported for it."""
+
+    def view_draw(self, context: Any, depsgraph: Any) -> None:
+        """Without this method Blender would show Material Preview under the name of Rendered and not say why."""
+        self.update_stats("Photon Splat", "Rendered viewport shading is not available yet: render with F12")
+
+
+def register() -> None:
+    bpy.utils.register_class(PhotonSplatEngine)
+
+
+def unregister() -> None:
+    bpy.utils.unregister_class(PhotonSplatEngine)

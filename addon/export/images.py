@@ -1,0 +1,170 @@
+"""Blender images -> core.scene.Texture."""
+
+from __future__ import annotations
+
+import os
+from typing import Any
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ..core.scene import Extension, Interpolation, Texture
+from ..report import Report
+
+MISSING_RGBA = (255, 0, 255, 255)  # what Cycles shows in place of an image that cannot be read
+LINEAR_SPACES = {"Linear Rec.709", "Linear", "Raw", "Non-Color", "Generic Data"}
+EXTENSIONS = {"REPEAT": Extension.REPEAT, "EXTEND": Extension.EXTEND, "CLIP": Extension.CLIP, "MIRROR": Extension.MIRROR}
+
+
+class Textures:
+    """The textures of one scene, each image (with its way of reading) once. Indices point into `list`."""
+
+    def __init__(self, report: Report) -> None:
+        self.list: list[Texture] = []
+        self._report = report
+        self._known: dict[tuple[Any, ...], int] = {}
+
+    def add(self, texture: Texture) -> int:
+        self.list.append(texture)
+        return len(self.list) - 1
+
+    def of_node(self, node: Any, owner: str) -> int:
+        """Index of the texture that an Image (or Environment) Texture node reads; `owner` is what warnings name."""
+        image = node.image
+        interpolation = Interpolation.CLOSEST if node.interpolation == "Closest" else Interpolation.LINEAR
+        extension = EXTENSIONS.get(getattr(node, "extension", "REPEAT"), Extension.REPEAT)
+        straight = not any(socket.name == "Alpha" and socket.is_linked for socket in node.outputs)
+        path = _path(image, node) if image else ""
+        key = (image.as_pointer() if image else 0, path, interpolation, extension, straight)
+        if key not in self._known:
+            pixels, srgb = _read(image, path, straight, owner, self._report)
+            self._known[key] = self.add(Texture(image.name if image else "(none)", pixels, srgb, interpolation, extension))
+        return self._known[key]
+
+    def mean(self, index: int) -> NDArray[np.float64]:
+        """Mean linear RGB of a texture."""
+        return linear_rgb(self.list[index]).reshape(-1, 3).mean(axis=0, dtype=np.float64)
+
+
+def linear_rgb(texture: Texture) -> NDArray[np.float32]:
+    """(height, width, 3) linear RGB as a renderer sees the texture's pixels."""
+    rgb = texture.pixels[..., :3]
+    if rgb.dtype == np.uint8:
+        table = np.arange(256, dtype=np.float64) / 255.0
+        return (srgb_to_linear(table) if texture.srgb else table).astype(np.float32)[rgb]
+    return srgb_to_linear(rgb) if texture.srgb else rgb
+
+
+def srgb_to_linear(encoded: NDArray) -> NDArray:
+    return np.where(encoded <= 0.04045, encoded / 12.92, ((np.maximum(encoded, 0.04045) + 0.055) / 1.055) ** 2.4).astype(encoded.dtype)
+
+
+def _read(image: Any, path: str, associate: bool, owner: str, report: Report) -> tuple[NDArray, bool]:
+    """Pixels and whether they are sRGB-encoded; pink where there is no image. `associate`: colour times alpha, as Cycles does."""
+    if image is None:
+        report.warn(f"{owner}: an image texture has no image; shown in pink")
+        return _pink(), True
+    named = f"image '{image.name}'"
+    if image.source == "TILED":
+        report.warn(f"{owner}: {named}: UDIM tiles are not supported; the first tile is used for all")
+    if image.source == "MOVIE":
+        report.warn(f"{owner}: {named}: movies are not supported; one frame is used")
+    raw = _from_file(path) if image.source in {"FILE", "SEQUENCE"} and not image.packed_file and not image.is_dirty else None
+    from_file = raw is not None
+    pixels = raw if raw is not None else _from_blender(image)
+    if pixels is None:
+        report.warn(f"{owner}: {named}: {path or 'its file'} cannot be read; shown in pink")
+        return _pink(), True
+    srgb, is_data = _color_space(image, owner, report)
+    if pixels.dtype != np.uint8:
+        if from_file and srgb:
+            pixels[..., :3] = srgb_to_linear(pixels[..., :3])
+        if not np.isfinite(pixels).all():
+            report.warn(f"{owner}: {named} holds values that are not finite numbers; read as 0")
+            pixels = np.nan_to_num(pixels, nan=0.0, posinf=0.0, neginf=0.0)
+        return pixels, False
+    # A byte buffer of Blender is straight whatever the file says; a file with premultiplied colours holds what Cycles shows.
+    multiply = image.alpha_mode == "STRAIGHT" or (image.alpha_mode == "PREMUL" and not from_file)
+    if associate and multiply and not is_data and pixels[..., 3].min() < 255:
+        alpha = pixels[..., 3:].astype(np.uint16)
+        pixels[..., :3] = (pixels[..., :3] * alpha + 127) // 255
+    return pixels, srgb
+
+
+def _path(image: Any, node: Any) -> str:
+    """The image's file for the current frame, absolute, or "" if it has none."""
+    if image.source not in {"FILE", "SEQUENCE", "TILED", "MOVIE"}:
+        return ""
+    try:
+        path = image.filepath_from_user(image_user=node.image_user)
+    except (AttributeError, RuntimeError, TypeError):
+        path = image.filepath
+    return bpy.path.abspath(path, library=image.library) if path else ""
+
+
+def _from_file(path: str) -> NDArray | None:
+    """(height, width, 4) uint8 or float32 as stored in the file, bottom row first; None if OpenImageIO is not there or cannot."""
+    try:
+        import OpenImageIO as oiio
+    except ImportError:
+        return None
+    if not os.path.isfile(path):
+        return None
+    config = oiio.ImageSpec()
+    config["oiio:UnassociatedAlpha"] = 1
+    file = oiio.ImageInput.open(path, config)
+    if file is None:
+        oiio.geterror()
+        return None
+    spec = file.spec()
+    channels = min(spec.nchannels, 4)
+    eight_bit = spec.format.basetype == oiio.UINT8
+    pixels = file.read_image(0, 0, 0, channels, oiio.UINT8 if eight_bit else oiio.FLOAT)
+    broken = pixels is None or spec.depth > 1 or spec.get_string_attribute("oiio:ColorSpace").upper() == "CMYK"
+    file.close()
+    if broken:
+        oiio.geterror()
+        return None
+    pixels = np.asarray(pixels).reshape(spec.height, spec.width, channels)
+    rgba = np.full((spec.height, spec.width, 4), 255 if eight_bit else 1.0, np.uint8 if eight_bit else np.float32)
+    gray = channels < 3
+    rgba[..., :3] = pixels[::-1, :, :1] if gray else pixels[::-1, :, :3]
+    if channels in {2, 4}:
+        rgba[..., 3] = pixels[::-1, :, -1]
+    return rgba
+
+
+def _from_blender(image: Any) -> NDArray | None:
+    """(height, width, 4) from Blender's own buffer: uint8 as encoded, or float32 linear; None if it has no pixels."""
+    flat = np.empty(len(image.pixels), np.float32)
+    width, height = image.size
+    if width * height == 0 or len(flat) == 0:
+        return None
+    image.pixels.foreach_get(flat)
+    pixels = flat.reshape(height, width, -1)
+    if pixels.shape[2] != 4:
+        full = np.ones((height, width, 4), np.float32)
+        gray = pixels.shape[2] < 3
+        full[..., :3] = pixels[..., :1] if gray else pixels[..., :3]
+        pixels = full
+    return pixels if image.is_float else np.rint(np.clip(pixels, 0.0, 1.0) * 255.0).astype(np.uint8)
+
+
+def _color_space(image: Any, owner: str, report: Report) -> tuple[bool, bool]:
+    """(sRGB-encoded, not a colour at all)."""
+    settings = image.colorspace_settings
+    name = settings.name
+    if getattr(settings, "is_data", False) or name in {"Non-Color", "Raw", "Generic Data"}:
+        return False, True
+    if name == "sRGB":
+        return True, False
+    if name not in LINEAR_SPACES:
+        nearest = "Linear Rec.709" if name.startswith(("Linear", "ACEScg", "ACES2065")) else "sRGB"
+        report.warn(f"{owner}: image '{image.name}': colour space {name} is not supported; read as {nearest}")
+        return nearest == "sRGB", False
+    return False, False
+
+
+def _pink() -> NDArray[np.uint8]:
+    return np.full((1, 1, 4), MISSING_RGBA, np.uint8)

@@ -1,0 +1,132 @@
+"""One evaluated Blender mesh -> core.scene.Mesh."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..core.scene import Mesh
+from ..report import Report
+from .arrays import read
+
+MAX_SLOT = np.iinfo(np.uint16).max
+
+
+def export_mesh(mesh: Any, name: str, report: Report) -> Mesh | None:
+    """The triangles of a bpy.types.Mesh, or None if it has none. `name` is the object that warnings name."""
+    if len(mesh.polygons) == 0:
+        return None
+    mesh.calc_loop_triangles()
+    positions = read(mesh.vertices, "co", np.float32, 3)
+    corners = read(mesh.loop_triangles, "loops", np.int32, 3)
+    vertices = np.take(read(mesh.loops, "vertex_index", np.int32), corners)
+    kept = _sound_triangles(positions, vertices, name, report)
+    if kept is not None:
+        if not kept.any():
+            return None
+        positions = np.where(np.isfinite(positions), positions, np.float32(0.0))
+        corners, vertices = corners[kept], vertices[kept]
+    return Mesh(
+        name=mesh.name,
+        positions=np.array(positions, np.float32),
+        triangles=vertices.astype(np.uint32),
+        corner_normals=_corner_normals(mesh, positions, corners, vertices),
+        uv=_uv(mesh, corners),
+        slots=_slots(mesh, kept),
+    )
+
+
+def flattened(mesh: Mesh, matrix: NDArray[np.float64], name: str, report: Report) -> Mesh | None:
+    """`mesh` in world space under a `matrix` that squeezes it into a plane; None if nothing with an area is left."""
+    positions = (mesh.positions @ matrix[:3, :3].T + matrix[:3, 3]).astype(np.float32)
+    kept = _sound_triangles(positions, mesh.triangles, name, report)
+    selection: Any = slice(None) if kept is None else kept
+    if kept is not None and not kept.any():
+        return None
+    return Mesh(
+        name=mesh.name,
+        positions=positions,
+        triangles=mesh.triangles[selection],
+        uv=None if mesh.uv is None else mesh.uv[selection],
+        slots=None if mesh.slots is None else mesh.slots[selection],
+    )
+
+
+def _sound_triangles(positions: NDArray, vertices: NDArray, name: str, report: Report) -> NDArray[np.bool_] | None:
+    """Mask (T,) of the triangles that have finite corners and an area, or None if all have."""
+    with np.errstate(all="ignore"):
+        normals = scaled_normals(positions, vertices)
+        areas = np.abs(normals[0])
+        np.maximum(areas, np.abs(normals[1]), out=areas)
+        np.maximum(areas, np.abs(normals[2]), out=areas)
+        sound = areas > 0.0
+        if sound.all() and np.isfinite(areas.max(initial=0.0)):
+            return None
+    finite = np.isfinite(positions).all(axis=1)[vertices].all(axis=1)
+    # The cross product of a huge triangle may overflow: such a triangle is finite and has an area.
+    with np.errstate(all="ignore"):
+        sound |= ~np.isfinite(areas)
+    sound &= finite
+    dropped = []
+    if count := int(len(finite) - np.count_nonzero(finite)):
+        dropped.append(f"{count} with a vertex that is not a finite number")
+    if count := int(np.count_nonzero(finite & ~sound)):
+        dropped.append(f"{count} without area")
+    if dropped:
+        report.warn(f"Object {{}}: triangles left out: {', '.join(dropped)}", name)
+    return None if sound.all() else sound
+
+
+def scaled_normals(positions: NDArray, vertices: NDArray) -> tuple[NDArray, NDArray, NDArray]:
+    """x, y and z (T,) of the triangles' normals, as long as twice their areas."""
+    a, b, c = (np.ascontiguousarray(vertices[:, corner]) for corner in range(3))
+    edges = []
+    for axis in range(3):
+        values = np.ascontiguousarray(positions[:, axis])
+        origin = np.take(values, a)
+        edges.append((np.take(values, b) - origin, np.take(values, c) - origin))
+    (ux, vx), (uy, vy), (uz, vz) = edges
+    return uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
+
+
+def _corner_normals(mesh: Any, positions: NDArray, corners: NDArray, vertices: NDArray) -> NDArray[np.float32] | None:
+    """Shading normals (T, 3, 3), or None where Blender shades all faces flat."""
+    domain = mesh.normals_domain
+    if domain == "FACE":
+        return None
+    if domain == "POINT":
+        normals = np.take(read(mesh.vertex_normals, "vector", np.float32, 3), vertices, axis=0)
+    else:
+        normals = np.take(read(mesh.corner_normals, "vector", np.float32, 3), corners, axis=0)
+    lengths = np.einsum("tci,tci->tc", normals, normals)
+    bad = ~((lengths > 0.5) & (lengths < 2.0))
+    if bad.any():
+        normals[bad] = _unit_normals(positions, vertices[bad.any(axis=1)])[np.cumsum(bad.any(axis=1))[np.nonzero(bad)[0]] - 1]
+    return normals
+
+
+def _unit_normals(positions: NDArray, vertices: NDArray) -> NDArray[np.float32]:
+    normals = np.stack(scaled_normals(positions.astype(np.float64), vertices), axis=1)
+    return (normals / np.linalg.norm(normals, axis=1, keepdims=True)).astype(np.float32)
+
+
+def _uv(mesh: Any, corners: NDArray) -> NDArray[np.float32] | None:
+    """The render-active UV map (T, 3, 2); coordinates that are not finite become 0."""
+    layer = next((layer for layer in mesh.uv_layers if layer.active_render), None)
+    if layer is None or len(layer.uv) == 0:
+        return None
+    uv = np.take(read(layer.uv, "vector", np.float32, 2), corners, axis=0)
+    return uv if np.isfinite(uv.sum()) else np.nan_to_num(uv, nan=0.0, posinf=0.0, neginf=0.0)
+
+
+def _slots(mesh: Any, kept: NDArray | None) -> NDArray[np.uint16] | None:
+    attribute = mesh.attributes.get("material_index")
+    if attribute is None or attribute.domain != "FACE" or attribute.data_type != "INT":
+        return None
+    per_face = read(attribute.data, "value", np.int32)
+    if not per_face.any():
+        return None
+    slots = np.clip(np.take(per_face, read(mesh.loop_triangle_polygons, "value", np.int32)), 0, MAX_SLOT).astype(np.uint16)
+    return slots if kept is None else slots[kept]

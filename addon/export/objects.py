@@ -1,0 +1,141 @@
+"""Everything that stands in the scene: meshes once each, and instances and lamps where they are."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..core.scene import Instances, Light, Mesh
+from ..report import Report
+from .images import Textures
+from .lights import export_light
+from .materials import Materials
+from .mesh import export_mesh, flattened
+
+# Blender hands out what these turn into as objects of type MESH of their own.
+BECOME_MESHES = {"CURVE", "SURFACE", "FONT", "META"}
+UNSUPPORTED = {"CURVES": "hair curves", "VOLUME": "volumes", "POINTCLOUD": "point clouds", "GREASEPENCIL": "grease pencil objects"}
+RAYS = ("visible_camera", "visible_diffuse", "visible_shadow")
+
+
+class Objects:
+    """Walks the instances of a dependency graph and collects meshes, instances, material sets and lamps."""
+
+    def __init__(self, materials: Materials, textures: Textures, report: Report) -> None:
+        self.meshes: list[Mesh] = []
+        self.material_sets: list[NDArray[np.int32]] = []
+        self.lights: list[Light] = []
+        self._materials, self._textures, self._report = materials, textures, report
+        self._mesh_of: dict[int, int | None] = {}
+        self._set_of: dict[tuple[int, int], int] = {}
+        self._sets: dict[tuple[int, ...], int] = {}
+        self._rows: list[tuple[int, int]] = []
+        self._matrices: list[NDArray[np.float64]] = []
+
+    def collect(self, depsgraph: Any) -> None:
+        """Nothing of what the graph's iterator hands out is kept: it reuses its objects."""
+        view_layer = depsgraph.view_layer
+        override = view_layer.material_override
+        for instance in depsgraph.object_instances:
+            ob = instance.object
+            kind = ob.type
+            if kind == "MESH":
+                if instance.show_particles:
+                    self._report_particles(ob)
+                if instance.show_self:
+                    self._add_mesh(ob, np.array(instance.matrix_world, np.float64), override, view_layer)
+            elif kind == "LIGHT":
+                if instance.show_self:
+                    light = export_light(ob, np.array(instance.matrix_world, np.float64), self._textures, self._report)
+                    if light is not None:
+                        self.lights.append(light)
+            elif kind in UNSUPPORTED and instance.show_self:
+                self._report.warn(f"Not supported yet and left out, {UNSUPPORTED[kind]}: {{}}", ob.name)
+
+    def instances(self) -> Instances:
+        if not self._rows:
+            return Instances.empty()
+        rows = np.array(self._rows, np.uint32)
+        return Instances(rows[:, 0].copy(), np.stack(self._matrices), rows[:, 1].copy())
+
+    def _add_mesh(self, ob: Any, matrix: NDArray[np.float64], override: Any, view_layer: Any) -> None:
+        data = ob.data
+        pointer = data.as_pointer()
+        if pointer not in self._mesh_of:
+            mesh = export_mesh(data, ob.name, self._report)
+            self._mesh_of[pointer] = self._append(mesh)
+        index = self._mesh_of[pointer]
+        if index is None:
+            return
+        flat = self._is_flat(matrix, ob.name)
+        if flat is None:
+            return
+        key = (pointer, ob.original.as_pointer())
+        if key not in self._set_of:
+            self._set_of[key] = self._material_set(ob, data, index, override)
+            self._report_visibility(ob, view_layer)
+        if flat:
+            index = self._append(flattened(self.meshes[index], matrix, ob.name, self._report))
+            matrix = np.eye(4)
+            if index is None:
+                return
+        self._rows.append((index, self._set_of[key]))
+        self._matrices.append(matrix)
+
+    def _append(self, mesh: Mesh | None) -> int | None:
+        if mesh is None:
+            return None
+        self.meshes.append(mesh)
+        return len(self.meshes) - 1
+
+    def _is_flat(self, matrix: NDArray[np.float64], name: str) -> bool | None:
+        """False: an ordinary matrix; True: it squeezes into a plane; None: nothing is left (reported)."""
+        if not np.isfinite(matrix).all():
+            self._report.warn("Objects left out, as their transformation is not a finite number: {}", name)
+            return None
+        x, y, z = matrix[:3, 0], matrix[:3, 1], matrix[:3, 2]
+        largest = np.abs(matrix[:3, :3]).max()
+        if largest > 0.0:
+            x, y, z = x / largest, y / largest, z / largest
+            yz = np.array((y[1] * z[2] - y[2] * z[1], y[2] * z[0] - y[0] * z[2], y[0] * z[1] - y[1] * z[0]))
+            if abs(x @ yz) > 1e-12:
+                return False
+            if max(np.abs(yz).max(), np.abs(np.cross(x, y)).max(), np.abs(np.cross(x, z)).max()) > 1e-12:
+                return True
+        self._report.warn("Objects left out, as their scale is zero: {}", name)
+        return None
+
+    def _material_set(self, ob: Any, data: Any, mesh_index: int, override: Any) -> int:
+        """Index of the set for an object's slots, as long as the mesh's slots need: the last material serves those beyond."""
+        uv_map = next((layer.name for layer in data.uv_layers if layer.active_render), None)
+        found = [override] if override else [slot.material for slot in ob.material_slots] or [None]
+        indices = [self._materials.index(material, ob.name, uv_map) for material in found]
+        slots = self.meshes[mesh_index].slots
+        needed = 1 if slots is None else int(slots.max()) + 1
+        indices += [indices[-1]] * (needed - len(indices))
+        key = tuple(indices)
+        if key not in self._sets:
+            self._sets[key] = len(self.material_sets)
+            self.material_sets.append(np.array(indices, np.int32))
+        return self._sets[key]
+
+    def _report_particles(self, ob: Any) -> None:
+        for system in ob.particle_systems:
+            if system.settings.type == "HAIR" and system.settings.render_type == "PATH":
+                self._report.warn("Not supported yet and left out, hair of: {}", ob.name)
+
+    def _report_visibility(self, ob: Any, view_layer: Any) -> None:
+        original = ob.original
+        if ob.is_holdout or original.holdout_get(view_layer=view_layer):
+            self._report.warn("Holdout is not supported yet; rendered as usual: {}", ob.name)
+        if original.indirect_only_get(view_layer=view_layer):
+            self._report.warn("Indirect only is not supported yet; seen by the camera all the same: {}", ob.name)
+        if ob.is_shadow_catcher:
+            self._report.warn("Shadow catchers are not supported yet; rendered as usual: {}", ob.name)
+        if not all(getattr(ob, ray) for ray in RAYS):
+            self._report.warn("Ray visibility is not supported yet; visible to all rays: {}", ob.name)
+        linking = getattr(ob, "light_linking", None)
+        if linking is not None and (linking.receiver_collection or linking.blocker_collection):
+            self._report.warn("Light linking of emitting objects is not supported yet; ignored for: {}", ob.name)

@@ -1,0 +1,134 @@
+"""scene.photon_splat: what the user sets, and how it becomes core.settings.RenderSettings."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import bpy
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty
+
+from .core.settings import Backend, RenderSettings
+
+DEFAULTS = RenderSettings()
+
+
+class PhotonSplatSettings(bpy.types.PropertyGroup):
+    """Render settings of the engine; the render stops at whichever of passes and time limit comes first."""
+
+    time_limit: FloatProperty(  # type: ignore[valid-type]
+        name="Time Limit",
+        description="Stop after this many seconds, export included; 0 = no limit",
+        default=DEFAULTS.time_limit,
+        min=0.0,
+        subtype="TIME_ABSOLUTE",
+        unit="TIME_ABSOLUTE",
+    )
+    passes: IntProperty(  # type: ignore[valid-type]
+        name="Passes",
+        description="Number of passes: each takes one camera sample per pixel and traces a new set of photons",
+        default=DEFAULTS.passes,
+        min=1,
+        soft_max=4096,
+    )
+    photons_per_pass: IntProperty(  # type: ignore[valid-type]
+        name="Photons per Pass",
+        description="Number of photon paths that start at the lights in each pass",
+        default=DEFAULTS.photons_per_pass,
+        min=0,
+        soft_max=10_000_000,
+    )
+    max_bounces: IntProperty(  # type: ignore[valid-type]
+        name="Max Bounces",
+        description="Greatest number of surface bounces between light and camera; 0 = direct light only",
+        default=DEFAULTS.max_bounces,
+        min=0,
+        soft_max=128,
+        max=1024,
+    )
+    radius_scale: FloatProperty(  # type: ignore[valid-type]
+        name="Radius Scale",
+        description="Multiplies the automatic radius of the photon discs (1 = automatic): smaller is sharper and noisier",
+        default=DEFAULTS.radius_scale,
+        min=0.001,
+        soft_min=0.1,
+        soft_max=10.0,
+        max=1000.0,
+    )
+    boundary_correction: BoolProperty(  # type: ignore[valid-type]
+        name="Boundary Correction",
+        description="Divide by the part of the disc that lies on the surface, so that edges and corners do not darken",
+        default=DEFAULTS.boundary_correction,
+    )
+    backend: EnumProperty(  # type: ignore[valid-type]
+        name="Backend",
+        description="What splats the photons",
+        items=[
+            (Backend.AUTO.value, "Automatic", "The fastest that is available"),
+            (Backend.CPU.value, "CPU", "The processor"),
+            (Backend.GPU.value, "GPU", "The graphics card"),
+        ],
+        default=DEFAULTS.backend.value,
+    )
+    seed: IntProperty(  # type: ignore[valid-type]
+        name="Seed",
+        description="Another seed gives other noise; the same seed and number of passes give the same picture bit for bit",
+        default=DEFAULTS.seed,
+        min=0,
+    )
+    point_spacing: FloatProperty(  # type: ignore[valid-type]
+        name="Point Spacing",
+        description="Distance of visible points in kernel radii; 0 = one point per camera sample",
+        default=DEFAULTS.point_spacing,
+        min=0.0,
+        max=1.0,
+    )
+
+
+class PhotonSplatViewLayerSettings(bpy.types.PropertyGroup):
+    """The engine's own passes, switched on per view layer."""
+
+    use_pass_photon_density: BoolProperty(  # type: ignore[valid-type]
+        name="Photon Density",
+        description="Deliver the number of photons found around each point, per pass",
+        default=False,
+    )
+    use_pass_surface_id: BoolProperty(  # type: ignore[valid-type]
+        name="Surface ID",
+        description="Deliver a number per surface patch: photons count only for points on their own patch",
+        default=False,
+    )
+
+
+CLASSES = (PhotonSplatSettings, PhotonSplatViewLayerSettings)
+
+
+def render_settings(scene: Any) -> RenderSettings:
+    """The settings of a bpy.types.Scene; raises ValueError if they do not make sense."""
+    group, render = scene.photon_splat, scene.render
+    spacing = group.point_spacing
+    return RenderSettings(
+        passes=group.passes,
+        time_limit=group.time_limit,
+        photons_per_pass=group.photons_per_pass,
+        max_bounces=group.max_bounces,
+        radius_scale=group.radius_scale,
+        boundary_correction=group.boundary_correction,
+        backend=Backend(group.backend),
+        seed=group.seed,
+        threads=render.threads if render.threads_mode == "FIXED" else 0,
+        point_spacing=DEFAULTS.point_spacing if abs(spacing - DEFAULTS.point_spacing) < 1e-6 else spacing,
+    )
+
+
+def register() -> None:
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+    bpy.types.Scene.photon_splat = bpy.props.PointerProperty(type=PhotonSplatSettings, name="Photon Splat")
+    bpy.types.ViewLayer.photon_splat = bpy.props.PointerProperty(type=PhotonSplatViewLayerSettings, name="Photon Splat")
+
+
+def unregister() -> None:
+    del bpy.types.ViewLayer.photon_splat
+    del bpy.types.Scene.photon_splat
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)
