@@ -144,9 +144,9 @@ def _open_scene(options: argparse.Namespace) -> Any:
         import bpy
     except ImportError as error:
         raise CommandError(f"Blender's Python module bpy cannot be loaded: {error}") from error
-    import photon_splat
+    from . import register
 
-    photon_splat.register()
+    register()
     try:
         bpy.ops.wm.open_mainfile(filepath=str(options.scene.resolve()), load_ui=False, use_scripts=False)
     except RuntimeError as error:

@@ -39,7 +39,9 @@ def channels_of(passes: Passes, prefix: str = "", *, plain: bool = True) -> tupl
     return names, np.concatenate(planes, axis=-1)
 
 
-def write_exr(path: Path, names: list[str], pixels: np.ndarray, frame: Frame, *, crop: bool, metadata: dict[str, str | int | float]) -> None:
+def write_exr(
+    path: Path, names: list[str], pixels: np.ndarray, frame: Frame, *, crop: bool, metadata: dict[str, str | int | float]
+) -> None:
     """Writes `pixels` (height, width, C), row 0 at the bottom, of `frame.region`; without `crop` a border is the data window.
 
     Raises WriteError.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -101,7 +102,7 @@ def fill_renderer(renderer: Renderer, scene: Scene, settings: RenderSettings) ->
     )
 
 
-def _add_named(what: str, add) -> None:
+def _add_named(what: str, add: Callable[[], object]) -> None:
     try:
         add()
     except ValueError as error:
