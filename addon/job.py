@@ -11,16 +11,16 @@ from typing import Any
 import bpy
 import numpy as np
 
+from .core.memory import current_memory_bytes, peak_memory_bytes
 from .core.result import Progress, RenderResult
 from .core.scene import Frame
 from .core.session import render
 from .core.settings import RenderSettings
 from .export import export_scene
 from .export.camera import NoCameraError, export_frame
-from .core.memory import current_memory_bytes, peak_memory_bytes
 from .settings import render_settings
 
-PREVIEW = {"passes": 16, "photons_per_pass": 20_000, "time_limit": 2.0}
+PREVIEW: dict[str, Any] = {"passes": 16, "photons_per_pass": 20_000, "time_limit": 2.0}
 MAX_REPORT = 300  # characters of a warning in Blender's status bar
 
 

@@ -28,7 +28,9 @@ class Materials:
         """Index of a bpy.types.Material (None: Blender's default grey) on object `user` whose render-active UV map is `uv_map`."""
         if material is None:
             if bpy.app.version >= (5, 0, 0):  # its default became a Principled BSDF
-                self._report.warn("No material: Blender's default is approximated by its base colour; specular reflection left out: {}", user)
+                self._report.warn(
+                    "No material: Blender's default is approximated by its base colour; specular reflection left out: {}", user
+                )
             return self._remember((0, None), lambda: Material(DEFAULT_NAME))
         key = (material.as_pointer(), uv_map)
         return self._remember(key, lambda: export_material(material, self._textures, self._report, uv_map))

@@ -14,8 +14,6 @@ from .lights import export_light
 from .materials import Materials
 from .mesh import export_mesh, flattened
 
-# Blender hands out what these turn into as objects of type MESH of their own.
-BECOME_MESHES = {"CURVE", "SURFACE", "FONT", "META"}
 UNSUPPORTED = {"CURVES": "hair curves", "VOLUME": "volumes", "POINTCLOUD": "point clouds", "GREASEPENCIL": "grease pencil objects"}
 RAYS = ("visible_camera", "visible_diffuse", "visible_shadow")
 
@@ -113,7 +111,7 @@ class Objects:
         found = [override] if override else [slot.material for slot in ob.material_slots] or [None]
         indices = [self._materials.index(material, ob.name, uv_map) for material in found]
         slots = self.meshes[mesh_index].slots
-        needed = 1 if slots is None else int(slots.max()) + 1
+        needed = 1 if slots is None else int(np.max(slots)) + 1
         indices += [indices[-1]] * (needed - len(indices))
         key = tuple(indices)
         if key not in self._sets:

@@ -165,14 +165,15 @@ class Reducer:
 
     def _color_mix_rgb(self, src: Source) -> Color:
         sockets = src.node.inputs
-        return self._blend(src, *(source(socket, src.groups) for socket in sockets[:3]), src.node.use_clamp)
+        factor, a, b = (source(socket, src.groups) for socket in sockets[:3])
+        return self._blend(src, factor, a, b, src.node.use_clamp)
 
     def _color_mix(self, src: Source) -> Color:
         node = src.node
         if node.data_type != "RGBA":
             return self._color_other(src)
-        found = [source(s, src.groups) for s in node.inputs if s.identifier in {"Factor_Float", "A_Color", "B_Color"}]
-        return self._blend(src, *found, node.clamp_result)
+        factor, a, b = (source(s, src.groups) for s in node.inputs if s.identifier in {"Factor_Float", "A_Color", "B_Color"})
+        return self._blend(src, factor, a, b, node.clamp_result)
 
     def _blend(self, src: Source, factor_source: Source, a_source: Source, b_source: Source, clamp: bool) -> Color:
         factor = self.number(factor_source)
