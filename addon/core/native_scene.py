@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -39,45 +40,35 @@ def fill_renderer(renderer: Renderer, scene: Scene, settings: RenderSettings) ->
     for texture in scene.textures:
         renderer.add_texture(np.ascontiguousarray(texture.pixels), texture.srgb, str(texture.interpolation), str(texture.extension))
     for material in scene.materials:
-        _add_named(f"material '{material.name}'", lambda m=material: renderer.add_material(_side(m.front), _side(m.back)))
+        with _naming(f"material '{material.name}'"):
+            renderer.add_material(_side(material.front), _side(material.back))
     for mesh in scene.meshes:
-        _add_named(
-            f"mesh '{mesh.name}'",
-            lambda m=mesh: renderer.add_mesh(
-                np.ascontiguousarray(m.positions, np.float32),
-                np.ascontiguousarray(m.triangles, np.uint32),
-                _contiguous(m.corner_normals, np.float32),
-                _contiguous(m.uv, np.float32),
-                _contiguous(m.slots, np.uint16),
-            ),
-        )
-    instances = scene.instances
-    material_sets = [[int(m) for m in s] for s in scene.material_sets]
-    matrices = np.ascontiguousarray(instances.matrix, np.float64)
-    flat = np.linalg.det(matrices[:, :3, :3].astype(np.float32)) == 0
-    for name in sorted({scene.meshes[m].name for m in instances.mesh[flat]}):
-        scene.warnings.append(f"Mesh '{name}' stands in the scene flattened to nothing (a scale of 0); those instances are left out.")
-    for mesh_index, matrix, material_set in zip(instances.mesh[~flat], matrices[~flat], instances.material_set[~flat], strict=True):
-        renderer.add_instance(int(mesh_index), matrix, material_sets[int(material_set)])
+        with _naming(f"mesh '{mesh.name}'"):
+            renderer.add_mesh(
+                np.ascontiguousarray(mesh.positions, np.float32),
+                np.ascontiguousarray(mesh.triangles, np.uint32),
+                _contiguous(mesh.corner_normals, np.float32),
+                _contiguous(mesh.uv, np.float32),
+                _contiguous(mesh.slots, np.uint16),
+            )
+    _add_instances(renderer, scene)
     for light in scene.lights:
-        _add_named(
-            f"light '{light.name}'",
-            lambda s=light: renderer.add_lamp(
-                kind=str(s.kind),
-                matrix=np.ascontiguousarray(s.matrix, np.float64),
-                strength=_rgb(s.strength),
-                radius=s.radius,
-                soft_falloff=s.soft_falloff,
-                spot_size=s.spot_size,
-                spot_blend=s.spot_blend,
-                angle=s.angle,
-                size=[float(c) for c in s.size],
-                ellipse=s.ellipse,
-                spread=s.spread,
-                normalize=s.normalize,
-                camera_visible=s.camera_visible,
-            ),
-        )
+        with _naming(f"light '{light.name}'"):
+            renderer.add_lamp(
+                kind=str(light.kind),
+                matrix=np.ascontiguousarray(light.matrix, np.float64),
+                strength=_rgb(light.strength),
+                radius=light.radius,
+                soft_falloff=light.soft_falloff,
+                spot_size=light.spot_size,
+                spot_blend=light.spot_blend,
+                angle=light.angle,
+                size=[float(c) for c in light.size],
+                ellipse=light.ellipse,
+                spread=light.spread,
+                normalize=light.normalize,
+                camera_visible=light.camera_visible,
+            )
     renderer.set_world(_rgb(scene.world))
     frame, camera = scene.frame, scene.camera
     renderer.set_camera(
@@ -102,9 +93,22 @@ def fill_renderer(renderer: Renderer, scene: Scene, settings: RenderSettings) ->
     )
 
 
-def _add_named(what: str, add: Callable[[], object]) -> None:
+def _add_instances(renderer: Renderer, scene: Scene) -> None:
+    instances = scene.instances
+    material_sets = [[int(m) for m in s] for s in scene.material_sets]
+    matrices = np.ascontiguousarray(instances.matrix, np.float64)
+    flat = np.linalg.det(matrices[:, :3, :3].astype(np.float32)) == 0
+    for name in sorted({scene.meshes[m].name for m in instances.mesh[flat]}):
+        scene.warnings.append(f"Mesh '{name}' stands in the scene flattened to nothing (a scale of 0); those instances are left out.")
+    for mesh, matrix, material_set in zip(instances.mesh[~flat], matrices[~flat], instances.material_set[~flat], strict=True):
+        renderer.add_instance(int(mesh), matrix, material_sets[int(material_set)])
+
+
+@contextmanager
+def _naming(what: str) -> Iterator[None]:
+    """Puts `what` before the message of a ValueError."""
     try:
-        add()
+        yield
     except ValueError as error:
         raise ValueError(f"{what}: {error}") from error
 
