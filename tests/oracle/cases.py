@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from math import radians
 from typing import Any
 
-SCENES = ("cornell_box", "interior", "light_types", "instances")
+SCENES = ("cornell_box", "cornell_box_1500", "cornell_box_100k", "interior", "light_types", "instances")
 
 
 @dataclass(frozen=True)
@@ -25,6 +25,7 @@ class Case:
     mean_tolerance: float = 0.02
     block_bias: float = 0.02
     reference_bias: float = 0.003
+    reference: str = ""  # the case whose Cycles reference this one shares
     alpha: bool = False
     passes: int = 32
     photons_per_pass: int = 20_000
@@ -48,10 +49,12 @@ _SLANT = (0.9, -0.5, 2.0)
 
 CASES: tuple[Case, ...] = (
     # Scenes of blend_scenes/
-    _scene("cornell_box", 128, 128, 1024),
-    _scene("interior", 128, 80, 2500, photons_per_pass=60_000),
+    _scene("cornell_box", 128, 128, 1024, block_bias=0.04),
+    _scene("cornell_box_1500", 128, 128, 0, reference="cornell_box", block_bias=0.04),
+    _scene("cornell_box_100k", 128, 128, 0, reference="cornell_box", block_bias=0.04),
+    _scene("interior", 128, 80, 2500, block_bias=0.05, photons_per_pass=60_000),
     _scene("light_types", 128, 48, 4096, photons_per_pass=60_000),
-    _scene("instances", 128, 72, 512),
+    _scene("instances", 128, 72, 512, block_bias=0.05),
     # Point lights
     _lamp("point", "POINT", 40.0, shadow_soft_size=0.0),
     _lamp("point_soft", "POINT", 40.0, shadow_soft_size=0.25),

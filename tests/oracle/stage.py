@@ -35,6 +35,10 @@ def open_scene(name: str) -> None:
     bpy.context.scene.render.resolution_percentage = 100
 
 
+def open_file(path: str) -> None:
+    bpy.ops.wm.open_mainfile(filepath=path)
+
+
 # The stage ---------------------------------------------------------------------------------------------------------
 
 

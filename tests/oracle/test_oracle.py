@@ -6,7 +6,6 @@ lookups differ a little between any two renderers); the splat may show its kerne
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +13,7 @@ import numpy as np
 import pytest
 
 from tests.compare import Blocks, block_test, mean_ratio, save_pictures
-from tests.oracle.cases import CASES, NAMES, SCENES, Case
+from tests.oracle.cases import CASE, CASES, NAMES, SCENES, Case
 from tests.oracle.references import load
 from tests.oracle.worker import Worker
 
@@ -23,13 +22,6 @@ FAMILY_LEVEL = 0.01 / len(CASES)
 """Chance that a picture of equal expectation fails; over the whole table one per cent."""
 DARK = 0.002
 """Deviation allowed to a block beside the relative one, in units of the picture's mean."""
-
-
-@pytest.fixture(scope="module")
-def worker(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Worker]:
-    worker = Worker(tmp_path_factory.mktemp("oracle"))
-    yield worker
-    worker.stop()
 
 
 def compare(case: Case, integrator: str, ours: np.ndarray) -> None:
@@ -62,23 +54,21 @@ def compare(case: Case, integrator: str, ours: np.ndarray) -> None:
 
 @pytest.mark.parametrize("case", CASES, ids=NAMES)
 def test_splat(worker: Worker, case: Case) -> None:
-    pictures, _ = worker.render(
-        case.name, "splat", list(range(6)), passes=case.passes, photons_per_pass=case.photons_per_pass, max_bounces=64
-    )
+    pictures, _ = worker.render(case, "splat", list(range(6)), passes=case.passes, photons_per_pass=case.photons_per_pass, max_bounces=64)
     compare(case, "splat", pictures)
 
 
 @pytest.mark.parametrize("case", CASES, ids=NAMES)
 def test_reference_integrator(worker: Worker, case: Case) -> None:
     passes = 96 if case.name in SCENES else 256
-    pictures, _ = worker.render(case.name, "reference", [11, 12], passes=passes, max_bounces=64)
+    pictures, _ = worker.render(case, "reference", [11, 12], passes=passes, max_bounces=64)
     compare(case, "reference", pictures)
 
 
 def test_the_comparison_can_fail(worker: Worker) -> None:
     """A lamp 3 % too strong, and a picture shifted by a pixel, must not pass."""
-    case = next(case for case in CASES if case.name == "area_square")
-    pictures, _ = worker.render(case.name, "reference", [11, 12], passes=128, max_bounces=64)
+    case = CASE["area_square"]
+    pictures, _ = worker.render(case, "reference", [11, 12], passes=128, max_bounces=64)
     compare(case, "reference", pictures)
     for broken in (pictures * 1.03, np.roll(pictures, 1, axis=2)):
         with pytest.raises(pytest.fail.Exception):
@@ -86,7 +76,7 @@ def test_the_comparison_can_fail(worker: Worker) -> None:
 
 
 def test_statistics_say_what_was_done(worker: Worker) -> None:
-    _, statistics = worker.render("cornell_box", "splat", [0], passes=2, photons_per_pass=5000)
+    _, statistics = worker.render(CASE["cornell_box"], "splat", [0], passes=2, photons_per_pass=5000)
     said: dict[str, Any] = statistics[0]
     assert {"export", "acceleration", "camera", "photons", "splat", "boundary", "total"} <= said["seconds"].keys()
     assert said["photons"]["traced"] >= 10_000

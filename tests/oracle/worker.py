@@ -1,6 +1,6 @@
 """A Blender process that renders cases with Photon Splat on request, so that a crash takes only its own test along.
 
-Reads one JSON object per line from stdin: case, integrator, seeds, output, and overrides of RenderSettings. Writes the
+Reads one JSON object per line from stdin: case (fields of Case), integrator, seeds, output, and overrides of RenderSettings. Writes the
 pictures (seeds, height, width, 4) to `output` (.npy) and answers with one JSON line: {"ok": true, "statistics": [...]}
 or {"ok": false, "error": "..."}. What Blender prints goes to stderr.
 """
@@ -12,11 +12,13 @@ import os
 import subprocess
 import sys
 import threading
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+
+from tests.oracle.cases import Case
 
 ROOT = Path(__file__).resolve().parents[2]
 SECONDS = 120.0
@@ -28,17 +30,27 @@ class Worker:
     def __init__(self, scratch: Path) -> None:
         self.scratch = scratch
         self.process: subprocess.Popen[str] | None = None
+        self.done: dict[str, tuple[np.ndarray, list[dict[str, Any]]]] = {}
 
-    def render(self, case: str, integrator: str, seeds: list[int], **settings: Any) -> tuple[np.ndarray, list[dict[str, Any]]]:
-        """(K, height, width, 4) pictures, one per seed, and their statistics. RuntimeError if the process fails or hangs."""
+    def render(self, case: Case, integrator: str, seeds: list[int], **settings: Any) -> tuple[np.ndarray, list[dict[str, Any]]]:
+        """(K, height, width, 4) pictures, one per seed, and their statistics. RuntimeError if the process fails or hangs.
+
+        The same request a second time gets the same answer without rendering again.
+        """
+        key = json.dumps([case.name, integrator, seeds, settings])
+        if key not in self.done:
+            self.done[key] = self._render(case, integrator, seeds, settings)
+        return self.done[key]
+
+    def _render(self, case: Case, integrator: str, seeds: list[int], settings: dict[str, Any]) -> tuple[np.ndarray, list[dict[str, Any]]]:
         if self.process is None or self.process.poll() is not None:
             self._start()
         process = self.process
         assert process is not None
         assert process.stdin is not None
         assert process.stdout is not None
-        output = self.scratch / f"{case}.{integrator}.npy"
-        request = {"case": case, "integrator": integrator, "seeds": seeds, "output": str(output), "settings": settings}
+        output = self.scratch / f"{case.name}.{integrator}.npy"
+        request = {"case": asdict(case), "integrator": integrator, "seeds": seeds, "output": str(output), "settings": settings}
         process.stdin.write(json.dumps(request) + "\n")
         process.stdin.flush()
         watch = threading.Timer(SECONDS, process.kill)
@@ -46,7 +58,7 @@ class Worker:
         answer = process.stdout.readline()
         watch.cancel()
         if not answer:
-            raise RuntimeError(f"Blender ended with status {process.wait()} while it rendered {case}")
+            raise RuntimeError(f"Blender ended with status {process.wait()} while it rendered {case.name}")
         said = json.loads(answer)
         if not said["ok"]:
             raise RuntimeError(said["error"])
@@ -78,16 +90,15 @@ def _serve() -> None:
         answers.flush()
 
 
-def _render(case: str, integrator: str, seeds: list[int], output: str, settings: dict[str, Any]) -> list[dict[str, Any]]:
+def _render(case: dict[str, Any], integrator: str, seeds: list[int], output: str, settings: dict[str, Any]) -> list[dict[str, Any]]:
     """Through Blender's render operator, as a user would: export, engine and settings are the real ones."""
     import bpy
     from photon_splat.core.settings import Integrator
     from photon_splat.job import observer
 
     from tests.oracle import stage
-    from tests.oracle.cases import CASE
 
-    scene = stage.build(CASE[case])
+    scene = stage.build(Case(**case))
     scene.render.engine = "PHOTON_SPLAT"
     pictures, statistics, errors = [], [], []
 

@@ -7,7 +7,7 @@ from math import pi
 import numpy as np
 import pytest
 from photon_splat.core.scene import Instances, LightKind, Material, Mesh, Scene, Side, Texture
-from photon_splat.core.settings import Backend, Integrator, RenderSettings
+from photon_splat.core.settings import Integrator, RenderSettings
 
 from tests import corescene as c
 
@@ -282,12 +282,6 @@ def test_sheets_thinner_than_a_kernel_do_not_leak() -> None:
 def test_settings_that_make_no_sense_are_named(setting: str, value: float) -> None:
     with pytest.raises(ValueError, match=setting):
         RenderSettings(**{setting: value})
-
-
-def test_gpu_is_refused_in_a_sentence() -> None:
-    """Never a silent fallback."""
-    with pytest.raises(ValueError, match="GPU"):
-        c.shoot(room(), backend=Backend.GPU, **SMALL)
 
 
 @pytest.mark.parametrize("spoil", ["mesh index", "material set", "material", "triangle", "texture", "uv shape"])
