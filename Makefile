@@ -71,8 +71,8 @@ out/$(NAME).exr: setup
 out/$(NAME).png: out/$(NAME).exr
 	@$(PY) tools/exr_to_png.py $< $@
 
-scenes: setup ## blend_scenes/*.blend from their scripts
-	$(PY) blend_scenes/make_all.py
+scenes: setup-old ## blend_scenes/*.blend from their scripts, by the oldest Blender that must open them
+	$(PY_OLD) -m blend_scenes.make_all
 
 # --- tests ----------------------------------------------------------------------------------------------------------
 
