@@ -1,0 +1,313 @@
+"""Blender's data as the engine sees it: geometry, instances, visibility."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.addon import stage
+from tests.addon.blender import in_blender
+
+
+@pytest.mark.smoke
+@in_blender
+def test_modifiers_at_the_level_of_a_render() -> None:
+    ob = stage.plane()
+    subdivision = ob.modifiers.new("Subdivision", "SUBSURF")
+    subdivision.subdivision_type, subdivision.levels, subdivision.render_levels = "SIMPLE", 0, 2
+    off = ob.modifiers.new("Array", "ARRAY")
+    off.show_render = False
+    assert stage.triangle_count(stage.exported()) == 2 * 4**2
+
+
+@pytest.mark.smoke
+@in_blender
+def test_curves_text_surfaces_and_metaballs_become_meshes() -> None:
+    import bpy
+
+    curve = bpy.data.curves.new("Wire", "CURVE")
+    curve.dimensions, curve.bevel_depth = "3D", 0.1
+    curve.splines.new("POLY").points.add(2)
+    for k, point in enumerate(curve.splines[0].points):
+        point.co = (k, 0, 0, 1)
+    text = bpy.data.curves.new("Text", "FONT")
+    text.body = "ab"
+    metaball = bpy.data.metaballs.new("Meta")
+    metaball.elements.new()
+    made = {name: stage.add(name, data) for name, data in (("Wire", curve), ("Text", text), ("Meta", metaball))}
+    bpy.ops.surface.primitive_nurbs_surface_sphere_add()
+    whole = stage.exported()
+    assert len(whole.instances.mesh) == 4
+    assert not [warning for warning in whole.warnings if "supported" in warning]
+    for ob in made.values():
+        before = stage.triangle_count(stage.exported())
+        ob.hide_render = True
+        assert stage.triangle_count(stage.exported()) < before - 10, ob.name
+
+
+@in_blender
+def test_an_object_without_faces_is_nothing() -> None:
+    import bpy
+
+    stage.add("Edges", stage.mesh("Edges", [(0, 0, 0), (1, 0, 0)], []))
+    stage.add("Nothing", bpy.data.meshes.new("Nothing"))
+    bare = bpy.data.curves.new("Bare", "CURVE")
+    bare.splines.new("POLY").points.add(2)
+    stage.add("Bare", bare)
+    stage.add("Empty")
+    what = stage.exported()
+    assert what.meshes == []
+    assert len(what.instances.mesh) == 0
+    assert what.warnings == []
+
+
+@pytest.mark.smoke
+@in_blender
+def test_geometry_nodes_instances_share_one_mesh() -> None:
+    import bpy
+
+    tree = bpy.data.node_groups.new("Scatter", "GeometryNodeTree")
+    tree.interface.new_socket("Geometry", in_out="INPUT", socket_type="NodeSocketGeometry")
+    tree.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
+    given, made = tree.nodes.new("NodeGroupInput"), tree.nodes.new("NodeGroupOutput")
+    scatter, cube = tree.nodes.new("GeometryNodeInstanceOnPoints"), tree.nodes.new("GeometryNodeMeshCube")
+    tree.links.new(given.outputs[0], scatter.inputs["Points"])
+    tree.links.new(cube.outputs["Mesh"], scatter.inputs["Instance"])
+    tree.links.new(scatter.outputs["Instances"], made.inputs[0])
+    ob = stage.plane()
+    ob.modifiers.new("Scatter", "NODES").node_group = tree
+    what = stage.exported()
+    assert len(what.instances.mesh) == 4
+    assert len(what.meshes) == 1
+    assert stage.triangle_count(what) == 4 * 12
+    assert sorted(tuple(m[:2, 3]) for m in what.instances.matrix) == [(-1, -1), (-1, 1), (1, -1), (1, 1)]
+
+
+@pytest.mark.smoke
+@in_blender
+def test_collection_instances_and_linked_meshes_share_one_mesh() -> None:
+    import bpy
+
+    parts = bpy.data.collections.new("Parts")
+    stage.plane("Part", location=(0, 0, 1), collection=parts)
+    data = bpy.data.objects["Part"].data
+    for k in range(3):
+        empty = stage.add(f"Empty {k}", location=(k, 0, 0))
+        empty.instance_type, empty.instance_collection = "COLLECTION", parts
+    for k in range(2):
+        stage.add(f"Twin {k}", data, (0, k + 5, 0))
+    what = stage.exported()
+    assert len(what.meshes) == 1
+    places = sorted(tuple(m[:3, 3]) for m in what.instances.matrix)
+    assert places == [(0, 0, 1), (0, 5, 0), (0, 6, 0), (1, 0, 1), (2, 0, 1)]
+
+
+@in_blender
+def test_twins_with_a_modifier_on_one() -> None:
+    data = stage.plane("One").data
+    two = stage.add("Two", data, (3, 0, 0))
+    two.modifiers.new("Solid", "SOLIDIFY")
+    what = stage.exported()
+    assert sorted(len(what.meshes[m].triangles) for m in what.instances.mesh) == [2, 12]
+
+
+@in_blender
+def test_smooth_flat_and_custom_normals() -> None:
+    import bpy
+
+    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=2, radius=2)
+    ball = bpy.context.object
+    assert stage.exported().meshes[0].corner_normals is None
+
+    ball.data.shade_smooth()
+    mesh = stage.exported().meshes[0]
+    assert mesh.corner_normals is not None
+    assert np.allclose(mesh.corner_normals, mesh.positions[mesh.triangles] / 2, atol=1e-3)
+
+    ball.hide_render = True
+    tilted = (0.6, 0.0, 0.8)
+    flat = stage.plane()
+    flat.data.normals_split_custom_set([tilted] * 4)
+    mesh = stage.exported().meshes[0]
+    assert np.allclose(mesh.corner_normals, tilted, atol=1e-3)
+
+
+@in_blender
+def test_smooth_and_flat_faces_in_one_mesh() -> None:
+    import bpy
+
+    bpy.ops.mesh.primitive_cube_add()
+    cube = bpy.context.object
+    cube.data.polygons.foreach_set("use_smooth", [True, False] * 3)
+    mesh = stage.exported().meshes[0]
+    p = mesh.positions[mesh.triangles].astype(np.float64)
+    faces = np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0])
+    faces /= np.linalg.norm(faces, axis=1, keepdims=True)
+    assert mesh.corner_normals is not None
+    alike = np.isclose(mesh.corner_normals, faces[:, None], atol=1e-3).all(axis=(1, 2))
+    assert alike.sum() == 6
+
+
+@pytest.mark.smoke
+@in_blender
+def test_several_materials() -> None:
+    corners = [(x, y, 0) for y in (0, 1) for x in range(4)]
+    ob = stage.add("Strip", stage.mesh("Strip", corners, [(k, k + 1, k + 5, k + 4) for k in range(3)]))
+    for name, red in (("A", 0.125), ("B", 0.25)):
+        ob.data.materials.append(stage.material(name, (red, 0, 0)))
+    ob.data.polygons.foreach_set("material_index", [1, 0, 5])
+    twin = stage.add("Twin", ob.data, (0, 3, 0))
+    twin.material_slots[0].link = "OBJECT"
+    twin.material_slots[0].material = stage.material("C", (0.5, 0, 0))
+    what = stage.exported()
+    assert len(what.meshes) == 1
+    reds = {}
+    for instance, name in ((0, "Strip"), (1, "Twin")):
+        mesh = what.meshes[what.instances.mesh[instance]]
+        materials = what.material_sets[what.instances.material_set[instance]][mesh.slots]
+        order = np.argsort(mesh.positions[mesh.triangles][..., 0].mean(axis=1))
+        reds[name] = [what.materials[m].front.base_color[0] for m in materials[order]][::2]
+    # A slot that does not exist shows the last material.
+    assert reds == {"Strip": [0.25, 0.125, 0.25], "Twin": [0.25, 0.5, 0.25]}
+
+
+@pytest.mark.smoke
+@in_blender
+def test_visibility_in_renders_decides() -> None:
+    import bpy
+
+    shown = stage.plane("Shown", 1)
+    shown.hide_viewport = True
+    stage.plane("Hidden", 2).hide_render = True
+    for name, half in (("Hidden collection", 3), ("Excluded", 4), ("Not in the viewport", 5)):
+        collection = bpy.data.collections.new(name)
+        stage.scene().collection.children.link(collection)
+        stage.plane(name, half, collection=collection)
+        layer = bpy.context.view_layer.layer_collection.children[name]
+        if name == "Excluded":
+            layer.exclude = True
+        collection.hide_render = name == "Hidden collection"
+        collection.hide_viewport = name == "Not in the viewport"
+    lamp = stage.lamp()
+    lamp.hide_render = True
+    what = stage.exported()
+    assert sorted(mesh.positions.max() for mesh in what.meshes) == [1, 5]
+    assert what.lights == []
+    assert what.warnings == []
+
+
+@in_blender
+def test_an_instancer_is_hidden_but_not_what_it_places() -> None:
+    parent = stage.plane("Parent", 2)
+    parent.instance_type = "VERTS"
+    parent.show_instancer_for_render = False
+    child = stage.plane("Child", 0.1)
+    child.parent = parent
+    what = stage.exported()
+    assert len(what.instances.mesh) == 4
+    assert {what.meshes[m].name for m in what.instances.mesh} == {"Child"}
+
+
+@in_blender
+def test_negative_scale_keeps_the_front() -> None:
+    ob = stage.plane(location=(0, 0, 1))
+    ob.scale = (-2, 1, 1)
+    what = stage.exported()
+    assert np.linalg.det(what.instances.matrix[0][:3, :3]) == pytest.approx(-2)
+    corners = stage.world_positions(what)
+    assert corners[..., 0].min() == -2
+    assert what.warnings == []
+
+
+@pytest.mark.smoke
+@in_blender
+def test_degenerate_and_broken_triangles_are_dropped_with_one_warning() -> None:
+    nan = float("nan")
+    vertices = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (2, 0, 0), (nan, 0, 0), (0, float("inf"), 0), (0, 1, 1)]
+    faces = [(0, 1, 2), (0, 1, 3), (1, 2, 4), (0, 2, 5), (0, 2, 6)]
+    stage.add("Bad apple", stage.mesh("Data", vertices, faces))
+    what = stage.exported()
+    mesh = what.meshes[0]
+    assert np.isfinite(mesh.positions).all()
+    assert len(mesh.triangles) == 2
+    said = stage.the_one_warning(what, lambda warning: "Bad apple" in warning and "material" not in warning.lower())
+    assert said == "Object 'Bad apple': triangles left out: 2 with a vertex that is not a finite number, 1 without area"
+
+
+@in_blender
+def test_slots_uv_and_normals_follow_what_is_dropped() -> None:
+    corners = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (2, 0, 0), (0, 1, 0)]
+    data = stage.mesh("Data", corners, [(0, 1, 3), (0, 1, 2), (0, 2, 4)])
+    data.uv_layers.new(name="UV").uv.foreach_set(
+        "vector", np.array([corners[v][:2] for v in (0, 1, 3, 0, 1, 2, 0, 2, 4)], np.float32).ravel()
+    )
+    data.shade_smooth()
+    for name in "ABC":
+        data.materials.append(stage.material(name))
+    data.polygons.foreach_set("material_index", [0, 1, 2])
+    stage.add("Ob", data)
+    mesh = stage.exported().meshes[0]
+    assert mesh.slots is not None
+    assert mesh.slots.tolist() == [1, 2]
+    assert mesh.uv is not None
+    assert np.array_equal(mesh.uv, mesh.positions[mesh.triangles][..., :2])
+    assert mesh.corner_normals is not None
+    assert np.allclose(mesh.corner_normals, (0, 0, 1), atol=1e-3)
+
+
+@in_blender
+def test_an_object_with_nothing_left() -> None:
+    stage.add("Line", stage.mesh("Line", [(0, 0, 0), (1, 0, 0), (2, 0, 0)], [(0, 1, 2)]))
+    what = stage.exported()
+    assert what.meshes == []
+    assert stage.the_one_warning(what) == "Object 'Line': triangles left out: 1 without area"
+
+
+@in_blender
+def test_scales_of_zero() -> None:
+    flat, point = stage.plane("Flat"), stage.plane("Point")
+    flat.scale, point.scale = (1, 1, 0), (0, 0, 0)
+    what = stage.exported()
+    assert len(what.instances.mesh) == 1
+    assert np.ptp(stage.world_positions(what), axis=(0, 1)).tolist() == [2, 2, 0]
+    assert stage.the_one_warning(what, lambda warning: "scale" in warning) == "Objects left out, as their scale is zero: 'Point'"
+
+
+@in_blender
+def test_what_is_not_a_surface_is_named() -> None:
+    import bpy
+
+    stage.add("Cloud", bpy.data.volumes.new("Cloud"))
+    stage.add("Hair", bpy.data.hair_curves.new("Hair"))
+    stage.plane("Holey").is_holdout = True
+    said = "\n".join(stage.exported().warnings)
+    for name in ("Cloud", "Hair", "Holey"):
+        assert f"'{name}'" in said
+
+
+@in_blender
+def test_views_of_blenders_memory_outlive_the_render() -> None:
+    """What is exported must not change with the scene afterwards."""
+    ob = stage.plane()
+    what = stage.exported()
+    before = what.meshes[0].positions.copy()
+    ob.data.vertices.foreach_set("co", np.full(12, 7.0, np.float32))
+    ob.data.update()
+    stage.exported()
+    assert np.array_equal(what.meshes[0].positions, before)
+
+
+@in_blender
+def test_frames_of_an_animation() -> None:
+    ob = stage.plane()
+    for frame in (1, 2):
+        ob.location.x = frame * 10
+        ob.keyframe_insert("location", frame=frame)
+    made = stage.scene()
+    made.frame_start, made.frame_end = 1, 2
+    made.render.filepath = "//unused"
+    places = []
+    for frame in (1, 2):
+        made.frame_set(frame)
+        places.append(stage.exported().instances.matrix[0][0, 3])
+    assert places == [10, 20]

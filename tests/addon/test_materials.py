@@ -1,0 +1,289 @@
+"""Blender's shader trees and images as the engine sees them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.addon import stage
+from tests.addon.blender import in_blender
+
+
+def _textured(image: Any, name: str = "Painted") -> Any:
+    """A diffuse material coloured by `image` on a plane with a UV map; returns its tree."""
+    made, tree = stage.empty_material(name)
+    shader = tree.nodes.new("ShaderNodeBsdfDiffuse")
+    texture = tree.nodes.new("ShaderNodeTexImage")
+    texture.image = image
+    tree.links.new(texture.outputs["Color"], shader.inputs["Color"])
+    stage.surface(tree, shader)
+    ob = stage.plane("Canvas")
+    ob.data.uv_layers.new(name="UV")
+    ob.data.materials[0] = made
+    return tree
+
+
+def _four_colors(name: str, float_buffer: bool = False) -> Any:
+    """2x2: black, red below; green, half blue above."""
+    import bpy
+
+    image = bpy.data.images.new(name, 2, 2, float_buffer=float_buffer)
+    image.pixels[:] = [0, 0, 0, 1, 1, 0, 0, 1, 0, 1, 0, 1, 0, 0, 0.5, 1]
+    return image
+
+
+COLORS = np.array([[[0, 0, 0], [1, 0, 0]], [[0, 1, 0], [0, 0, 0.5]]])
+
+
+@in_blender
+def test_generated_image() -> None:
+    _textured(_four_colors("Made"))
+    what = stage.exported()
+    (texture,) = what.textures
+    assert what.materials[0].front.base_color_texture == 0
+    assert what.materials[0].front.base_color == (1, 1, 1)
+    assert texture.srgb
+    assert texture.pixels.dtype == np.uint8
+    assert np.allclose(texture.pixels[..., :3] / 255, COLORS, atol=0.003)
+    assert what.warnings == []
+
+
+@in_blender
+def test_float_image_is_linear() -> None:
+    _textured(_four_colors("Float", float_buffer=True))
+    (texture,) = stage.exported().textures
+    assert texture.pixels.dtype == np.float32
+    assert not texture.srgb
+    assert np.allclose(texture.pixels[..., :3], COLORS, atol=1e-6)
+
+
+@pytest.mark.smoke
+@in_blender
+def test_packed_image(tmp_path: str) -> None:
+    import bpy
+
+    image = _four_colors("Packed")
+    image.filepath_raw, image.file_format = f"{tmp_path}/picture.png", "PNG"
+    image.save()
+    bpy.data.images.remove(image)
+    image = bpy.data.images.load(f"{tmp_path}/picture.png")
+    image.pack()
+    Path(tmp_path, "picture.png").unlink()
+    _textured(image)
+    what = stage.exported()
+    (texture,) = what.textures
+    assert texture.srgb
+    assert np.allclose(texture.pixels[..., :3] / 255, COLORS, atol=0.003)
+    assert what.warnings == []
+
+
+@in_blender
+def test_image_file_and_its_colour_space(tmp_path: str) -> None:
+    import bpy
+
+    image = _four_colors("File")
+    image.filepath_raw, image.file_format = f"{tmp_path}/picture.png", "PNG"
+    image.save()
+    bpy.data.images.remove(image)
+    image = bpy.data.images.load(f"{tmp_path}/picture.png")
+    _textured(image)
+    for space, srgb in (("sRGB", True), ("Non-Color", False), ("Linear Rec.709", False)):
+        image.colorspace_settings.name = space
+        (texture,) = stage.exported().textures
+        assert texture.srgb == srgb
+        assert np.allclose(texture.pixels[..., :3] / 255, COLORS, atol=0.003), space
+
+
+@in_blender
+def test_missing_image_names_image_and_material(tmp_path: str) -> None:
+    import bpy
+
+    image = _four_colors("Lost")
+    image.filepath_raw, image.file_format = f"{tmp_path}/lost.png", "PNG"
+    image.save()
+    bpy.data.images.remove(image)
+    image = bpy.data.images.load(f"{tmp_path}/lost.png")
+    Path(tmp_path, "lost.png").unlink()
+    image.reload()
+    _textured(image)
+    what = stage.exported()
+    said = stage.the_one_warning(what)
+    assert said == f"Material 'Painted', node 'Image Texture': image 'lost.png': {tmp_path}/lost.png cannot be read; shown in pink"
+    assert what.textures[0].pixels[0, 0].tolist() == [255, 0, 255, 255]
+
+
+@in_blender
+def test_an_image_texture_without_image() -> None:
+    _textured(None)
+    said = stage.the_one_warning(stage.exported())
+    assert said == "Material 'Painted', node 'Image Texture': an image texture has no image; shown in pink"
+
+
+@in_blender
+def test_interpolation_extension_and_one_texture_for_both_uses() -> None:
+    image = _four_colors("Made")
+    tree = _textured(image)
+    texture = next(node for node in tree.nodes if node.type == "TEX_IMAGE")
+    texture.interpolation, texture.extension = "Closest", "CLIP"
+    _textured(image, "Second")
+    _textured(image, "Third")
+    what = stage.exported()
+    assert [(t.interpolation, t.extension) for t in what.textures] == [("closest", "clip"), ("linear", "repeat")]
+
+
+@pytest.mark.smoke
+@in_blender
+def test_principled_base_colour_and_emission() -> None:
+    made, tree = stage.empty_material("Plastic")
+    shader = tree.nodes.new("ShaderNodeBsdfPrincipled")
+    shader.inputs["Base Color"].default_value = (0.25, 0.5, 0.75, 1)
+    shader.inputs["Emission Color"].default_value = (1, 0.5, 0, 1)
+    shader.inputs["Emission Strength"].default_value = 4
+    shader.inputs["Specular IOR Level"].default_value = 0
+    stage.surface(tree, shader)
+    stage.plane().data.materials[0] = made
+    what = stage.exported()
+    assert what.materials[0].front.base_color == (0.25, 0.5, 0.75)
+    assert what.materials[0].front.emission == (4, 2, 0)
+    assert what.materials[0].back == what.materials[0].front
+    assert what.warnings == []
+
+
+@pytest.mark.smoke
+@in_blender
+def test_backfacing_gives_each_side_its_own() -> None:
+    made, tree = stage.empty_material("Two sides")
+    mix, geometry = tree.nodes.new("ShaderNodeMixShader"), tree.nodes.new("ShaderNodeNewGeometry")
+    front, back = tree.nodes.new("ShaderNodeEmission"), tree.nodes.new("ShaderNodeBsdfDiffuse")
+    front.inputs["Strength"].default_value = 3
+    back.inputs["Color"].default_value = (0.25, 0.25, 0.25, 1)
+    tree.links.new(geometry.outputs["Backfacing"], mix.inputs[0])
+    tree.links.new(front.outputs[0], mix.inputs[1])
+    tree.links.new(back.outputs[0], mix.inputs[2])
+    stage.surface(tree, mix)
+    stage.plane().data.materials[0] = made
+    what = stage.exported()
+    material = what.materials[0]
+    assert (material.front.emission, material.front.base_color) == ((3, 3, 3), (0, 0, 0))
+    assert (material.back.emission, material.back.base_color) == ((0, 0, 0), (0.25, 0.25, 0.25))
+    assert what.warnings == []
+
+
+@in_blender
+def test_mix_and_add_of_shaders_and_colours() -> None:
+    made, tree = stage.empty_material("Mixed")
+    add, mix = tree.nodes.new("ShaderNodeAddShader"), tree.nodes.new("ShaderNodeMixShader")
+    one, two, glow = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("BsdfDiffuse", "BsdfDiffuse", "Emission"))
+    blend = tree.nodes.new("ShaderNodeMix")
+    blend.data_type, blend.blend_type = "RGBA", "MULTIPLY"
+    factor, a, b = (next(s for s in blend.inputs if s.identifier == name) for name in ("Factor_Float", "A_Color", "B_Color"))
+    factor.default_value, a.default_value, b.default_value = 1.0, (0.5, 0.5, 0.5, 1), (0.5, 1, 0, 1)
+    tree.links.new(next(s for s in blend.outputs if s.identifier == "Result_Color"), one.inputs["Color"])
+    two.inputs["Color"].default_value = (0, 0, 0, 1)
+    mix.inputs[0].default_value = 0.25
+    for shader, target in ((one, mix.inputs[1]), (two, mix.inputs[2]), (mix, add.inputs[0]), (glow, add.inputs[1])):
+        tree.links.new(shader.outputs[0], target)
+    stage.surface(tree, add)
+    stage.plane().data.materials[0] = made
+    what = stage.exported()
+    assert np.allclose(what.materials[0].front.base_color, np.array((0.25, 0.5, 0)) * 0.75)
+    assert what.materials[0].front.emission == (1, 1, 1)
+    assert what.warnings == []
+
+
+@in_blender
+def test_groups_reroutes_and_muted_nodes() -> None:
+    import bpy
+
+    group = bpy.data.node_groups.new("Paint", "ShaderNodeTree")
+    group.interface.new_socket("Tone", in_out="INPUT", socket_type="NodeSocketColor")
+    group.interface.new_socket("Shader", in_out="OUTPUT", socket_type="NodeSocketShader")
+    given, inner, ending = (group.nodes.new(kind) for kind in ("NodeGroupInput", "ShaderNodeBsdfDiffuse", "NodeGroupOutput"))
+    group.links.new(given.outputs[0], inner.inputs["Color"])
+    group.links.new(inner.outputs[0], ending.inputs[0])
+    made, tree = stage.empty_material("Grouped")
+    used = tree.nodes.new("ShaderNodeGroup")
+    used.node_tree = group
+    color, reroute, muted = (tree.nodes.new(kind) for kind in ("ShaderNodeRGB", "NodeReroute", "ShaderNodeInvert"))
+    color.outputs[0].default_value = (0.125, 0.25, 0.5, 1)
+    muted.mute = True
+    tree.links.new(color.outputs[0], muted.inputs["Color"])
+    tree.links.new(muted.outputs[0], reroute.inputs[0])
+    tree.links.new(reroute.outputs[0], used.inputs["Tone"])
+    stage.surface(tree, used)
+    stage.plane().data.materials[0] = made
+    what = stage.exported()
+    assert what.materials[0].front.base_color == (0.125, 0.25, 0.5)
+    assert what.warnings == []
+
+
+@in_blender
+def test_what_is_approximated_is_named() -> None:
+    glossy = stage.material("Mirror", (0.75, 0.5, 0.25), "ShaderNodeBsdfAnisotropic")
+    noisy, tree = stage.empty_material("Noisy")
+    shader, noise = tree.nodes.new("ShaderNodeBsdfDiffuse"), tree.nodes.new("ShaderNodeTexNoise")
+    noise.label = "Grain"
+    tree.links.new(noise.outputs["Color"], shader.inputs["Color"])
+    stage.surface(tree, shader)
+    metal, tree = stage.empty_material("Metal")
+    principled = tree.nodes.new("ShaderNodeBsdfPrincipled")
+    principled.inputs["Metallic"].default_value = 1
+    stage.surface(tree, principled)
+    for k, made in enumerate((glossy, noisy, metal)):
+        stage.plane(f"P{k}").data.materials[0] = made
+    what = stage.exported()
+    assert np.allclose(what.materials[0].front.base_color, (0.75, 0.5, 0.25))
+    for words in (("Mirror", "approximated"), ("Noisy", "Grain", "approximated"), ("Metal", "Principled BSDF", "Metallic")):
+        stage.the_one_warning(what, lambda warning, words=words: all(word in warning for word in words))
+
+
+@in_blender
+def test_no_material_and_an_empty_slot() -> None:
+    ob = stage.plane()
+    ob.data.materials.clear()
+    for k in range(2):
+        if k:
+            ob.data.materials.append(None)
+        what = stage.exported()
+        assert np.allclose(what.materials[0].front.base_color, 0.8)
+
+
+@in_blender
+def test_values_that_are_no_colour() -> None:
+    made = stage.material("Cursed")
+    made.node_tree.nodes["Diffuse BSDF"].inputs["Color"].default_value = (float("nan"), 0.5, 0.5, 1)
+    negative = stage.material("Negative")
+    difference = negative.node_tree.nodes.new("ShaderNodeMix")
+    difference.data_type, difference.blend_type = "RGBA", "SUBTRACT"
+    for name, value in (("Factor_Float", 1.0), ("A_Color", (0.5, 0.5, 0.5, 1)), ("B_Color", (0, 1, 0, 1))):
+        next(socket for socket in difference.inputs if socket.identifier == name).default_value = value
+    result = next(socket for socket in difference.outputs if socket.identifier == "Result_Color")
+    negative.node_tree.links.new(result, negative.node_tree.nodes["Diffuse BSDF"].inputs["Color"])
+    for k, material in enumerate((made, negative)):
+        stage.plane(f"P{k}").data.materials[0] = material
+    what = stage.exported()
+    assert [m.front.base_color for m in what.materials] == [(0, 0, 0), (0.5, 0, 0.5)]
+    assert what.warnings == [
+        "Material 'Cursed': its base colour is not a finite number; taken as black",
+        "Material 'Negative': negative colours are taken as 0",
+    ]
+
+
+@in_blender
+def test_material_override_of_a_view_layer() -> None:
+    stage.plane().data.materials[0] = stage.material("Own", (0.25, 0, 0))
+    stage.scene().view_layers[0].material_override = stage.material("Clay", (0.5, 0.5, 0.5))
+    assert [material.name for material in stage.exported().materials] == ["Clay"]
+
+
+@in_blender
+def test_world_and_lamp_nodes() -> None:
+    stage.world(0.25)
+    lamp = stage.lamp(energy=10)
+    lamp.data.color = (1, 0.5, 0)
+    what = stage.exported()
+    assert what.world == (0.25, 0.25, 0.25)
+    assert np.allclose(what.lights[0].strength, (10, 5, 0))
