@@ -57,27 +57,32 @@ def seed_table() -> Figures:
     return figures | {"splat_ratio": ratio, "kept": ratio <= 1.15}
 
 
-def error_at_10_seconds() -> Figures:
-    """RMSE of cornell_box at 512x512 after 10 s, free of the reference's noise; the reference is the path tracer, kept in build/."""
+def reference_halves() -> np.ndarray:
+    """Two independent path-traced halves of cornell_box, (2, 512, 512, 3) float64; made once and kept in build/."""
     from photon_splat.core.session import render
     from photon_splat.core.settings import Integrator, RenderSettings
-
-    from tests.compare import rmse_two_halves
 
     cache = ROOT / "build" / "bench" / "cornell_box_512.npy"
     if not cache.exists():
         scene = from_blend("cornell_box", 512, 512)
-        print("   reference: two halves of 600 samples (kept for next time)", flush=True)
-        halves = [
-            render(scene, RenderSettings(passes=600, max_bounces=64, seed=s, integrator=Integrator.REFERENCE), started=time.monotonic())
-            for s in (71, 72)
-        ]
+        print("   reference: two halves of 600 samples (kept for next time)", file=sys.stderr, flush=True)
+        settings = [RenderSettings(passes=600, max_bounces=64, seed=seed, integrator=Integrator.REFERENCE) for seed in (71, 72)]
+        halves = [render(scene, half, started=time.monotonic()) for half in settings]
         cache.parent.mkdir(parents=True, exist_ok=True)
         np.save(cache, np.stack([half.passes["Combined"][..., :3] for half in halves]))
-    half_1, half_2 = np.load(cache).astype(np.float64)
+    return np.load(cache).astype(np.float64)
+
+
+def error_at_10_seconds() -> Figures:
+    """RMSE of cornell_box at 512x512 after 1 and 10 s, export included, free of the path-traced reference's noise."""
     import bpy
+    from photon_splat.core.session import render
+    from photon_splat.core.settings import RenderSettings
     from photon_splat.export import export_scene
 
+    from tests.compare import rmse_two_halves
+
+    half_1, half_2 = reference_halves()
     figures: Figures = {"mean": float((half_1 + half_2).mean() / 2)}
     for seconds in (1.0, 10.0):
         bpy.ops.wm.open_mainfile(filepath=str(ROOT / "blend_scenes" / "cornell_box.blend"))
