@@ -53,11 +53,12 @@ last_renders: dict[str, LastRender] = {}
 def render_view_layer(engine: Any, depsgraph: Any) -> None:
     """The body of RenderEngine.render: always begins and ends a result, or Blender saves a blank frame or crashes."""
     started = observer.started or time.monotonic()
-    frame = export_frame(depsgraph.scene_eval.render)
-    _, _, width, height = frame.region
-    blender_result = engine.begin_result(0, 0, width, height, layer=depsgraph.view_layer_eval.name)
+    blender_result = None
     failed = True
     try:
+        frame = export_frame(depsgraph.scene_eval.render)
+        _, _, width, height = frame.region
+        blender_result = engine.begin_result(0, 0, width, height, layer=depsgraph.view_layer_eval.name)
         result = _render(engine, depsgraph, frame, blender_result, started)
         fill_passes(blender_result, result.passes)
         _finish(engine, depsgraph, result)
@@ -69,7 +70,7 @@ def render_view_layer(engine: Any, depsgraph: Any) -> None:
     except BaseException as error:
         _fail(engine, depsgraph, error)
     finally:
-        engine.end_result(blender_result, cancel=failed)
+        engine.end_result(blender_result or engine.begin_result(0, 0, 1, 1), cancel=failed)
 
 
 def _render(engine: Any, depsgraph: Any, frame: Frame, blender_result: Any, started: float) -> RenderResult:
@@ -130,10 +131,10 @@ def _fail(engine: Any, depsgraph: Any, error: BaseException) -> None:
     if not isinstance(error, ValueError | RuntimeError | MemoryError | ImportError):
         traceback.print_exception(error)
     message = describe(error)
-    last_renders[depsgraph.scene.name] = LastRender(error=message)
-    engine.error_set(message)
     engine.report({"ERROR"}, f"Photon Splat: {message}")
+    engine.error_set(message)
     observer.on_error(error)
+    last_renders[depsgraph.scene.name] = LastRender(error=message)
 
 
 def describe(error: BaseException) -> str:

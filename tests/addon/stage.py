@@ -104,7 +104,7 @@ def room(pixels: int = 16, passes: int = 2, photons: int = 2000) -> Any:
     made = scene()
     camera()
     lamp()
-    plane()
+    plane(half=2.0)
     resize(pixels)
     made.photon_splat.passes, made.photon_splat.photons_per_pass = passes, photons
     return made
