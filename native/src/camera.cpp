@@ -7,11 +7,21 @@ namespace {
 
 constexpr int kFilterTable = 4096;
 
-// Filter value at t in -1/2 .. 1/2 of its width; the shapes are those of Cycles' pixel filters.
+// What Blender calls a filter's width is less than its support; these are Cycles' factors.
+float support(FilterKind kind, float width) {
+  switch (kind) {
+    case FilterKind::kBox: return 1;
+    case FilterKind::kGaussian: return 3 * width;
+    case FilterKind::kBlackmanHarris: return 2 * width;
+  }
+  return width;
+}
+
+// Filter value at t in -1/2 .. 1/2 of its support; the shapes are those of Cycles' pixel filters.
 float filter_value(FilterKind kind, float t) {
   switch (kind) {
     case FilterKind::kBox: return 1;
-    case FilterKind::kGaussian: return std::exp(-2 * 36 * t * t);
+    case FilterKind::kGaussian: return std::exp(-2 * 36 * t * t);  // exp(-2 (6 t)^2)
     case FilterKind::kBlackmanHarris: {
       const float v = 2 * kPi * (t + 0.5f);
       return 0.35875f - 0.48829f * std::cos(v) + 0.14128f * std::cos(2 * v) - 0.01168f * std::cos(3 * v);
@@ -32,7 +42,7 @@ Camera::Camera(const CameraSettings& settings) : s_(settings) {
   up_ = m.column(1);
   back_ = m.column(2);
   position_ = {m.m[3], m.m[7], m.m[11]};
-  if (s_.filter == FilterKind::kBox) s_.filter_width = 1;
+  const float width = support(s_.filter, s_.filter_width);
   std::vector<double> cdf(kFilterTable);
   double sum = 0;
   for (int i = 0; i < kFilterTable; ++i)
@@ -43,7 +53,7 @@ Camera::Camera(const CameraSettings& settings) : s_(settings) {
     const double target = sum * i / kFilterTable;
     while (bin + 1 < kFilterTable && cdf[bin] < target) ++bin;
     const double before = bin ? cdf[bin - 1] : 0, inside = (target - before) / (cdf[bin] - before);
-    filter_quantiles_[i] = static_cast<float>(((bin + std::clamp(inside, 0.0, 1.0)) / kFilterTable - 0.5) * s_.filter_width);
+    filter_quantiles_[i] = static_cast<float>(((bin + std::clamp(inside, 0.0, 1.0)) / kFilterTable - 0.5) * width);
   }
 }
 

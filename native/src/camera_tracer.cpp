@@ -64,6 +64,15 @@ bool CameraTracer::first_hit(const CameraRay& ray, Pixel& pixel, Surface& hit) c
   return true;
 }
 
+// The ray starts off the surface, so it is aimed anew; before an emissive surface it stops as far off that one.
+bool CameraTracer::shadowed(const LightSample& light, const Vec3& x, const Vec3& origin, float epsilon) const {
+  if (!std::isfinite(light.distance)) return scene_.occluded(origin, light.direction, 0, INFINITY);
+  const Vec3 target = x + light.direction * light.distance + light.normal * std::max(epsilon, ray_epsilon(x, light.distance));
+  const Vec3 way = target - origin;
+  const float distance = length(way);
+  return distance > 0 && scene_.occluded(origin, way / distance, 0, distance * (1 - 1e-5f));
+}
+
 Rgb CameraTracer::direct_irradiance(const Surface& hit, float choice, const Vec2& light, const Vec2& bsdf,
                                     uint64_t& rays) const {
   Rgb irradiance{};
@@ -78,9 +87,7 @@ Rgb CameraTracer::direct_irradiance(const Surface& hit, float choice, const Vec2
         mis = s->pdf * s->pdf / (s->pdf * s->pdf + bsdf_pdf * bsdf_pdf);
       }
       ++rays;
-      // Stops short of the light, so that an emissive surface does not shadow itself.
-      const float far = std::isfinite(s->distance) ? s->distance * (1 - 1e-5f) - 2 * epsilon : INFINITY;
-      if (far <= 0 || !scene_.occluded(origin, s->direction, 0, far)) irradiance += s->weight * (cosine * mis);
+      if (!shadowed(*s, hit.position, origin, epsilon)) irradiance += s->weight * (cosine * mis);
     }
   }
   if (lights_.wants_bsdf_ray(hit.position)) {

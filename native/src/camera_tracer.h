@@ -45,6 +45,7 @@ class CameraTracer {
   template <class Shade>
   void for_each_pixel(uint32_t sample, Film& film, const CancelFlag& cancel, Shade&& shade);
   bool first_hit(const CameraRay& ray, Pixel& pixel, Surface& hit) const;
+  bool shadowed(const LightSample& light, const Vec3& x, const Vec3& origin, float epsilon) const;
   Rgb direct_irradiance(const Surface& hit, float choice, const Vec2& light, const Vec2& bsdf, uint64_t& rays) const;
   Rgb indirect_radiance(Surface hit, Rgb throughput, int max_bounces, class Random& random, uint64_t& rays) const;
 

@@ -136,6 +136,7 @@ KernelMass kernel_mass(const Scene& scene, uint32_t instance, uint32_t triangle,
   if (!planar && h * topology.patch_curvature[patch] > kGentle * placed.scale) {
     const double mass = sum_triangles(scene, instance, triangle, x, normal, h);
     if (mass >= 0) return {std::max(static_cast<float>(mass), kSmallestMass), true};
+    return {0, false};  // too bent for the ball's mass, too fine to sum: the disc must be smaller
   }
   if (!count) return {1, planar};
 

@@ -12,7 +12,8 @@ namespace photon_splat {
 // - Bent patch: exact as a sum over the triangles within the disc, if they are few.
 // - Gently curved or finely tessellated patch: the Euclidean ball's mass, 1 (exact on spheres, 1 + h^2/32 (k1 - k2)^2 in
 //   general), less what lies beyond edges projected to the tangent plane; `exact` is false.
-// `normal` is the geometric normal at x, on either side. Never 0: at least kSmallestMass.
+// - Bent and finely tessellated: mass 0, not exact; a smaller h must be tried.
+// `normal` is the geometric normal at x, on either side. An exact mass is at least kSmallestMass.
 struct KernelMass {
   float mass;
   bool exact;

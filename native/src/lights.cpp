@@ -34,9 +34,8 @@ float Lights::spot_attenuation(const Lamp& lamp, const Vec3& from_lamp) const {
   return smoothstep((local.z / length(local) - lamp.cos_half) * lamp.inverse_smooth);
 }
 
-float Lights::spread_attenuation(const Lamp& lamp, float cosine) const {
+float Lights::spread_attenuation(const Lamp& lamp, float tangent) const {
   if (lamp.normalize_spread == 0) return 1;
-  const float tangent = std::sqrt(std::max(0.0f, 1 - cosine * cosine)) / std::max(cosine, 1e-6f);
   return std::max(0.0f, (lamp.tan_half_spread - tangent) * lamp.normalize_spread);
 }
 
@@ -142,7 +141,8 @@ bool Lights::sample_lamp(const Emitter& e, const Vec3& x, const Vec2& u, LightSa
     const float cosine = -dot(out.direction, lamp.forward);
     if (cosine <= 0) return false;
     out.pdf = d2 / (cosine * area);
-    out.weight = lamp.radiance * (spread_attenuation(lamp, cosine) / out.pdf);
+    const float along = dot(to, lamp.forward);
+    out.weight = lamp.radiance * (spread_attenuation(lamp, length(to - lamp.forward * along) / -along) / out.pdf);
     return !is_black(out.weight);
   }
   const Vec3 to = lamp.center - x;
@@ -167,8 +167,12 @@ bool Lights::sample_lamp(const Emitter& e, const Vec3& x, const Vec2& u, LightSa
     const float miss2 = d2 * (local.x * local.x + local.y * local.y);
     out.distance = d * local.z - std::sqrt(std::max(0.0f, r * r - miss2));
     out.weight = lamp.radiance * (2 * kPi * one_minus_cos);
-  } else {
-    return false;  // a receiver inside a spherical lamp sees it from nowhere: it shines outwards
+  } else {  // inside a spherical lamp, which shines inwards too, and there without a spot's cone
+    out.direction = sample_sphere(u);
+    const float along = dot(to, out.direction);
+    out.distance = along + std::sqrt(std::max(0.0f, along * along - d2 + r * r));
+    out.weight = lamp.radiance * (4 * kPi);
+    return true;
   }
   if (lamp.s.kind == LampKind::kSpot) out.weight *= spot_attenuation(lamp, -out.direction);
   return !is_black(out.weight);
@@ -216,6 +220,7 @@ bool Lights::sample_mesh(const Emitter& e, const Vec3& x, const Vec2& u, LightSa
   const float pdf_area = share / e.cdf.back() / (0.5f * twice_area);
   out.pdf = pdf_area * d2 / cosine;
   out.weight = scene_.emission(s) / out.pdf;
+  out.normal = dot(out.direction, normal) > 0 ? -normal : normal;
   return !is_black(out.weight);
 }
 
@@ -244,7 +249,7 @@ Rgb Lights::lamp_radiance_met(const Lamp& lamp, const Vec3& origin, const Vec3& 
     if (!(t > 0) || t > far) return {};
     if (!inside_shape(lamp, direction * t - to)) return {};
     pdf = t * t / (cosine * sampled_area(lamp, origin));
-    return lamp.radiance * spread_attenuation(lamp, cosine);
+    return lamp.radiance * spread_attenuation(lamp, length(cross(direction, lamp.forward)) / cosine);
   }
   if (lamp.s.kind == LampKind::kSun) {
     if (std::isfinite(far) || lamp.one_minus_cos <= 0) return {};

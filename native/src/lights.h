@@ -31,6 +31,7 @@ struct LampSettings {
 struct LightSample {
   Vec3 direction;
   float distance;
+  Vec3 normal;     // of an emissive surface, towards the point; 0 for lamps, which nothing shadows but what is before them
   Rgb weight;
   float pdf;       // solid angle; 0 for directions no BSDF sample can find
   bool use_mis;
@@ -42,10 +43,12 @@ struct PhotonStart {
   Rgb power;
   Vec3 soft_center;            // of a lamp that faces its receiver; see `accepts`
   float soft_radius2 = -1;
+  float first_hit_from = 0, first_hit_to = INFINITY;  // distances at which the first surface is lit by this photon
 
   // A disc of radius r that faces a receiver at distance d shows it only rays that pass the centre closer than
   // r d / sqrt(d^2 + r^2); the lines themselves are those of a sphere of radius r.
-  bool accepts(const Vec3& receiver) const {
+  bool accepts(const Vec3& receiver, float distance) const {
+    if (distance < first_hit_from || distance > first_hit_to) return false;
     if (soft_radius2 < 0) return true;
     const Vec3 offset = soft_center - receiver;
     const float along = dot(offset, direction), d2 = length2(offset);
@@ -87,6 +90,7 @@ class Lights {
     Vec3 center, axis_x, axis_y, forward;  // unit axes; forward: where the light shines
     Rgb radiance, intensity;               // W/m^2/sr; W/sr of point and spot; W/m^2 of a sun in `intensity`
     float half_x = 0, half_y = 0, area = 0;
+    bool holds_geometry = false;           // a spherical lamp with something inside it
     float one_minus_cos = 0;               // of a sun's half angle
     float cos_half = 0, inverse_smooth = 0, scale_x = 1, scale_y = 1, scale_z = 1;  // spot cone
     float tan_half_spread = 0, normalize_spread = 0;
@@ -113,13 +117,13 @@ class Lights {
   bool is_near(const Emitter& e, const Vec3& x) const;
   float choice_probability(uint32_t emitter, const Vec3& x, const Vec3& n) const;
   float spot_attenuation(const Lamp& lamp, const Vec3& from_lamp) const;
-  float spread_attenuation(const Lamp& lamp, float cosine) const;
+  float spread_attenuation(const Lamp& lamp, float tangent) const;  // of the angle to the lamp's axis
   bool inside_shape(const Lamp& lamp, const Vec3& from_center) const;
   float sampled_area(const Lamp& lamp, const Vec3& x) const;  // of an area lamp, from x
   bool sample_lamp(const Emitter& e, const Vec3& x, const Vec2& u, LightSample& out) const;
   bool sample_mesh(const Emitter& e, const Vec3& x, const Vec2& u, LightSample& out) const;
   Rgb lamp_radiance_met(const Lamp& lamp, const Vec3& origin, const Vec3& direction, float far, float& pdf) const;
-  PhotonStart emit_lamp(const Lamp& lamp, const Vec2& place, const Vec2& way) const;
+  PhotonStart emit_lamp(const Lamp& lamp, float coin, const Vec2& place, const Vec2& way) const;
   PhotonStart emit_mesh(const Emitter& e, float pick, const Vec2& place, const Vec2& way) const;
   PhotonStart emit_parallel(const Vec3& direction, const Vec2& place) const;
   void triangle_corners(uint32_t instance, uint32_t triangle, Vec3 corner[3]) const;

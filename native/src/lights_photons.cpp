@@ -71,6 +71,7 @@ void Lights::add_lamp(const LampSettings& settings) {
       const float r = settings.radius, disc = kPi * r * r;
       lamp.intensity = settings.normalize ? strength / (4 * kPi) : strength * ((r > 0 ? disc : 1.0f) / kPi);
       if (r > 0) lamp.radiance = lamp.intensity / disc;
+      lamp.holds_geometry = r > 0 && !settings.soft_falloff && scene_.anything_within(lamp.center, r);
       float share = 4 * kPi;
       if (settings.kind == LampKind::kSpot) {
         lamp.cos_half = std::cos(0.5f * std::clamp(settings.spot_size, 0.0f, kPi));
@@ -120,7 +121,7 @@ void Lights::add_lamp(const LampSettings& settings) {
         sin2_max = sine * sine;
         lamp.angle_high = sin2_max;
         lamp.angle_cdf = tabulate(0.0f, sin2_max, [&](float s2) {
-          return spread_attenuation(lamp, std::sqrt(std::max(0.0f, 1 - s2)));
+          return spread_attenuation(lamp, std::sqrt(s2 / (1 - s2)));
         });
       }
       const float share = lamp.angle_cdf.empty() ? 1.0f : lamp.angle_cdf.back();
@@ -184,7 +185,7 @@ PhotonStart Lights::emit_parallel(const Vec3& direction, const Vec2& place) cons
   return start;
 }
 
-PhotonStart Lights::emit_lamp(const Lamp& lamp, const Vec2& place, const Vec2& way) const {
+PhotonStart Lights::emit_lamp(const Lamp& lamp, float coin, const Vec2& place, const Vec2& way) const {
   if (lamp.s.kind == LampKind::kSun) {
     PhotonStart start = emit_parallel(Basis(lamp.forward).to_world(sample_cone(way, lamp.one_minus_cos)), place);
     start.power *= lamp.one_minus_cos > 0 ? lamp.radiance * (2 * kPi * lamp.one_minus_cos) : lamp.intensity;
@@ -204,7 +205,7 @@ PhotonStart Lights::emit_lamp(const Lamp& lamp, const Vec2& place, const Vec2& w
     const float cosine = std::sqrt(std::max(0.0f, 1 - sin2));
     const Basis basis(lamp.forward);
     start.direction = around_axis(basis.tangent, basis.bitangent, basis.normal, cosine, way.y);
-    start.power = lamp.radiance * (lamp.area * kPi * spread_attenuation(lamp, cosine) / pdf);
+    start.power = lamp.radiance * (lamp.area * kPi * spread_attenuation(lamp, std::sqrt(sin2 / std::max(1 - sin2, 1e-12f))) / pdf);
     return start;
   }
   // Point and spot: lines of uniform density that pass the centre within the radius.
@@ -221,12 +222,21 @@ PhotonStart Lights::emit_lamp(const Lamp& lamp, const Vec2& place, const Vec2& w
     start.direction = normalize(lamp.axis_x * scaled.x + lamp.axis_y * scaled.y + lamp.forward * scaled.z);
     start.power = lamp.intensity * (2 * kPi * t * t * (3 - 2 * t) * jacobian / s.pdf);
   }
+  // A spherical spot's cone holds outside it alone: inside it is a point lamp.
+  if (lamp.s.kind == LampKind::kSpot && lamp.holds_geometry && coin < 0.5f) start.direction = sample_sphere(way);
   start.origin = lamp.center;
   const float r = lamp.s.radius;
   if (r > 0) {
     const Vec2 p = sample_disk(place);
     const float ahead = lamp.s.soft_falloff ? 0 : r * std::sqrt(std::max(0.0f, 1 - p.x * p.x - p.y * p.y));
-    start.origin += Basis(start.direction).to_world({p.x * r, p.y * r, ahead});
+    // What stands inside a spherical lamp is lit by its far wall and does not shadow what is outside: either photons.
+    const bool inside = lamp.holds_geometry && coin < 0.5f;
+    start.origin += Basis(start.direction).to_world({p.x * r, p.y * r, inside ? -ahead : ahead});
+    if (inside) {
+      start.first_hit_to = 2 * ahead;
+      if (lamp.s.kind == LampKind::kSpot) start.power = lamp.intensity * (4 * kPi);
+    }
+    if (lamp.holds_geometry) start.power *= 2;
     if (lamp.s.soft_falloff) {
       start.soft_center = lamp.center;
       start.soft_radius2 = r * r;
@@ -293,7 +303,7 @@ PhotonStart Lights::emit(const EmissionPrimary& p) const {
     start.power *= scene_.world * (4 * kPi);
   } else {
     const Emitter& e = emitters_[p.emitter];
-    start = e.lamp >= 0 ? emit_lamp(lamps_[e.lamp], p.place, p.way) : emit_mesh(e, p.pick.y, p.place, p.way);
+    start = e.lamp >= 0 ? emit_lamp(lamps_[e.lamp], p.pick.y, p.place, p.way) : emit_mesh(e, p.pick.y, p.place, p.way);
     power = e.power;
   }
   start.power *= static_cast<float>(total_power_ / std::max(power, 1e-300)) * p.weight;

@@ -11,7 +11,7 @@ constexpr double kUsefulShare = 0.3;       // of unguided paths, from which on t
 // Stores a photon where one belongs and sends the path on; false where it ends.
 bool PhotonTracer::shade(Path& path, int bounce, const Surface& hit, uint32_t seed, const KeyFilter& visible, Vec3& origin,
                          Vec3& direction, std::vector<Photon>& photons) const {
-  if (bounce == 0 && !path.start.accepts(hit.position)) return false;
+  if (bounce == 0 && !path.start.accepts(hit.position, hit.distance)) return false;
   const float cos_shading = -dot(direction, hit.ns), cos_geometric = -dot(direction, hit.ng);
   if (cos_shading <= 0 || cos_geometric <= 0) return false;
   // Density on the surface measures the geometric cosine; the BSDF wants the shading one (Veach 1997, section 5.3).

@@ -34,17 +34,16 @@ uint64_t RadiusMap::cell(uint32_t key, const Vec3& x, int level) const {
 }
 
 float RadiusMap::radius(uint32_t key, const Vec3& x, double photons, double paths) const {
-  float size = size_;
-  uint32_t found = 0;
+  // A cell that holds a sliver of the patch shows too low a density, so the densest of the nested cells is believed.
+  double densest = 0;
   for (int level = 0; level < kLevels; ++level) {
     const auto it = counts_.find(cell(key, x, level));
     if (it == counts_.end()) break;
-    found = it->second;
-    size = size_ / static_cast<float>(1 << level);
+    const double size = double(size_) / (1 << level);
+    densest = std::max(densest, it->second / (size * size));
   }
-  if (!found) return largest_;
-  const double expected = found * paths / pilot_paths_;
-  return std::min(largest_, size * static_cast<float>(std::sqrt(photons / (kPi * expected))));
+  if (!(densest > 0)) return largest_;
+  return std::min(largest_, static_cast<float>(std::sqrt(photons * pilot_paths_ / (kPi * densest * paths))));
 }
 
 }  // namespace photon_splat

@@ -223,6 +223,20 @@ bool Scene::occluded(const Vec3& origin, const Vec3& direction, float near, floa
   return ray.tfar < 0;
 }
 
+bool Scene::anything_within(const Vec3& x, float radius) const {
+  bool found = false;
+  RTCPointQuery query{x.x, x.y, x.z, 0, radius};
+  RTCPointQueryContext context;
+  rtcInitPointQueryContext(&context);
+  const auto stop_at_first = [](RTCPointQueryFunctionArguments* arguments) {
+    *static_cast<bool*>(arguments->userPtr) = true;
+    arguments->query->radius = 0;
+    return true;
+  };
+  rtcPointQuery(top_, &query, &context, stop_at_first, &found);
+  return found;
+}
+
 void Scene::fill_surface(const RawHit& hit, const Vec3& origin, const Vec3& direction, Surface& s) const {
   const bool instanced = hit.instanced;
   s.instance = hit.instance;

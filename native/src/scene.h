@@ -91,6 +91,9 @@ class Scene {
   unsigned intersect_packet(const Vec3* origins, const Vec3* directions, uint32_t count, Surface* surfaces) const;
   bool occluded(const Vec3& origin, const Vec3& direction, float near, float far) const;
 
+  // True when the bounds of some primitive come within `radius` of `x`.
+  bool anything_within(const Vec3& x, float radius) const;
+
   Rgb albedo(const Surface& s) const { return textured(s.side->albedo, s.side->albedo_texture, s); }
   Rgb emission(const Surface& s) const { return textured(s.side->emission, s.side->emission_texture, s); }
   Vec2 uv_at(uint32_t instance, uint32_t triangle, float u, float v) const;

@@ -1,19 +1,7 @@
 #include "texture.h"
 
-#include <array>
-
 namespace photon_splat {
 namespace {
-
-std::array<float, 256> make_srgb_table() {
-  std::array<float, 256> table{};
-  for (int i = 0; i < 256; ++i) {
-    const float c = static_cast<float>(i) / 255.0f;
-    table[i] = c <= 0.04045f ? c / 12.92f : std::pow((c + 0.055f) / 1.055f, 2.4f);
-  }
-  return table;
-}
-const std::array<float, 256> kSrgbToLinear = make_srgb_table();
 
 float decode_srgb(float c) {
   if (c <= 0.04045f) return c / 12.92f;
@@ -42,12 +30,13 @@ Rgb Texture::texel(int x, int y) const {
   const size_t at = 4 * (static_cast<size_t>(y) * width + x);
   if (!bytes.empty()) {
     const uint8_t* p = &bytes[at];
-    if (srgb) return {kSrgbToLinear[p[0]], kSrgbToLinear[p[1]], kSrgbToLinear[p[2]]};
     return Rgb{static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])} * (1.0f / 255.0f);
   }
-  const float* p = &floats[at];
-  if (srgb) return {decode_srgb(p[0]), decode_srgb(p[1]), decode_srgb(p[2])};
-  return {p[0], p[1], p[2]};
+  return {floats[at], floats[at + 1], floats[at + 2]};
+}
+
+Rgb Texture::decode(const Rgb& c) const {
+  return srgb ? Rgb{decode_srgb(c.x), decode_srgb(c.y), decode_srgb(c.z)} : c;
 }
 
 Rgb Texture::lookup(Vec2 uv) const {
@@ -55,12 +44,12 @@ Rgb Texture::lookup(Vec2 uv) const {
   if (!(std::abs(uv.x) < 1e6f) || !(std::abs(uv.y) < 1e6f)) uv = {0, 0};
   const float x = uv.x * static_cast<float>(width), y = uv.y * static_cast<float>(height);
   if (interpolation == Interpolation::kClosest)
-    return texel(static_cast<int>(std::floor(x)), static_cast<int>(std::floor(y)));
+    return decode(texel(static_cast<int>(std::floor(x)), static_cast<int>(std::floor(y))));
   const float fx = std::floor(x - 0.5f), fy = std::floor(y - 0.5f);
   const float s = x - 0.5f - fx, t = y - 0.5f - fy;
   const int ix = static_cast<int>(fx), iy = static_cast<int>(fy);
-  return (texel(ix, iy) * (1 - s) + texel(ix + 1, iy) * s) * (1 - t) +
-         (texel(ix, iy + 1) * (1 - s) + texel(ix + 1, iy + 1) * s) * t;
+  return decode((texel(ix, iy) * (1 - s) + texel(ix + 1, iy) * s) * (1 - t) +
+                (texel(ix, iy + 1) * (1 - s) + texel(ix + 1, iy + 1) * s) * t);
 }
 
 }  // namespace photon_splat

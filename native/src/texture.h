@@ -20,11 +20,12 @@ struct Texture {
   std::vector<uint8_t> bytes;   // RGBA rows from v = 0 up, or
   std::vector<float> floats;    // the same in float
 
-  // Linear RGB at uv; black where kClip ends the image.
+  // Linear RGB at uv; black where kClip ends the image. Stored values are interpolated, then decoded, as Cycles does.
   Rgb lookup(Vec2 uv) const;
 
  private:
-  Rgb texel(int x, int y) const;
+  Rgb texel(int x, int y) const;  // as stored
+  Rgb decode(const Rgb& stored) const;
 };
 
 }  // namespace photon_splat

@@ -8,7 +8,7 @@ namespace {
 constexpr size_t kChunk = 4096;
 constexpr size_t kShards = 64;
 constexpr float kTrustedMass = 0.2f;      // of a curved patch
-constexpr int kMostHalvings = 6;
+constexpr int kMostHalvings = 8;
 constexpr float kLeastOfDensityRadius = 0.2f;  // curvature takes no more than this: 1/25 of the photons remain
 constexpr float kFootprintFloor = 2.0f;   // a kernel narrower than this many camera samples shows nothing more
 
@@ -194,7 +194,7 @@ void VisiblePoints::correct_boundaries(Scene& scene, const CancelFlag& cancel) {
       const Vec3 x{block.x[lane], block.y[lane], block.z[lane]}, n{block.nx[lane], block.ny[lane], block.nz[lane]};
       float h = 1 / std::sqrt(block.inverse_h2[lane]);
       KernelMass m = kernel_mass(scene, instance, triangle, x, n, h);
-      // Where edges crowd on a curved patch the mass is a guess: a smaller disc sees fewer of them.
+      // Where the mass is unknown, or a guess because edges crowd, a smaller disc sees less of the trouble.
       for (int halving = 0; !m.exact && m.mass < kTrustedMass && halving < kMostHalvings; ++halving) {
         h *= 0.5f;
         m = kernel_mass(scene, instance, triangle, x, n, h);
