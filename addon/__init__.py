@@ -12,16 +12,25 @@ def version() -> str:
 
 
 def register() -> None:
+    import atexit
+
+    import bpy
+
     from . import engine, panels, settings
 
     settings.register()
     engine.register()
     panels.register()
+    if bpy.app.module:  # Blender 4.5 as a Python module hangs at exit while a render engine or a panel is registered
+        atexit.register(unregister)
 
 
 def unregister() -> None:
+    import atexit
+
     from . import engine, panels, settings
 
+    atexit.unregister(unregister)
     panels.unregister()
     engine.unregister()
     settings.unregister()
