@@ -72,7 +72,7 @@ class _Worker(threading.Thread):
         settings = self.settings
         if settings.integrator is Integrator.SPLAT:
             self.splatter = choose_splatter(self.renderer, settings.backend, self.cancel_asked, self.warnings)
-        elif settings.backend is Backend.GPU:
+        elif settings.backend == Backend.GPU:
             self.warnings.append("The reference integrator has been used: it runs on the CPU only.")
         self.renderer.build()
         while self.passes_done < self.settings.passes:
@@ -108,7 +108,7 @@ class _Worker(threading.Thread):
         """Adds all photons of a pass to its points, whose sums are 0 before."""
         photons = self.settings.photons_per_pass
         batch = PHOTONS_PER_BATCH
-        if self.splatter.backend is Backend.GPU:
+        if self.splatter.backend == Backend.GPU:
             batch = min(max(-(-photons // BATCHES_PER_PASS), LEAST_PHOTONS_PER_BATCH), batch)
         self.splatter.begin_pass()
         for first in range(0, photons, batch):

@@ -19,12 +19,12 @@ def choose_splatter(renderer: Renderer, backend: Backend, stop: threading.Event,
 
     `stop` is set when the render is cancelled. ValueError, with one sentence, where Backend.GPU cannot be had.
     """
-    if backend is Backend.CPU or (backend is Backend.AUTO and not _has_graphics_card()):
+    if backend == Backend.CPU or (backend == Backend.AUTO and not _has_graphics_card()):
         return CpuSplatter(renderer)
     try:
         return GpuSplatter(renderer, stop)
     except SplatterFailed as failure:
-        if backend is Backend.GPU:
+        if backend == Backend.GPU:
             raise ValueError(f"the GPU splatter could not be set up: {failure}") from failure
         warnings.append(f"The GPU splatter could not be set up ({failure}); the CPU splatter has been used.")
         return CpuSplatter(renderer)
