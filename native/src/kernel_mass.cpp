@@ -8,7 +8,8 @@ namespace {
 constexpr uint32_t kFewEdges = 48;         // planar patches up to here are summed whole, without cancellation
 constexpr float kGentle = 0.3f;               // h times curvature up to which the ball's mass is good to 0.3 %
 constexpr float kRadiusOverCurvature = 0.7f;
-constexpr uint32_t kMostTriangles = 256;      // summed one by one
+constexpr uint32_t kMostTriangles = Topology::kManyTriangles;  // summed one by one
+constexpr float kFewestSamples = 100;         // of a patch that a flat disc would hold, from which its mass is estimated
 
 struct EdgeInPlane {
   double distance;     // from x to the edge's line, positive when x is on the patch's side; in units of h
@@ -118,6 +119,38 @@ double sum_triangles(const Scene& scene, uint32_t instance, uint32_t triangle, c
   return sum.visited <= kMostTriangles ? sum.mass : -1.0;
 }
 
+// The mass by points spread over the patch; a negative number where they lie too far apart for the disc. (How many are
+// in it must not decide: the mass would be taken where it came out large.)
+double sum_samples(const Scene& scene, uint32_t instance, uint32_t triangle, const Vec3& x, const Vec3& normal, float h) {
+  const Instance& placed = scene.instances[instance];
+  const Mesh& mesh = scene.meshes[placed.mesh];
+  const Topology& topology = mesh.topology;
+  const uint32_t patch = topology.patch[triangle];
+  const Triangle& t = mesh.triangles[triangle];
+  const Vec3 a = mesh.positions[t[0]];
+  const Vec3 own = placed.to_local.transposed_vector(cross(mesh.positions[t[1]] - a, mesh.positions[t[2]] - a));
+  const float side = dot(own, normal) >= 0 ? 1.0f : -1.0f;
+  const float volume = placed.shared ? static_cast<float>(std::abs(determinant(placed.to_world))) : 1.0f;
+  const float inverse_h2 = 1 / (h * h);
+  const uint32_t first = topology.first_sample[patch], end = topology.first_sample[patch + 1];
+  const float growth = placed.shared ? volume * length(own) / length(cross(mesh.positions[t[1]] - a, mesh.positions[t[2]] - a)) : 1.0f;
+  if (first == end || kPi * h * h < kFewestSamples * topology.samples[first].area * growth) return -1;
+  double sum = 0;
+  for (uint32_t i = first; i < end; ++i) {
+    const PatchSample& sample = topology.samples[i];
+    const Vec3 y = placed.shared ? placed.to_world.point(sample.position) : sample.position;
+    const float kernel = 1 - length2(y - x) * inverse_h2;
+    if (kernel <= 0) continue;
+    // An area element grows by |det M| |M^-T n|; dividing the dot product by that length makes its direction unit.
+    const Vec3 n = placed.shared ? placed.to_local.transposed_vector(sample.normal) : sample.normal;
+    const float stretch = length(n);
+    const float weight = std::clamp(kNormalWeightSlope * side * dot(n, normal) / stretch, 0.0f, 1.0f);
+    if (weight <= 0) continue;
+    sum += weight * kernel * sample.area * stretch * volume;
+  }
+  return sum * 2 / M_PI * inverse_h2;
+}
+
 }  // namespace
 
 float curvature_radius_limit(const Scene& scene, uint32_t instance, uint32_t triangle) {
@@ -134,7 +167,8 @@ KernelMass kernel_mass(const Scene& scene, uint32_t instance, uint32_t triangle,
   const uint32_t first = topology.first_edge[patch], count = topology.first_edge[patch + 1] - first;
   const bool planar = topology.planar[patch] != 0;
   if (!planar && h * topology.patch_curvature[patch] > kGentle * placed.scale) {
-    const double mass = sum_triangles(scene, instance, triangle, x, normal, h);
+    double mass = sum_triangles(scene, instance, triangle, x, normal, h);
+    if (mass < 0) mass = sum_samples(scene, instance, triangle, x, normal, h);
     if (mass >= 0) return {std::max(static_cast<float>(mass), kSmallestMass), true};
     return {0, false};  // too bent for the ball's mass, too fine to sum: the disc must be smaller
   }

@@ -17,6 +17,12 @@ struct BoundaryEdge {
   uint32_t patch;
 };
 
+// A point of a patch that stands for `area` of it, m^2 in mesh coordinates.
+struct PatchSample {
+  Vec3 position, normal;
+  float area;
+};
+
 // Triangles joined across edges whose dihedral angle is below the crease angle make a patch. Vertices at the same
 // position count as one, whatever their index; an edge shared by three or more triangles ends a patch.
 struct Topology {
@@ -26,6 +32,10 @@ struct Topology {
   std::vector<uint8_t> planar;           // per patch
   std::vector<float> curvature;          // 1/m in mesh coordinates per triangle; empty when all patches are planar
   std::vector<float> patch_curvature;    // the largest of each patch
+  // Points spread evenly over bent patches of many triangles, to integrate over them without visiting each one.
+  static constexpr uint32_t kManyTriangles = 256, kSamplesPerPatch = 1024;
+  std::vector<PatchSample> samples;      // sorted by patch
+  std::vector<uint32_t> first_sample;    // per patch, and one past the end
   std::vector<BoundaryEdge> edges;       // sorted by patch
   std::vector<uint32_t> first_edge;      // per patch, and one past the end
 
