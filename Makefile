@@ -22,7 +22,7 @@ NATIVE_SOURCES := $(shell find native -path native/.cache -prune -o -path native
 # What is built in the virtual environment must find its tools there: cmake and ninja.
 IN_VENV = PATH="$(CURDIR)/$(@D)/bin:$$PATH"
 
-.PHONY: help setup setup-old render test lint test-native test-python test-old bench chart references scenes oracle sanitize wheel clean
+.PHONY: help setup setup-old render test lint test-native test-python test-old bench bench-gpu chart references scenes oracle sanitize wheel clean
 
 help:
 	@sed -n 's/^\([a-z-]*\):.*## /  make \1\t/p' $(MAKEFILE_LIST) | expand -t 20
@@ -121,6 +121,9 @@ references: setup ## the Cycles references of tests/oracle anew (long)
 
 bench: setup ## benchmarks
 	$(PY) -m tests.bench.run
+
+bench-gpu: setup ## the GPU splatter on a graphics card (GPU_OPTIONS: see python -m tests.bench.gpu --help)
+	$(PY) -m tests.bench.gpu $(GPU_OPTIONS)
 
 chart: setup ## error against time, as a chart in out/
 	$(PY) -m tests.bench.chart
