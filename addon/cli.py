@@ -20,6 +20,7 @@ from .core.settings import Backend, Integrator, RenderSettings
 from .exr import WriteError, channels_of, replace_file, write_exr
 
 UNLIMITED_PASSES = 1 << 30
+MOST_PHOTONS = 1 << 40
 
 
 class CommandError(Exception):
@@ -38,7 +39,7 @@ def _number(kind: type, low: float, high: float = math.inf) -> Callable[[str], A
         except ValueError:
             value = math.nan
         if not low <= value <= high or math.isinf(value):
-            bounds = f"{low:g} or more" if math.isinf(high) else f"between {low:g} and {high:g}"
+            bounds = f"{low:,.12g} or more" if math.isinf(high) else f"between {low:,.12g} and {high:,.12g}"
             raise argparse.ArgumentTypeError(f"'{text}' is not a number {bounds}")
         return value
 
@@ -60,8 +61,8 @@ def parser() -> argparse.ArgumentParser:
     r.add_argument("-o", "--output", type=Path, required=True, metavar="OUT.exr")
     r.add_argument("--frame", type=_number(int, -1048574, 1048574), metavar="N", help="frame to render (default: the file's current one)")
     r.add_argument("--seconds", type=_number(float, 1e-3), metavar="S", help="stop after S seconds; with no --passes, only then")
-    r.add_argument("--passes", type=_number(int, 1), metavar="N", help="stop after N passes")
-    r.add_argument("--photons-per-pass", type=_number(int, 0), metavar="N", help="photon paths traced in each pass")
+    r.add_argument("--passes", type=_number(int, 1, UNLIMITED_PASSES), metavar="N", help="stop after N passes")
+    r.add_argument("--photons-per-pass", type=_number(int, 0, MOST_PHOTONS), metavar="N", help="photon paths traced in each pass")
     r.add_argument("--resolution", type=_resolution, metavar="WxH", help="size of the picture in pixels")
     r.add_argument("--seed", type=_number(int, 0, 2**32 - 1), metavar="N")
     r.add_argument("--threads", type=_number(int, 0, 1024), metavar="N", help="0 = all")
@@ -130,6 +131,8 @@ def _check_paths(options: argparse.Namespace) -> None:
         raise CommandError(f"{options.scene} does not exist" if not options.scene.exists() else f"{options.scene} is not a file")
     if options.output.suffix.lower() != ".exr":
         raise CommandError(f"{options.output} does not end in .exr: pictures are written as OpenEXR")
+    if options.stats is not None and options.stats.resolve() == options.output.resolve():
+        raise CommandError("--stats and --output name the same file")
     for path in filter(None, (options.output, options.stats)):
         if path.is_dir():
             raise CommandError(f"{path} is a folder")
@@ -161,6 +164,8 @@ def _open_scene(options: argparse.Namespace) -> Any:
         render.resolution_percentage = 100
     if options.frame is not None:
         scene.frame_set(options.frame)
+    if scene.camera is None and not any(marker.camera for marker in scene.timeline_markers):
+        raise CommandError(f"Scene '{scene.name}' has no camera: add one, or set an object as the scene's active camera")
     return scene
 
 

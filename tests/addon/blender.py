@@ -94,7 +94,8 @@ def _serve() -> None:
             bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
             bpy.context.scene.render.engine = "PHOTON_SPLAT"
             name = ".".join(Path(request["file"]).relative_to(ROOT).with_suffix("").parts)
-            getattr(importlib.import_module(name), request["name"]).__wrapped__(**request["arguments"])
+            called = getattr(importlib.import_module(name), request["name"])
+            getattr(called, "__wrapped__", called)(**request["arguments"])
         except BaseException:
             error = traceback.format_exc()
         answers.write(json.dumps(error) + "\n")

@@ -385,7 +385,15 @@ def test_settings_of_the_scene_reach_the_session() -> None:
 
     scene = stage.scene()
     assert render_settings(scene) == RenderSettings()
-    values = {"time_limit": 2.5, "passes": 7, "photons_per_pass": 11, "max_bounces": 3, "radius_scale": 0.5, "seed": 9, "point_spacing": 0.25}
+    values = {
+        "time_limit": 2.5,
+        "passes": 7,
+        "photons_per_pass": 11,
+        "max_bounces": 3,
+        "radius_scale": 0.5,
+        "seed": 9,
+        "point_spacing": 0.25,
+    }
     for name, value in values.items():
         setattr(scene.photon_splat, name, value)
     scene.photon_splat.boundary_correction = False
@@ -459,7 +467,9 @@ def test_registering_twice_leaves_nothing() -> None:
     def traces() -> list[str]:
         kinds = (bpy.types.Panel, bpy.types.PropertyGroup, bpy.types.RenderEngine)
         classes = [cls for kind in kinds for cls in kind.__subclasses__() if cls.is_registered]
-        found = [cls.__name__ for cls in classes if "photon" in cls.__name__.lower() or "PHOTON_SPLAT" in getattr(cls, "COMPAT_ENGINES", ())]
+        found = [
+            cls.__name__ for cls in classes if "photon" in cls.__name__.lower() or "PHOTON_SPLAT" in getattr(cls, "COMPAT_ENGINES", ())
+        ]
         found += [f"{kind.__name__}.photon_splat" for kind in (bpy.types.Scene, bpy.types.ViewLayer) if hasattr(kind, "photon_splat")]
         return sorted(set(found))
 
