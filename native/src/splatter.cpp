@@ -12,6 +12,7 @@ namespace {
 
 constexpr size_t kFanout = 4;
 constexpr size_t kChunk = 4096;
+constexpr double kMostPairs = 8e6;  // in memory at once, as long as one chunk does not exceed it
 
 }  // namespace
 
@@ -115,8 +116,20 @@ void Splatter::find_pairs(const Photon* photons, size_t count, size_t block_coun
 
 void Splatter::splat(const std::vector<Photon>& photons, std::vector<PointBlock>& blocks, ThreadPool& pool,
                      const CancelFlag& cancel) {
-  if (photons.empty() || blocks.empty()) return;
-  find_pairs(photons.data(), photons.size(), blocks.size(), pool, cancel);
+  if (blocks.empty()) return;
+  // In runs whose pairs fit a bounded memory; how many photons that are is learnt from the run before.
+  for (size_t first = 0; first < photons.size();) {
+    const size_t fitting = static_cast<size_t>(kMostPairs / std::max(pairs_per_photon_, 1.0));
+    const size_t count = std::min(photons.size() - first, std::max(kChunk, fitting));
+    find_pairs(photons.data() + first, count, blocks.size(), pool, cancel);
+    pairs_per_photon_ = std::max(1.0, static_cast<double>(order_.size()) / static_cast<double>(count));
+    splat_pairs(photons.data() + first, blocks, pool, cancel);
+    first += count;
+  }
+}
+
+void Splatter::splat_pairs(const Photon* photons, std::vector<PointBlock>& blocks, ThreadPool& pool,
+                           const CancelFlag& cancel) const {
   pool.for_each(blocks.size(), cancel, [&](size_t b, int) {
     constexpr uint32_t kBatch = 512;
     SplatPhoton batch[kBatch];

@@ -42,6 +42,7 @@ class Splatter {
   };
   static Node make_node(const std::vector<Bounds>& bounds, size_t first);
   static unsigned holding(const Node& node, const Vec3& p);
+  void splat_pairs(const Photon* photons, std::vector<PointBlock>& blocks, ThreadPool& pool, const CancelFlag& cancel) const;
   void find_blocks(const Vec3& p, uint32_t photon, std::vector<Pair>& out) const;
 
   std::string kernel_name_;
@@ -50,6 +51,7 @@ class Splatter {
   std::vector<std::vector<Pair>> chunk_pairs_;
   std::vector<uint32_t> first_, order_;
   uint64_t pairs_ = 0;
+  double pairs_per_photon_ = 64;  // of the last run; the first one is careful
 };
 
 }  // namespace photon_splat
