@@ -9,9 +9,8 @@ constexpr double kUsefulShare = 0.3;       // of unguided paths, from which on t
 }
 
 // Stores a photon where one belongs and sends the path on; false where it ends.
-bool PhotonTracer::shade(Path& path, int bounce, const Surface& hit, uint32_t seed, const KeyFilter& visible, Vec3& origin,
-                         Vec3& direction, std::vector<Photon>& photons) const {
-  if (bounce == 0 && !path.start.accepts(hit.position, hit.distance)) return false;
+bool PhotonTracer::shade(Path& path, int bounce, const Surface& hit, uint64_t index, uint32_t seed, const KeyFilter& visible,
+                         Vec3& origin, Vec3& direction, std::vector<Photon>& photons) const {
   const float cos_shading = -dot(direction, hit.ns), cos_geometric = -dot(direction, hit.ng);
   if (cos_shading <= 0 || cos_geometric <= 0) return false;
   // Density on the surface measures the geometric cosine; the BSDF wants the shading one (Veach 1997, section 5.3).
@@ -24,7 +23,7 @@ bool PhotonTracer::shade(Path& path, int bounce, const Surface& hit, uint32_t se
   if (!(survival > 0) || path.random.next() >= survival) return false;
   path.power *= 1 / survival;
   const Vec3 local = sample_cosine_hemisphere(
-      bounce == 0 ? sobol_2d(static_cast<uint32_t>(path.index), 3, seed) : path.random.next2());
+      bounce == 0 ? sobol_2d(static_cast<uint32_t>(index), 3, seed) : path.random.next2());
   if (!(local.z > 0)) return false;
   origin = hit.position + hit.ng * ray_epsilon(hit.position, hit.distance);
   direction = Basis(hit.ng).to_world(local);
@@ -37,21 +36,23 @@ void PhotonTracer::trace_chunk(uint64_t first, uint64_t count, double total, uin
   chunk.photons.clear();
   chunk.ray_log.clear();
   chunk.rays = 0;
+  chunk.starts.clear();
   chunk.paths.clear();
   chunk.origins.clear();
   chunk.directions.clear();
   chunk.useful.assign(count, 0);
   for (uint64_t index = first; index < first + count; ++index) {
+    const PhotonStart start = lights_.emit(lights_.primary(index, seed, guide_ ? &*guide_ : nullptr));
+    chunk.starts.push_back(start);
     Path path;
-    path.start = lights_.emit(lights_.primary(index, seed, guide_ ? &*guide_ : nullptr));
-    path.power = path.start.power * static_cast<float>(1.0 / total);
+    path.power = start.power * static_cast<float>(1.0 / total);
     path.reference = max_component(path.power);
     path.random = Random(index, seed);
-    path.index = index;
+    path.place = static_cast<uint32_t>(index - first);
     if (!(path.reference > 0) || !std::isfinite(path.reference)) continue;
     chunk.paths.push_back(path);
-    chunk.origins.push_back(path.start.origin);
-    chunk.directions.push_back(path.start.direction);
+    chunk.origins.push_back(start.origin);
+    chunk.directions.push_back(start.direction);
   }
   Surface hits[Scene::kPacket];
   for (int bounce = 0; bounce <= max_bounces_ && !chunk.paths.empty(); ++bounce) {
@@ -71,9 +72,10 @@ void PhotonTracer::trace_chunk(uint64_t first, uint64_t count, double total, uin
         if (!(found >> k & 1)) continue;
         Path path = chunk.paths[begin + k];
         Vec3 origin = chunk.origins[begin + k], direction = chunk.directions[begin + k];
+        if (bounce == 0 && !chunk.starts[path.place].accepts(hits[k].position, hits[k].distance)) continue;
         const size_t stored = chunk.photons.size();
-        const bool alive_still = shade(path, bounce, hits[k], seed, visible, origin, direction, chunk.photons);
-        chunk.useful[path.index - first] += static_cast<uint16_t>(chunk.photons.size() - stored);
+        const bool alive_still = shade(path, bounce, hits[k], first + path.place, seed, visible, origin, direction, chunk.photons);
+        chunk.useful[path.place] += static_cast<uint16_t>(chunk.photons.size() - stored);
         if (!alive_still) continue;
         chunk.paths[kept] = path;
         chunk.origins[kept] = origin;

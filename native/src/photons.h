@@ -54,23 +54,23 @@ class PhotonTracer {
  private:
   // A path between two of its rays.
   struct Path {
-    PhotonStart start;
     Rgb power;
     float reference;  // power that survivors of Russian roulette keep
     Random random{0, 0};
-    uint64_t index;
+    uint32_t place;   // among the chunk's paths as they started
   };
   struct Chunk {
     std::vector<Photon> photons;
     uint64_t rays = 0;
     std::vector<float> ray_log;
+    std::vector<PhotonStart> starts;
     std::vector<Path> paths;
     std::vector<uint16_t> useful;  // photons stored per path, by index
     std::vector<Vec3> origins, directions;
   };
   void trace_chunk(uint64_t first, uint64_t count, double total, uint32_t seed, const KeyFilter& visible, Chunk& chunk) const;
-  bool shade(Path& path, int bounce, const Surface& hit, uint32_t seed, const KeyFilter& visible, Vec3& origin,
-             Vec3& direction, std::vector<Photon>& photons) const;
+  bool shade(Path& path, int bounce, const Surface& hit, uint64_t index, uint32_t seed, const KeyFilter& visible,
+             Vec3& origin, Vec3& direction, std::vector<Photon>& photons) const;
 
   Scene& scene_;
   const Lights& lights_;
