@@ -187,8 +187,7 @@ void Lights::triangle_corners(uint32_t instance, uint32_t triangle, Vec3 corner[
 bool Lights::sample_mesh(const Emitter& e, const Vec3& x, const Vec2& u, LightSample& out) const {
   // The triangle is picked by the integer part of a stretched sample; the rest is used again.
   const float target = u.x * e.cdf.back();
-  size_t pick = std::upper_bound(e.cdf.begin(), e.cdf.end(), target) - e.cdf.begin();
-  pick = std::min(pick, e.cdf.size() - 1);
+  const size_t pick = e.triangle_at(target);
   const float low = pick ? e.cdf[pick - 1] : 0;
   const float share = e.cdf[pick] - low;
   if (!(share > 0)) return false;

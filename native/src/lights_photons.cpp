@@ -164,6 +164,12 @@ void Lights::add_emissive_instances() {
     }
     if (!(sum > 0)) continue;
     e.total_weight = static_cast<float>(sum);
+    e.cdf_start.resize(e.cdf.size());
+    for (size_t bucket = 0, i = 0; bucket < e.cdf_start.size(); ++bucket) {
+      const float target = e.cdf.back() * static_cast<float>(bucket) / static_cast<float>(e.cdf_start.size());
+      while (i + 1 < e.cdf.size() && e.cdf[i] <= target) ++i;
+      e.cdf_start[bucket] = static_cast<uint32_t>(i);
+    }
     e.center = bounds.center();
     e.radius = 0.5f * bounds.diagonal();
     e.importance = e.total_weight;
@@ -247,8 +253,7 @@ PhotonStart Lights::emit_lamp(const Lamp& lamp, float coin, const Vec2& place, c
 
 PhotonStart Lights::emit_mesh(const Emitter& e, float pick, const Vec2& place, const Vec2& way) const {
   const float target = pick * e.cdf.back();
-  size_t i = std::upper_bound(e.cdf.begin(), e.cdf.end(), target) - e.cdf.begin();
-  i = std::min(i, e.cdf.size() - 1);
+  const size_t i = e.triangle_at(target);
   const float low = i ? e.cdf[i - 1] : 0, share = std::max(e.cdf[i] - low, 1e-37f);
   float again = std::clamp((target - low) / share, 0.0f, 1.0f);
 
