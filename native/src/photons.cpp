@@ -4,7 +4,7 @@
 
 namespace photon_splat {
 namespace {
-constexpr uint64_t kPathsPerChunk = 1024;  // their state stays in the cache
+constexpr uint64_t kPathsPerChunk = 512;  // their state stays in the cache
 constexpr double kUsefulShare = 0.3;       // of unguided paths, from which on they are left unguided
 }
 
