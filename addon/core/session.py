@@ -28,10 +28,6 @@ BATCHES_PER_PASS = 8
 POLL_SECONDS = 0.05
 
 
-class Cancelled(Exception):
-    """The render was cancelled before it began."""
-
-
 class _Worker(threading.Thread):
     """Does the passes off the caller's thread, which meanwhile reports progress and polls for cancellation."""
 

@@ -111,15 +111,21 @@ Rgb CameraTracer::direct_irradiance(const Surface& hit, float choice, const Vec2
   return irradiance;
 }
 
+Rgb CameraTracer::shade_direct(const Surface& hit, uint32_t sample, uint32_t seed, Pixel& pixel, Tile& tile) const {
+  const Rgb albedo = scene_.albedo(hit);
+  pixel.diffuse_color += albedo;
+  if (is_black(albedo)) return albedo;
+  const Rgb direct = direct_irradiance(hit, sobol_2d(sample, kChoicePair, seed).x, sobol_2d(sample, kLightPair, seed),
+                                       sobol_2d(sample, kBsdfPair, seed), tile.rays);
+  add_finite(pixel.diffuse_direct, albedo * direct * (1 / kPi), tile.bad_samples);
+  return albedo;
+}
+
 const std::vector<Record>& CameraTracer::trace(uint32_t sample, Film& film, const CancelFlag& cancel) {
   for_each_pixel(sample, film, cancel,
                  [&](const CameraRay& ray, const Surface& hit, Pixel& pixel, uint32_t index, uint32_t seed, Tile& tile) {
-    const Rgb albedo = scene_.albedo(hit);
-    pixel.diffuse_color += albedo;
+    const Rgb albedo = shade_direct(hit, sample, seed, pixel, tile);
     if (is_black(albedo)) return;
-    const Rgb direct = direct_irradiance(hit, sobol_2d(sample, kChoicePair, seed).x, sobol_2d(sample, kLightPair, seed),
-                                         sobol_2d(sample, kBsdfPair, seed), tile.rays);
-    add_finite(pixel.diffuse_direct, albedo * direct * (1 / kPi), tile.bad_samples);
     tile.records.push_back({hit.position, hit.key, hit.ng, camera_.footprint_at(ray, hit.distance),
                             albedo * (1 / kPi), index, hit.instance, hit.triangle});
   });
@@ -159,12 +165,8 @@ Rgb CameraTracer::indirect_radiance(Surface hit, Rgb throughput, int max_bounces
 void CameraTracer::trace_reference(uint32_t sample, int max_bounces, Film& film, const CancelFlag& cancel) {
   for_each_pixel(sample, film, cancel,
                  [&](const CameraRay&, const Surface& hit, Pixel& pixel, uint32_t, uint32_t seed, Tile& tile) {
-    const Rgb albedo = scene_.albedo(hit);
-    pixel.diffuse_color += albedo;
+    const Rgb albedo = shade_direct(hit, sample, seed, pixel, tile);
     if (is_black(albedo)) return;
-    const Rgb direct = direct_irradiance(hit, sobol_2d(sample, kChoicePair, seed).x, sobol_2d(sample, kLightPair, seed),
-                                         sobol_2d(sample, kBsdfPair, seed), tile.rays);
-    add_finite(pixel.diffuse_direct, albedo * direct * (1 / kPi), tile.bad_samples);
     Random random(sample, seed);
     add_finite(pixel.diffuse_indirect, indirect_radiance(hit, albedo, max_bounces, random, tile.rays), tile.bad_samples);
   });

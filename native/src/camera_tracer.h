@@ -47,6 +47,8 @@ class CameraTracer {
   bool first_hit(const CameraRay& ray, Pixel& pixel, Surface& hit) const;
   bool shadowed(const LightSample& light, const Vec3& x, const Vec3& origin, float epsilon) const;
   Rgb direct_irradiance(const Surface& hit, float choice, const Vec2& light, const Vec2& bsdf, uint64_t& rays) const;
+  // Albedo and direct light of the first surface into the pixel; returns the albedo.
+  Rgb shade_direct(const Surface& hit, uint32_t sample, uint32_t seed, Pixel& pixel, Tile& tile) const;
   Rgb indirect_radiance(Surface hit, Rgb throughput, int max_bounces, class Random& random, uint64_t& rays) const;
 
   Scene& scene_;
