@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 
+#include "nodes/program.h"
 #include "parallel.h"
 #include "texture.h"
 #include "topology.h"
@@ -20,6 +21,7 @@ struct MaterialSide {
 
 struct Material {
   MaterialSide front, back;
+  int program = -1;  // into Scene::programs: then the sides are not read
 };
 
 struct Mesh {
@@ -73,7 +75,9 @@ class Scene {
   std::vector<int32_t> slot_materials;
   std::vector<Material> materials;
   std::vector<Texture> textures;
+  std::vector<Program> programs;
   Rgb world{};
+  int world_program = -1;  // into programs: then `world` is not read
   double origin[3] = {0, 0, 0};
 
   // Adds a mesh placed by a matrix that is already relative to `origin`.

@@ -1,0 +1,59 @@
+// Shader node trees as programs that run at a hit. The compiler is addon/export; the operations are listed in ops.def.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "sampling.h"
+
+namespace photon_splat {
+
+class Bsdf;
+class Scene;
+
+// A program: instructions `opcode, operand...` as 32-bit words. An operand is the offset (in floats) of a register, or, with
+// the top bit set, of a constant in `constants`; vectors and colours are three consecutive floats. Integers that choose a
+// mode are written as plain words. ops.def says for every operation what its operands are.
+struct Program {
+  std::string name;
+  std::vector<uint32_t> code;
+  std::vector<float> constants;
+  uint32_t registers = 0;      // floats of scratch space
+  uint32_t features = 0;       // ProgramFeature bits: what a run may produce
+};
+
+enum ProgramFeature : uint32_t {
+  kProgramEmits = 1, kProgramTransparent = 2, kProgramGathers = 4, kProgramRest = 8,  // Rest: lobes beyond Lambert
+  kProgramSharp = 16,  // a lobe of roughness below 1/2 is possible: caustics
+  kProgramConstantEmission = 32,  // emission is the same everywhere and from every direction
+};
+
+// The ray that found the hit: the Light Path node's outputs.
+struct RayInfo {
+  enum Kind : uint8_t { kCamera, kShadow, kDiffuse, kGlossy, kTransmission, kPhoton };
+  Kind kind = kCamera;
+  bool singular = false;       // left a delta lobe
+  float length = 0;
+  uint16_t depth = 0, diffuse_depth = 0, glossy_depth = 0, transmission_depth = 0, transparent_depth = 0;
+};
+
+// Where a program runs. World programs: `position` and wi = -direction, no instance.
+struct ShadingPoint {
+  static constexpr uint32_t kNoInstance = ~0u;
+  Vec3 position;               // m, relative to the scene's origin
+  Vec3 ng, ns;                 // on the side of wo
+  Vec3 wo;                     // unit, towards where the ray came from
+  bool back = false;
+  uint32_t instance = kNoInstance, triangle = 0;
+  float u = 0, v = 0;          // barycentric
+  RayInfo ray;
+};
+
+// Runs `program` at `point` and adds its closures to `out` (not finished). Never fails, never yields NaN or infinity.
+void run_program(const Scene& scene, const Program& program, const ShadingPoint& point, Bsdf& out);
+
+// Throws std::invalid_argument for a program that reads or writes outside its registers, constants or textures.
+void check_program(const Scene& scene, const Program& program);
+
+}  // namespace photon_splat
