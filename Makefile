@@ -22,7 +22,7 @@ NATIVE_SOURCES := $(shell find native -path native/.cache -prune -o -path native
 # What is built in the virtual environment must find its tools there: cmake and ninja.
 IN_VENV = PATH="$(CURDIR)/$(@D)/bin:$$PATH"
 
-.PHONY: help setup setup-old render test lint test-native test-python test-old bench bench-gpu chart references scenes oracle sanitize wheel clean
+.PHONY: help setup setup-old render test lint test-native test-python test-old extension extension-test bench bench-gpu chart references scenes oracle sanitize wheel clean
 
 help:
 	@sed -n 's/^\([a-z-]*\):.*## /  make \1\t/p' $(MAKEFILE_LIST) | expand -t 20
@@ -51,7 +51,7 @@ $(VENV_OLD)/.made:
 	$(IN_VENV) $(@D)/bin/python -m pip install --disable-pip-version-check --no-build-isolation --no-deps --force-reinstall -v ./native
 	@touch $@
 
-%/.addon: %/.packages pyproject.toml setup.py $(wildcard addon/__init__.py)
+%/.addon: %/.packages pyproject.toml setup.py addon/blender_manifest.toml $(wildcard addon/__init__.py)
 	@echo "== $(@D): installing the add-on (editable)"
 	$(@D)/bin/python -m pip install --disable-pip-version-check --no-build-isolation --no-deps -q -e .
 	@touch $@
@@ -76,7 +76,7 @@ scenes: setup-old ## blend_scenes/*.blend from their scripts, by the oldest Blen
 
 # --- tests ----------------------------------------------------------------------------------------------------------
 
-test: lint test-native test-python test-old ## every test
+test: lint test-native extension test-python test-old ## every test
 	@echo "All tests passed."
 
 lint: setup ## formatter, linter and types
@@ -94,6 +94,21 @@ test-old: setup ## the smoke tests with Python 3.11 and Blender 4.5 LTS, where t
 	@if $(PY) -c 'import sys; sys.exit(sys.version_info[:2] == (3, 11))' && tools/find_python.sh 3.11 >/dev/null; then \
 		$(MAKE) --no-print-directory setup-old && $(PY_OLD) tools/run_tests.py --time-limit $(TEST_SECONDS) -m smoke; \
 	else echo "No second Python 3.11: the smoke tests with Blender 4.5 LTS are left out."; fi
+
+# The extension serves Blenders with either version of Python, if both are here.
+dist/.extension: $(VENV)/.native $(NATIVE_SOURCES) $(shell find addon shaders -type f -not -name '*.pyc' 2>/dev/null) tools/build_extension.py
+	@pythons=$(PY); \
+	if $(PY) -c 'import sys; sys.exit(sys.version_info[:2] == (3, 11))' && tools/find_python.sh 3.11 >/dev/null; then \
+		$(MAKE) --no-print-directory setup-old && pythons="$(PY) $(PY_OLD)"; \
+	else echo "No second Python 3.11: the extension is built for this Python only."; fi && \
+	PATH="$(CURDIR)/$(VENV)/bin:$$PATH" $(PY) tools/build_extension.py dist $$pythons
+	@touch $@
+
+extension: dist/.extension ## dist/photon_splat-VERSION-PLATFORM.zip, which Blender installs
+
+extension-test: extension ## the extension installed into clean Blenders
+	$(PY) tools/run_tests.py tests/extension
+	@if [ -x $(PY_OLD) ]; then $(PY_OLD) tools/run_tests.py tests/extension; fi
 
 CMAKE_TESTS = $(VENV)/bin/cmake -S native -G Ninja -DCMAKE_MAKE_PROGRAM=$(CURDIR)/$(VENV)/bin/ninja \
 	-DPython_EXECUTABLE=$(CURDIR)/$(PY) -DPHOTON_SPLAT_MODULE=OFF -DPHOTON_SPLAT_TESTS=ON

@@ -21,7 +21,7 @@ def register() -> None:
     settings.register()
     engine.register()
     panels.register()
-    if bpy.app.module:  # Blender 4.5 as a Python module hangs at exit while a render engine or a panel is registered
+    if getattr(bpy.app, "module", False):  # Blender 4.5 as a Python module hangs at exit while a render engine or a panel is registered
         atexit.register(unregister)
 
 
