@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import asdict
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -83,6 +84,11 @@ def fill_renderer(renderer: Renderer, scene: Scene, settings: RenderSettings) ->
         pixel_filter=str(frame.pixel_filter),
         filter_width=frame.filter_width,
     )
+    if camera.panorama is not None:
+        panorama = {k: list(v) if isinstance(v, tuple) else v for k, v in asdict(camera.panorama).items()}
+        renderer.set_panorama(**panorama | {"kind": str(camera.panorama.kind)})
+    if camera.aperture is not None:
+        renderer.set_aperture(**asdict(camera.aperture))
     renderer.set_options(
         photons_per_pass=settings.photons_per_pass,
         max_bounces=settings.max_bounces,

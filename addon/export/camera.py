@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.scene import Camera, Frame, PixelFilter
+from ..core.scene import Aperture, Camera, Frame, Panorama, PanoramaKind, PixelFilter
 from ..report import Report
 
 
@@ -41,16 +41,22 @@ def export_camera(ob: Any, scene: Any, report: Report) -> Camera:
     if ob.type != "CAMERA":
         raise NoCameraError(f"Object '{ob.name}' is the active camera of scene '{scene.name}' but is not a camera")
     camera, render = ob.data, scene.render
-    if camera.type not in {"PERSP", "ORTHO"}:
-        raise ValueError(f"Camera '{ob.name}' is of type {camera.type}; only perspective and orthographic cameras are supported yet")
+    if camera.type not in {"PERSP", "ORTHO", "PANO"}:
+        raise ValueError(f"Camera '{ob.name}' is of type {camera.type}; there are perspective, orthographic and panoramic cameras")
     _report_unsupported(ob, camera, render, report)
     width, height = resolution(render)
+    x, y = camera.shift_x, camera.shift_y
+    whole = (
+        (x, 1.0 + x, y, 1.0 + y) if camera.type == "PANO" else screen(camera, width, height, render.pixel_aspect_y / render.pixel_aspect_x)
+    )
     return Camera(
         matrix=_rigid(np.array(ob.matrix_world, np.float64), ob.name, report),
-        screen=screen(camera, width, height, render.pixel_aspect_y / render.pixel_aspect_x),
+        screen=whole,
         orthographic=camera.type == "ORTHO",
         clip_start=float(camera.clip_start),
         clip_end=float(camera.clip_end),
+        panorama=_panorama(ob.name, camera, render) if camera.type == "PANO" else None,
+        aperture=_aperture(ob, camera) if camera.dof.use_dof else None,
     )
 
 
@@ -71,6 +77,71 @@ def screen(camera: Any, width: int, height: int, aspect: float) -> tuple[float, 
     x, y = camera.shift_x * extent, camera.shift_y * extent
     half_x, half_y = 0.5 * width * pixel, 0.5 * tall * pixel
     return (x - half_x, x + half_x, y - half_y, y + half_y)
+
+
+def _panorama(name: str, camera: Any, render: Any) -> Panorama:
+    def setting(key: str) -> Any:
+        """Before Blender 5 panoramas were Cycles' own."""
+        return getattr(camera, key) if hasattr(camera, key) else getattr(camera.cycles, key)
+
+    kind = setting("panorama_type")
+    if kind.lower() not in set(PanoramaKind):
+        raise ValueError(f"Camera '{name}' is a panorama of type {kind}, which is not supported")
+    width, height = resolution(render)
+    x, y = width * render.pixel_aspect_x, height * render.pixel_aspect_y
+    fit = camera.sensor_fit
+    if fit == "HORIZONTAL" or (fit == "AUTO" and x > y):
+        sensor = (camera.sensor_width, camera.sensor_width * y / x)
+    else:
+        side = camera.sensor_height if fit == "VERTICAL" else camera.sensor_width
+        sensor = (side * x / y, side)
+    k0, k1, k2, k3, k4 = (float(setting(f"fisheye_polynomial_k{i}")) for i in range(5))
+    panorama = Panorama(
+        PanoramaKind(kind.lower()),
+        longitude=(float(setting("longitude_min")), float(setting("longitude_max"))),
+        latitude=(float(setting("latitude_min")), float(setting("latitude_max"))),
+        fov=float(setting("fisheye_fov")),
+        focal_length=float(setting("fisheye_lens")),
+        sensor=(float(sensor[0]), float(sensor[1])),
+        polynomial=(k0, k1, k2, k3, k4),
+    )
+    if panorama.kind is PanoramaKind.CENTRAL_CYLINDRICAL:
+        u_min, u_max, v_min, v_max = (float(setting(f"central_cylindrical_range_{end}")) for end in ("u_min", "u_max", "v_min", "v_max"))
+        radius = max(float(setting("central_cylindrical_radius")), 1e-6)
+        panorama.cylinder = (u_min, u_max, v_min / radius, v_max / radius)
+    return panorama
+
+
+SHARPEST_FSTOP = 1e-5
+NEAREST_FOCUS = 1e-5
+
+
+def _aperture(ob: Any, camera: Any) -> Aperture:
+    """Blender's f-stop means the lens' focal length over its diameter; an orthographic camera counts as a lens of 1 m."""
+    dof = camera.dof
+    length = 1.0 if camera.type == "ORTHO" else float(camera.lens) * 1e-3
+    return Aperture(
+        radius=length / (2.0 * max(float(dof.aperture_fstop), SHARPEST_FSTOP)),
+        focus=max(_focus_distance(ob, dof), NEAREST_FOCUS),
+        blades=int(dof.aperture_blades),
+        rotation=float(dof.aperture_rotation),
+        ratio=max(float(dof.aperture_ratio), 1e-3),
+    )
+
+
+def _focus_distance(ob: Any, dof: Any) -> float:
+    """m along the viewing axis: of the object in focus, or of its bone, if there is one."""
+    target = dof.focus_object
+    if target is None:
+        return float(dof.focus_distance)
+    place = np.array(target.matrix_world, np.float64)
+    if target.type == "ARMATURE" and dof.focus_subtarget:
+        bone = target.pose.bones.get(dof.focus_subtarget)
+        if bone is not None:
+            place = place @ np.array(bone.matrix, np.float64)
+    matrix = np.array(ob.matrix_world, np.float64)
+    axis = matrix[:3, 2] / np.linalg.norm(matrix[:3, 2])
+    return float(abs(axis @ (matrix[:3, 3] - place[:3, 3])))
 
 
 def _border(render: Any, width: int, height: int) -> tuple[int, int, int, int] | None:
@@ -107,8 +178,6 @@ def _rigid(matrix: NDArray[np.float64], name: str, report: Report) -> NDArray[np
 
 
 def _report_unsupported(ob: Any, camera: Any, render: Any, report: Report) -> None:
-    if camera.dof.use_dof:
-        report.warn(f"Camera '{ob.name}': depth of field is not supported yet; everything is sharp")
     if render.use_motion_blur:
         report.warn("Motion blur is not supported yet; everything stands still")
     if render.use_multiview:

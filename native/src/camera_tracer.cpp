@@ -6,7 +6,7 @@ namespace {
 constexpr int kTileSize = 16;
 
 // Dimensions of the camera's low-discrepancy sequence, in pairs.
-enum Dimension : uint32_t { kFilterPair, kChoicePair, kLightPair, kBsdfPair };
+enum Dimension : uint32_t { kFilterPair, kChoicePair, kLightPair, kBsdfPair, kLensPair = 64 };
 
 void add_finite(Rgb& sum, const Rgb& value, uint64_t& bad) {
   if (is_finite(value)) sum += value;
@@ -32,11 +32,16 @@ void CameraTracer::for_each_pixel(uint32_t sample, Film& film, const CancelFlag&
         // The place in the whole frame seeds a pixel, so that a border renders the same pixels.
         const uint32_t frame_index = static_cast<uint32_t>(y + c.y0) * c.width + (x + c.x0);
         const uint32_t seed = hash_combine(seed_, frame_index);
-        const CameraRay ray = camera_.ray(x, y, sobol_2d(sample, kFilterPair, seed));
+        Pixel& pixel = film.pixels[index] = {};
+        pixel.depth = kBackgroundDepth;
+        const auto ray = camera_.ray(x, y, sobol_2d(sample, kFilterPair, seed), sobol_2d(sample, kLensPair, seed));
+        if (!ray) {  // outside the lens' image: black, not transparent
+          pixel.alpha = 1;
+          continue;
+        }
         ++tile.rays;
         Surface hit;
-        Pixel& pixel = film.pixels[index] = {};
-        if (first_hit(ray, pixel, hit)) shade(ray, hit, pixel, index, seed, tile);
+        if (first_hit(*ray, pixel, hit)) shade(*ray, hit, pixel, index, seed, tile);
       }
   });
   for (const Tile& tile : tiles_) {

@@ -165,6 +165,26 @@ void set_camera(Renderer& r, Matrix matrix, std::array<float, 4> screen, bool or
   r.camera_settings = c;
 }
 
+void set_panorama(Renderer& r, const std::string& kind, std::array<float, 2> longitude, std::array<float, 2> latitude, float fov,
+                  float focal_length, std::array<float, 2> sensor, std::array<float, 5> polynomial, std::array<float, 4> cylinder) {
+  PanoramaSettings p;
+  p.kind = named<PanoramaKind>(kind, {{"equirectangular", PanoramaKind::kEquirectangular},
+                                      {"equiangular_cubemap_face", PanoramaKind::kEquiangularCubeFace},
+                                      {"mirrorball", PanoramaKind::kMirrorBall},
+                                      {"fisheye_equidistant", PanoramaKind::kFisheyeEquidistant},
+                                      {"fisheye_equisolid", PanoramaKind::kFisheyeEquisolid},
+                                      {"fisheye_lens_polynomial", PanoramaKind::kFisheyePolynomial},
+                                      {"central_cylindrical", PanoramaKind::kCentralCylindrical}}, "panorama");
+  p.longitude_min = longitude[0], p.longitude_max = longitude[1];
+  p.latitude_min = latitude[0], p.latitude_max = latitude[1];
+  p.fov = fov;
+  p.focal_length = focal_length;
+  p.sensor_width = sensor[0], p.sensor_height = sensor[1];
+  p.polynomial = polynomial;
+  p.u_min = cylinder[0], p.u_max = cylinder[1], p.v_min = cylinder[2], p.v_max = cylinder[3];
+  r.camera_settings.panorama = p;
+}
+
 nb::dict film_arrays(const Renderer& r) {
   // One array per sum; the session divides. Rows from the bottom up.
   const Film& film = r.film();
@@ -306,6 +326,11 @@ NB_MODULE(photon_splat_native, m) {
       }, "radiance"_a)
       .def("set_camera", &set_camera, "matrix"_a, "screen"_a, "orthographic"_a, "clip_start"_a, "clip_end"_a, "frame"_a,
            "region"_a, "transparent"_a, "pixel_filter"_a, "filter_width"_a)
+      .def("set_panorama", &set_panorama, "kind"_a, "longitude"_a, "latitude"_a, "fov"_a, "focal_length"_a, "sensor"_a,
+           "polynomial"_a, "cylinder"_a, "After set_camera: the frame is a map of directions.")
+      .def("set_aperture", [](Renderer& r, float radius, float focus, int blades, float rotation, float ratio) {
+        r.camera_settings.aperture = {radius, focus, blades, rotation, ratio};
+      }, "radius"_a, "focus"_a, "blades"_a, "rotation"_a, "ratio"_a, "After set_camera: a lens of finite size.")
       .def("set_options", [](Renderer& r, uint64_t photons_per_pass, int max_bounces, float radius_scale, float point_spacing,
                              bool boundary_correction, uint32_t seed, const std::string& kernel) {
         r.options = {photons_per_pass, max_bounces, radius_scale, point_spacing, boundary_correction, seed, kernel};

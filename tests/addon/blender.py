@@ -55,7 +55,8 @@ class Blender:
             pytest.fail(f"in Blender:\n{error}", pytrace=False)
 
     def _start(self) -> None:
-        environment = os.environ | {"BLENDER_USER_RESOURCES": tempfile.mkdtemp(dir=self.scratch), "PYTHONPATH": str(ROOT)}
+        path = os.pathsep.join([str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])])
+        environment = os.environ | {"BLENDER_USER_RESOURCES": tempfile.mkdtemp(dir=self.scratch), "PYTHONPATH": path}
         command = [sys.executable, "-m", "tests.addon.blender"]
         self.process = subprocess.Popen(command, cwd=ROOT, env=environment, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
 

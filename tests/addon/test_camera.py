@@ -96,30 +96,90 @@ def test_resolution_border_and_clipping() -> None:
     assert (what.camera.clip_start, what.camera.clip_end) == (0.25, 50)
 
 
-@pytest.mark.parametrize(
-    ("kind", "sentence"),
-    [
-        (None, "Scene 'Scene' has no camera: add one, or set an object as the scene's active camera"),
-        ("PANO", "Camera 'Camera' is of type PANO; only perspective and orthographic cameras are supported yet"),
-    ],
-)
 @in_blender
-def test_cameras_that_cannot_be_used(kind: str | None, sentence: str) -> None:
+def test_a_scene_without_a_camera_says_so() -> None:
     from photon_splat.export.camera import export_camera
     from photon_splat.report import Report
 
-    ob = stage.camera() if kind else None
-    if ob is not None:
-        ob.data.type = kind
-    with pytest.raises(ValueError, match=sentence):
+    with pytest.raises(ValueError, match="Scene 'Scene' has no camera: add one, or set an object as the scene's active camera"):
+        export_camera(None, stage.scene(), Report())
+
+
+@in_blender
+def test_a_camera_of_a_type_that_nobody_knows() -> None:
+    from types import SimpleNamespace
+
+    from photon_splat.export.camera import export_camera
+    from photon_splat.report import Report
+
+    ob = SimpleNamespace(name="Odd", type="CAMERA", data=SimpleNamespace(type="CUSTOM"))
+    with pytest.raises(ValueError, match="Camera 'Odd' is of type CUSTOM; there are perspective, orthographic and panoramic cameras"):
         export_camera(ob, stage.scene(), Report())
 
 
 @in_blender
 def test_what_a_camera_cannot_do_yet_is_named() -> None:
-    stage.camera().data.dof.use_dof = True
     stage.scene().render.use_motion_blur = True
+    stage.scene().render.use_multiview = True
+    stage.camera()
     assert stage.exported().warnings == [
-        "Camera 'Camera': depth of field is not supported yet; everything is sharp",
         "Motion blur is not supported yet; everything stands still",
+        "Stereoscopy is not supported yet; all views are the same",
     ]
+
+
+@in_blender
+def test_aperture_and_focus() -> None:
+    ob = stage.camera((1, 2, 3))
+    dof = ob.data.dof
+    ob.data.lens = 80.0
+    assert stage.exported().camera.aperture is None
+    dof.use_dof = True
+    dof.aperture_fstop, dof.focus_distance, dof.aperture_blades, dof.aperture_rotation, dof.aperture_ratio = 2.0, 4.0, 6, 0.5, 1.5
+    lens = stage.exported().camera.aperture
+    assert (lens.radius, lens.focus, lens.blades, lens.rotation, lens.ratio) == (pytest.approx(0.02), 4.0, 6, 0.5, 1.5)
+    ob.data.type = "ORTHO"
+    assert stage.exported().camera.aperture.radius == pytest.approx(0.25)
+    # Only the distance along the viewing axis counts, whatever the scale of the camera.
+    ob.rotation_euler, ob.scale = (0.0, 0.0, 0.0), (2.0, 2.0, 2.0)
+    target = stage.add("Target")
+    target.location = (5, -3, 1)
+    dof.focus_object = target
+    assert stage.exported().camera.aperture.focus == pytest.approx(2.0)
+
+
+@in_blender
+def test_the_bone_in_focus() -> None:
+    import bpy
+
+    ob = stage.camera((0, 0, 5))
+    ob.rotation_euler = (0.0, 0.0, 0.0)
+    data = bpy.data.armatures.new("Arm")
+    arm = bpy.data.objects.new("Arm", data)
+    bpy.context.scene.collection.objects.link(arm)
+    bpy.context.view_layer.objects.active = arm
+    bpy.ops.object.mode_set(mode="EDIT")
+    bone = data.edit_bones.new("Tip")
+    bone.head, bone.tail = (0, 0, 2), (0, 1, 2)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    dof = ob.data.dof
+    dof.use_dof, dof.focus_object, dof.focus_subtarget = True, arm, "Tip"
+    assert stage.exported().camera.aperture.focus == pytest.approx(3.0)
+
+
+@in_blender
+def test_a_panorama_and_its_settings() -> None:
+    from photon_splat.core.scene import PanoramaKind
+
+    data = stage.camera().data
+    data.type = "PANO"
+    stage.resize(80, 40)
+    for kind in PanoramaKind:
+        data.panorama_type = kind.upper()
+        assert stage.exported().camera.panorama.kind is kind
+    data.shift_x, data.sensor_width, data.sensor_fit = 0.25, 30.0, "AUTO"
+    camera = stage.exported().camera
+    assert camera.screen == (0.25, 1.25, 0.0, 1.0)
+    assert camera.panorama.sensor == pytest.approx((30.0, 15.0))
+    data.sensor_fit, data.sensor_height = "VERTICAL", 10.0
+    assert stage.exported().camera.panorama.sensor == pytest.approx((20.0, 10.0))

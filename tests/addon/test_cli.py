@@ -61,7 +61,8 @@ def scenes(blender: Blender, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def _start(tmp_path: Path, *arguments: object, **options: Any) -> subprocess.Popen[str]:
-    environment = os.environ | {"BLENDER_USER_RESOURCES": str(tmp_path / "blender"), "PYTHONPATH": str(ROOT)}
+    path = os.pathsep.join([str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])])
+    environment = os.environ | {"BLENDER_USER_RESOURCES": str(tmp_path / "blender"), "PYTHONPATH": path}
     command = [*RUN, *map(str, arguments)]
     pipe = subprocess.PIPE
     return subprocess.Popen(command, cwd=tmp_path, env=environment, stdout=pipe, stderr=pipe, text=True, **options)

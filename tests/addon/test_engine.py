@@ -51,7 +51,8 @@ def _exr(path: str) -> None:
 
 @pytest.mark.smoke
 def test_render_operator_in_a_plain_script(tmp_path: Path) -> None:
-    environment = os.environ | {"BLENDER_USER_RESOURCES": str(tmp_path / "blender"), "PYTHONPATH": str(ROOT)}
+    path = os.pathsep.join([str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])])
+    environment = os.environ | {"BLENDER_USER_RESOURCES": str(tmp_path / "blender"), "PYTHONPATH": path}
     command = [sys.executable, "-c", SCRIPT, str(tmp_path / "out.png")]
     done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, timeout=60, check=False)
     assert done.returncode == 0, done.stderr

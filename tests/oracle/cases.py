@@ -27,6 +27,7 @@ class Case:
     reference_bias: float = 0.003
     reference: str = ""  # the case whose Cycles reference this one shares
     alpha: bool = False
+    splat: bool = True  # False: only the path tracer is compared, as all that is new lies before the first hit
     passes: int = 32
     photons_per_pass: int = 20_000
 
@@ -41,6 +42,27 @@ def _lamp(name: str, kind: str, energy: float, **options: Any) -> Case:
 
 def _geometry(name: str, **options: Any) -> Case:
     return Case(name, name, options)
+
+
+def _focus(name: str, *, splat: bool = False, **options: Any) -> Case:
+    return Case(name, "depth_of_field", options, splat=splat)
+
+
+PANORAMAS = (
+    "EQUIRECTANGULAR",
+    "EQUIANGULAR_CUBEMAP_FACE",
+    "MIRRORBALL",
+    "FISHEYE_EQUIDISTANT",
+    "FISHEYE_EQUISOLID",
+    "FISHEYE_LENS_POLYNOMIAL",
+    "CENTRAL_CYLINDRICAL",
+)
+
+
+def _panorama(name: str, width: int = 48, height: int = 48, *, splat: bool = False, **options: Any) -> Case:
+    """A panorama of the kind that `name` begins with, its alpha compared too."""
+    kind = next(kind for kind in PANORAMAS if name.upper().startswith(kind))
+    return Case(name, "panorama", {"kind": kind, **options}, width, height, alpha=True, splat=splat)
 
 
 _WIDE = {"spot_size": radians(70.0)}
@@ -126,7 +148,42 @@ CASES: tuple[Case, ...] = (
     Case("percentage", "camera_variant", {"percentage": 50}, width=96, height=80),
     Case("film_transparent", "camera_variant", {"transparent": True}, alpha=True),
     Case("wide_pixel_filter", "camera_variant", {"filter_size": 3.0}),
+    # Lenses
+    _focus("dof", splat=True),
+    _focus("dof_blades", blades=5, rotation=0.35, fstop=0.06),
+    _focus("dof_ratio", ratio=2.0, blades=3, fstop=0.06),
+    _focus("dof_squeezed", ratio=0.6, fstop=0.06),
+    _focus("dof_near", distance=2.9, clip_start=2.2),
+    _focus("dof_object", target=(0.45, -1.6, 0.75), fstop=0.08),
+    _focus("dof_ortho", kind="ORTHO", fstop=2.5, blades=4, rotation=0.2),
+    _focus("dof_ortho_clip", kind="ORTHO", fstop=1.5, clip_start=2.0, distance=2.5),
+    _panorama("equirectangular", width=64, height=32, splat=True),
+    _panorama("equirectangular_limits", longitude_min=-1.2, longitude_max=2.0, latitude_min=-1.0, latitude_max=0.6),
+    _panorama("equirectangular_shift", shift=(0.2, 0.1), aspect=(1.0, 1.5), scale=(2.0, 0.5, 3.0)),
+    _panorama("equirectangular_dof", dof={"focus_distance": 1.0, "aperture_fstop": 0.3, "aperture_blades": 3}),
+    _panorama("equiangular_cubemap_face"),
+    _panorama("mirrorball"),
+    _panorama("mirrorball_dof", dof={"focus_distance": 1.0, "aperture_fstop": 0.3, "aperture_ratio": 2.0, "aperture_blades": 3}),
+    _panorama("fisheye_equidistant", splat=True),
+    _panorama("fisheye_equidistant_wide", width=64, height=40, fisheye_fov=radians(240.0)),
+    _panorama("fisheye_equidistant_dof", dof={"focus_distance": 1.5, "aperture_fstop": 0.3, "aperture_blades": 4}),
+    _panorama("fisheye_equisolid", sensor_width=36.0),
+    _panorama("fisheye_equisolid_wide", width=64, height=40, fisheye_lens=8.0, fisheye_fov=radians(200.0)),
+    _panorama("fisheye_equisolid_vertical", width=64, height=40, sensor_fit="VERTICAL", sensor_height=20.0, aspect=(1.0, 1.4)),
+    _panorama("fisheye_equisolid_shift", shift=(0.15, -0.1)),
+    _panorama("fisheye_lens_polynomial", sensor_width=60.0),
+    _panorama("fisheye_lens_polynomial_cut", width=40, height=64, sensor_width=100.0, fisheye_fov=radians(100.0)),
+    _panorama("central_cylindrical"),
+    _panorama(
+        "central_cylindrical_limits",
+        central_cylindrical_range_u_min=-1.0,
+        central_cylindrical_range_u_max=2.0,
+        central_cylindrical_range_v_min=-0.8,
+        central_cylindrical_range_v_max=1.5,
+        central_cylindrical_radius=2.0,
+    ),
 )
 
+SPLAT_CASES = tuple(case for case in CASES if case.splat)
 NAMES = tuple(case.name for case in CASES)
 CASE = {case.name: case for case in CASES}

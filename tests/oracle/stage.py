@@ -280,3 +280,61 @@ def camera_variant(
         render.use_border, render.use_crop_to_border = True, crop
         render.border_min_x, render.border_max_x, render.border_min_y, render.border_max_y = border
     render.filter_size = filter_size
+
+
+def _look(location: Sequence[float], aim: Sequence[float]) -> None:
+    camera = bpy.context.scene.camera
+    camera.location = location
+    camera.rotation_euler = (Vector(aim) - Vector(location)).to_track_quat("-Z", "Y").to_euler()
+
+
+def depth_of_field(
+    kind: str = "PERSP",
+    fstop: float = 0.1,
+    blades: int = 0,
+    rotation: float = 0.0,
+    ratio: float = 1.0,
+    distance: float = 3.6,
+    target: Sequence[float] | None = None,
+    clip_start: float = 0.1,
+) -> None:
+    """A near globe that shines and the stage behind it, in and out of focus. target: where an object in focus stands."""
+    _stage()
+    _lamp("AREA", 40.0, HIGH, size=0.6)
+    m.add_sphere("Spark", 0.05, m.emission("Spark", (1.0, 0.8, 0.5), 20.0), (0.45, -1.6, 0.75), 16)
+    data = bpy.context.scene.camera.data
+    data.type, data.ortho_scale, data.clip_start = kind, 3.2, clip_start
+    data.dof.use_dof = True
+    data.dof.aperture_fstop, data.dof.aperture_blades = fstop, blades
+    data.dof.aperture_rotation, data.dof.aperture_ratio = rotation, ratio
+    data.dof.focus_distance = distance
+    if target is not None:
+        data.dof.focus_object = m.add_object("Target", None, target)
+
+
+def panorama(
+    kind: str,
+    shift: tuple[float, float] = (0.0, 0.0),
+    aspect: tuple[float, float] = (1.0, 1.0),
+    dof: dict[str, Any] | None = None,
+    scale: Sequence[float] = (1.0, 1.0, 1.0),
+    **settings: Any,
+) -> None:
+    """From among the things of the stage, tilted; a world lights what the lamp does not."""
+    _stage()
+    _lamp("AREA", 40.0, HIGH, size=0.6)
+    m.set_world((0.2, 0.4, 0.9), 0.5)
+    _look((0.1, -1.1, 0.8), (-0.1, 0.3, 0.5))
+    scene = bpy.context.scene
+    scene.camera.scale = scale
+    scene.render.film_transparent = True
+    scene.render.pixel_aspect_x, scene.render.pixel_aspect_y = aspect
+    data = scene.camera.data
+    data.type, data.panorama_type = "PANO", kind
+    data.shift_x, data.shift_y = shift
+    for name, value in settings.items():
+        setattr(data, name, value)
+    if dof:
+        data.dof.use_dof = True
+        for name, value in dof.items():
+            setattr(data.dof, name, value)

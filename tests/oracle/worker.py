@@ -65,7 +65,8 @@ class Worker:
         return np.load(output).astype(np.float64), said["statistics"]
 
     def _start(self) -> None:
-        environment = os.environ | {"BLENDER_USER_RESOURCES": str(self.scratch / "blender"), "PYTHONPATH": str(ROOT)}
+        path = os.pathsep.join([str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])])
+        environment = os.environ | {"BLENDER_USER_RESOURCES": str(self.scratch / "blender"), "PYTHONPATH": path}
         command = [sys.executable, "-m", "tests.oracle.worker"]
         self.process = subprocess.Popen(command, cwd=ROOT, env=environment, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
 
