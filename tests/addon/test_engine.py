@@ -409,10 +409,10 @@ def test_the_last_render_is_told_in_the_panel() -> None:
     from photon_splat import job, panels
 
     stage.room()
-    stage.camera().data.dof.use_dof = True
+    stage.scene().render.use_motion_blur = True
     bpy.ops.render.render()
     last = job.last_renders["Scene"]
-    assert "depth of field" in last.warnings[0]
+    assert "Motion blur" in last.warnings[0]
     lines = list(panels.statistics_lines(last.statistics))
     assert lines[0].startswith("2 passes in ")
     assert lines[1].startswith("4,000 photons traced, ")
