@@ -365,4 +365,5 @@ NB_MODULE(photon_splat_native, m) {
         return out;
       }, "paths"_a, "Traces photon paths, then replays their rays by Embree alone.");
   bind_splatting(renderer);
+  bind_viewport(renderer);
 }

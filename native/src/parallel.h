@@ -21,6 +21,7 @@ struct Cancelled : std::runtime_error {
 class CancelFlag {
  public:
   void set() { value_.store(true, std::memory_order_relaxed); }
+  void clear() { value_.store(false, std::memory_order_relaxed); }
   bool is_set() const { return value_.load(std::memory_order_relaxed); }
   void check() const { if (is_set()) throw Cancelled(); }
 

@@ -19,6 +19,7 @@ class KeyFilter {
  public:
   KeyFilter() : bits_(kBits / 64) {}
   void clear() { std::fill(bits_.begin(), bits_.end(), 0); }
+  void add_all() { std::fill(bits_.begin(), bits_.end(), ~uint64_t{0}); }
   void add(uint32_t key) { bits_[slot(key) / 64] |= uint64_t{1} << (slot(key) % 64); }
   bool contains(uint32_t key) const { return bits_[slot(key) / 64] >> (slot(key) % 64) & 1; }
 

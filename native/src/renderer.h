@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 
+#include "photon_store.h"
 #include "splatter.h"
 #include "visible_points.h"
 
@@ -54,7 +55,19 @@ class Renderer {
   // One sample per pixel of the unbiased path tracer instead of all of the above.
   void trace_reference(uint32_t sample);
 
+  // For a viewport, after build(); see renderer_view.cpp. Another camera: empties the film, so that passes begin anew.
+  void set_view();
+  // Other lamps, materials, textures or world on the same geometry: forgets film and photons.
+  void relight();
+  // Traces `paths` more for the store, up to `most_bytes` of photons.
+  void trace_store(uint64_t paths, size_t most_bytes);
+  // One camera sample per pixel, lit indirectly by the photons of the store; traces none. The film then holds it alone.
+  void draw_store();
+  const PhotonStore* store() const { return store_ ? &*store_ : nullptr; }
+
   void cancel() { cancel_.set(); }
+  // Takes cancel() back, when no stage runs.
+  void resume() { cancel_.clear(); }
   const CancelFlag& cancel_flag() const { return cancel_; }
 
   const Film& film() const { return film_; }
@@ -83,6 +96,7 @@ class Renderer {
   PhotonCounts pilot_;
   std::unique_ptr<Splatter> splatter_;
   VisiblePoints points_;
+  std::optional<PhotonStore> store_;
   Film film_, pass_film_;
   const std::vector<Record>* records_ = nullptr;
   std::vector<Photon> given_photons_;

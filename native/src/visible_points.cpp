@@ -1,5 +1,6 @@
 #include "visible_points.h"
 
+#include <bit>
 #include <numeric>
 
 namespace photon_splat {
@@ -31,7 +32,7 @@ float quantized(float h) { return std::exp2(std::round(std::log2(h) * 4) / 4); }
 void VisiblePoints::build(Scene& scene, const std::vector<Record>& records, const RadiusMap& radii,
                           const PointSettings& settings, uint32_t pass, uint32_t seed, const CancelFlag& cancel) {
   find_cells(scene, records, radii, settings, pass, seed, cancel);
-  pick_points(scene, pass, cancel);
+  pick_points(scene, cancel);
   fill_blocks(scene, records, cancel);
 }
 
@@ -52,23 +53,29 @@ void VisiblePoints::find_cells(Scene& scene, const std::vector<Record>& records,
       h = std::max(std::min(h, curvature_radius_limit(scene, r.instance, r.triangle)), kLeastOfDensityRadius * h);
       h = quantized(std::max(h, smallest));
       uint64_t hash = i;
+      uint32_t rank = hash_combine(static_cast<uint32_t>(i), pass);
       if (s.spacing > 0) {
         const float inverse = 1 / (s.spacing * h);
         const auto index = [&](float p, float d) {
           return static_cast<uint64_t>(static_cast<int64_t>(std::floor(p * inverse + d)));
         };
+        if (s.steady) {
+          const auto off = [&](float p, float d) { return p * inverse + d - std::floor(p * inverse + d) - 0.5f; };
+          const Vec3 from_middle{off(r.position.x, shift.x), off(r.position.y, shift.y), off(r.position.z, shift.z)};
+          rank = std::bit_cast<uint32_t>(length2(from_middle));  // of floats that are not negative: in the same order
+        }
         const uint64_t place = hash64(index(r.position.x, shift.x)) ^ hash64(index(r.position.y, shift.y) + 0x51ed27ull) * 3 ^
                                hash64(index(r.position.z, shift.z) + 0xa0761dull) * 5;
         hash = hash64(place ^ (uint64_t{r.key} << 32 | static_cast<uint32_t>(std::lround(std::log2(h) * 4))));
       }
-      cells_[i] = {hash, static_cast<uint32_t>(i), h};
+      cells_[i] = {hash, static_cast<uint32_t>(i), h, rank};
     }
   });
 }
 
-// One record of each cell, drawn at random, gives the point's place. Cells are dealt to shards by their hash and
+// The record of lowest rank gives each cell's point its place. Cells are dealt to shards by their hash and
 // each shard is worked off in record order, so that the outcome does not depend on threads.
-void VisiblePoints::pick_points(Scene& scene, uint32_t pass, const CancelFlag& cancel) {
+void VisiblePoints::pick_points(Scene& scene, const CancelFlag& cancel) {
   const size_t count = cells_.size(), chunk_count = chunks_of(count);
   std::vector<uint32_t> dealt(chunk_count * kShards);
   const auto shard_of = [](uint64_t hash) { return hash >> 58; };
@@ -105,7 +112,7 @@ void VisiblePoints::pick_points(Scene& scene, uint32_t pass, const CancelFlag& c
       const uint32_t i = order[k];
       uint32_t slot = static_cast<uint32_t>(cells_[i].hash) & (capacity - 1);
       while (table[slot] != ~0u && cells_[points[table[slot]].record].hash != cells_[i].hash) slot = (slot + 1) & (capacity - 1);
-      const uint32_t draw = hash_combine(i, pass);
+      const uint32_t draw = cells_[i].rank;
       if (table[slot] == ~0u) {
         table[slot] = static_cast<uint32_t>(points.size());
         points.push_back({i, cells_[i].h});

@@ -15,6 +15,7 @@ struct PointSettings {
   float radius_factor = 1;       // user's scale times the shrinking over passes
   float spacing = 1.0f / 3.0f;   // of points, in kernel radii; 0: a point per record
   bool boundary_correction = true;
+  bool steady = false;           // the record next to the middle of its cell gives the point, whatever the camera: no flicker
 };
 
 class VisiblePoints {
@@ -42,10 +43,11 @@ class VisiblePoints {
     uint64_t hash;
     uint32_t record;
     float h;
+    uint32_t rank;  // the lowest of a cell gives the point
   };
   void find_cells(Scene& scene, const std::vector<Record>& records, const RadiusMap& radii, const PointSettings& s,
                   uint32_t pass, uint32_t seed, const CancelFlag& cancel);
-  void pick_points(Scene& scene, uint32_t pass, const CancelFlag& cancel);
+  void pick_points(Scene& scene, const CancelFlag& cancel);
   void fill_blocks(Scene& scene, const std::vector<Record>& records, const CancelFlag& cancel);
 
   std::vector<Cell> cells_;

@@ -19,4 +19,7 @@ nanobind::ndarray<nanobind::numpy, T> to_numpy(std::vector<T>&& values, std::ini
 // What a splatter outside of the native module needs: photons, pairs, points as an atlas, sums.
 void bind_splatting(nanobind::class_<Renderer>& renderer);
 
+// What a viewport needs: another camera, the store of photons, the picture as it is drawn.
+void bind_viewport(nanobind::class_<Renderer>& renderer);
+
 }  // namespace photon_splat

@@ -1,0 +1,60 @@
+#include "bindings.h"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+namespace photon_splat {
+namespace {
+
+// (height, width, 4): mean premultiplied scene-linear RGB and alpha, row 0 at the bottom.
+nb::ndarray<nb::numpy, float> picture(Renderer& r) {
+  const Film& film = r.film();
+  std::vector<float> values(film.pixels.size() * 4);
+  {
+    nb::gil_scoped_release release;
+    const float share = 1.0f / static_cast<float>(std::max(film.samples, 1u));
+    r.scene.pool().for_each(static_cast<size_t>(film.height), CancelFlag{}, [&](size_t row, int) {
+      for (size_t i = row * film.width; i < (row + 1) * film.width; ++i) {
+        const Pixel& p = film.pixels[i];
+        const Rgb c = (p.diffuse_direct + p.diffuse_indirect + p.emission + p.environment) * share;
+        const float out[4] = {c.x, c.y, c.z, p.alpha * share};
+        std::copy(out, out + 4, &values[4 * i]);
+      }
+    });
+  }
+  return to_numpy(std::move(values), {static_cast<size_t>(film.height), static_cast<size_t>(film.width), 4});
+}
+
+nb::dict store_statistics(const Renderer& r) {
+  const PhotonStore* store = r.store();
+  nb::dict out;
+  out["paths"] = store ? store->paths() : 0;
+  out["photons"] = store ? store->photons().size() : 0;
+  out["bytes"] = store ? store->bytes() : 0;
+  out["traced"] = store ? store->counts().traced : 0;
+  out["full"] = store && store->full();
+  return out;
+}
+
+void clear_shading(Renderer& r) {
+  r.lamps.clear();
+  r.scene.materials.clear();
+  r.scene.textures.clear();
+}
+
+}  // namespace
+
+void bind_viewport(nb::class_<Renderer>& renderer) {
+  const auto released = nb::call_guard<nb::gil_scoped_release>();
+  renderer
+      .def("set_view", &Renderer::set_view, released, "Takes the camera of set_camera() after build(): the film is empty then.")
+      .def("clear_shading", &clear_shading, "Forgets lamps, materials and textures, which are then added anew before relight().")
+      .def("relight", &Renderer::relight, released, "Takes other lamps, materials, textures or world on the same geometry.")
+      .def("trace_store", &Renderer::trace_store, "paths"_a, "most_bytes"_a, released)
+      .def("draw_store", &Renderer::draw_store, released)
+      .def("resume", &Renderer::resume, "Takes cancel() back; only while no stage runs.")
+      .def("picture", &picture, "(height, width, 4) float32 premultiplied scene-linear mean of the film, row 0 at the bottom.")
+      .def("store_statistics", &store_statistics);
+}
+
+}  // namespace photon_splat
