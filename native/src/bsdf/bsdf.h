@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "sampling.h"
+#include "lobe.h"
 
 namespace photon_splat {
 
@@ -57,10 +57,12 @@ class Bsdf {
 
   // weight: the closure's colour times the mix factors above it (what Cycles calls the closure's weight).
   // Negative or non-finite weights and parameters are made harmless here: never a NaN out.
-  void add_diffuse(const Rgb& weight, const Vec3& normal, float roughness);
+  // `color` (optional, here and below): the closure's colour without the mix factors, which tints light scattered more than
+  // once; without it `weight` is taken.
+  void add_diffuse(const Rgb& weight, const Vec3& normal, float roughness, const Rgb* color = nullptr);
   void add_translucent(const Rgb& weight, const Vec3& normal);
   void add_glossy(const Rgb& weight, const Vec3& normal, Distribution d, float roughness, float anisotropy, float rotation,
-                  const Vec3& tangent);
+                  const Vec3& tangent, const Rgb* color = nullptr);
   void add_glass(const Rgb& weight, const Vec3& normal, Distribution d, float roughness, float ior,
                  float film_thickness, float film_ior);
   void add_refraction(const Rgb& weight, const Vec3& normal, Distribution d, float roughness, float ior);
@@ -78,9 +80,9 @@ class Bsdf {
   // Lobe weights and the split of section 2 of the design. After it nothing may be added.
   void finish();
 
-  const Rgb& emission() const { return emission_; }          // radiance towards wo, W/m^2/sr
-  const Rgb& transparency() const { return transparency_; }  // share of light that goes straight on: a null vertex, no lobe
-  float holdout() const { return holdout_; }
+  const Rgb& emission() const { return lobes_.emission; }          // radiance towards wo, W/m^2/sr
+  const Rgb& transparency() const { return lobes_.transparency; }  // share of light that goes straight on: a null vertex, no lobe
+  float holdout() const { return lobes_.holdout; }
   bool scatters() const;      // has any closure that scatters
   bool only_delta() const;    // scatters, and evaluate() is 0 everywhere
 
@@ -100,12 +102,26 @@ class Bsdf {
   std::optional<BsdfSample> sample(float choice, const Vec2& u) const;
 
  private:
-  // owned by the BSDF's implementation
+  // A closure kept to be expanded again for another direction: `size` bytes of it follow.
+  struct Record {
+    void (*expand)(const void* closure, const View& view, LobeList& out);
+    size_t size;
+  };
+  static constexpr size_t kTapeBytes = 8192;
+
+  template <class Closure>
+  void add(const Closure& closure);
+  void expand(const View& view, LobeList& out) const;
+  Rgb adjoint(const Vec3& wi, Rgb* rest, Rgb* diffuse) const;
+  std::optional<BsdfSample> finish_delta(int index, BsdfSample out) const;
+
   Transport transport_;
-  Vec3 wo_, ng_, ns_;
-  bool back_;
-  Rgb emission_{}, transparency_{}, gather_{}, gather_through_{};
-  float holdout_ = 0;
+  View view_;
+  LobeList lobes_;
+  Rgb gather_{}, gather_through_{};
+  bool rest_ = false;
+  size_t tape_used_ = 0;
+  alignas(16) std::byte tape_[kTapeBytes];  // flux only
 };
 
 }  // namespace photon_splat

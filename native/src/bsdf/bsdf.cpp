@@ -1,0 +1,347 @@
+#include "bsdf.h"
+
+#include <cstring>
+
+#include "principled.h"
+
+namespace photon_splat {
+namespace {
+
+// Closures with clean inputs. expand() adds their lobes as seen from `view`; as many whatever the view.
+
+struct Diffuse {
+  Rgb weight, color;
+  Vec3 normal;
+  float roughness;
+  void expand(const View& view, LobeList& out) const {
+    const Vec3 n = view.turned(normal);
+    out.add(roughness > 1e-5f ? oren_nayar_lobe(view, weight, n, roughness, color) : lambert_lobe(weight, n));
+  }
+};
+
+struct Translucent {
+  Rgb weight;
+  Vec3 normal;
+  void expand(const View& view, LobeList& out) const { out.add(translucent_lobe(weight, view.turned(normal))); }
+};
+
+struct Facet {
+  Rgb weight;
+  Vec3 normal;
+  FacetShape shape;
+  FresnelTerms fresnel;  // ior as seen from the front
+  bool transmits, mirror;  // refraction alone: no mirror
+  void expand(const View& view, LobeList& out) const {
+    FresnelTerms f = fresnel;
+    if (transmits) {
+      if (view.back) f.ior = 1 / f.ior;
+      const float f0 = f0_from_ior(f.ior);
+      f.f0 = {f0, f0, f0};
+      if (!mirror) f.f0 = f.f90 = {};
+    }
+    out.add(facet_lobe(view, weight, view.turned(normal), shape, f));
+  }
+};
+
+struct Sheen {
+  Rgb weight;
+  Vec3 normal;
+  float roughness;
+  bool ashikhmin;
+  void expand(const View& view, LobeList& out) const {
+    const Vec3 n = view.turned(normal);
+    out.add(ashikhmin ? velvet_lobe(view, weight, n, roughness) : sheen_lobe(view, weight, n, roughness));
+  }
+};
+
+struct Toon {
+  Rgb weight;
+  Vec3 normal;
+  float size, smooth;
+  bool glossy;
+  void expand(const View& view, LobeList& out) const { out.add(toon_lobe(weight, view.turned(normal), glossy, size, smooth)); }
+};
+
+struct Transparent {
+  Rgb weight;
+  void expand(const View&, LobeList& out) const { out.transparency += weight; }
+};
+
+struct Emission {
+  Rgb weight;
+  void expand(const View&, LobeList& out) const { out.emission += weight; }
+};
+
+struct Holdout {
+  float weight;
+  void expand(const View&, LobeList& out) const { out.holdout += weight; }
+};
+
+struct Principled {
+  Rgb weight;
+  PrincipledInputs inputs;
+  void expand(const View& view, LobeList& out) const { expand_principled(weight, inputs, view, out); }
+};
+
+FacetShape clean_shape(Distribution d, float roughness, float anisotropy, float rotation, const Vec3& tangent) {
+  FacetShape shape;
+  shape.beckmann = d == Distribution::kBeckmann;
+  shape.preserve_energy = d == Distribution::kMultiGgx;
+  shape.roughness = clean(roughness, 0, 1, 0.5f);
+  shape.anisotropy = clean(anisotropy, -0.99f, 0.99f, 0);
+  shape.rotation = clean(rotation, -1e4f, 1e4f, 0);
+  if (is_finite(tangent)) shape.tangent = tangent;
+  return shape;
+}
+
+// On the wrong side of the surface proper, a lobe scatters nothing.
+bool right_side(const Lobe& lobe, const View& view, const Vec3& wi) {
+  return (dot(wi, view.ng) > 0) == (dot(wi, lobe.n) > 0);
+}
+
+// What photons estimate of the light that comes from wi, f |cos|.
+Rgb gathered(const View& view, const Vec3& wi, const Rgb& same, const Rgb& through) {
+  const float cosine = dot(wi, view.ns);
+  if (dot(wi, view.ng) > 0) return cosine > 0 ? same * (cosine / kPi) : Rgb{};
+  return cosine < 0 ? through * (-cosine / kPi) : Rgb{};
+}
+
+void sum_gather(const LobeList& lobes, Rgb* same, Rgb* through) {
+  for (const Lobe& lobe : lobes)
+    (lobe.kind == LobeKind::kTranslucent ? *through : *same) += lobe.gather;
+}
+
+}  // namespace
+
+Bsdf::Bsdf(Transport transport, const Vec3& wo, const Vec3& ng, const Vec3& ns, bool back)
+    : transport_(transport), view_{wo, ng, ns, back} {}
+
+template <class Closure>
+void Bsdf::add(const Closure& closure) {
+  static_assert(std::is_trivially_copyable_v<Closure>);
+  closure.expand(view_, lobes_);
+  if (transport_ == Transport::kRadiance) return;
+  constexpr size_t room = (sizeof(Record) + sizeof(Closure) + 15) / 16 * 16;
+  if (tape_used_ + room > kTapeBytes) return;
+  const Record record{[](const void* bytes, const View& view, LobeList& out) {
+                        Closure kept;
+                        std::memcpy(static_cast<void*>(&kept), bytes, sizeof(Closure));
+                        kept.expand(view, out);
+                      },
+                      room};
+  std::memcpy(tape_ + tape_used_, &record, sizeof record);
+  std::memcpy(tape_ + tape_used_ + sizeof record, &closure, sizeof closure);
+  tape_used_ += room;
+}
+
+void Bsdf::expand(const View& view, LobeList& out) const {
+  for (size_t at = 0; at < tape_used_;) {
+    Record record;
+    std::memcpy(&record, tape_ + at, sizeof record);
+    record.expand(tape_ + at + sizeof record, view, out);
+    at += record.size;
+  }
+}
+
+void Bsdf::add_diffuse(const Rgb& weight, const Vec3& normal, float roughness, const Rgb* color) {
+  const Rgb w = clean_color(weight);
+  add(Diffuse{w, color ? clean_color(*color) : w, normal, clean(roughness, 0, 1, 0)});
+}
+void Bsdf::add_translucent(const Rgb& weight, const Vec3& normal) { add(Translucent{clean_color(weight), normal}); }
+void Bsdf::add_transparent(const Rgb& weight) { add(Transparent{clean_color(weight)}); }
+void Bsdf::add_emission(const Rgb& weight) { add(Emission{clean_color(weight)}); }
+void Bsdf::add_holdout(float weight) { add(Holdout{clean(weight, 0, 1, 0)}); }
+void Bsdf::add_principled(const Rgb& weight, const PrincipledInputs& inputs) { add(Principled{clean_color(weight), clean(inputs)}); }
+void Bsdf::add_sheen(const Rgb& weight, const Vec3& normal, float roughness, bool ashikhmin) {
+  add(Sheen{clean_color(weight), normal, clean(roughness, 0, 1, 0.5f), ashikhmin});
+}
+void Bsdf::add_toon(const Rgb& weight, const Vec3& normal, bool glossy, float size, float smooth) {
+  add(Toon{clean_color(weight), normal, clean(size, 0, 1, 0.5f), clean(smooth, 0, 1, 0), glossy});
+}
+
+void Bsdf::add_glossy(const Rgb& weight, const Vec3& normal, Distribution d, float roughness, float anisotropy, float rotation,
+                      const Vec3& tangent, const Rgb* color) {
+  // The colour is the facets' reflectance: weight = color * mix.
+  const Rgb w = clean_color(weight), c = min(color ? clean_color(*color) : w, kWhite);
+  const auto ratio = [](float a, float b) { return b > 0 ? a / b : 0.0f; };
+  FresnelTerms f;
+  f.reflect_tint = c;
+  add(Facet{{ratio(w.x, c.x), ratio(w.y, c.y), ratio(w.z, c.z)}, normal, clean_shape(d, roughness, anisotropy, rotation, tangent), f, false, true});
+}
+
+void Bsdf::add_glass(const Rgb& weight, const Vec3& normal, Distribution d, float roughness, float ior, float film_thickness, float film_ior) {
+  FresnelTerms f;
+  f.kind = FresnelKind::kDielectric;
+  f.ior = clean(ior, 1e-5f, 1e5f, 1.45f);
+  f.transmit_tint = kWhite;
+  f.film_thickness = clean(film_thickness, 0, 1e5f, 0);
+  f.film_ior = clean(film_ior, 1e-5f, 1e5f, 1.33f);
+  add(Facet{clean_color(weight), normal, clean_shape(d, roughness, 0, 0, {}), f, true, true});
+}
+
+void Bsdf::add_refraction(const Rgb& weight, const Vec3& normal, Distribution d, float roughness, float ior) {
+  FresnelTerms f;
+  f.kind = FresnelKind::kDielectric;
+  f.ior = clean(ior, 1e-5f, 1e5f, 1.45f);
+  f.reflect_tint = {};
+  f.transmit_tint = kWhite;
+  add(Facet{clean_color(weight), normal, clean_shape(d == Distribution::kMultiGgx ? Distribution::kGgx : d, roughness, 0, 0, {}), f, true, false});
+}
+
+void Bsdf::add_metallic(const Rgb& weight, const Vec3& normal, Distribution d, float roughness, float anisotropy, float rotation,
+                        const Vec3& tangent, bool physical, const Rgb& base_or_ior, const Rgb& edge_or_extinction,
+                        float film_thickness, float film_ior) {
+  FresnelTerms f;
+  if (physical) {
+    f.kind = FresnelKind::kConductor;
+    f.f0 = clean_color(base_or_ior);
+    f.f90 = clean_color(edge_or_extinction);
+  } else {
+    f.kind = FresnelKind::kF82;
+    f.f0 = min(clean_color(base_or_ior), kWhite);
+    f.f90 = f82_factor(f.f0, min(clean_color(edge_or_extinction), kWhite));
+  }
+  f.film_thickness = clean(film_thickness, 0, 1e5f, 0);
+  f.film_ior = clean(film_ior, 1e-5f, 1e5f, 1.33f);
+  add(Facet{clean_color(weight), normal, clean_shape(d, roughness, anisotropy, rotation, tangent), f, false, true});
+}
+
+void Bsdf::finish() {
+  gather_ = gather_through_ = {};
+  sum_gather(lobes_, &gather_, &gather_through_);
+  rest_ = false;
+  float total = 0, largest = 0;
+  for (Lobe& lobe : lobes_) {
+    const bool plain = lobe.kind == LobeKind::kLambert || lobe.kind == LobeKind::kTranslucent;
+    if (!is_black(lobe.weight) && !(plain && dot(lobe.n, view_.ns) > 1 - 1e-6f)) rest_ = true;
+    largest = std::max(largest, lobe.albedo);
+  }
+  // A photon's lobes are weighed anew for the direction it leaves in: none that may count there is left out.
+  const float least = transport_ == Transport::kFlux ? 0.01f * std::max(largest, 1e-6f) : 1e-4f * largest;
+  for (Lobe& lobe : lobes_) {
+    // Towards which side of the cone a photon may leave a toon surface does not depend on where it came from.
+    if (transport_ == Transport::kFlux && lobe.kind == LobeKind::kToonDiffuse) lobe.kind = LobeKind::kLambert;
+    lobe.pick = is_black(lobe.weight) && transport_ == Transport::kRadiance ? 0 : std::max(lobe.albedo, least);
+    total += lobe.pick;
+  }
+  for (Lobe& lobe : lobes_) lobe.pick = total > 0 ? lobe.pick / total : 0;
+}
+
+bool Bsdf::scatters() const {
+  for (const Lobe& lobe : lobes_)
+    if (lobe.pick > 0) return true;
+  return false;
+}
+
+bool Bsdf::only_delta() const {
+  for (const Lobe& lobe : lobes_)
+    if (lobe.pick > 0 && !lobe.delta()) return false;
+  return scatters();
+}
+
+bool Bsdf::has_rest() const { return rest_; }
+
+Rgb Bsdf::albedo() const {
+  Rgb sum{};
+  for (const Lobe& lobe : lobes_)
+    sum += lobe.kind == LobeKind::kFacets ? lobe.weight * layer_albedo(view_, lobe) : lobe.diffuse() ? lobe.gather : lobe.weight;
+  return sum;
+}
+
+Rgb Bsdf::diffuse_albedo() const { return gather_ + gather_through_; }
+
+// The radiance BSDF with the two directions exchanged: photons come from wo and leave along wi. Densities on a surface are
+// per area of the surface proper: Veach 1997, section 5.3.
+Rgb Bsdf::adjoint(const Vec3& wi, Rgb* rest, Rgb* diffuse) const {
+  const View view = view_.towards(wi);
+  const float scale = std::abs(dot(wi, view_.ng)) / std::max(std::abs(dot(view_.wo, view_.ng)), 1e-6f);
+  LobeList lobes;
+  expand(view, lobes);
+  Rgb sum{}, soft{};
+  for (const Lobe& lobe : lobes) {
+    const Rgb f = lobe.evaluate(view, view_.wo).f;
+    sum += f;
+    if (lobe.diffuse()) soft += f;
+  }
+  if (rest) {
+    Rgb same{}, through{};
+    sum_gather(lobes, &same, &through);
+    *rest = (sum - gathered(view, view_.wo, same, through)) * scale;
+  }
+  if (diffuse) *diffuse = soft * scale;
+  return sum * scale;
+}
+
+Rgb Bsdf::evaluate(const Vec3& wi, float* pdf, Rgb* rest, Rgb* diffuse) const {
+  const bool radiance = transport_ == Transport::kRadiance;
+  Rgb sum{}, soft{};
+  float density = 0;
+  for (const Lobe& lobe : lobes_) {
+    if (lobe.pick <= 0) continue;
+    const FacetValue value = lobe.evaluate(view_, wi);
+    density += lobe.pick * value.pdf;
+    if (!radiance) continue;
+    sum += value.f;
+    if (lobe.diffuse()) soft += value.f;
+  }
+  if (pdf) *pdf = density;
+  if (!radiance) return adjoint(wi, rest, diffuse);
+  if (rest) *rest = rest_ ? sum - gathered(view_, wi, gather_, gather_through_) : Rgb{};
+  if (diffuse) *diffuse = soft;
+  return sum;
+}
+
+// A mirror's or smooth boundary's share; `out.direction` is known.
+std::optional<BsdfSample> Bsdf::finish_delta(int index, BsdfSample out) const {
+  const Lobe& lobe = lobes_[index];
+  if (!right_side(lobe, view_, out.direction)) return std::nullopt;
+  const float cosine = dot(lobe.n, view_.wo);
+  const float reflect = reflect_probability(evaluate_fresnel(lobe.fresnel, cosine));
+  const float chance = lobe.pick * (out.transmitted ? 1 - reflect : reflect);
+  if (!(chance > 0)) return std::nullopt;
+  const auto share = [&](const Lobe& l, float c) {
+    const FresnelValue f = evaluate_fresnel(l.fresnel, c);
+    return l.weight * (out.transmitted ? f.transmit : f.reflect);
+  };
+  if (transport_ == Transport::kRadiance) {
+    out.weight = share(lobe, cosine) / chance;
+  } else {
+    const View view = view_.towards(out.direction);
+    LobeList lobes;
+    expand(view, lobes);
+    const float cos_out = std::abs(dot(lobe.n, out.direction));
+    float scale = std::abs(dot(out.direction, view_.ng)) / std::max(std::abs(dot(view_.wo, view_.ng)), 1e-6f);
+    if (out.transmitted) scale *= cosine / std::max(sqr(lobe.fresnel.ior) * cos_out, 1e-6f);
+    if (index < lobes.size()) out.weight = share(lobes[index], cos_out) * (scale / chance);
+  }
+  out.rest = out.weight;
+  return out;
+}
+
+std::optional<BsdfSample> Bsdf::sample(float choice, const Vec2& u) const {
+  int index = -1;
+  for (int i = 0; i < lobes_.size(); ++i) {
+    const float pick = lobes_[i].pick;
+    if (pick <= 0) continue;
+    index = i;
+    if (choice < pick) break;
+    choice -= pick;
+  }
+  if (index < 0) return std::nullopt;
+  const Lobe& lobe = lobes_[index];
+  BsdfSample out;
+  if (!lobe.sample(view_, std::clamp(choice / lobe.pick, 0.0f, 0.99999994f), u, &out.direction)) return std::nullopt;
+  out.transmitted = dot(out.direction, lobe.n) < 0;
+  out.diffuse = lobe.diffuse();
+  out.roughness = lobe.roughness();
+  if (lobe.delta()) return finish_delta(index, out);
+  if (!right_side(lobe, view_, out.direction)) return std::nullopt;
+  const Rgb f = evaluate(out.direction, &out.pdf, &out.rest);
+  if (!(out.pdf > 0) || !std::isfinite(out.pdf)) return std::nullopt;
+  out.weight = f / out.pdf;
+  out.rest = out.rest / out.pdf;
+  if (!is_finite(out.weight) || !is_finite(out.rest)) return std::nullopt;
+  return out;
+}
+
+}  // namespace photon_splat

@@ -1,0 +1,208 @@
+// Diffuse-like lobes: Lambert, Oren-Nayar, translucent, sheen, velvet, toon.
+#include "lobe.h"
+
+namespace photon_splat {
+namespace {
+
+Lobe make(LobeKind kind, const Rgb& weight, const Vec3& n) {
+  Lobe lobe;
+  lobe.kind = kind;
+  lobe.weight = weight;
+  lobe.albedo = average(weight);
+  const Basis basis(n);
+  lobe.n = n, lobe.t = basis.tangent, lobe.b = basis.bitangent;
+  return lobe;
+}
+
+}  // namespace
+
+Lobe lambert_lobe(const Rgb& weight, const Vec3& n) {
+  Lobe lobe = make(LobeKind::kLambert, weight, n);
+  lobe.gather = weight;
+  return lobe;
+}
+
+Lobe translucent_lobe(const Rgb& weight, const Vec3& n) {
+  Lobe lobe = make(LobeKind::kTranslucent, weight, n);
+  lobe.gather = weight;
+  return lobe;
+}
+
+namespace {
+
+// Integral over the hemisphere of the improved Oren-Nayar model's second term (Fujii, "A tiny improvement of Oren-Nayar
+// reflectance model"): with A and B of the model, its directional albedo is pi A + B G(mu).
+float oren_nayar_g(float mu) {
+  const float s = std::sqrt(std::max(0.0f, 1 - sqr(mu)));
+  if (mu < 1e-4f) return kPi / 2 - 2.0f / 3 - mu;
+  return s * (std::acos(std::min(mu, 1.0f)) - 2.0f / 3 - s * mu) + 2.0f / 3 * s / mu * (1 - s * s * s);
+}
+
+}  // namespace
+
+// Energy-preserving Oren-Nayar (Fujii's model; compensation as in Portsmouth et al. 2025, "EON").
+Lobe oren_nayar_lobe(const View& view, const Rgb& weight, const Vec3& n, float roughness, const Rgb& color) {
+  Lobe lobe = make(LobeKind::kOrenNayar, weight, n);
+  const float a = 1 / (kPi + roughness * (kPi / 2 - 2.0f / 3)), b = roughness * a;
+  const float e_mean = kPi * a + b * (2 * kPi - 5.6f) / 3;
+  const float e_view = kPi * a + b * oren_nayar_g(std::max(0.0f, dot(n, view.wo)));
+  const float lost = std::max(0.0f, 1 - e_mean);
+  const auto multiple = [&](float c) { return c * c * e_mean / std::max(lost, 1e-6f) / (kPi * (1 - c * lost)); };
+  lobe.p[0] = a, lobe.p[1] = b, lobe.p[2] = std::max(0.0f, 1 - e_view);
+  const Rgb c = saturate(color);
+  lobe.multiple = {multiple(c.x), multiple(c.y), multiple(c.z)};
+  lobe.gather = weight * (kWhite * e_mean + lobe.multiple * (kPi * lost * lost));
+  return lobe;
+}
+
+Lobe sheen_lobe(const View& view, const Rgb& weight, const Vec3& n, float roughness) {
+  Lobe lobe = make(LobeKind::kSheen, weight, n);
+  const float x = std::clamp(dot(n, view.wo), 1e-3f, 1.0f), y = std::clamp(roughness, 1e-3f, 1.0f);
+  const Vec3 across = view.wo - n * dot(n, view.wo);
+  if (length2(across) > 1e-10f) lobe.t = normalize(across), lobe.b = cross(n, lobe.t);
+  // Fits to the tables of Zeltner et al. 2022 ("Practical multiple-scattering sheen using linearly transformed cosines") by
+  // the authors of MaterialX.
+  const float s = y * (0.0206607f + 1.58491f * y) / (0.0379424f + y * (1.32227f + y));
+  const float m = y * (-0.193854f + y * (-1.14885f + y * (1.7932f - 0.95943f * y * y))) / (0.046391f + y);
+  const float o = y * (0.000654023f + (-0.0207818f + 0.119681f * y) * y) / (1.26264f + y * (-1.92021f + y));
+  const float albedo = std::exp(-0.5f * sqr((x - m) / s)) / (s * std::sqrt(2 * kPi)) + o;
+  lobe.p[0] = (2.58126f * x + 0.813703f * y) * y / (1 + 0.310327f * x * x + 2.60994f * x * y);
+  lobe.p[1] = std::sqrt(1 - x) * (y - 1) * y * y * y / (0.0000254053f + 1.71228f * x - 1.71506f * x * y + 1.34174f * y * y);
+  lobe.weight *= albedo;
+  lobe.albedo *= albedo;
+  lobe.gather = lobe.weight;
+  return lobe;
+}
+
+Lobe velvet_lobe(const View& view, const Rgb& weight, const Vec3& n, float sigma) {
+  Lobe lobe = make(LobeKind::kVelvet, weight, n);
+  lobe.p[0] = 1 / sqr(std::max(sigma, 0.01f));
+  if (!(dot(n, view.wo) > 0)) lobe.weight = {}, lobe.albedo = 0;
+  return lobe;
+}
+
+Lobe toon_lobe(const Rgb& weight, const Vec3& n, bool glossy, float size, float smooth) {
+  Lobe lobe = make(glossy ? LobeKind::kToonGlossy : LobeKind::kToonDiffuse, weight, n);
+  const float reach = std::min((size + smooth) * kPi / 2, kPi / 2);
+  lobe.p[0] = size * kPi / 2;
+  lobe.p[1] = smooth * kPi / 2;
+  lobe.p[2] = std::max(2 * sqr(std::sin(0.5f * std::max(reach, 1e-3f))), 1e-6f);  // 1 - cos of the cone
+  return lobe;
+}
+
+namespace {
+
+// Softens the terminator that a bumped normal draws (Estevez et al. 2019, "A microfacet-based shadowing function to solve
+// the bump terminator problem").
+float bump_shadow(const Vec3& smooth, const Vec3& n, const Vec3& wi) {
+  const float a = dot(n, wi), b = dot(smooth, wi), c = dot(smooth, n);
+  if (!(a * b * c > 0)) return 0;
+  const float g = b / (a * c);
+  return g >= 1 ? 1 : g * (1 + g - g * g);
+}
+
+float toon_intensity(const Lobe& lobe, float angle) {
+  if (angle < lobe.p[0]) return 1;
+  return angle < lobe.p[0] + lobe.p[1] ? 1 - (angle - lobe.p[0]) / lobe.p[1] : 0;
+}
+
+Vec3 toon_axis(const Lobe& lobe, const Vec3& wo) {
+  return lobe.kind == LobeKind::kToonGlossy ? lobe.n * (2 * dot(lobe.n, wo)) - wo : lobe.n;
+}
+
+}  // namespace
+
+FacetValue Lobe::evaluate(const View& view, const Vec3& wi) const {
+  const float side = dot(view.ng, wi), cosine = dot(n, wi);
+  switch (kind) {
+    case LobeKind::kLambert:
+    case LobeKind::kOrenNayar: {
+      if (!(side > 0 && cosine > 0)) return {};
+      Rgb f = weight * (cosine / kPi);
+      if (kind == LobeKind::kOrenNayar) {
+        const float nv = std::max(0.0f, dot(n, view.wo));
+        float t = dot(wi, view.wo) - cosine * nv;
+        if (t > 0) t /= std::max(cosine, nv) + 1e-30f;
+        const float lost = std::max(0.0f, 1 - (kPi * p[0] + p[1] * oren_nayar_g(cosine)));
+        f = weight * (kWhite * (p[0] + p[1] * t) + multiple * (p[2] * lost)) * cosine;
+      }
+      if (dot(n, view.ns) < 1 - 1e-6f) f *= bump_shadow(view.ns, n, wi);
+      return {f, cosine / kPi};
+    }
+    case LobeKind::kTranslucent: {
+      if (!(side < 0 && cosine < 0)) return {};
+      Rgb f = weight * (-cosine / kPi);
+      if (dot(n, view.ns) < 1 - 1e-6f) f *= bump_shadow(view.ns, n, wi);
+      return {f, -cosine / kPi};
+    }
+    case LobeKind::kSheen: {
+      if (!(side > 0 && cosine > 0)) return {};
+      const Vec3 w = to_local(wi);
+      const float len2 = sqr(p[0] * w.x + p[1] * w.z) + sqr(p[0] * w.y) + sqr(w.z);
+      const float pdf = w.z / kPi * sqr(p[0] / len2);
+      return {weight * pdf, pdf};
+    }
+    case LobeKind::kVelvet: {
+      const float cos_o = dot(n, view.wo);
+      if (!(side > 0 && cosine > 0 && cos_o > 0)) return {};
+      const Vec3 h = normalize(view.wo + wi);
+      const float nh = dot(n, h), oh = std::abs(dot(view.wo, h)), pdf = 1 / (2 * kPi);
+      if (!(std::abs(nh) < 1 - 1e-5f && oh > 1e-5f)) return {{}, pdf};
+      const float ratio = std::max(nh / oh, 1e-5f), sin2 = 1 - sqr(nh);
+      const float g = std::min(1.0f, 2 * ratio * std::min(cos_o, cosine));
+      const float d = std::exp(-sqr(nh) / sin2 * p[0]) * p[0] / (kPi * sqr(sin2));
+      return {weight * (0.25f * d * g / cos_o), pdf};
+    }
+    case LobeKind::kToonDiffuse:
+    case LobeKind::kToonGlossy: {
+      if (!(side > 0 && cosine > 0) || !(dot(n, view.wo) > 0 || kind == LobeKind::kToonDiffuse)) return {};
+      const float c = dot(toon_axis(*this, view.wo), wi), pdf = 1 / (2 * kPi * p[2]);
+      if (c < 1 - p[2]) return {};
+      return {weight * (toon_intensity(*this, std::acos(std::min(c, 1.0f))) * pdf), pdf};
+    }
+    case LobeKind::kFacets: {
+      if (facets.delta()) return {};
+      if ((side < 0) != (cosine < 0)) return {};
+      FacetValue value = evaluate_facets(facets, fresnel, to_local(view.wo), to_local(wi));
+      value.f *= weight;
+      return value;
+    }
+  }
+  return {};
+}
+
+bool Lobe::sample(const View& view, float choice, const Vec2& u, Vec3* wi) const {
+  Vec3 w;
+  switch (kind) {
+    case LobeKind::kLambert:
+    case LobeKind::kOrenNayar:
+      w = sample_cosine_hemisphere(u);
+      break;
+    case LobeKind::kTranslucent:
+      w = -sample_cosine_hemisphere(u);
+      break;
+    case LobeKind::kSheen: {
+      const Vec3 c = sample_cosine_hemisphere(u);
+      w = normalize({c.x - c.z * p[1], c.y, c.z * p[0]});
+      break;
+    }
+    case LobeKind::kVelvet: {
+      const float r = std::sqrt(std::max(0.0f, 1 - sqr(u.x)));
+      w = {r * std::cos(2 * kPi * u.y), r * std::sin(2 * kPi * u.y), u.x};
+      break;
+    }
+    case LobeKind::kToonDiffuse:
+      w = sample_cone(u, p[2]);
+      break;
+    case LobeKind::kToonGlossy:
+      *wi = Basis(toon_axis(*this, view.wo)).to_world(sample_cone(u, p[2]));
+      return dot(*wi, n) > 0;
+    case LobeKind::kFacets:
+      if (!sample_facets(facets, fresnel, to_local(view.wo), choice, u, &w)) return false;
+      break;
+  }
+  *wi = normalize(to_world(w));
+  return true;
+}
+
+}  // namespace photon_splat

@@ -1,0 +1,98 @@
+#include "lobe.h"
+#include "tables.h"
+
+namespace photon_splat {
+
+Vec3 View::turned(const Vec3& normal) const {
+  const float l2 = length2(normal);
+  if (!(l2 > 1e-12f && l2 < 1e12f)) return ns;
+  return std::abs(l2 - 1) < 1e-6f ? (back ? -normal : normal) : normal * ((back ? -1 : 1) / std::sqrt(l2));
+}
+
+float Lobe::roughness() const {
+  switch (kind) {
+    case LobeKind::kFacets: return facets.delta() ? 0 : std::sqrt(std::sqrt(facets.ax * facets.ay));
+    case LobeKind::kToonGlossy: return std::sqrt(std::min(p[2], 1.0f));
+    default: return 1;
+  }
+}
+
+namespace {
+
+// Turns n towards ng until the mirror direction of wo stands a little above the surface; as it is where it already does.
+// In the plane of ng and n, with wo = (x, z) there and n at the angle a from ng, the mirror direction's height over the
+// surface is x sin 2a + z cos 2a.
+Vec3 valid_reflection(const View& view, const Vec3& n) {
+  const float z = dot(view.wo, view.ng), ngn = dot(view.ng, n);
+  const float least = std::min(0.9f * z, 0.01f);
+  const Vec3 mirror = n * (2 * dot(n, view.wo)) - view.wo;
+  if (!(z > 0) || dot(view.ng, mirror) >= least) return n;
+  const Vec3 across = n - view.ng * ngn;
+  const float across2 = length2(across);
+  if (!(across2 > 1e-12f)) return n;
+  const Vec3 axis = across / std::sqrt(across2);
+  const float x = dot(view.wo, axis), r = std::sqrt(sqr(x) + sqr(z));
+  const float a = 0.5f * (std::atan2(x, z) + std::acos(std::clamp(least / r, -1.0f, 1.0f)));
+  return normalize(view.ng * std::cos(a) + axis * std::sin(a));
+}
+
+Vec3 rotate(const Vec3& v, const Vec3& axis, float angle) {  // Rodrigues
+  const float c = std::cos(angle), s = std::sin(angle);
+  return v * c + cross(axis, v) * s + axis * (dot(axis, v) * (1 - c));
+}
+
+}  // namespace
+
+Rgb layer_albedo(const View& view, const Lobe& lobe) {
+  const float mu = saturate(dot(lobe.n, view.wo));
+  const FresnelTerms& f = lobe.fresnel;
+  if (f.kind == FresnelKind::kDielectric && f.ior != 1 && f.film_thickness <= 0.1f) {
+    const Rgb r = lerp(f.f0, f.f90, dielectric_rise(std::sqrt(std::sqrt(lobe.facets.ax * lobe.facets.ay)), mu, f.ior));
+    return r * f.reflect_tint + (kWhite - r) * f.transmit_tint;
+  }
+  const FresnelValue value = evaluate_fresnel(f, mu);
+  return value.reflect + value.transmit;
+}
+
+Lobe facet_lobe(const View& view, const Rgb& weight, const Vec3& normal, const FacetShape& shape, const FresnelTerms& fresnel) {
+  Lobe lobe;
+  lobe.kind = LobeKind::kFacets;
+  lobe.weight = weight;
+  lobe.fresnel = fresnel;
+  lobe.facets.beckmann = shape.beckmann;
+  const bool through = !is_black(fresnel.transmit_tint);
+  if (std::abs(fresnel.ior - 1) < 1e-3f && through) lobe.fresnel.ior = 1;
+  const float alpha = sqr(shape.roughness);
+  lobe.facets.ax = lobe.facets.ay = alpha;
+  if (shape.anisotropy > 0) lobe.facets.ax *= 1 - shape.anisotropy, lobe.facets.ay /= 1 - shape.anisotropy;
+  if (shape.anisotropy < 0) lobe.facets.ax /= 1 + shape.anisotropy, lobe.facets.ay *= 1 + shape.anisotropy;
+  lobe.facets.ax = saturate(lobe.facets.ax), lobe.facets.ay = saturate(lobe.facets.ay);
+  if (through && lobe.fresnel.ior == 1) lobe.facets.ax = lobe.facets.ay = 0;  // nothing bends: straight on
+  lobe.n = valid_reflection(view, normal);
+  Vec3 tangent = shape.tangent - lobe.n * dot(lobe.n, shape.tangent);
+  const float length2_tangent = length2(tangent);
+  if (shape.anisotropy != 0 && length2_tangent > 1e-12f && length2_tangent < 1e12f) {
+    tangent = tangent / std::sqrt(length2_tangent);
+    lobe.t = shape.rotation != 0 ? rotate(tangent, lobe.n, 2 * kPi * shape.rotation) : tangent;
+    lobe.b = cross(lobe.n, lobe.t);
+  } else {
+    const Basis basis(lobe.n);
+    lobe.t = basis.tangent, lobe.b = basis.bitangent;
+  }
+
+  const float mu = dot(lobe.n, view.wo);
+  if (!(mu > 0)) lobe.weight = {};
+  if (shape.preserve_energy && !lobe.facets.delta() && mu > 0) {
+    const float rough = std::sqrt(std::sqrt(lobe.facets.ax * lobe.facets.ay));
+    // Turquin 2019, "Practical multiple scattering compensation for microfacet models".
+    const Albedo e = through ? glass_albedo(rough, mu, lobe.fresnel.ior) : ggx_albedo(rough, mu);
+    const float missing = (1 - e.directional) / std::max(e.directional, 1e-3f);
+    const auto scale = [&](float f) { return 1 + missing * f * e.mean / std::max(1 - f * (1 - e.mean), 1e-6f); };
+    const Rgb f = through ? kWhite : saturate(mean_reflectance(fresnel));
+    lobe.weight *= Rgb{scale(f.x), scale(f.y), scale(f.z)};
+  }
+  lobe.albedo = average(lobe.weight * layer_albedo(view, lobe));
+  return lobe;
+}
+
+}  // namespace photon_splat

@@ -1,0 +1,49 @@
+// Share of light reflected at a smooth boundary, by angle.
+#pragma once
+
+#include "../vec.h"
+
+namespace photon_splat {
+
+enum class FresnelKind : uint8_t { kOne, kDielectric, kF82, kConductor };
+
+// What a microfacet does with light: reflect + transmit <= 1 in each channel for physical parameters.
+struct FresnelTerms {
+  FresnelKind kind = FresnelKind::kOne;
+  float ior = 1;                // dielectric: index behind the boundary over the index before it
+  Rgb f0{1, 1, 1}, f90{1, 1, 1};  // dielectric: reflectance at 0 and 90 degrees; F82: base and b; conductor: n and k
+  Rgb reflect_tint{1, 1, 1}, transmit_tint{};
+  float film_thickness = 0, film_ior = 1.33f;  // nm; no film under 0.1 nm
+};
+
+struct FresnelValue {
+  Rgb reflect, transmit;
+};
+
+inline float sqr(float x) { return x * x; }
+inline float saturate(float x) { return x > 0 ? (x < 1 ? x : 1.0f) : 0.0f; }  // NaN: 0
+inline Rgb saturate(const Rgb& c) { return {saturate(c.x), saturate(c.y), saturate(c.z)}; }
+inline Rgb lerp(const Rgb& a, const Rgb& b, float t) { return a + (b - a) * t; }
+inline constexpr Rgb kWhite{1, 1, 1};
+
+// Unpolarised reflectance of a boundary between dielectrics, cos_i > 0; `cos_t` (optional): of the refracted ray, 0 when there
+// is none (total internal reflection, reflectance 1).
+float fresnel_dielectric(float cos_i, float ior, float* cos_t = nullptr);
+
+inline float f0_from_ior(float ior) { return sqr((ior - 1) / (ior + 1)); }
+float ior_from_f0(float f0);
+
+// Schlick's curve bent so that it takes the value base * tint at 82 degrees (Kutz et al. 2021): the factor `b` of
+// F(c) = f0 + (1 - f0) (1 - c)^5 - b c (1 - c)^6.
+Rgb f82_factor(const Rgb& base, const Rgb& tint);
+
+FresnelValue evaluate_fresnel(const FresnelTerms& terms, float cos_i);
+
+// Mean of the reflectance over a hemisphere, 2 integral F(c) c dc: what energy loses at each further bounce between facets.
+Rgb mean_reflectance(const FresnelTerms& terms);
+
+// Reflectance of a thin film (Belcour & Barla 2017) as RGB in [0, 1]; `n`, `k`: index of what lies under it over the index
+// outside, extinction (0: dielectric).
+Rgb film_reflectance(float cos_i, float thickness_nm, float film_ior, const Rgb& n, const Rgb& k);
+
+}  // namespace photon_splat

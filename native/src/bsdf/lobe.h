@@ -1,0 +1,90 @@
+// One scattering lobe of a surface as seen from one direction, and the list of them that a Bsdf's closures expand to.
+#pragma once
+
+#include <cstddef>
+#include <new>
+
+#include "microfacet.h"
+
+namespace photon_splat {
+
+enum class LobeKind : uint8_t { kLambert, kOrenNayar, kTranslucent, kFacets, kSheen, kVelvet, kToonDiffuse, kToonGlossy };
+
+// Where a surface is looked at. `ng`, `ns` on the side of wo; back: that side is the geometric back.
+struct View {
+  Vec3 wo, ng, ns;
+  bool back;
+
+  // The same point from the direction w, on either side.
+  View towards(const Vec3& w) const {
+    return dot(w, ng) < 0 ? View{w, -ng, -ns, !back} : View{w, ng, ns, back};
+  }
+  Vec3 turned(const Vec3& normal) const;  // a closure's normal, given on the front side; `ns` if it is of no use
+};
+
+struct Lobe {
+  LobeKind kind;
+  Rgb weight;          // factor of everything below
+  float albedo;        // share of light it is thought to scatter, for the choice among lobes
+  float pick = 0;      // probability of that choice
+  Vec3 n, t, b;        // frame; n on the side of wo (translucent: too)
+  Facets facets;       // kFacets
+  FresnelTerms fresnel;
+  float p[3] = {};     // kOrenNayar: a, b, 1 - E(wo); kSheen: LTC a and b; kVelvet: 1/sigma^2; toon: size, smooth, pdf
+  Rgb multiple;        // kOrenNayar: factor of the energy-preserving term
+  Rgb gather;          // diffuse-like lobes: Lambertian albedo that photons estimate
+
+  bool diffuse() const { return kind != LobeKind::kFacets && kind != LobeKind::kToonGlossy; }
+  bool delta() const { return kind == LobeKind::kFacets && facets.delta(); }
+  float roughness() const;
+  Vec3 to_local(const Vec3& v) const { return {dot(v, t), dot(v, b), dot(v, n)}; }
+  Vec3 to_world(const Vec3& v) const { return t * v.x + b * v.y + n * v.z; }
+
+  // f |cos wi| and the density of sample(). Deltas: 0.
+  FacetValue evaluate(const View& view, const Vec3& wi) const;
+  // False: no direction. The result may be on the wrong side of ng.
+  bool sample(const View& view, float choice, const Vec2& u, Vec3* wi) const;
+};
+
+// Fixed room, filled from the front; what does not fit is dropped.
+class LobeList {
+ public:
+  static constexpr int kMax = 48;
+
+  Rgb emission{}, transparency{};
+  float holdout = 0;
+
+  int size() const { return size_; }
+  Lobe* begin() { return std::launder(reinterpret_cast<Lobe*>(storage_)); }
+  Lobe* end() { return begin() + size_; }
+  const Lobe* begin() const { return std::launder(reinterpret_cast<const Lobe*>(storage_)); }
+  const Lobe* end() const { return begin() + size_; }
+  const Lobe& operator[](int i) const { return begin()[i]; }
+  void add(const Lobe& lobe) {
+    if (size_ < kMax) new (storage_ + sizeof(Lobe) * static_cast<size_t>(size_++)) Lobe(lobe);
+  }
+
+ private:
+  int size_ = 0;
+  alignas(Lobe) std::byte storage_[sizeof(Lobe) * kMax];  // not a Lobe[]: the constructors would cost more than a hit
+};
+
+// What makes a lobe out of a closure's inputs. All inputs finite and in range.
+Lobe lambert_lobe(const Rgb& weight, const Vec3& n);
+Lobe oren_nayar_lobe(const View& view, const Rgb& weight, const Vec3& n, float roughness, const Rgb& color);
+Lobe translucent_lobe(const Rgb& weight, const Vec3& n);
+Lobe sheen_lobe(const View& view, const Rgb& weight, const Vec3& n, float roughness);
+Lobe velvet_lobe(const View& view, const Rgb& weight, const Vec3& n, float sigma);
+Lobe toon_lobe(const Rgb& weight, const Vec3& n, bool glossy, float size, float smooth);
+
+struct FacetShape {
+  bool beckmann = false, preserve_energy = false;
+  float roughness = 0, anisotropy = 0, rotation = 0;  // rotation in turns
+  Vec3 tangent{};
+};
+Lobe facet_lobe(const View& view, const Rgb& weight, const Vec3& n, const FacetShape& shape, const FresnelTerms& fresnel);
+
+// What a facet lobe reflects (and refracts, where it does), before its energy compensation: attenuates what is under it.
+Rgb layer_albedo(const View& view, const Lobe& lobe);
+
+}  // namespace photon_splat

@@ -1,0 +1,136 @@
+#include "principled.h"
+
+namespace photon_splat {
+
+PrincipledInputs clean(const PrincipledInputs& inputs) {
+  PrincipledInputs in = inputs;
+  const auto unit = [](float& x, float fallback) { x = clean(x, 0, 1, fallback); };
+  in.base_color = clean_color(in.base_color);
+  in.specular_tint = clean_color(in.specular_tint);
+  in.coat_tint = clean_color(in.coat_tint);
+  in.sheen_tint = clean_color(in.sheen_tint);
+  in.emission_color = clean_color(in.emission_color);
+  unit(in.metallic, 0), unit(in.roughness, 0.5f), unit(in.diffuse_roughness, 0), unit(in.subsurface_weight, 0);
+  unit(in.transmission_weight, 0), unit(in.coat_roughness, 0), unit(in.sheen_roughness, 0.5f), unit(in.alpha, 1);
+  unit(in.coat_weight, 0);
+  in.sheen_weight = clean(in.sheen_weight, 0, 1e6f, 0);
+  in.ior = clean(in.ior, 1e-5f, 1e5f, 1.5f);
+  in.coat_ior = clean(in.coat_ior, 1, 1e5f, 1.5f);
+  in.specular_level = clean(in.specular_level, 0, 1e6f, 0.5f);
+  in.anisotropic = clean(in.anisotropic, -0.99f, 0.99f, 0);
+  in.anisotropic_rotation = clean(in.anisotropic_rotation, -1e4f, 1e4f, 0);
+  in.emission_strength = clean(in.emission_strength, 0, 1e18f, 0);
+  in.thin_film_thickness = clean(in.thin_film_thickness, 0, 1e5f, 0);
+  in.thin_film_ior = clean(in.thin_film_ior, 1e-5f, 1e5f, 1.33f);
+  if (!is_finite(in.tangent)) in.tangent = {};
+  return in;
+}
+
+namespace {
+
+// What is left under a layer whose albedo is given, without tinting it.
+float under(const Rgb& albedo) { return saturate(1 - max_component(albedo)); }
+
+Rgb power(const Rgb& c, float e) { return {std::pow(c.x, e), std::pow(c.y, e), std::pow(c.z, e)}; }
+
+}  // namespace
+
+// Which lobes come out depends on the inputs alone, never on the view: adjoints match lobes of two views by number.
+void expand_principled(const Rgb& outer, const PrincipledInputs& in, const View& view, LobeList& out) {
+  const Vec3 normal = view.turned(in.normal), coat_normal = view.turned(in.coat_normal);
+  const Rgb base = min(in.base_color, kWhite);
+  Rgb weight = outer;
+  if (in.alpha < 1) out.transparency += weight * (1 - in.alpha);
+  weight *= in.alpha;
+
+  if (in.sheen_weight > 0) {
+    const Vec3 mixed = lerp(normal, coat_normal, in.coat_weight);
+    const Rgb tint = min(in.sheen_tint, kWhite) * std::min(in.sheen_weight, 1.0f);
+    const Lobe sheen = sheen_lobe(view, tint, length2(mixed) > 1e-12f ? normalize(mixed) : normal, in.sheen_roughness);
+    Lobe scaled = sheen;
+    scaled.weight *= weight;
+    scaled.gather *= weight;
+    scaled.albedo = average(scaled.weight);
+    out.add(scaled);
+    weight *= under(sheen.weight);
+  }
+
+  if (in.coat_weight > 0) {
+    FresnelTerms f;
+    f.kind = FresnelKind::kDielectric;
+    f.ior = in.coat_ior;
+    const float f0 = f0_from_ior(f.ior);
+    f.f0 = {f0, f0, f0};
+    FacetShape shape;
+    shape.roughness = in.coat_roughness;
+    const Lobe coat = facet_lobe(view, weight * in.coat_weight, coat_normal, shape, f);
+    out.add(coat);
+    weight *= under(layer_albedo(view, coat) * in.coat_weight);
+    if (in.coat_tint.x != 1 || in.coat_tint.y != 1 || in.coat_tint.z != 1) {
+      // Absorption along the refracted ray's way through the coat and back.
+      const float cos_i = saturate(dot(coat.n, view.wo));
+      const float cos_t = std::sqrt(std::max(1e-6f, 1 - (1 - sqr(cos_i)) / sqr(in.coat_ior)));
+      weight *= lerp(kWhite, power(in.coat_tint, 1 / cos_t), in.coat_weight);
+    }
+  }
+
+  if (in.emission_strength > 0) out.emission += weight * in.emission_color * in.emission_strength;
+
+  FacetShape shape;
+  shape.preserve_energy = in.distribution == Distribution::kMultiGgx;
+  shape.beckmann = in.distribution == Distribution::kBeckmann;
+  shape.roughness = in.roughness;
+  shape.anisotropy = in.anisotropic;
+  shape.rotation = in.anisotropic_rotation;
+  shape.tangent = in.tangent;
+
+  if (in.metallic > 0) {
+    FresnelTerms f;
+    f.kind = FresnelKind::kF82;
+    f.f0 = base;
+    f.f90 = f82_factor(base, min(in.specular_tint, kWhite));
+    f.film_thickness = in.thin_film_thickness;
+    f.film_ior = in.thin_film_ior;
+    out.add(facet_lobe(view, weight * in.metallic, normal, shape, f));
+    weight *= 1 - in.metallic;
+  }
+
+  if (in.transmission_weight > 0) {
+    FresnelTerms f;
+    f.kind = FresnelKind::kDielectric;
+    f.ior = view.back ? 1 / in.ior : in.ior;
+    f.f0 = in.specular_tint * f0_from_ior(f.ior);
+    f.transmit_tint = {std::sqrt(base.x), std::sqrt(base.y), std::sqrt(base.z)};
+    f.film_thickness = in.thin_film_thickness;
+    f.film_ior = in.thin_film_ior;
+    FacetShape isotropic = shape;
+    isotropic.anisotropy = 0;
+    out.add(facet_lobe(view, weight * in.transmission_weight, normal, isotropic, f));
+    weight *= 1 - in.transmission_weight;
+  }
+
+  if (in.metallic < 1 && in.transmission_weight < 1) {
+    FresnelTerms f;
+    f.kind = FresnelKind::kDielectric;
+    f.ior = in.ior;
+    float f0 = f0_from_ior(in.ior);
+    if (in.specular_level != 0.5f) {
+      f0 *= 2 * in.specular_level;
+      f.ior = ior_from_f0(f0);
+      if (in.ior < 1) f.ior = 1 / f.ior;
+    }
+    f.f0 = min(in.specular_tint * f0, kWhite);
+    f.film_thickness = in.thin_film_thickness;
+    f.film_ior = in.thin_film_ior;
+    if (f.ior != 1 || f.film_thickness > 0.1f) {
+      const Lobe gloss = facet_lobe(view, weight, normal, shape, f);
+      out.add(gloss);
+      weight *= under(layer_albedo(view, gloss));
+    }
+    const float rough_share = in.diffuse_roughness > 1e-5f ? 1 - in.subsurface_weight : 0;
+    if (rough_share > 0) out.add(oren_nayar_lobe(view, weight * in.base_color * rough_share, normal, in.diffuse_roughness, in.base_color));
+    if (rough_share < 1) out.add(lambert_lobe(weight * in.base_color * (1 - rough_share), normal));
+  }
+}
+
+}  // namespace photon_splat
