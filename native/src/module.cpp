@@ -83,7 +83,8 @@ uint32_t add_texture(Renderer& r, nb::ndarray<nb::c_contig, nb::device::cpu, nb:
   if (texture.width < 1 || texture.height < 1) throw std::invalid_argument("a texture has no pixels");
   texture.srgb = srgb;
   texture.interpolation = named<Interpolation>(
-      interpolation, {{"linear", Interpolation::kLinear}, {"closest", Interpolation::kClosest}}, "interpolation");
+      interpolation, {{"linear", Interpolation::kLinear}, {"closest", Interpolation::kClosest},
+                      {"cubic", Interpolation::kCubic}}, "interpolation");
   texture.extension = named<Extension>(extension, {{"repeat", Extension::kRepeat}, {"extend", Extension::kExtend},
                                                    {"clip", Extension::kClip}, {"mirror", Extension::kMirror}}, "extension");
   if (pixels.dtype() == nb::dtype<uint8_t>()) {
@@ -364,6 +365,7 @@ NB_MODULE(photon_splat_native, m) {
         out["embree_seconds"] = embree;
         return out;
       }, "paths"_a, "Traces photon paths, then replays their rays by Embree alone.");
+  bind_shading(m, renderer);
   bind_splatting(renderer);
   bind_viewport(renderer);
 }

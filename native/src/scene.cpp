@@ -93,6 +93,9 @@ void Scene::commit(RTCScene scene, const CancelFlag& cancel) {
 void Scene::build(const CancelFlag& cancel) {
   std::vector<uint32_t> uses(meshes.size());
   for (const Instance& instance : instances) ++uses[instance.mesh];
+  world_to_object.clear();
+  if (!programs.empty())
+    for (const Instance& instance : instances) world_to_object.push_back(instance.to_local);
   for (Instance& instance : instances) {
     instance.shared = uses[instance.mesh] > 1;
     if (instance.shared) continue;
@@ -109,6 +112,7 @@ void Scene::build(const CancelFlag& cancel) {
         std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
         if (!mesh.corner_normals.empty()) std::swap(mesh.corner_normals[3 * t + 1], mesh.corner_normals[3 * t + 2]);
         if (!mesh.uv.empty()) std::swap(mesh.uv[3 * t + 1], mesh.uv[3 * t + 2]);
+        for (MeshAttribute& attribute : mesh.attributes) attribute.swap_corners(3 * t + 1, 3 * t + 2);
       }
     }
     instance.to_world = instance.to_local = Affine{};

@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 
+#include "attributes.h"
 #include "nodes/program.h"
 #include "parallel.h"
 #include "texture.h"
@@ -30,8 +31,16 @@ struct Mesh {
   std::vector<Vec3> corner_normals;  // 3 per triangle, or empty: flat
   std::vector<Vec2> uv;              // 3 per triangle, or empty
   std::vector<uint16_t> slots;       // per triangle, or empty
+  std::vector<MeshAttribute> attributes;
+  GeneratedSpace generated;
   Topology topology;
   std::unique_ptr<EdgeTree> edge_tree;
+
+  const MeshAttribute* attribute(uint32_t id) const {
+    for (const MeshAttribute& a : attributes)
+      if (a.id == id) return &a;
+    return nullptr;
+  }
 };
 
 // A mesh that stands once in the scene is held in world coordinates (`shared` false, to_world = identity);
@@ -78,6 +87,9 @@ class Scene {
   std::vector<Program> programs;
   Rgb world{};
   int world_program = -1;  // into programs: then `world` is not read
+  ShadingView view;        // for programs
+  std::vector<InstanceAttribute> instance_attributes;
+  std::vector<Affine> world_to_object;  // of each instance, shared or not; filled by build() where there are programs
   double origin[3] = {0, 0, 0};
 
   // Adds a mesh placed by a matrix that is already relative to `origin`.

@@ -1,6 +1,7 @@
 // Image textures: 8-bit pixels stay 8-bit, float pixels stay float.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -9,8 +10,11 @@
 
 namespace photon_splat {
 
-enum class Interpolation { kLinear, kClosest };
+enum class Interpolation { kLinear, kClosest, kCubic };
 enum class Extension { kRepeat, kExtend, kClip, kMirror };
+
+float decode_srgb(float encoded);
+float decode_srgb_byte(uint8_t encoded);
 
 struct Texture {
   int width = 0, height = 0;
@@ -22,10 +26,13 @@ struct Texture {
 
   // Linear RGB at uv; black where kClip ends the image. Stored values are interpolated, then decoded, as Cycles does.
   Rgb lookup(Vec2 uv) const;
+  // The same with alpha; `unassociate`: colour is divided by alpha before it is decoded.
+  std::array<float, 4> lookup_rgba(Vec2 uv, bool unassociate) const;
 
  private:
-  Rgb texel(int x, int y) const;  // as stored
-  Rgb decode(const Rgb& stored) const;
+  using Texel = std::array<float, 4>;
+  Texel texel(int x, int y) const;  // as stored
+  Texel interpolated(Vec2 uv) const;
 };
 
 }  // namespace photon_splat

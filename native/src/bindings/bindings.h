@@ -16,6 +16,9 @@ nanobind::ndarray<nanobind::numpy, T> to_numpy(std::vector<T>&& values, std::ini
   return nanobind::ndarray<nanobind::numpy, T>(kept->data(), shape, owner);
 }
 
+// Shader programs, what they read from meshes and instances, and their table of operations.
+void bind_shading(nanobind::module_& m, nanobind::class_<Renderer>& renderer);
+
 // What a splatter outside of the native module needs: photons, pairs, points as an atlas, sums.
 void bind_splatting(nanobind::class_<Renderer>& renderer);
 

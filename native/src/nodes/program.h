@@ -47,6 +47,7 @@ struct ShadingPoint {
   bool back = false;
   uint32_t instance = kNoInstance, triangle = 0;
   float u = 0, v = 0;          // barycentric
+  float footprint = 0;         // width of a pixel here, m: how far apart Bump looks; 0: not known
   RayInfo ray;
 };
 

@@ -1,0 +1,25 @@
+// Perlin noise in one to four dimensions and fractals of it.
+#pragma once
+
+#include "ops.h"
+
+namespace photon_splat::nodes {
+
+template <int N>
+struct Point {
+  float c[N];
+};
+
+struct FractalSettings {
+  float detail, roughness, lacunarity, offset = 0, gain = 0;  // detail in 0..15, roughness >= 0
+  NoiseType type = NoiseType::FBM;
+  bool normalize = true;
+};
+
+// Signed noise in about [-1, 1], repeating every 100,000 units.
+template <int N>
+float signed_noise(const Point<N>& p);
+template <int N>
+float fractal_noise(Point<N> p, const FractalSettings& s);
+
+}  // namespace photon_splat::nodes
