@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from .scene import Scene, Side
+from .scene import Camera, Frame, Scene, Side
 from .settings import RenderSettings
 
 if TYPE_CHECKING:
@@ -38,11 +38,7 @@ def fill_renderer(renderer: Renderer, scene: Scene, settings: RenderSettings) ->
     if not np.isfinite(origin).all():
         raise ValueError("the scene has an instance whose place in the world is not finite")
     renderer.set_origin([float(c) for c in origin])
-    for texture in scene.textures:
-        renderer.add_texture(np.ascontiguousarray(texture.pixels), texture.srgb, str(texture.interpolation), str(texture.extension))
-    for material in scene.materials:
-        with _naming(f"material '{material.name}'"):
-            renderer.add_material(_side(material.front), _side(material.back))
+    _add_materials(renderer, scene)
     for mesh in scene.meshes:
         with _naming(f"mesh '{mesh.name}'"):
             renderer.add_mesh(
@@ -53,6 +49,35 @@ def fill_renderer(renderer: Renderer, scene: Scene, settings: RenderSettings) ->
                 _contiguous(mesh.slots, np.uint16),
             )
     _add_instances(renderer, scene)
+    _add_lights(renderer, scene)
+    place_camera(renderer, scene.camera, scene.frame)
+    renderer.set_options(
+        photons_per_pass=settings.photons_per_pass,
+        max_bounces=settings.max_bounces,
+        radius_scale=settings.radius_scale,
+        point_spacing=settings.point_spacing,
+        boundary_correction=settings.boundary_correction,
+        seed=settings.seed & 0xFFFFFFFF,
+    )
+
+
+def replace_shading(renderer: Renderer, scene: Scene) -> None:
+    """Gives a renderer that is built the materials, textures, lights and world of `scene`, whose geometry it has already."""
+    renderer.clear_shading()
+    _add_materials(renderer, scene)
+    _add_lights(renderer, scene)
+    renderer.relight()
+
+
+def _add_materials(renderer: Renderer, scene: Scene) -> None:
+    for texture in scene.textures:
+        renderer.add_texture(np.ascontiguousarray(texture.pixels), texture.srgb, str(texture.interpolation), str(texture.extension))
+    for material in scene.materials:
+        with _naming(f"material '{material.name}'"):
+            renderer.add_material(_side(material.front), _side(material.back))
+
+
+def _add_lights(renderer: Renderer, scene: Scene) -> None:
     for light in scene.lights:
         with _naming(f"light '{light.name}'"):
             renderer.add_lamp(
@@ -71,7 +96,10 @@ def fill_renderer(renderer: Renderer, scene: Scene, settings: RenderSettings) ->
                 camera_visible=light.camera_visible,
             )
     renderer.set_world(_rgb(scene.world))
-    frame, camera = scene.frame, scene.camera
+
+
+def place_camera(renderer: Renderer, camera: Camera, frame: Frame) -> None:
+    """A renderer that is built takes it with set_view()."""
     renderer.set_camera(
         matrix=np.ascontiguousarray(camera.matrix, np.float64),
         screen=[float(c) for c in camera.screen],
@@ -89,14 +117,6 @@ def fill_renderer(renderer: Renderer, scene: Scene, settings: RenderSettings) ->
         renderer.set_panorama(**panorama | {"kind": str(camera.panorama.kind)})
     if camera.aperture is not None:
         renderer.set_aperture(**asdict(camera.aperture))
-    renderer.set_options(
-        photons_per_pass=settings.photons_per_pass,
-        max_bounces=settings.max_bounces,
-        radius_scale=settings.radius_scale,
-        point_spacing=settings.point_spacing,
-        boundary_correction=settings.boundary_correction,
-        seed=settings.seed & 0xFFFFFFFF,
-    )
 
 
 def _add_instances(renderer: Renderer, scene: Scene) -> None:

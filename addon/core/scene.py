@@ -6,8 +6,9 @@ column vectors of local coordinates to world coordinates. Nothing here knows Ble
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields, is_dataclass
 from enum import StrEnum
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -245,3 +246,35 @@ class Scene:
     lights: list[Light] = field(default_factory=list)
     world: Rgb = (0.0, 0.0, 0.0)
     warnings: list[str] = field(default_factory=list)
+
+
+GEOMETRY = ("meshes", "instances", "material_sets")
+VIEW = ("camera", "frame", "warnings")
+SHADING = tuple(entry.name for entry in fields(Scene) if entry.name not in GEOMETRY + VIEW)
+
+
+def same_geometry(a: Scene, b: Scene) -> bool:
+    """Whether two scenes differ in materials, textures, lights and view at most."""
+    return all(same(getattr(a, name), getattr(b, name)) for name in GEOMETRY)
+
+
+def same_shading(a: Scene, b: Scene) -> bool:
+    """Whether two scenes differ in geometry and view at most."""
+    return all(same(getattr(a, name), getattr(b, name)) for name in SHADING)
+
+
+def same(a: Any, b: Any) -> bool:
+    """Whether two values of this module are equal, arrays included."""
+    if a is b:
+        return True
+    if isinstance(a, np.ndarray) or isinstance(b, np.ndarray):
+        return isinstance(a, np.ndarray) and isinstance(b, np.ndarray) and a.dtype == b.dtype and np.array_equal(a, b)
+    if type(a) is not type(b):
+        return False
+    if is_dataclass(a):
+        return all(same(getattr(a, entry.name), getattr(b, entry.name)) for entry in fields(a))
+    if isinstance(a, list | tuple):
+        return len(a) == len(b) and all(same(x, y) for x, y in zip(a, b, strict=True))
+    if isinstance(a, dict):
+        return a.keys() == b.keys() and all(same(value, b[key]) for key, value in a.items())
+    return bool(a == b)

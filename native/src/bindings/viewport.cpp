@@ -40,6 +40,8 @@ void clear_shading(Renderer& r) {
   r.lamps.clear();
   r.scene.materials.clear();
   r.scene.textures.clear();
+  r.scene.programs.clear();
+  r.scene.world_program = -1;
 }
 
 }  // namespace
