@@ -16,9 +16,10 @@ def register() -> None:
 
     import bpy
 
-    from . import engine, panels, settings
+    from . import engine, panels, settings, viewport
 
     settings.register()
+    viewport.register()
     engine.register()
     panels.register()
     if getattr(bpy.app, "module", False):  # Blender 4.5 as a Python module hangs at exit while a render engine or a panel is registered
@@ -28,9 +29,10 @@ def register() -> None:
 def unregister() -> None:
     import atexit
 
-    from . import engine, panels, settings
+    from . import engine, panels, settings, viewport
 
     atexit.unregister(unregister)
     panels.unregister()
     engine.unregister()
+    viewport.unregister()
     settings.unregister()

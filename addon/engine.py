@@ -8,6 +8,7 @@ import bpy
 
 from .job import render_view_layer
 from .passes import kind, wanted_passes
+from .viewport import live_of
 
 ENGINE = "PHOTON_SPLAT"
 
@@ -30,11 +31,13 @@ class PhotonSplatEngine(bpy.types.RenderEngine):
             self.register_pass(scene, renderlayer, info.name, len(info.channels), info.channels, kind(info))
 
     def view_update(self, context: Any, depsgraph: Any) -> None:
-        """Nothing is drawn in the viewport yet, so nothing is exported for it."""
+        live_of(self).update(context, depsgraph)
 
     def view_draw(self, context: Any, depsgraph: Any) -> None:
-        """Without this method Blender would show Material Preview under the name of Rendered and not say why."""
-        self.update_stats("Photon Splat", "Rendered viewport shading is not available yet: render with F12")
+        live = live_of(self)
+        if live.is_new:  # Blender has loaded a file or the like since its last update
+            live.update(context, depsgraph)
+        live.draw(self, context, depsgraph)
 
 
 def register() -> None:

@@ -17,6 +17,11 @@ class Report:
         if name is not None:
             names[name] = None
 
+    def add(self, other: Report) -> None:
+        """Add all warnings of another report."""
+        for sentence, names in other._sentences.items():
+            self._sentences.setdefault(sentence, {}).update(names)
+
     def messages(self) -> list[str]:
         return [sentence.replace("{}", _enumerate(list(names))) if names else sentence for sentence, names in self._sentences.items()]
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import bpy
@@ -75,6 +76,28 @@ class PhotonSplatSettings(bpy.types.PropertyGroup):
         default=DEFAULTS.seed,
         min=0,
     )
+    viewport_passes: IntProperty(  # type: ignore[valid-type]
+        name="Viewport Passes",
+        description="Number of passes that refine the picture in the viewport while nothing changes",
+        default=64,
+        min=1,
+        soft_max=4096,
+    )
+    viewport_photons_per_pass: IntProperty(  # type: ignore[valid-type]
+        name="Viewport Photons per Pass",
+        description="Number of photon paths that start at the lights in each pass that refines the viewport",
+        default=100_000,
+        min=0,
+        soft_max=10_000_000,
+    )
+    viewport_time_limit: FloatProperty(  # type: ignore[valid-type]
+        name="Viewport Time Limit",
+        description="Stop refining the picture in the viewport after this many seconds; 0 = no limit",
+        default=0.0,
+        min=0.0,
+        subtype="TIME_ABSOLUTE",
+        unit="TIME_ABSOLUTE",
+    )
     point_spacing: FloatProperty(  # type: ignore[valid-type]
         name="Point Spacing",
         description="Distance of visible points in kernel radii; 0 = one point per camera sample",
@@ -117,6 +140,17 @@ def render_settings(scene: Any) -> RenderSettings:
         seed=group.seed,
         threads=render.threads if render.threads_mode == "FIXED" else 0,
         point_spacing=DEFAULTS.point_spacing if abs(spacing - DEFAULTS.point_spacing) < 1e-6 else spacing,
+    )
+
+
+def viewport_settings(scene: Any) -> RenderSettings:
+    """Those of the viewport: its own passes, photons and time limit, all else as in `render_settings`."""
+    group = scene.photon_splat
+    return replace(
+        render_settings(scene),
+        passes=group.viewport_passes,
+        photons_per_pass=group.viewport_photons_per_pass,
+        time_limit=group.viewport_time_limit,
     )
 
 

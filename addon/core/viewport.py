@@ -9,9 +9,8 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,15 +44,17 @@ SHOW_EVERY = 0.1
 
 @dataclass(frozen=True, slots=True, eq=False)
 class View:
-    """What to show: `frame` is the whole region in pixels of the screen, its border the part to render."""
+    """What to show: `frame` is the whole region in pixels of the screen, its border the part to render.
+
+    pixel: the least width of the picture's pixels, in pixels of the screen.
+    """
 
     camera: Camera
     frame: Frame
+    pixel: int = 1
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, View) and same(self.camera, other.camera) and same(self.frame, other.frame)
-
-    __hash__ = None
+        return isinstance(other, View) and all(same(getattr(self, name), getattr(other, name)) for name in ("camera", "frame", "pixel"))
 
 
 @dataclass(frozen=True, slots=True)
@@ -203,7 +204,7 @@ class Controller:
         renderer, settings = self._renderer, self._loaded[1]
         assert renderer is not None
         self._trace_store(renderer, FIRST_PHOTONS, MOST_FIRST_PATHS)
-        self._draw_store(renderer, view, self._step, moving=True)
+        self._draw_store(renderer, view, max(self._step, view.pixel), moving=True)
         with self._changed:
             self._may_cancel = True
             while not self._is_new(view) and (left := self._moved + REST - time.monotonic()) > 0:
@@ -211,7 +212,7 @@ class Controller:
             if self._is_new(view):
                 return True
         self._trace_store(renderer, STORE_PHOTONS, MOST_STORE_PATHS)
-        self._draw_store(renderer, view, 1, moving=False)
+        self._draw_store(renderer, view, view.pixel, moving=False)
         self._refine(renderer, view, settings)
         with self._changed:
             self._wait(view)
@@ -276,12 +277,12 @@ class Controller:
         seconds = time.monotonic() - started
         self.counts.seconds["moving" if moving else "still"] = seconds
         if moving and self._fixed_step is None:
-            self._step = next_step(step, seconds)
+            self._step = next_step(self._step, seconds) if step == self._step else self._step
 
     def _refine(self, renderer: Renderer, view: View, settings: RenderSettings) -> None:
         """Passes as in a render; shown when they are better than the picture from the store."""
-        frame, region = scaled(view.frame, 1)
-        place_camera(renderer, view.camera, frame)
+        frame, region = scaled(view.frame, view.pixel, sharp=False)
+        place_camera(renderer, fitted(view, frame, view.pixel), frame)
         renderer.set_view()
         started, shown = time.monotonic(), 0.0
         for number in range(settings.passes):
@@ -299,7 +300,7 @@ class Controller:
             self.counts.seconds["pass"] = now - began
             late = settings.time_limit > 0 and now + (now - began) > started + settings.time_limit
             if (number > 0 and now - shown > SHOW_EVERY) or number + 1 == settings.passes or late:
-                self._publish(renderer, view, region, 1, number + 1, moving=False)
+                self._publish(renderer, view, region, view.pixel, number + 1, moving=False)
                 shown = now
             if late:
                 return
@@ -325,14 +326,17 @@ def next_step(step: int, seconds: float) -> int:
     return step
 
 
-def scaled(frame: Frame, step: int) -> tuple[Frame, tuple[int, int, int, int]]:
-    """`frame` in pixels `step` times as wide, rounded up, and what of the screen its region then covers."""
+def scaled(frame: Frame, step: int, sharp: bool = True) -> tuple[Frame, tuple[int, int, int, int]]:
+    """`frame` in pixels `step` times as wide, rounded up, and what of the screen its region then covers.
+
+    sharp: each pixel shows what it covers alone; else the filter of `frame` blurs it.
+    """
     x, y, width, height = frame.region
     x0, y0, x1, y1 = x // step, y // step, -(-(x + width) // step), -(-(y + height) // step)
     border = (x0, y0, x1 - x0, y1 - y0)
     size = (-(-frame.width // step), -(-frame.height // step))
     coarse = replace(frame, width=size[0], height=size[1], border=border)
-    if step > 1:  # sharp pixels: they are wide enough as they are
+    if sharp:
         coarse = replace(coarse, pixel_filter=PixelFilter.BOX, filter_width=1.0)
     return coarse, (x0 * step, y0 * step, border[2] * step, border[3] * step)
 

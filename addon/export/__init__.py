@@ -8,7 +8,10 @@ from ..core.scene import Scene
 from ..report import Report
 
 if TYPE_CHECKING:
-    from ..core.scene import Frame
+    from collections.abc import Callable
+
+    from ..core.scene import Camera, Frame
+    from .kept import Kept
 
 
 def export_scene(depsgraph: Any, camera: Any = None, frame: Frame | None = None) -> Scene:
@@ -18,19 +21,34 @@ def export_scene(depsgraph: Any, camera: Any = None, frame: Frame | None = None)
     the result's `warnings`.
     """
     from .camera import export_camera, export_frame
+
+    report = Report()
+    scene = depsgraph.scene_eval
+    return export_contents(depsgraph, export_camera(camera or scene.camera, scene, report), frame or export_frame(scene.render), report)
+
+
+def export_contents(
+    depsgraph: Any, camera: Camera, frame: Frame, report: Report, kept: Kept | None = None, visible: Callable[[Any], bool] | None = None
+) -> Scene:
+    """What `depsgraph` holds, for a camera that need not be Blender's.
+
+    kept     what exports before made and this one may use; None: nothing
+    visible  says of an instance of the graph whether it is to be seen; None: all are
+    """
     from .images import Textures
+    from .kept import Kept
     from .materials import Materials
     from .objects import Objects
     from .world import export_world
 
-    report = Report()
+    kept = kept or Kept()
     scene = depsgraph.scene_eval
     view_layer = depsgraph.view_layer_eval
-    exported = Scene(export_camera(camera or scene.camera, scene, report), frame or export_frame(scene.render))
-    textures = Textures(report)
+    exported = Scene(camera, frame)
+    textures = Textures(report, kept)
     materials = Materials(textures, report)
-    objects = Objects(materials, textures, report)
-    objects.collect(depsgraph)
+    objects = Objects(materials, textures, report, kept)
+    objects.collect(depsgraph, visible)
     exported.world = export_world(getattr(view_layer, "world_override", None) or scene.world, textures, report)
     exported.meshes, exported.instances = objects.meshes, objects.instances()
     exported.material_sets, exported.lights = objects.material_sets, objects.lights

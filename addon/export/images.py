@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ..core.scene import Extension, Interpolation, Texture
 from ..report import Report
+from .kept import Kept, identity
 
 MISSING_RGBA = (255, 0, 255, 255)  # what Cycles shows in place of an image that cannot be read
 LINEAR_SPACES = {"Linear Rec.709", "Linear", "Raw", "Non-Color", "Generic Data"}
@@ -20,9 +21,9 @@ EXTENSIONS = {"REPEAT": Extension.REPEAT, "EXTEND": Extension.EXTEND, "CLIP": Ex
 class Textures:
     """The textures of one scene, each image (with its way of reading) once. Indices point into `list`."""
 
-    def __init__(self, report: Report) -> None:
+    def __init__(self, report: Report, kept: Kept) -> None:
         self.list: list[Texture] = []
-        self._report = report
+        self._report, self._kept = report, kept
         self._known: dict[tuple[Any, ...], int] = {}
 
     def add(self, texture: Texture) -> int:
@@ -38,9 +39,17 @@ class Textures:
         path = _path(image, node) if image else ""
         key = (image.as_pointer() if image else 0, path, interpolation, extension, straight)
         if key not in self._known:
-            pixels, srgb = _read(image, path, straight, owner, self._report)
+            pixels, srgb = self._pixels(image, path, straight, owner)
             self._known[key] = self.add(Texture(image.name if image else "(none)", pixels, srgb, interpolation, extension))
         return self._known[key]
+
+    def _pixels(self, image: Any, path: str, associate: bool, owner: str) -> tuple[NDArray, bool]:
+        if image is None or image.is_dirty or image.source == "MOVIE":
+            return _read(image, path, associate, owner, self._report)
+        changed = os.stat(path).st_mtime_ns if os.path.isfile(path) else 0
+        reading = (image.colorspace_settings.name, image.alpha_mode, image.source)
+        key = ("image", identity(image), path, changed, associate, owner, *reading)
+        return self._kept.get(key, (identity(image),), self._report, lambda report: _read(image, path, associate, owner, report))
 
     def mean(self, index: int) -> NDArray[np.float64]:
         """Mean linear RGB of a texture."""

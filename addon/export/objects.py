@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 from ..core.scene import Instances, Light, Mesh
 from ..report import Report
 from .images import Textures
+from .kept import Kept, identity
 from .lights import export_light
 from .materials import Materials
 from .mesh import export_mesh, flattened
@@ -21,24 +23,26 @@ RAYS = ("visible_camera", "visible_diffuse", "visible_shadow")
 class Objects:
     """Walks the instances of a dependency graph and collects meshes, instances, material sets and lamps."""
 
-    def __init__(self, materials: Materials, textures: Textures, report: Report) -> None:
+    def __init__(self, materials: Materials, textures: Textures, report: Report, kept: Kept) -> None:
         self.meshes: list[Mesh] = []
         self.material_sets: list[NDArray[np.int32]] = []
         self.lights: list[Light] = []
-        self._materials, self._textures, self._report = materials, textures, report
+        self._materials, self._textures, self._report, self._kept = materials, textures, report, kept
         self._mesh_of: dict[int, int | None] = {}
         self._set_of: dict[tuple[int, int], int] = {}
         self._sets: dict[tuple[int, ...], int] = {}
         self._rows: list[tuple[int, int]] = []
         self._matrices: list[NDArray[np.float64]] = []
 
-    def collect(self, depsgraph: Any) -> None:
+    def collect(self, depsgraph: Any, visible: Callable[[Any], bool] | None = None) -> None:
         """Nothing of what the graph's iterator hands out is kept: it reuses its objects."""
         view_layer = depsgraph.view_layer
         override = view_layer.material_override
         for instance in depsgraph.object_instances:
             ob = instance.object
             kind = ob.type
+            if visible is not None and not visible(instance):
+                continue
             if kind == "MESH":
                 if instance.show_particles:
                     self._report_particles(ob)
@@ -62,7 +66,9 @@ class Objects:
         data = ob.data
         pointer = data.as_pointer()
         if pointer not in self._mesh_of:
-            mesh = export_mesh(data, ob.name, self._report)
+            made_of = (identity(ob), identity(ob.original.data))
+            known_as = ("mesh", pointer, *made_of, len(data.vertices), len(data.polygons))
+            mesh = self._kept.get(known_as, made_of, self._report, lambda report: _mesh(ob, data, report))
             self._mesh_of[pointer] = self._append(mesh)
         index = self._mesh_of[pointer]
         if index is None:
@@ -137,3 +143,12 @@ class Objects:
         linking = getattr(ob, "light_linking", None)
         if linking is not None and (linking.receiver_collection or linking.blocker_collection):
             self._report.warn("Light linking of emitting objects is not supported yet; ignored for: {}", ob.name)
+
+
+def _mesh(ob: Any, data: Any, report: Report) -> Mesh | None:
+    if not data.is_editmode:
+        return export_mesh(data, ob.name, report)
+    try:  # in edit mode the arrays of the mesh itself are not up to date
+        return export_mesh(ob.to_mesh(), ob.name, report)
+    finally:
+        ob.to_mesh_clear()
