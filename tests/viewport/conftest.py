@@ -1,0 +1,3 @@
+from tests.addon.conftest import blender
+
+__all__ = ["blender"]
