@@ -6,6 +6,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -63,24 +64,34 @@ def moving(controller: Controller, wanted: View) -> Picture:
     return wait(controller, lambda p: p.view == wanted and p.moving)
 
 
-def test_pictures_come_coarse_then_full_then_refined(controller: Controller) -> None:
-    seen: list[tuple[int, int, bool]] = []
-    controller.set_view(view())
-    controller.set_scene(room(), SETTINGS)
-    last = 0
-    deadline = time.monotonic() + SECONDS
-    while time.monotonic() < deadline and (not seen or seen[-1][1] < SETTINGS.passes):
-        picture = controller.picture()
-        if picture is not None and picture.number != last:
-            assert picture.number == last + 1
-            last = picture.number
-            seen.append((picture.step, picture.samples, picture.moving))
-            height, width = picture.pixels.shape[:2]
-            assert (width * picture.step, height * picture.step) == picture.region[2:] == (64, 36)
-            assert np.isfinite(picture.pixels).all()
-            assert picture.pixels[..., 3].min() == 1.0
-    assert seen == [(2, 1, True), (1, 1, False), (1, 2, False), (1, 3, False)]
-    assert controller.counts.builds == 1
+class Recorder(Controller):
+    """Keeps every picture."""
+
+    def __init__(self, step: int) -> None:
+        self.seen: list[Picture] = []
+        super().__init__(step)
+
+    def _publish(self, *given: Any, **named: Any) -> None:
+        super()._publish(*given, **named)
+        picture = self.picture()
+        assert picture is not None
+        self.seen.append(picture)
+
+
+def test_pictures_come_coarse_then_full_then_refined() -> None:
+    recorder = Recorder(2)
+    recorder.set_view(view())
+    recorder.set_scene(room(), replace(SETTINGS, passes=2))
+    wait(recorder, lambda p: p.samples == 2)
+    recorder.close()
+    assert [(p.step, p.samples, p.moving) for p in recorder.seen] == [(2, 1, True), (1, 1, False), (1, 2, False)]
+    assert [p.number for p in recorder.seen] == [1, 2, 3]
+    for picture in recorder.seen:
+        height, width = picture.pixels.shape[:2]
+        assert (width * picture.step, height * picture.step) == picture.region[2:] == (64, 36)
+        assert np.isfinite(picture.pixels).all()
+        assert picture.pixels[..., 3].min() == 1.0
+    assert recorder.counts.builds == 1
 
 
 def test_the_refined_picture_is_that_of_a_render(controller: Controller) -> None:
