@@ -22,7 +22,7 @@ NATIVE_SOURCES := $(shell find native -path native/.cache -prune -o -path native
 # What is built in the virtual environment must find its tools there: cmake and ninja.
 IN_VENV = PATH="$(CURDIR)/$(@D)/bin:$$PATH"
 
-.PHONY: help setup setup-old render test lint test-native test-python test-old extension extension-test bench bench-gpu chart references scenes oracle sanitize wheel clean
+.PHONY: help setup setup-old render test lint test-native test-python test-old extension extension-test bench bench-gpu chart calibration references scenes oracle sanitize wheel clean
 
 help:
 	@sed -n 's/^\([a-z-]*\):.*## /  make \1\t/p' $(MAKEFILE_LIST) | expand -t 20
@@ -142,6 +142,9 @@ bench-gpu: setup ## the GPU splatter on a graphics card (GPU_OPTIONS: see python
 
 chart: setup ## error against time, as a chart in out/
 	$(PY) -m tests.bench.chart
+
+calibration: setup ## error estimate against true error: tests/calibration/calibration.md and .png
+	$(PY) -m tests.calibration.run
 
 wheel: setup ## dist/*.whl of the native module and of the add-on
 	PATH="$(CURDIR)/$(VENV)/bin:$$PATH" $(PY) -m pip wheel --disable-pip-version-check --no-build-isolation --no-deps -w dist ./native .

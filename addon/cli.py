@@ -61,6 +61,7 @@ def parser() -> argparse.ArgumentParser:
     r.add_argument("-o", "--output", type=Path, required=True, metavar="OUT.exr")
     r.add_argument("--frame", type=_number(int, -1048574, 1048574), metavar="N", help="frame to render (default: the file's current one)")
     r.add_argument("--seconds", type=_number(float, 1e-3), metavar="S", help="stop after S seconds; with no --passes, only then")
+    r.add_argument("--error", type=_number(float, 1e-6), metavar="X", help="stop at this relative error; with no --passes, only then")
     r.add_argument("--passes", type=_number(int, 1, UNLIMITED_PASSES), metavar="N", help="stop after N passes")
     r.add_argument("--photons-per-pass", type=_number(int, 0, MOST_PHOTONS), metavar="N", help="photon paths traced in each pass")
     r.add_argument("--resolution", type=_resolution, metavar="WxH", help="size of the picture in pixels")
@@ -88,10 +89,14 @@ def _settings(options: argparse.Namespace) -> Callable[[RenderSettings], RenderS
         given["integrator"] = Integrator(options.integrator)
     if options.backend is not None:
         given["backend"] = Backend(options.backend)
-    if options.seconds is not None:
-        given |= {"time_limit": options.seconds, "passes": options.passes or UNLIMITED_PASSES}
+    if options.error is not None or options.seconds is not None:
+        given |= {
+            "error_threshold": options.error or 0.0,
+            "time_limit": options.seconds or 0.0,
+            "passes": options.passes or UNLIMITED_PASSES,
+        }
     elif options.passes is not None:
-        given["time_limit"] = 0.0
+        given |= {"time_limit": 0.0, "error_threshold": 0.0}
     return lambda plain: replace(plain, **given)
 
 
@@ -220,6 +225,7 @@ def _write(options: argparse.Namespace, scene: Any, results: list[tuple[str, Ren
         "photon_splat:photons": str(statistics["photons"]["traced"]),
         "photon_splat:seconds": float(statistics["seconds"]["total"]),
         "photon_splat:integrator": statistics["integrator"],
+        **{f"photon_splat:{name}": float(statistics["error"][name]) for name in ("relative_rmse", "standard_error", "bias")},
     }
     write_exr(options.output, names, pixels, frame, crop=scene.render.use_crop_to_border, metadata=metadata)
     if options.stats is not None:

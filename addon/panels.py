@@ -45,6 +45,7 @@ class PHOTON_SPLAT_PT_sampling(RenderPanel, bpy.types.Panel):
         layout, settings = _layout(self), context.scene.photon_splat
         layout.prop(settings, "passes")
         layout.prop(settings, "time_limit")
+        layout.prop(settings, "error_threshold")
         layout.prop(settings, "photons_per_pass")
         layout.prop(settings, "max_bounces")
         layout.prop(settings, "seed")
@@ -115,6 +116,7 @@ class PHOTON_SPLAT_PT_passes(RenderPanel, bpy.types.Panel):
         column.prop(view_layer, "use_pass_diffuse_color", text="Diffuse Color")
         column.prop(view_layer, "use_pass_emit", text="Emission")
         column.prop(view_layer.photon_splat, "use_pass_photon_density")
+        column.prop(view_layer.photon_splat, "use_pass_error")
 
 
 CLASSES = (

@@ -16,7 +16,7 @@ SWITCHES = {
     "Emission": "use_pass_emit",
 }
 """Blender's own switches, properties of a view layer."""
-OWN_SWITCHES = {"Photon Density": "use_pass_photon_density", "Surface ID": "use_pass_surface_id"}
+OWN_SWITCHES = {"Photon Density": "use_pass_photon_density", "Surface ID": "use_pass_surface_id", "Error": "use_pass_error"}
 """Ours, properties of its `photon_splat`."""
 
 

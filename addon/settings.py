@@ -24,6 +24,14 @@ class PhotonSplatSettings(bpy.types.PropertyGroup):
         subtype="TIME_ABSOLUTE",
         unit="TIME_ABSOLUTE",
     )
+    error_threshold: FloatProperty(  # type: ignore[valid-type]
+        name="Error Threshold",
+        description="Stop when the picture's estimated relative error (RMS error over mean brightness) is this small; 0 = off",
+        default=DEFAULTS.error_threshold,
+        min=0.0,
+        soft_max=0.2,
+        precision=4,
+    )
     passes: IntProperty(  # type: ignore[valid-type]
         name="Passes",
         description="Number of passes: each takes one camera sample per pixel and traces a new set of photons",
@@ -120,6 +128,11 @@ class PhotonSplatViewLayerSettings(bpy.types.PropertyGroup):
         description="Deliver a number per surface patch: photons count only for points on their own patch",
         default=False,
     )
+    use_pass_error: BoolProperty(  # type: ignore[valid-type]
+        name="Error",
+        description="Deliver the estimated error of each pixel's luminance, noise and blur together",
+        default=False,
+    )
 
 
 CLASSES = (PhotonSplatSettings, PhotonSplatViewLayerSettings)
@@ -132,6 +145,7 @@ def render_settings(scene: Any) -> RenderSettings:
     return RenderSettings(
         passes=group.passes,
         time_limit=group.time_limit,
+        error_threshold=group.error_threshold,
         photons_per_pass=group.photons_per_pass,
         max_bounces=group.max_bounces,
         radius_scale=group.radius_scale,

@@ -28,6 +28,7 @@ PASSES = (
     PassInfo("Emission", "RGB"),
     PassInfo("Photon Density", "X"),
     PassInfo("Surface ID", "X"),
+    PassInfo("Error", "X"),
 )
 
 
@@ -72,6 +73,7 @@ def passes_from_film(film: dict[str, Any]) -> Passes:
         "Emission": film["emission"] / samples,
         "Photon Density": film["photon_density"] / samples,
         "Surface ID": film["surface_id"],
+        "Error": film["error"],
     }
 
 

@@ -26,6 +26,13 @@ LEAST_PHOTONS_PER_BATCH = 1 << 14
 BATCHES_PER_PASS = 8
 """At least so many, if they are not too small, where a graphics card splats one while the CPU traces the next."""
 POLL_SECONDS = 0.05
+FEWEST_PASSES_TO_STOP = 8
+"""Before so many the error's estimate is too rough to end a render."""
+
+
+def next_estimate(passes: int) -> int:
+    """The pass after which the error is estimated again; it depends on nothing else, so that a render can be repeated."""
+    return passes + max(1, passes // 4)
 
 
 class _Worker(threading.Thread):
@@ -39,6 +46,9 @@ class _Worker(threading.Thread):
         self.want_interim = want_interim
         self.stage = "Building acceleration structure"
         self.passes_done = 0
+        self.next_estimate = 1
+        self.relative_error = 0.0
+        self.fraction = 0.0
         self.interim: Passes | None = None
         self.error: BaseException | None = None
         self.cancelled = False
@@ -79,9 +89,12 @@ class _Worker(threading.Thread):
             else:
                 self._splat_pass(self.passes_done)
             self.passes_done += 1
+            converged = self._estimate_error()
             if self.want_interim and self.interim is None:
                 self.interim = passes_from_film(self.renderer.film())
             self.pass_finished.set()
+            if converged:
+                return
             now = time.monotonic()
             # Another pass takes as long as this one did: it is begun only if it fits.
             if self.settings.time_limit and now + (now - began) > self.started + self.settings.time_limit:
@@ -112,14 +125,30 @@ class _Worker(threading.Thread):
             self.splatter.add_photons()
         self.splatter.finish_pass()
 
+    def _estimate_error(self) -> bool:
+        """Now and then; whether the render is good enough."""
+        if self.passes_done < self.next_estimate:
+            return False
+        self.next_estimate = next_estimate(self.passes_done)
+        self.renderer.make_error_estimate()
+        self.relative_error = self.renderer.statistics()["error"]["relative_rmse"]
+        threshold = self.settings.error_threshold
+        return threshold > 0 and self.passes_done >= FEWEST_PASSES_TO_STOP and self.relative_error <= threshold
+
     def progress(self) -> Progress:
         done, settings = self.passes_done, self.settings
         fraction = done / settings.passes
         elapsed = time.monotonic() - self.started
         if settings.time_limit:
             fraction = max(fraction, min(elapsed / settings.time_limit, 1.0))
+        message = f"{self.stage} | {done} passes | {elapsed:.1f} s"
+        if done:
+            message += f" | error {100 * self.relative_error:.2g} %"
+        if settings.error_threshold and self.relative_error:
+            fraction = max(fraction, min((settings.error_threshold / self.relative_error) ** 2, 1.0))
+        self.fraction = max(fraction, self.fraction)
         interim, self.interim = self.interim, None
-        return Progress(fraction, f"{self.stage} | {done} passes | {elapsed:.1f} s", done, interim)
+        return Progress(self.fraction, message, done, interim)
 
 
 def render(
@@ -159,6 +188,10 @@ def render(
     if worker.error is not None:
         raise worker.error
     width, height = scene.frame.region[2:]
+    if on_progress is not None and not worker.cancelled:
+        on_progress(worker.progress())
+    if worker.passes_done:
+        renderer.make_error_estimate()
     passes = passes_from_film(renderer.film()) if worker.passes_done else black_passes(width, height)
     return RenderResult(passes, worker.cancelled, _statistics(renderer, worker, scene, started, export_seconds))
 

@@ -19,9 +19,10 @@ class Backend(StrEnum):
 
 @dataclass(slots=True)
 class RenderSettings:
-    """Settings of one render; it stops at whichever of `passes` and `time_limit` comes first.
+    """Settings of one render; it stops at whichever of `passes`, `time_limit` and `error_threshold` comes first.
 
     time_limit           seconds from `started` (0 = none)
+    error_threshold      relative RMS error of the picture, as statistics["error"] estimates it (0 = none)
     passes               camera samples per pixel, one per pass
     photons_per_pass     photon paths that start in each pass
     max_bounces          surface bounces between light and camera; 0 = direct light only
@@ -33,6 +34,7 @@ class RenderSettings:
 
     passes: int = 64
     time_limit: float = 0.0
+    error_threshold: float = 0.0
     photons_per_pass: int = 200_000
     max_bounces: int = 32
     radius_scale: float = 1.0
@@ -52,6 +54,8 @@ class RenderSettings:
             raise ValueError(f"max_bounces is {self.max_bounces}; it must not be negative")
         if not self.time_limit >= 0.0:
             raise ValueError(f"time_limit is {self.time_limit}; it must be 0 (none) or a number of seconds")
+        if not 0.0 <= self.error_threshold < float("inf"):
+            raise ValueError(f"error_threshold is {self.error_threshold}; it must be 0 (none) or a positive number")
         if not 0.0 < self.radius_scale < float("inf"):
             raise ValueError(f"radius_scale is {self.radius_scale}; it must be positive")
         if self.threads < 0:

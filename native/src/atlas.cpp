@@ -28,11 +28,12 @@ void Atlas::unpack(const float* sums, std::vector<PointBlock>& blocks, ThreadPoo
   pool.for_each(count, cancel, [&](size_t i, int) {
     PointBlock& b = blocks[first + i];
     for (size_t l = 0; l < kBlockSize; ++l) {
-      const float* s = sums + 4 * texel(first + i, l);
+      const float* s = sums + kSums * texel(first + i, l);
       b.r[l] = s[0];
       b.g[l] = s[1];
       b.b[l] = s[2];
       b.count[l] = s[3];
+      b.narrow[l] = s[4];
     }
   });
 }

@@ -26,7 +26,8 @@ struct Atlas {
   // key. Tiles beyond the last block are left as they are.
   void pack(const std::vector<PointBlock>& blocks, float* position, uint32_t* plane, ThreadPool& pool,
             const CancelFlag& cancel) const;
-  // sums: red, green, blue, count. They replace those of the blocks.
+  // sums: red, green, blue, count, narrow. They replace those of the blocks.
+  static constexpr size_t kSums = 5;
   void unpack(const float* sums, std::vector<PointBlock>& blocks, ThreadPool& pool, const CancelFlag& cancel) const;
 };
 

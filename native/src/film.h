@@ -11,8 +11,12 @@ struct Pixel {
   Rgb diffuse_direct, diffuse_indirect;  // albedo included
   Rgb diffuse_color, emission, environment, normal;
   float alpha = 0, photon_density = 0;
+  float detail = 0;                      // luminance that discs of half the area would take away
   float depth = 0, surface_id = 0;       // of the first sample
 };
+
+// All light of a pixel: the Combined pass.
+inline Rgb radiance(const Pixel& p) { return p.diffuse_direct + p.diffuse_indirect + p.emission + p.environment; }
 
 inline constexpr float kBackgroundDepth = 1e10f;
 

@@ -16,6 +16,14 @@ struct EdgeInPlane {
   double begin, end;   // along the line from x's foot point, counter-clockwise
 };
 
+// Masses of the kernels of radius h and kNarrow * h.
+struct Masses {
+  double wide = 0, narrow = 0;
+};
+
+// The edge in units of `scale` of the old unit.
+EdgeInPlane rescaled(const EdgeInPlane& e, double scale) { return {e.distance / scale, e.begin / scale, e.end / scale}; }
+
 // Projects an edge to the tangent plane; `front` is the normal about which the edge runs counter-clockwise.
 bool project(const Vec3& x, const Vec3& front, float h, const Vec3& a, const Vec3& b, EdgeInPlane& out) {
   const Vec3 along = (b - a) - front * dot(b - a, front);
@@ -64,7 +72,7 @@ struct TriangleSum {
   Vec3 x, normal;
   float h;
   float side = 1;  // -1: x is on the triangles' back
-  double mass = 0;
+  Masses mass{};
   uint32_t visited = 0;
 
   void add(uint32_t triangle) {
@@ -82,14 +90,19 @@ struct TriangleSum {
     // A patch has one side towards the viewer; `normal` is on it, so that the triangles' fronts all agree or all disagree.
     const float weight = std::clamp(kNormalWeightSlope * side * dot(front, normal), 0.0f, 1.0f);
     const float height = dot(x - corner[0], front), relative = height / h;
-    const float cut2 = 1 - relative * relative;  // squared radius of the disc that the ball cuts from the plane, in h
+    // Squared radii, in h, of the discs that the balls cut from the plane.
+    const double cut2 = 1 - relative * relative, narrow_cut2 = cut2 - (1 - double(kNarrow) * kNarrow);
     if (weight <= 0 || cut2 <= 0) return;
     const Vec3 foot = x - front * height;
     EdgeInPlane e;
-    double share = 0;
-    for (int i = 0; i < 3; ++i)
-      if (project(foot, front, h * std::sqrt(cut2), corner[i], corner[(i + 1) % 3], e)) share += triangle_mass(e);
-    mass += weight * double(cut2) * cut2 * share;  // the kernel on that plane is cut2^2 times one of the smaller radius
+    Masses share;
+    for (int i = 0; i < 3; ++i) {
+      if (!project(foot, front, h, corner[i], corner[(i + 1) % 3], e)) continue;
+      share.wide += triangle_mass(rescaled(e, std::sqrt(cut2)));
+      if (narrow_cut2 > 0) share.narrow += triangle_mass(rescaled(e, std::sqrt(narrow_cut2)));
+    }
+    mass.wide += weight * cut2 * cut2 * share.wide;  // the kernel on that plane is cut2^2 times one of the smaller radius
+    if (narrow_cut2 > 0) mass.narrow += weight * std::pow(narrow_cut2 / (double(kNarrow) * kNarrow), 2) * share.narrow;
   }
 };
 
@@ -103,8 +116,8 @@ bool add_triangle(RTCPointQueryFunctionArguments* arguments) {
   return true;
 }
 
-// The mass by triangles; a negative number where they are too many.
-double sum_triangles(const Scene& scene, uint32_t instance, uint32_t triangle, const Vec3& x, const Vec3& normal, float h) {
+// By triangles; negative numbers where they are too many.
+Masses sum_triangles(const Scene& scene, uint32_t instance, uint32_t triangle, const Vec3& x, const Vec3& normal, float h) {
   const Instance& placed = scene.instances[instance];
   const Mesh& mesh = scene.meshes[placed.mesh];
   TriangleSum sum{scene, instance, mesh.topology.patch[triangle], x, normal, h};
@@ -116,12 +129,12 @@ double sum_triangles(const Scene& scene, uint32_t instance, uint32_t triangle, c
   RTCPointQueryContext context;
   rtcInitPointQueryContext(&context);
   rtcPointQuery(scene.embree(), &query, &context, add_triangle, &sum);
-  return sum.visited <= kMostTriangles ? sum.mass : -1.0;
+  return sum.visited <= kMostTriangles ? sum.mass : Masses{-1, -1};
 }
 
-// The mass by points spread over the patch; a negative number where they lie too far apart for the disc. (How many are
+// By points spread over the patch; negative numbers where they lie too far apart for the disc. (How many are
 // in it must not decide: the mass would be taken where it came out large.)
-double sum_samples(const Scene& scene, uint32_t instance, uint32_t triangle, const Vec3& x, const Vec3& normal, float h) {
+Masses sum_samples(const Scene& scene, uint32_t instance, uint32_t triangle, const Vec3& x, const Vec3& normal, float h) {
   const Instance& placed = scene.instances[instance];
   const Mesh& mesh = scene.meshes[placed.mesh];
   const Topology& topology = mesh.topology;
@@ -134,21 +147,28 @@ double sum_samples(const Scene& scene, uint32_t instance, uint32_t triangle, con
   const float inverse_h2 = 1 / (h * h);
   const uint32_t first = topology.first_sample[patch], end = topology.first_sample[patch + 1];
   const float growth = placed.shared ? volume * length(own) / length(cross(mesh.positions[t[1]] - a, mesh.positions[t[2]] - a)) : 1.0f;
-  if (first == end || kPi * h * h < kFewestSamples * topology.samples[first].area * growth) return -1;
-  double sum = 0;
+  if (first == end || kPi * h * h < kFewestSamples * topology.samples[first].area * growth) return {-1, -1};
+  Masses sum;
   for (uint32_t i = first; i < end; ++i) {
     const PatchSample& sample = topology.samples[i];
     const Vec3 y = placed.shared ? placed.to_world.point(sample.position) : sample.position;
-    const float kernel = 1 - length2(y - x) * inverse_h2;
+    const float relative = length2(y - x) * inverse_h2, kernel = 1 - relative;
     if (kernel <= 0) continue;
     // An area element grows by |det M| |M^-T n|; dividing the dot product by that length makes its direction unit.
     const Vec3 n = placed.shared ? placed.to_local.transposed_vector(sample.normal) : sample.normal;
     const float stretch = length(n);
     const float weight = std::clamp(kNormalWeightSlope * side * dot(n, normal) / stretch, 0.0f, 1.0f);
     if (weight <= 0) continue;
-    sum += weight * kernel * sample.area * stretch * volume;
+    const float area = weight * sample.area * stretch * volume;
+    sum.wide += kernel * area;
+    sum.narrow += std::max(0.0f, 1 - relative / (kNarrow * kNarrow)) * area;
   }
-  return sum * 2 / M_PI * inverse_h2;
+  const double scale = 2 / M_PI * inverse_h2;
+  return {sum.wide * scale, sum.narrow * scale / (double(kNarrow) * kNarrow)};
+}
+
+KernelMass positive(const Masses& mass, bool exact) {
+  return {std::max(static_cast<float>(mass.wide), kSmallestMass), exact, std::max(static_cast<float>(mass.narrow), kSmallestMass)};
 }
 
 }  // namespace
@@ -167,12 +187,12 @@ KernelMass kernel_mass(const Scene& scene, uint32_t instance, uint32_t triangle,
   const uint32_t first = topology.first_edge[patch], count = topology.first_edge[patch + 1] - first;
   const bool planar = topology.planar[patch] != 0;
   if (!planar && h * topology.patch_curvature[patch] > kGentle * placed.scale) {
-    double mass = sum_triangles(scene, instance, triangle, x, normal, h);
-    if (mass < 0) mass = sum_samples(scene, instance, triangle, x, normal, h);
-    if (mass >= 0) return {std::max(static_cast<float>(mass), kSmallestMass), true};
-    return {0, false};  // too bent for the ball's mass, too fine to sum: the disc must be smaller
+    Masses mass = sum_triangles(scene, instance, triangle, x, normal, h);
+    if (mass.wide < 0) mass = sum_samples(scene, instance, triangle, x, normal, h);
+    if (mass.wide >= 0) return positive(mass, true);
+    return {0, false, 0};  // too bent for the ball's mass, too fine to sum: the disc must be smaller
   }
-  if (!count) return {1, planar};
+  if (!count) return {1, planar, 1};
 
   // The side about which edges run counter-clockwise in world space.
   const auto world_front = [&](const BoundaryEdge& edge) {
@@ -182,7 +202,7 @@ KernelMass kernel_mass(const Scene& scene, uint32_t instance, uint32_t triangle,
   };
   const auto world = [&](const Vec3& p) { return placed.shared ? placed.to_world.point(p) : p; };
 
-  double mass;
+  Masses mass;
   EdgeInPlane e;
   if (planar && count <= kFewEdges) {
     EdgeInPlane edges[kFewEdges];
@@ -195,19 +215,23 @@ KernelMass kernel_mass(const Scene& scene, uint32_t instance, uint32_t triangle,
       const double half2 = 1 - e.distance * e.distance;  // does it come within the disc?
       cut |= half2 > 0 && (e.begin < 0 || e.begin * e.begin < half2) && (e.end > 0 || e.end * e.end < half2);
     }
-    if (!cut) return {1, true};
-    mass = 0;
-    for (uint32_t i = 0; i < used; ++i) mass += triangle_mass(edges[i]);
+    if (!cut) return {1, true, 1};
+    for (uint32_t i = 0; i < used; ++i) {
+      mass.wide += triangle_mass(edges[i]);
+      mass.narrow += triangle_mass(rescaled(edges[i], kNarrow));
+    }
   } else {
-    mass = 1;
+    mass = {1, 1};
     const Vec3 local = placed.shared ? placed.to_local.point(x) : x;
     const float stretch = placed.shared ? std::max({length(placed.to_local.column(0)), length(placed.to_local.column(1)),
                                                     length(placed.to_local.column(2))}) : 1.0f;
     mesh.edge_tree->near(local, h * stretch, patch, [&](const BoundaryEdge& edge) {
-      if (project(x, world_front(edge), h, world(edge.a), world(edge.b), e)) mass -= mass_beyond(e);
+      if (!project(x, world_front(edge), h, world(edge.a), world(edge.b), e)) return;
+      mass.wide -= mass_beyond(e);
+      mass.narrow -= mass_beyond(rescaled(e, kNarrow));
     });
   }
-  return {std::max(static_cast<float>(mass), kSmallestMass), planar};
+  return positive(mass, planar);
 }
 
 }  // namespace photon_splat

@@ -15,10 +15,13 @@ namespace photon_splat {
 //   general), less what lies beyond edges projected to the tangent plane; `exact` is false.
 // - Bent and finely tessellated: mass 0, not exact; a smaller h must be tried.
 // `normal` is the geometric normal at x, on either side. An exact mass is at least kSmallestMass.
+// `narrow` is the mass of the kernel of radius kNarrow * h, found on the way.
 struct KernelMass {
   float mass;
   bool exact;
+  float narrow;
 };
+inline constexpr float kNarrow = 0.70710678f;
 KernelMass kernel_mass(const Scene& scene, uint32_t instance, uint32_t triangle, const Vec3& x, const Vec3& normal, float h);
 
 inline constexpr float kSmallestMass = 1e-6f;

@@ -207,6 +207,7 @@ nb::dict film_arrays(const Renderer& r) {
   add("photon_density", 1, [&](const Pixel& p, float* v) { *v = p.photon_density; });
   add("depth", 1, [&](const Pixel& p, float* v) { *v = p.depth; });
   add("surface_id", 1, [&](const Pixel& p, float* v) { *v = p.surface_id; });
+  out["error"] = to_numpy(std::vector<float>(r.errors().error()), {height, width, 1});  // of the mean, not a sum
   out["samples"] = film.samples;
   return out;
 }
@@ -218,6 +219,7 @@ nb::dict statistics(Renderer& r) {
   seconds["photons"] = r.seconds().photons;
   seconds["splat"] = r.seconds().splat;
   seconds["boundary"] = r.seconds().boundary;
+  seconds["error"] = r.seconds().error;
   photons["traced"] = r.photon_counts().traced;
   photons["stored"] = r.photon_counts().stored;
   photons["pilot"] = r.pilot_paths();
@@ -229,6 +231,12 @@ nb::dict statistics(Renderer& r) {
   out["kernel"] = r.kernel_name();
   out["visible_points"] = r.points().size();
   out["bad_samples"] = r.bad_samples();
+  const ErrorFigures& figures = r.errors().figures();
+  nb::dict error;
+  error["relative_rmse"] = figures.relative_rmse;
+  error["standard_error"] = figures.standard_error;
+  error["bias"] = figures.bias;
+  out["error"] = error;
   return out;
 }
 
@@ -346,6 +354,14 @@ NB_MODULE(photon_splat_native, m) {
       .def("trace_reference", &Renderer::trace_reference, "sample"_a, released)
       .def("cancel", &Renderer::cancel, "Makes the running stage, and every later one, raise Cancelled. From any thread.")
       .def("film", &film_arrays)
+      .def("make_error_estimate", &Renderer::make_error_estimate, "Brings film()['error'] and statistics()['error'] up to date.", released)
+      .def("squared_errors", [](const Renderer& r) {
+        const size_t width = static_cast<size_t>(r.film().width), height = static_cast<size_t>(r.film().height);
+        nb::dict out;
+        out["variance"] = to_numpy(std::vector<float>(r.errors().variance()), {height, width});
+        out["squared_bias"] = to_numpy(std::vector<float>(r.errors().squared_bias()), {height, width});
+        return out;
+      }, "Parts of the squared error of each pixel by the last estimate, luminance squared, (H, W).")
       .def("statistics", &statistics)
       .def("points", &point_arrays)
       .def("photons", &photon_arrays)

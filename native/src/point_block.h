@@ -17,18 +17,20 @@ struct alignas(64) PointBlock {
   float scale[kBlockSize];       // 2/(pi h^2 M): turns the sums below into irradiance, W/m^2
   float r[kBlockSize], g[kBlockSize], b[kBlockSize];  // sum of power * w(n_x . n_y) * (1 - d^2/h^2)
   float count[kBlockSize];       // photons caught
+  float narrow_scale[kBlockSize];  // 4/(pi h^2 M'): the same for `narrow`, M' of the disc of radius h/sqrt(2)
+  float narrow[kBlockSize];      // sum of luminance * w(n_x . n_y) * (1 - 2 d^2/h^2) within that disc
 };
 
 // The weight of a photon whose surface normal differs from the point's: w = clamp(2 n_x.n_y, 0, 1), 1 up to 60 degrees.
 // The kernel mass M(x) takes the same weight.
 inline constexpr float kNormalWeightSlope = 2;
 
-// A photon as a kernel reads it: position, key, surface normal, power.
+// A photon as a kernel reads it: position, key, surface normal, power and its luminance.
 struct SplatPhoton {
   float x, y, z;
   uint32_t key;
   float nx, ny, nz;
-  float r, g, b;
+  float r, g, b, luminance;
 };
 
 // Adds photons[0 .. count-1] to the sums of a block.

@@ -31,6 +31,7 @@ void Renderer::build() {
   photon_tracer_ = std::make_unique<PhotonTracer>(scene, *lights_, options.max_bounces);
   film_.reset(camera_settings.region_width, camera_settings.region_height);
   pass_film_.reset(film_.width, film_.height);
+  errors_.reset(film_.width, film_.height);
 }
 
 void Renderer::require_built() const {
@@ -112,19 +113,34 @@ void Renderer::resolve() {
       const PointBlock& block = blocks[point / kBlockSize];
       const Rgb irradiance = Rgb{block.r[lane], block.g[lane], block.b[lane]} * block.scale[lane];
       Pixel& pixel = pass_film_.pixels[records[i].pixel];
-      pixel.diffuse_indirect += records[i].throughput * irradiance;
+      const Rgb light = records[i].throughput * irradiance;
+      pixel.diffuse_indirect += light;
+      const float wide = luminance(irradiance);
+      if (wide > 0) pixel.detail += luminance(light) * (1 - block.narrow[lane] * block.narrow_scale[lane] / wide);
       // Photons per square metre: the kernel disc holds `count` of them.
       pixel.photon_density += block.count[lane] * block.inverse_h2[lane] / kPi;
     }
   });
+  finish_pass();
+}
+
+void Renderer::finish_pass() {
   add_sample(film_, pass_film_, scene.pool());
+  Timer timer(seconds_.error);
+  errors_.add(pass_film_, scene.pool());
+}
+
+void Renderer::make_error_estimate() {
+  require_built();
+  Timer timer(seconds_.error);
+  errors_.update(scene.pool());
 }
 
 void Renderer::trace_reference(uint32_t sample) {
   require_built();
   Timer timer(seconds_.camera);
   camera_tracer_->trace_reference(sample, options.max_bounces, pass_film_, cancel_);
-  add_sample(film_, pass_film_, scene.pool());
+  finish_pass();
 }
 
 PhotonCounts Renderer::photon_counts() const {

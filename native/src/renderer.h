@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 
+#include "error_estimate.h"
 #include "photon_store.h"
 #include "splatter.h"
 #include "visible_points.h"
@@ -21,7 +22,7 @@ struct RenderOptions {
 };
 
 struct StageSeconds {
-  double acceleration = 0, camera = 0, photons = 0, splat = 0, boundary = 0;
+  double acceleration = 0, camera = 0, photons = 0, splat = 0, boundary = 0, error = 0;
 };
 
 class Renderer {
@@ -71,6 +72,9 @@ class Renderer {
   const CancelFlag& cancel_flag() const { return cancel_; }
 
   const Film& film() const { return film_; }
+  // How far the film may be from the truth; make_error_estimate() brings it up to date.
+  const ErrorEstimate& errors() const { return errors_; }
+  void make_error_estimate();
   const VisiblePoints& points() const { return points_; }
   const std::vector<Photon>& photons() const { return *photons_; }
   PhotonTracer& photon_tracer() { return *photon_tracer_; }
@@ -86,6 +90,7 @@ class Renderer {
 
  private:
   void require_built() const;
+  void finish_pass();
 
   CancelFlag cancel_;
   std::unique_ptr<Lights> lights_;
@@ -98,6 +103,7 @@ class Renderer {
   VisiblePoints points_;
   std::optional<PhotonStore> store_;
   Film film_, pass_film_;
+  ErrorEstimate errors_;
   const std::vector<Record>* records_ = nullptr;
   std::vector<Photon> given_photons_;
   const std::vector<Photon>* photons_ = &given_photons_;

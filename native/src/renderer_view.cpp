@@ -16,6 +16,7 @@ void Renderer::set_view() {
   *camera_ = Camera(camera_settings);
   film_.reset(camera_settings.region_width, camera_settings.region_height);
   pass_film_.reset(film_.width, film_.height);
+  errors_.reset(film_.width, film_.height);
   records_ = nullptr;
   radii_.reset();
 }
@@ -54,7 +55,8 @@ void Renderer::draw_store() {
   splatter_->splat(store_->photons(), points_.blocks(), scene.pool(), cancel_);
   const float share = static_cast<float>(1.0 / static_cast<double>(store_->paths()));
   for (PointBlock& block : points_.blocks())
-    for (float& scale : block.scale) scale *= share;
+    for (float* scales : {block.scale, block.narrow_scale})
+      for (uint32_t lane = 0; lane < kBlockSize; ++lane) scales[lane] *= share;
   resolve();
   records_ = nullptr;
 }

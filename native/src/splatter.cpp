@@ -138,7 +138,7 @@ void Splatter::splat_pairs(const Photon* photons, std::vector<PointBlock>& block
       for (uint32_t i = 0; i < count; ++i) {
         const Photon& p = photons[order_[begin + i]];
         const Vec3 n = decode_direction(p.normal);
-        batch[i] = {p.position.x, p.position.y, p.position.z, p.key, n.x, n.y, n.z, p.power.x, p.power.y, p.power.z};
+        batch[i] = {p.position.x, p.position.y, p.position.z, p.key, n.x, n.y, n.z, p.power.x, p.power.y, p.power.z, luminance(p.power)};
       }
       kernel_(blocks[b], batch, count);
     }

@@ -35,6 +35,7 @@ inline float length2(const Vec3& a) { return dot(a, a); }
 inline float length(const Vec3& a) { return std::sqrt(length2(a)); }
 inline Vec3 normalize(const Vec3& a) { return a / length(a); }
 inline float max_component(const Vec3& a) { return std::max({a.x, a.y, a.z}); }
+inline float luminance(const Vec3& rgb) { return 0.2126f * rgb.x + 0.7152f * rgb.y + 0.0722f * rgb.z; }  // Rec. 709
 inline float average(const Vec3& a) { return (a.x + a.y + a.z) * (1.0f / 3.0f); }
 inline bool is_black(const Vec3& a) { return a.x <= 0 && a.y <= 0 && a.z <= 0; }
 inline bool is_finite(const Vec3& a) { return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z); }

@@ -165,12 +165,12 @@ void VisiblePoints::fill_blocks(Scene& scene, const std::vector<Record>& records
     Bounds bounds;
     for (uint32_t lane = 0; lane < kBlockSize; ++lane) {
       const size_t at = b * kBlockSize + lane;
-      block.r[lane] = block.g[lane] = block.b[lane] = block.count[lane] = 0;
+      block.r[lane] = block.g[lane] = block.b[lane] = block.count[lane] = block.narrow[lane] = 0;
       if (at >= order.size()) {
         block.x[lane] = block.y[lane] = block.z[lane] = block.nx[lane] = block.ny[lane] = block.nz[lane] = 0;
         block.key[lane] = 0;
         block.inverse_h2[lane] = INFINITY;
-        block.scale[lane] = 0;
+        block.scale[lane] = block.narrow_scale[lane] = 0;
         continue;
       }
       const Point& point = points_[order[at].second];
@@ -186,6 +186,7 @@ void VisiblePoints::fill_blocks(Scene& scene, const std::vector<Record>& records
       block.key[lane] = r.key;
       block.inverse_h2[lane] = 1 / (h * h);
       block.scale[lane] = 2 / (kPi * h * h);
+      block.narrow_scale[lane] = 2 * block.scale[lane];
       bounds.add(r.position - Vec3{h, h, h});
       bounds.add(r.position + Vec3{h, h, h});
     }
@@ -206,9 +207,13 @@ void VisiblePoints::correct_boundaries(Scene& scene, const CancelFlag& cancel) {
         h *= 0.5f;
         m = kernel_mass(scene, instance, triangle, x, n, h);
       }
-      if (!m.exact) m.mass = std::max(m.mass, kTrustedMass);
+      if (!m.exact) {
+        m.mass = std::max(m.mass, kTrustedMass);
+        m.narrow = std::max(m.narrow, kTrustedMass);
+      }
       block.inverse_h2[lane] = 1 / (h * h);
       block.scale[lane] = 2 / (kPi * h * h * m.mass);
+      block.narrow_scale[lane] = 4 / (kPi * h * h * m.narrow);
     }
   });
 }

@@ -24,7 +24,10 @@ double summed_mass(const Vec3& x, float h, Inside&& inside) {
 float mass_at(const Scene& scene, float x, float y, float h) {
   Surface s;
   REQUIRE(const_cast<Scene&>(scene).intersect({x, y, 1}, {0, 0, -1}, 0, 100, true, s));
-  return kernel_mass(scene, s.instance, s.triangle, s.position, s.ng, h).mass;
+  const KernelMass m = kernel_mass(scene, s.instance, s.triangle, s.position, s.ng, h);
+  const KernelMass narrow = kernel_mass(scene, s.instance, s.triangle, s.position, s.ng, kNarrow * h);
+  if (m.exact && narrow.exact) CHECK(m.narrow == doctest::Approx(narrow.mass).epsilon(0.005));
+  return m.mass;
 }
 
 // An L: the unit square without its upper right quarter.

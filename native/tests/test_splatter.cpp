@@ -49,7 +49,7 @@ std::vector<Photon> make_photons(size_t count) {
 
 // Sums in double precision, photon by photon and point by point.
 struct Sums {
-  double r = 0, b = 0, count = 0;
+  double r = 0, b = 0, count = 0, narrow = 0;
 };
 Sums sums_at(const PointBlock& block, uint32_t i, const std::vector<Photon>& photons) {
   Sums sums;
@@ -61,6 +61,7 @@ Sums sums_at(const PointBlock& block, uint32_t i, const std::vector<Photon>& pho
     sums.r += kernel * facing * p.power.x;
     sums.b += kernel * facing * p.power.z;
     ++sums.count;
+    sums.narrow += std::max(0.0, 2 * kernel - 1) * facing * luminance(p.power);  // 1 - 2 d^2/h^2
   }
   return sums;
 }
@@ -97,6 +98,7 @@ TEST_CASE("every kernel gives the sums of the definition") {
         CHECK(block.r[i] == doctest::Approx(expected.r).epsilon(1e-3));
         CHECK(block.b[i] == doctest::Approx(expected.b).epsilon(1e-3));
         CHECK(std::abs(block.count[i] - expected.count) <= 1);  // one photon may lie on the rim, within rounding
+        CHECK(block.narrow[i] == doctest::Approx(expected.narrow).epsilon(1e-3));
         caught += block.count[i];
       }
     CHECK(caught > 1000);

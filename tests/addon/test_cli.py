@@ -105,6 +105,7 @@ def _left(folder: Path) -> list[str]:
         (["--seconds", "0"], "--seconds: '0' is not a number"),
         (["--seconds", "-5"], "--seconds"),
         (["--seconds", "soon"], "--seconds: 'soon' is not a number"),
+        (["--error", "0"], "argument --error: '0' is not a number 1e-06 or more"),
         (["--passes", "0"], "--passes: '0' is not a number between 1 and 1,073,741,824"),
         (["--passes", "1.5"], "--passes: '1.5' is not a number"),
         (["--passes", "9999999999999"], "--passes: '9999999999999' is not a number between 1 and"),
@@ -264,6 +265,9 @@ def test_picture_and_statistics(scenes: Path, tmp_path: Path) -> None:
     assert said["passes"] == 3
     assert said["threads"] == 2
     assert said["backend"] in {"CPU", "GPU"}
+    assert 0 < said["error"]["relative_rmse"] < 10
+    for name, value in said["error"].items():
+        assert spec.getattribute(f"photon_splat:{name}") == pytest.approx(value, rel=1e-5)
     assert said["warnings"] == []
     assert said["peak_memory_bytes"] > 50e6
     assert 0 < said["seconds"]["export"] < said["seconds"]["total"] < 20
@@ -301,6 +305,16 @@ def test_seconds_are_kept(scenes: Path, tmp_path: Path) -> None:
     said = json.loads((tmp_path / "stats.json").read_text())
     assert said["seconds"]["total"] == pytest.approx(2, rel=0.2)
     assert said["passes"] > 4
+
+
+def test_error_ends_the_render(scenes: Path, tmp_path: Path) -> None:
+    options = ("--error", "0.05", "--photons-per-pass", "20000")
+    status, errors = _render(tmp_path, scenes / "room.blend", "-o", "out.exr", "--stats", "stats.json", *options)
+    assert status == 0
+    assert " | error " in errors
+    said = json.loads((tmp_path / "stats.json").read_text())
+    assert 0 < said["error"]["relative_rmse"] <= 0.05
+    assert said["passes"] >= 8
 
 
 def test_threads_do_not_change_the_picture(scenes: Path, tmp_path: Path) -> None:

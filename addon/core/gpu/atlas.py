@@ -37,7 +37,7 @@ def atlas_ranges(blocks: int, most_texels: int) -> Iterator[tuple[int, int, int]
 
 
 class Atlas:
-    """The textures of one atlas, with the sums that drawing adds up: 48 bytes a point. On the OpenGL thread only."""
+    """The textures of one atlas, with the sums that drawing adds up: 52 bytes a point. On the OpenGL thread only."""
 
     def __init__(self, gl: moderngl.Context, points: AtlasPoints) -> None:
         height, width = points.position.shape[:2]
@@ -46,15 +46,17 @@ class Atlas:
         self.position = gl.texture(self.size, 4, points.position, dtype="f4")
         self.plane = gl.texture(self.size, 4, points.plane, dtype="u4")
         self.sums = gl.texture(self.size, 4, dtype="f4")
-        self.frame = gl.framebuffer([self.sums])
+        self.narrow = gl.texture(self.size, 1, dtype="f4")
+        self.frame = gl.framebuffer([self.sums, self.narrow])
         self.frame.clear()
 
     def read_sums(self) -> NDArray[np.float32]:
-        """(H, W, 4) float32: red, green, blue, count."""
+        """(H, W, 5) float32: red, green, blue, count, narrow."""
         width, height = self.size
-        return np.frombuffer(self.sums.read(), np.float32).reshape(height, width, 4)
+        planes = [np.frombuffer(t.read(), np.float32).reshape(height, width, -1) for t in (self.sums, self.narrow)]
+        return np.concatenate(planes, axis=-1)
 
     def release(self) -> None:
         """Not while its frame is the bound one."""
-        for thing in (self.frame, self.sums, self.plane, self.position):
+        for thing in (self.frame, self.narrow, self.sums, self.plane, self.position):
             thing.release()

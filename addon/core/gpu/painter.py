@@ -88,7 +88,7 @@ class Painter:
         self._finish(started)
 
     def sums(self) -> list[NDArray[np.float32]]:
-        """The sums of all atlases, (H, W, 4) each."""
+        """The sums of all atlases, (H, W, 5) each."""
         started = time.monotonic()
         sums = [atlas.read_sums() for atlas in self._atlases]
         self._finish(started)

@@ -67,7 +67,7 @@ nb::tuple point_atlas(Renderer& r, size_t first, size_t count, size_t columns) {
 }
 
 void set_sums(Renderer& r, size_t first, size_t count, size_t columns,
-              nb::ndarray<const float, nb::c_contig, nb::device::cpu, nb::shape<-1, -1, 4>> sums) {
+              nb::ndarray<const float, nb::c_contig, nb::device::cpu, nb::shape<-1, -1, Atlas::kSums>> sums) {
   require_blocks(r, first, count, columns);
   const Atlas atlas{first, count, columns};
   if (sums.shape(0) != atlas.rows() * Atlas::kTile || sums.shape(1) != columns * Atlas::kTile)
@@ -92,7 +92,7 @@ void bind_splatting(nb::class_<Renderer>& renderer) {
       .def("point_atlas", &point_atlas, "first"_a, "count"_a, "columns"_a,
            "Blocks [first, first + count) as 8x8 tiles, (H, W, 4): position and 1/h^2 float32; bits of the normal and key uint32.")
       .def("set_sums", &set_sums, "first"_a, "count"_a, "columns"_a, "sums"_a,
-           "(H, W, 4) float32 sums of power times kernel, and photons caught, of the same tiles: replaces those of the blocks.");
+           "(H, W, 5) float32 sums of power times kernel, photons caught, and the narrow sum, of the same tiles: replaces those of the blocks.");
 }
 
 }  // namespace photon_splat

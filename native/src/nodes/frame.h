@@ -141,7 +141,6 @@ inline float safe_divide(float a, float b) { return b != 0 ? a / b : 0; }
 inline Vec3 safe_divide(const Vec3& a, const Vec3& b) { return {safe_divide(a.x, b.x), safe_divide(a.y, b.y), safe_divide(a.z, b.z)}; }
 inline float mix(float a, float b, float t) { return a * (1 - t) + b * t; }
 inline Vec3 mix(const Vec3& a, const Vec3& b, float t) { return a * (1 - t) + b * t; }
-inline float luminance(const Rgb& c) { return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z; }
 // Whole part for any float: NaN is 0, what does not fit the nearest that does.
 inline int32_t to_int(float x) {
   return x == x ? static_cast<int32_t>(std::clamp(x, -2147483648.0f, 2147483520.0f)) : 0;

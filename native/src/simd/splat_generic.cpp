@@ -8,14 +8,15 @@ void splat_block_generic(PointBlock& block, const SplatPhoton* photons, uint32_t
     const SplatPhoton& p = photons[i];
     for (uint32_t lane = 0; lane < kBlockSize; ++lane) {
       const float dx = p.x - block.x[lane], dy = p.y - block.y[lane], dz = p.z - block.z[lane];
-      const float kernel = 1 - (dx * dx + dy * dy + dz * dz) * block.inverse_h2[lane];
+      const float relative = (dx * dx + dy * dy + dz * dz) * block.inverse_h2[lane], kernel = 1 - relative, within = kernel - relative;
       const float facing = kNormalWeightSlope * (block.nx[lane] * p.nx + block.ny[lane] * p.ny + block.nz[lane] * p.nz);
       if (!(kernel > 0) || !(facing > 0) || p.key != block.key[lane]) continue;
-      const float weight = kernel * (facing < 1 ? facing : 1);
+      const float shared = facing < 1 ? facing : 1, weight = kernel * shared;
       block.r[lane] += weight * p.r;
       block.g[lane] += weight * p.g;
       block.b[lane] += weight * p.b;
       block.count[lane] += 1;
+      if (within > 0) block.narrow[lane] += within * shared * p.luminance;
     }
   }
 }

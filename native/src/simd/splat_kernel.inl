@@ -22,16 +22,18 @@ void PHOTON_SPLAT_KERNEL(PointBlock& block, const SplatPhoton* photons, uint32_t
     const Floats nx = *at(block.nx), ny = *at(block.ny), nz = *at(block.nz);
     const Floats inverse_h2 = *at(block.inverse_h2);
     const Ints key = *reinterpret_cast<const Ints*>(block.key + lane);
-    Floats r = *at(block.r), g = *at(block.g), b = *at(block.b), caught = *at(block.count);
+    Floats r = *at(block.r), g = *at(block.g), b = *at(block.b), caught = *at(block.count), narrow = *at(block.narrow);
     for (uint32_t i = 0; i < count; ++i) {
       const SplatPhoton& p = photons[i];
       const Floats dx = p.x - x, dy = p.y - y, dz = p.z - z;
-      const Floats kernel = 1.0f - (dx * dx + dy * dy + dz * dz) * inverse_h2;
+      const Floats relative = (dx * dx + dy * dy + dz * dz) * inverse_h2, kernel = 1.0f - relative, within = kernel - relative;
       const Floats facing = kNormalWeightSlope * (nx * p.nx + ny * p.ny + nz * p.nz);
       const Ints inside = (kernel > 0.0f) & (facing > 0.0f) & (key == static_cast<int32_t>(p.key));
       const Floats full = Floats{} + 1.0f;
       const Ints partly = facing < full;
-      const Floats weight = select(inside, kernel) * (select(partly, facing) + select(~partly, full));
+      const Floats shared = select(partly, facing) + select(~partly, full);
+      const Floats weight = select(inside, kernel) * shared;
+      narrow += select(inside & (within > 0.0f), within) * shared * p.luminance;
       r += weight * p.r;
       g += weight * p.g;
       b += weight * p.b;
@@ -41,6 +43,7 @@ void PHOTON_SPLAT_KERNEL(PointBlock& block, const SplatPhoton* photons, uint32_t
     *at(block.g) = g;
     *at(block.b) = b;
     *at(block.count) = caught;
+    *at(block.narrow) = narrow;
   }
 }
 

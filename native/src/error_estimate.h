@@ -1,0 +1,50 @@
+// How far each pixel may be from the truth: its noise from differences between passes, its blur from discs of two sizes.
+#pragma once
+
+#include "film.h"
+#include "parallel.h"
+
+namespace photon_splat {
+
+// Luminances, in the film's unit. relative_rmse = sqrt(mean of the squared errors) / mean luminance; standard_error and bias
+// are its two parts, bias^2 + standard_error^2 = relative_rmse^2. All 0 for a black picture.
+struct ErrorFigures {
+  double relative_rmse = 0, standard_error = 0, bias = 0, mean_luminance = 0;
+};
+
+// Low-discrepancy samples make the mean of n passes better than the passes' variance / n says: that overestimates the error
+// of smooth edges up to eightfold. So passes are compared in aligned blocks of 1, 2, 4, ... of them, each a digital net of
+// its own. Neighbouring blocks of k passes, of variance V(k) = c k^-a, differ by D(k) = V(k) (2 - 2^(1-a)) (half the mean
+// squared difference; the two halves of a net are negatively correlated); a and c are fitted to the pixel's D at all k.
+class ErrorEstimate {
+ public:
+  void reset(int width, int height);
+  // One pass; call it for all of them.
+  void add(const Film& pass, ThreadPool& pool);
+  // Makes the estimate from the passes so far; after one pass alone, from how neighbouring pixels differ.
+  void update(ThreadPool& pool);
+
+  uint32_t passes() const { return passes_; }
+  const std::vector<float>& error() const { return error_; }          // per pixel, of the last update()
+  const std::vector<float>& variance() const { return variance_; }    // likewise, of the mean
+  const std::vector<float>& squared_bias() const { return squared_bias_; }  // likewise
+  const ErrorFigures& figures() const { return figures_; }
+
+ private:
+  void estimate_variance(ThreadPool& pool);
+  void estimate_bias(ThreadPool& pool);
+
+  struct Level {
+    std::vector<float> open;     // sum of the block that waits for its neighbour
+    std::vector<float> squares;  // of the differences of neighbouring blocks' sums
+    uint32_t pairs = 0;
+  };
+  int width_ = 0, height_ = 0;
+  uint32_t passes_ = 0, estimated_ = 0;  // so far; at the last update()
+  std::vector<Level> levels_;  // of blocks of 1, 2, 4, ... passes
+  std::vector<float> luminance_, detail_, detail_squares_;  // sums over passes
+  std::vector<float> error_, variance_, squared_bias_;
+  ErrorFigures figures_;
+};
+
+}  // namespace photon_splat
