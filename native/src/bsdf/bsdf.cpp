@@ -88,10 +88,21 @@ FacetShape clean_shape(Distribution d, float roughness, float anisotropy, float 
   shape.beckmann = d == Distribution::kBeckmann;
   shape.preserve_energy = d == Distribution::kMultiGgx;
   shape.roughness = clean(roughness, 0, 1, 0.5f);
-  shape.anisotropy = clean(anisotropy, -0.99f, 0.99f, 0);
+  // The way of Blender's Glossy and Metallic nodes.
+  const float a = clean(anisotropy, -0.99f, 0.99f, 0);
+  if (a > 0) shape.along = 1 - a, shape.across = 1 / (1 - a);
+  if (a < 0) shape.along = 1 / (1 + a), shape.across = 1 + a;
   shape.rotation = clean(rotation, -1e4f, 1e4f, 0);
   if (is_finite(tangent)) shape.tangent = tangent;
   return shape;
+}
+
+// What one facet scatters (the colour), and the factor of it all that makes up `weight`.
+Rgb split_color(const Rgb& weight, const Rgb* color, Rgb* tint) {
+  const Rgb w = clean_color(weight);
+  *tint = min(color ? clean_color(*color) : w, kWhite);
+  const auto ratio = [](float a, float b) { return b > 0 ? a / b : 0.0f; };
+  return {ratio(w.x, tint->x), ratio(w.y, tint->y), ratio(w.z, tint->z)};
 }
 
 // On the wrong side of the surface proper, a lobe scatters nothing.
@@ -161,22 +172,21 @@ void Bsdf::add_toon(const Rgb& weight, const Vec3& normal, bool glossy, float si
 
 void Bsdf::add_glossy(const Rgb& weight, const Vec3& normal, Distribution d, float roughness, float anisotropy, float rotation,
                       const Vec3& tangent, const Rgb* color) {
-  // The colour is the facets' reflectance: weight = color * mix.
-  const Rgb w = clean_color(weight), c = min(color ? clean_color(*color) : w, kWhite);
-  const auto ratio = [](float a, float b) { return b > 0 ? a / b : 0.0f; };
   FresnelTerms f;
-  f.reflect_tint = c;
-  add(Facet{{ratio(w.x, c.x), ratio(w.y, c.y), ratio(w.z, c.z)}, normal, clean_shape(d, roughness, anisotropy, rotation, tangent), f, false, true});
+  const Rgb mix = split_color(weight, color, &f.reflect_tint);
+  add(Facet{mix, normal, clean_shape(d, roughness, anisotropy, rotation, tangent), f, false, true});
 }
 
-void Bsdf::add_glass(const Rgb& weight, const Vec3& normal, Distribution d, float roughness, float ior, float film_thickness, float film_ior) {
+void Bsdf::add_glass(const Rgb& weight, const Vec3& normal, Distribution d, float roughness, float ior, float film_thickness, float film_ior,
+                     const Rgb* color) {
   FresnelTerms f;
+  const Rgb mix = split_color(weight, color, &f.reflect_tint);
+  f.transmit_tint = f.reflect_tint;
   f.kind = FresnelKind::kDielectric;
   f.ior = clean(ior, 1e-5f, 1e5f, 1.45f);
-  f.transmit_tint = kWhite;
   f.film_thickness = clean(film_thickness, 0, 1e5f, 0);
   f.film_ior = clean(film_ior, 1e-5f, 1e5f, 1.33f);
-  add(Facet{clean_color(weight), normal, clean_shape(d, roughness, 0, 0, {}), f, true, true});
+  add(Facet{mix, normal, clean_shape(d, roughness, 0, 0, {}), f, true, true});
 }
 
 void Bsdf::add_refraction(const Rgb& weight, const Vec3& normal, Distribution d, float roughness, float ior) {
@@ -244,7 +254,7 @@ bool Bsdf::has_rest() const { return rest_; }
 Rgb Bsdf::albedo() const {
   Rgb sum{};
   for (const Lobe& lobe : lobes_)
-    sum += lobe.kind == LobeKind::kFacets ? lobe.weight * layer_albedo(view_, lobe) : lobe.diffuse() ? lobe.gather : lobe.weight;
+    sum += lobe.kind == LobeKind::kFacets ? lobe.scale * layer_albedo(view_, lobe) : lobe.diffuse() ? lobe.gather : lobe.weight;
   return sum;
 }
 

@@ -64,7 +64,7 @@ class Bsdf {
   void add_glossy(const Rgb& weight, const Vec3& normal, Distribution d, float roughness, float anisotropy, float rotation,
                   const Vec3& tangent, const Rgb* color = nullptr);
   void add_glass(const Rgb& weight, const Vec3& normal, Distribution d, float roughness, float ior,
-                 float film_thickness, float film_ior);
+                 float film_thickness, float film_ior, const Rgb* color = nullptr);
   void add_refraction(const Rgb& weight, const Vec3& normal, Distribution d, float roughness, float ior);
   // Metallic BSDF: F82 (base, edge tint) or, with `physical`, complex index (ior, extinction per channel).
   void add_metallic(const Rgb& weight, const Vec3& normal, Distribution d, float roughness, float anisotropy, float rotation,

@@ -55,21 +55,31 @@ Lobe oren_nayar_lobe(const View& view, const Rgb& weight, const Vec3& n, float r
   return lobe;
 }
 
+namespace {
+
+// A layer of fibres as a linearly transformed cosine (Zeltner et al. 2022, "Practical multiple-scattering sheen using linearly
+// transformed cosines"): the inverse transform's a and b and the albedo. Measured on renders by Cycles.
+constexpr int kSheenSteps = 32;
+constexpr int16_t kSheen[kSheenSteps][kSheenSteps][3] = {
+#include "sheen_table.inc"
+};
+
+}  // namespace
+
 Lobe sheen_lobe(const View& view, const Rgb& weight, const Vec3& n, float roughness) {
   Lobe lobe = make(LobeKind::kSheen, weight, n);
-  const float x = std::clamp(dot(n, view.wo), 1e-3f, 1.0f), y = std::clamp(roughness, 1e-3f, 1.0f);
+  const float x = saturate(dot(n, view.wo)) * (kSheenSteps - 1), y = saturate(roughness) * (kSheenSteps - 1);
+  const int i = std::min(static_cast<int>(x), kSheenSteps - 2), j = std::min(static_cast<int>(y), kSheenSteps - 2);
+  const float s = x - static_cast<float>(i), t = y - static_cast<float>(j);
+  float value[3];
+  for (int k = 0; k < 3; ++k)
+    value[k] = 1e-4f * ((1 - t) * ((1 - s) * kSheen[j][i][k] + s * kSheen[j][i + 1][k]) +
+                        t * ((1 - s) * kSheen[j + 1][i][k] + s * kSheen[j + 1][i + 1][k]));
   const Vec3 across = view.wo - n * dot(n, view.wo);
   if (length2(across) > 1e-10f) lobe.t = normalize(across), lobe.b = cross(n, lobe.t);
-  // Fits to the tables of Zeltner et al. 2022 ("Practical multiple-scattering sheen using linearly transformed cosines") by
-  // the authors of MaterialX.
-  const float s = y * (0.0206607f + 1.58491f * y) / (0.0379424f + y * (1.32227f + y));
-  const float m = y * (-0.193854f + y * (-1.14885f + y * (1.7932f - 0.95943f * y * y))) / (0.046391f + y);
-  const float o = y * (0.000654023f + (-0.0207818f + 0.119681f * y) * y) / (1.26264f + y * (-1.92021f + y));
-  const float albedo = std::exp(-0.5f * sqr((x - m) / s)) / (s * std::sqrt(2 * kPi)) + o;
-  lobe.p[0] = (2.58126f * x + 0.813703f * y) * y / (1 + 0.310327f * x * x + 2.60994f * x * y);
-  lobe.p[1] = std::sqrt(1 - x) * (y - 1) * y * y * y / (0.0000254053f + 1.71228f * x - 1.71506f * x * y + 1.34174f * y * y);
-  lobe.weight *= albedo;
-  lobe.albedo *= albedo;
+  lobe.p[0] = value[0], lobe.p[1] = value[1];
+  lobe.weight *= value[2];
+  lobe.albedo *= value[2];
   lobe.gather = lobe.weight;
   return lobe;
 }
@@ -84,7 +94,7 @@ Lobe velvet_lobe(const View& view, const Rgb& weight, const Vec3& n, float sigma
 Lobe toon_lobe(const Rgb& weight, const Vec3& n, bool glossy, float size, float smooth) {
   Lobe lobe = make(glossy ? LobeKind::kToonGlossy : LobeKind::kToonDiffuse, weight, n);
   const float reach = std::min((size + smooth) * kPi / 2, kPi / 2);
-  lobe.p[0] = size * kPi / 2;
+  lobe.p[0] = std::max(size * kPi / 2, 5e-3f);  // nothing smaller: a cone must hold something
   lobe.p[1] = smooth * kPi / 2;
   lobe.p[2] = std::max(2 * sqr(std::sin(0.5f * std::max(reach, 1e-3f))), 1e-6f);  // 1 - cos of the cone
   return lobe;

@@ -48,30 +48,27 @@ Rgb layer_albedo(const View& view, const Lobe& lobe) {
   const FresnelTerms& f = lobe.fresnel;
   if (f.kind == FresnelKind::kDielectric && f.ior != 1 && f.film_thickness <= 0.1f) {
     const Rgb r = lerp(f.f0, f.f90, dielectric_rise(std::sqrt(std::sqrt(lobe.facets.ax * lobe.facets.ay)), mu, f.ior));
-    return r * f.reflect_tint + (kWhite - r) * f.transmit_tint;
+    return (r * f.reflect_tint + (kWhite - r) * f.transmit_tint) * lobe.kept;
   }
   const FresnelValue value = evaluate_fresnel(f, mu);
-  return value.reflect + value.transmit;
+  return (value.reflect + value.transmit) * lobe.kept;
 }
 
 Lobe facet_lobe(const View& view, const Rgb& weight, const Vec3& normal, const FacetShape& shape, const FresnelTerms& fresnel) {
   Lobe lobe;
   lobe.kind = LobeKind::kFacets;
-  lobe.weight = weight;
+  lobe.weight = lobe.scale = weight;
   lobe.fresnel = fresnel;
   lobe.facets.beckmann = shape.beckmann;
   const bool through = !is_black(fresnel.transmit_tint);
   if (std::abs(fresnel.ior - 1) < 1e-3f && through) lobe.fresnel.ior = 1;
-  const float alpha = sqr(shape.roughness);
-  lobe.facets.ax = lobe.facets.ay = alpha;
-  if (shape.anisotropy > 0) lobe.facets.ax *= 1 - shape.anisotropy, lobe.facets.ay /= 1 - shape.anisotropy;
-  if (shape.anisotropy < 0) lobe.facets.ax /= 1 + shape.anisotropy, lobe.facets.ay *= 1 + shape.anisotropy;
-  lobe.facets.ax = saturate(lobe.facets.ax), lobe.facets.ay = saturate(lobe.facets.ay);
+  lobe.facets.ax = saturate(sqr(shape.roughness) * shape.along);
+  lobe.facets.ay = saturate(sqr(shape.roughness) * shape.across);
   if (through && lobe.fresnel.ior == 1) lobe.facets.ax = lobe.facets.ay = 0;  // nothing bends: straight on
   lobe.n = valid_reflection(view, normal);
   Vec3 tangent = shape.tangent - lobe.n * dot(lobe.n, shape.tangent);
   const float length2_tangent = length2(tangent);
-  if (shape.anisotropy != 0 && length2_tangent > 1e-12f && length2_tangent < 1e12f) {
+  if (shape.along != shape.across && length2_tangent > 1e-12f && length2_tangent < 1e12f) {
     tangent = tangent / std::sqrt(length2_tangent);
     lobe.t = shape.rotation != 0 ? rotate(tangent, lobe.n, 2 * kPi * shape.rotation) : tangent;
     lobe.b = cross(lobe.n, lobe.t);
@@ -80,18 +77,21 @@ Lobe facet_lobe(const View& view, const Rgb& weight, const Vec3& normal, const F
     lobe.t = basis.tangent, lobe.b = basis.bitangent;
   }
 
+  lobe.kept = kWhite;
   const float mu = dot(lobe.n, view.wo);
-  if (!(mu > 0)) lobe.weight = {};
+  if (!(mu > 0)) lobe.weight = lobe.kept = {};
   if (shape.preserve_energy && !lobe.facets.delta() && mu > 0) {
     const float rough = std::sqrt(std::sqrt(lobe.facets.ax * lobe.facets.ay));
     // Turquin 2019, "Practical multiple scattering compensation for microfacet models".
     const Albedo e = through ? glass_albedo(rough, mu, lobe.fresnel.ior) : ggx_albedo(rough, mu);
     const float missing = (1 - e.directional) / std::max(e.directional, 1e-3f);
     const auto scale = [&](float f) { return 1 + missing * f * e.mean / std::max(1 - f * (1 - e.mean), 1e-6f); };
-    const Rgb f = through ? kWhite : saturate(mean_reflectance(fresnel));
-    lobe.weight *= Rgb{scale(f.x), scale(f.y), scale(f.z)};
+    const Rgb f = saturate(through ? fresnel.transmit_tint : mean_reflectance(fresnel));
+    const Rgb scales{scale(f.x), scale(f.y), scale(f.z)};
+    lobe.weight *= scales;
+    lobe.kept = scales * e.directional;
   }
-  lobe.albedo = average(lobe.weight * layer_albedo(view, lobe));
+  lobe.albedo = average(weight * layer_albedo(view, lobe));
   return lobe;
 }
 

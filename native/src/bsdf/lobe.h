@@ -30,6 +30,7 @@ struct Lobe {
   Vec3 n, t, b;        // frame; n on the side of wo (translucent: too)
   Facets facets;       // kFacets
   FresnelTerms fresnel;
+  Rgb scale, kept;     // kFacets: weight without energy compensation; albedo over that of facets that lose nothing
   float p[3] = {};     // kOrenNayar: a, b, 1 - E(wo); kSheen: LTC a and b; kVelvet: 1/sigma^2; toon: size, smooth, pdf
   Rgb multiple;        // kOrenNayar: factor of the energy-preserving term
   Rgb gather;          // diffuse-like lobes: Lambertian albedo that photons estimate
@@ -79,12 +80,15 @@ Lobe toon_lobe(const Rgb& weight, const Vec3& n, bool glossy, float size, float 
 
 struct FacetShape {
   bool beckmann = false, preserve_energy = false;
-  float roughness = 0, anisotropy = 0, rotation = 0;  // rotation in turns
+  float roughness = 0;           // alpha = roughness^2, times the two stretches along the tangent and across
+  float along = 1, across = 1;
+  float rotation = 0;            // of the tangent about the normal, in turns
   Vec3 tangent{};
 };
 Lobe facet_lobe(const View& view, const Rgb& weight, const Vec3& n, const FacetShape& shape, const FresnelTerms& fresnel);
 
-// What a facet lobe reflects (and refracts, where it does), before its energy compensation: attenuates what is under it.
+// What a facet lobe of weight 1 reflects and refracts, about: attenuates what is under it. Without energy compensation it is taken
+// for as much as if no light were lost between facets, as Cycles does (measured).
 Rgb layer_albedo(const View& view, const Lobe& lobe);
 
 }  // namespace photon_splat

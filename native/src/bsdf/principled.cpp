@@ -17,7 +17,7 @@ PrincipledInputs clean(const PrincipledInputs& inputs) {
   in.ior = clean(in.ior, 1e-5f, 1e5f, 1.5f);
   in.coat_ior = clean(in.coat_ior, 1, 1e5f, 1.5f);
   in.specular_level = clean(in.specular_level, 0, 1e6f, 0.5f);
-  in.anisotropic = clean(in.anisotropic, -0.99f, 0.99f, 0);
+  unit(in.anisotropic, 0);
   in.anisotropic_rotation = clean(in.anisotropic_rotation, -1e4f, 1e4f, 0);
   in.emission_strength = clean(in.emission_strength, 0, 1e18f, 0);
   in.thin_film_thickness = clean(in.thin_film_thickness, 0, 1e5f, 0);
@@ -62,6 +62,7 @@ void expand_principled(const Rgb& outer, const PrincipledInputs& in, const View&
     const float f0 = f0_from_ior(f.ior);
     f.f0 = {f0, f0, f0};
     FacetShape shape;
+    shape.preserve_energy = true;
     shape.roughness = in.coat_roughness;
     const Lobe coat = facet_lobe(view, weight * in.coat_weight, coat_normal, shape, f);
     out.add(coat);
@@ -80,7 +81,9 @@ void expand_principled(const Rgb& outer, const PrincipledInputs& in, const View&
   shape.preserve_energy = in.distribution == Distribution::kMultiGgx;
   shape.beckmann = in.distribution == Distribution::kBeckmann;
   shape.roughness = in.roughness;
-  shape.anisotropy = in.anisotropic;
+  const float aspect = std::sqrt(1 - 0.9f * in.anisotropic);  // Burley 2012, "Physically based shading at Disney"
+  shape.along = 1 / aspect;
+  shape.across = aspect;
   shape.rotation = in.anisotropic_rotation;
   shape.tangent = in.tangent;
 
@@ -104,7 +107,7 @@ void expand_principled(const Rgb& outer, const PrincipledInputs& in, const View&
     f.film_thickness = in.thin_film_thickness;
     f.film_ior = in.thin_film_ior;
     FacetShape isotropic = shape;
-    isotropic.anisotropy = 0;
+    isotropic.along = isotropic.across = 1;
     out.add(facet_lobe(view, weight * in.transmission_weight, normal, isotropic, f));
     weight *= 1 - in.transmission_weight;
   }

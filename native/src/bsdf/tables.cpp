@@ -42,6 +42,8 @@ struct Disk {
   }
 };
 
+// Light that a facet refracts towards the wrong side counts, as it does in Cycles' tables (rays that leave glass at grazing
+// angles: measured).
 // Sums over facets seen from mu: visit(reflected share G2/G1, refracted share, cos to the facet).
 template <int N, class Visit>
 void visit_facets(const Disk<N>& disk, float roughness, float mu, float ior, Visit&& visit) {
@@ -57,7 +59,7 @@ void visit_facets(const Disk<N>& disk, float roughness, float mu, float ior, Vis
     if (!(om > 0)) continue;
     const Vec3 reflected = m * (2 * om) - wo;
     Vec3 refracted;
-    const bool through = ior != 1 && refract(wo, m, ior, &refracted) && refracted.z < 0;
+    const bool through = ior != 1 && refract(wo, m, ior, &refracted);
     visit(reflected.z > 0 ? share(reflected) : 0.0f, through ? share(refracted) : 0.0f, om);
   }
 }
@@ -134,12 +136,11 @@ struct RiseTable {
       const float ior = ior_of_coordinate(static_cast<float>(k) / (kIorSteps - 1)), f0 = f0_from_ior(ior);
       for (int r = 0; r < N; ++r)
         for (int c = 0; c < N; ++c) {
-          float sum = 0, weight = 0;
+          float sum = 0;
           visit_facets(disk, static_cast<float>(r) / (N - 1), static_cast<float>(c) / (N - 1), 1, [&](float reflected, float, float cosine) {
-            sum += saturate((fresnel_dielectric(cosine, ior) - f0) / (1 - f0)) * reflected;
-            weight += reflected;
+            if (reflected > 0) sum += saturate((fresnel_dielectric(cosine, ior) - f0) / (1 - f0));
           });
-          rise[k][r][c] = weight > 0 ? sum / weight : 0;
+          rise[k][r][c] = sum / kCoarse;
         }
     }
   }
