@@ -1,18 +1,21 @@
 // The hash functions behind Blender's procedural textures: Bob Jenkins' lookup3 (public domain, 2006) on the bits of floats or
-// integers, and PCG on integers (Jarzynski & Olano 2020, "Hash functions for GPU rendering").
+// integers, and PCG on integers (Jarzynski & Olano 2020, "Hash functions for GPU rendering"). Words may be lanes of words.
 #pragma once
 
 #include <bit>
 #include <cstdint>
 
 #include "../vec.h"
+#include "lanes.h"
 
 namespace photon_splat::nodes {
 
-inline constexpr uint32_t rotate(uint32_t x, int k) { return x << k | x >> (32 - k); }
+template <class Word>
+inline Word rotate(const Word& x, int k) { return x << k | x >> (32 - k); }
 
 // lookup3's last mixing of three words, of which the third is the hash.
-inline uint32_t finish_hash(uint32_t a, uint32_t b, uint32_t c) {
+template <class Word>
+inline Word finish_hash(Word a, Word b, Word c) {
   c = (c ^ b) - rotate(b, 14);
   a = (a ^ c) - rotate(c, 11);
   b = (b ^ a) - rotate(a, 25);
@@ -21,30 +24,34 @@ inline uint32_t finish_hash(uint32_t a, uint32_t b, uint32_t c) {
   b = (b ^ a) - rotate(a, 14);
   return (c ^ b) - rotate(b, 24);
 }
-inline constexpr uint32_t hash_start(uint32_t words) { return 0xdeadbeefu + (words << 2) + 13; }
+constexpr uint32_t hash_start(uint32_t words) { return 0xdeadbeefu + (words << 2) + 13; }
 
-inline uint32_t lookup3(uint32_t x) {
-  constexpr uint32_t s = hash_start(1);
-  return finish_hash(s + x, s, s);
+template <class Word>
+inline Word lookup3(const Word& x) {
+  const Word s = Word{} + hash_start(1);
+  return finish_hash<Word>(s + x, s, s);
 }
-inline uint32_t lookup3(uint32_t x, uint32_t y) {
-  constexpr uint32_t s = hash_start(2);
-  return finish_hash(s + x, s + y, s);
+template <class Word>
+inline Word lookup3(const Word& x, const Word& y) {
+  const Word s = Word{} + hash_start(2);
+  return finish_hash<Word>(s + x, s + y, s);
 }
-inline uint32_t lookup3(uint32_t x, uint32_t y, uint32_t z) {
-  constexpr uint32_t s = hash_start(3);
-  return finish_hash(s + x, s + y, s + z);
+template <class Word>
+inline Word lookup3(const Word& x, const Word& y, const Word& z) {
+  const Word s = Word{} + hash_start(3);
+  return finish_hash<Word>(s + x, s + y, s + z);
 }
-inline uint32_t lookup3(uint32_t x, uint32_t y, uint32_t z, uint32_t w) {
-  constexpr uint32_t s = hash_start(4);
-  uint32_t a = s + x, b = s + y, c = s + z;
+template <class Word>
+inline Word lookup3(const Word& x, const Word& y, const Word& z, const Word& w) {
+  const Word s = Word{} + hash_start(4);
+  Word a = s + x, b = s + y, c = s + z;
   a = (a - c) ^ rotate(c, 4);  c += b;
   b = (b - a) ^ rotate(a, 6);  a += c;
   c = (c - b) ^ rotate(b, 8);  b += a;
   a = (a - c) ^ rotate(c, 16); c += b;
   b = (b - a) ^ rotate(a, 19); a += c;
   c = (c - b) ^ rotate(b, 4);  b += a;
-  return finish_hash(a + w, b, c);
+  return finish_hash<Word>(a + w, b, c);
 }
 
 // In [0, 1], of the bits of the floats.

@@ -10,31 +10,30 @@ namespace {
 
 float fade(float t) { return t * t * t * (t * (t * 6 - 15) + 10); }
 
-inline float negated(float x, uint32_t bit) {  // -x where bit (0 or 1) is set
-  return std::bit_cast<float>(std::bit_cast<uint32_t>(x) ^ bit << 31);
+inline Floats negated(const Floats& x, const Words& bit) {  // -x where bit (0 or 1) is set
+  return bits_of<Floats>(bits_of<Words>(x) ^ bit << 31);
 }
 
-// Gradient of hash h times the offset, in the dimensions there are; chosen without branches so that it runs in lanes.
+// Gradients of hashes h times the offsets, in the dimensions there are.
 template <int N>
-inline float gradient(uint32_t h, float x, float y, float z, float w) {
-  if constexpr (N == 1) return negated(static_cast<float>(1 + (h & 7)), h >> 3 & 1) * x;
+inline Floats gradient(Words h, const Floats& x, const Floats& y, const Floats& z, const Floats& w) {
+  if constexpr (N == 1) return negated(to_floats((h & 7u) + 1u), h >> 3 & 1u) * x;
   if constexpr (N == 2) {
-    h &= 7;
-    const float u = h < 4 ? x : y, v = 2 * (h < 4 ? y : x);
-    return negated(u, h & 1) + negated(v, h >> 1 & 1);
+    h = h & 7u;
+    return negated(choose(h < 4u, x, y), h & 1u) + negated(choose(h < 4u, y, x) * 2.0f, h >> 1 & 1u);
   }
   if constexpr (N == 3) {
-    h &= 15;
-    const float u = h < 8 ? x : y, other = (h & 13) == 12 ? x : z, v = h < 4 ? y : other;
-    return negated(u, h & 1) + negated(v, h >> 1 & 1);
+    h = h & 15u;
+    const Floats other = choose((h & 13u) == 12u, x, z);
+    return negated(choose(h < 8u, x, y), h & 1u) + negated(choose(h < 4u, y, other), h >> 1 & 1u);
   }
-  h &= 31;
-  const float u = h < 24 ? x : y, v = h < 16 ? y : z, s = h < 8 ? z : w;
-  return negated(u, h & 1) + negated(v, h >> 1 & 1) + negated(s, h >> 2 & 1);
+  h = h & 31u;
+  return negated(choose(h < 24u, x, y), h & 1u) + negated(choose(h < 16u, y, z), h >> 1 & 1u) +
+         negated(choose(h < 8u, z, w), h >> 2 & 1u);
 }
 
 template <int N>
-inline uint32_t corner_hash(uint32_t x, uint32_t y, uint32_t z, uint32_t w) {
+inline Words corner_hashes(const Words& x, const Words& y, const Words& z, const Words& w) {
   if constexpr (N == 1) return lookup3(x);
   if constexpr (N == 2) return lookup3(x, y);
   if constexpr (N == 3) return lookup3(x, y, z);
@@ -43,7 +42,6 @@ inline uint32_t corner_hash(uint32_t x, uint32_t y, uint32_t z, uint32_t w) {
 
 template <int N>
 float perlin(const Point<N>& p) {
-  constexpr int kCorners = 1 << N;
   uint32_t cell[4] = {};
   float fraction[4] = {}, weight[4] = {};
   for (int d = 0; d < N; ++d) {
@@ -52,16 +50,22 @@ float perlin(const Point<N>& p) {
     fraction[d] = p.c[d] - whole;
     weight[d] = fade(fraction[d]);
   }
-  float value[kCorners];
-  for (int i = 0; i < kCorners; ++i) {
-    const uint32_t dx = i & 1, dy = i >> 1 & 1, dz = i >> 2 & 1, dw = i >> 3 & 1;
-    const uint32_t h = corner_hash<N>(cell[0] + dx, cell[1] + dy, cell[2] + dz, cell[3] + dw);
-    value[i] = gradient<N>(h, fraction[0] - static_cast<float>(dx), fraction[1] - static_cast<float>(dy),
-                           fraction[2] - static_cast<float>(dz), fraction[3] - static_cast<float>(dw));
+  // Corners of the cell: four lanes for x and y, one vector for every z and w.
+  constexpr int kVectors = N <= 2 ? 1 : 1 << (N - 2);
+  const Words cx = Words{0, 1, 0, 1} + cell[0], cy = Words{0, 0, 1, 1} + cell[1];
+  const Floats fx = Floats{} + fraction[0] - Floats{0, 1, 0, 1}, fy = Floats{} + fraction[1] - Floats{0, 0, 1, 1};
+  Floats value[kVectors];
+  for (int i = 0; i < kVectors; ++i) {
+    const uint32_t dz = i & 1, dw = i >> 1;
+    const Words h = corner_hashes<N>(cx, cy, Words{} + (cell[2] + dz), Words{} + (cell[3] + dw));
+    value[i] = gradient<N>(h, fx, fy, Floats{} + (fraction[2] - static_cast<float>(dz)),
+                           Floats{} + (fraction[3] - static_cast<float>(dw)));
   }
-  for (int d = N - 1, half = kCorners / 2; d >= 0; --d, half /= 2)
-    for (int i = 0; i < half; ++i) value[i] = mix(value[i], value[i + half], weight[d]);
-  return value[0];
+  for (int d = N - 1, half = kVectors / 2; d >= 2; --d, half /= 2)
+    for (int i = 0; i < half; ++i) value[i] = value[i] * (1 - weight[d]) + value[i + half] * weight[d];
+  const Floats& last = value[0];
+  const float low = mix(last[0], last[1], weight[0]);
+  return N == 1 ? low : mix(low, mix(last[2], last[3], weight[0]), weight[1]);
 }
 
 constexpr float kScale[5] = {0, 0.2500f, 0.6616f, 0.9820f, 0.8344f};  // to [-1, 1] or so

@@ -16,7 +16,7 @@ std::vector<std::string> split_modes(const std::string& list) {
   std::vector<std::string> names;
   std::istringstream in(list);
   for (std::string name; std::getline(in >> std::ws, name, ',');) {
-    if (name.size() == 2 && name[0] == 'D') name = {name[1], 'D'};
+    if (name.size() == 2 && name[0] == 'D' && name[1] >= '1' && name[1] <= '4') name = {name[1], 'D'};
     names.push_back(name);
   }
   return names;

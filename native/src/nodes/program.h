@@ -54,6 +54,9 @@ struct ShadingPoint {
 // Runs `program` at `point` and adds its closures to `out` (not finished). Never fails, never yields NaN or infinity.
 void run_program(const Scene& scene, const Program& program, const ShadingPoint& point, Bsdf& out);
 
+// What the registers hold after a run of `program`, which asks for nothing of a hit: for folding of constants.
+std::vector<float> run_constant_program(const Scene& scene, const Program& program);
+
 // Throws std::invalid_argument for a program that reads or writes outside its registers, constants or textures.
 void check_program(const Scene& scene, const Program& program);
 

@@ -155,4 +155,15 @@ void run_program(const Scene& scene, const Program& program, const ShadingPoint&
   execute(frame);
 }
 
+std::vector<float> run_constant_program(const Scene& scene, const Program& program) {
+  std::vector<float> registers(program.registers);
+  const Vec3 up{0, 0, 1};
+  ShadingPoint nowhere;
+  nowhere.ng = nowhere.ns = nowhere.wo = up;
+  Bsdf out(Transport::kRadiance, up, up, up, false);
+  Frame frame{scene, program, nowhere, out, registers.data(), program.constants.data()};
+  execute(frame);
+  return registers;
+}
+
 }  // namespace photon_splat
