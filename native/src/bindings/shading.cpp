@@ -43,6 +43,19 @@ uint32_t add_program(Renderer& r, const std::string& name, Array<uint32_t, nb::s
   return static_cast<uint32_t>(r.scene.programs.size() - 1);
 }
 
+auto run_constants(const Renderer& r, Array<uint32_t, nb::shape<-1>> code, Array<float, nb::shape<-1>> constants,
+                   uint32_t registers) {
+  Program program;
+  program.name = "constants";
+  program.code.assign(code.data(), code.data() + code.size());
+  program.constants.assign(constants.data(), constants.data() + constants.size());
+  program.registers = registers;
+  check_program(r.scene, program);
+  std::vector<float> result = run_constant_program(r.scene, program);
+  const size_t size = result.size();
+  return to_numpy(std::move(result), {size});
+}
+
 int require_program(const Renderer& r, uint32_t program) {
   if (program >= r.scene.programs.size()) throw std::invalid_argument("a shader program does not exist");
   return static_cast<int>(program);
@@ -182,6 +195,8 @@ void bind_shading(nb::module_& m, nb::class_<Renderer>& renderer) {
   renderer
       .def("add_program", &add_program, "name"_a, "code"_a, "constants"_a, "registers"_a, "features"_a,
            "A shader program; returns its index. Textures it names come first. ValueError for one that is not sound.")
+      .def("run_constant_program", &run_constants, "code"_a, "constants"_a, "registers"_a,
+           "(registers,) float32 that a program leaves which asks for nothing of a hit.")
       .def("add_program_material", &add_program_material, "program"_a, "A material that runs a program. Returns its index.")
       .def("set_world_program", [](Renderer& r, uint32_t program) { r.scene.world_program = require_program(r, program); }, "program"_a)
       .def("add_mesh_attribute", &add_mesh_attribute, "mesh"_a, "attribute"_a, "domain"_a, "values"_a,
