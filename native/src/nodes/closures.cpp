@@ -12,6 +12,11 @@ Distribution distribution(uint32_t word) {
   return Distribution::kGgx;
 }
 
+// Within what a chain of lobes can multiply without leaving the range of floats; what is not a number is 0.
+constexpr float kMostScattered = 1e6f, kMostEmitted = 1e16f;
+float bounded(float x, float most) { return x == x ? std::clamp(x, -most, most) : 0; }
+Rgb bounded(const Rgb& c, float most) { return {bounded(c.x, most), bounded(c.y, most), bounded(c.z, most)}; }
+
 // Nodes have normals on the side that is looked at, closures on the surface's front. Without length: the shading normal.
 Vec3 front_normal(const Frame& f, uint32_t word) {
   Vec3 n = f.vector(word);
@@ -24,9 +29,9 @@ void principled(Frame& f, const uint32_t* w) {
   enum { kWeight, kBaseColor, kMetallic, kRoughness, kIor, kAlpha, kNormal, kDiffuseRoughness, kSubsurface, kSpecular,
          kSpecularTint, kAnisotropic, kRotation, kTangent, kTransmission, kCoat, kCoatRoughness, kCoatIor, kCoatTint, kCoatNormal,
          kSheen, kSheenRoughness, kSheenTint, kEmission, kEmissionStrength, kFilm, kFilmIor, kDistribution };
-  const float weight = f.number(w[kWeight]);
+  const float weight = bounded(f.number(w[kWeight]), kMostScattered);
   PrincipledInputs p;
-  p.base_color = f.vector(w[kBaseColor]);
+  p.base_color = bounded(f.vector(w[kBaseColor]), kMostScattered);
   p.metallic = f.number(w[kMetallic]);
   p.roughness = f.number(w[kRoughness]);
   p.ior = f.number(w[kIor]);
@@ -35,7 +40,7 @@ void principled(Frame& f, const uint32_t* w) {
   p.diffuse_roughness = f.number(w[kDiffuseRoughness]);
   p.subsurface_weight = f.number(w[kSubsurface]);
   p.specular_level = f.number(w[kSpecular]);
-  p.specular_tint = f.vector(w[kSpecularTint]);
+  p.specular_tint = bounded(f.vector(w[kSpecularTint]), kMostScattered);
   p.anisotropic = f.number(w[kAnisotropic]);
   p.anisotropic_rotation = f.number(w[kRotation]);
   p.tangent = f.vector(w[kTangent]);
@@ -43,13 +48,13 @@ void principled(Frame& f, const uint32_t* w) {
   p.coat_weight = f.number(w[kCoat]);
   p.coat_roughness = f.number(w[kCoatRoughness]);
   p.coat_ior = f.number(w[kCoatIor]);
-  p.coat_tint = f.vector(w[kCoatTint]);
+  p.coat_tint = bounded(f.vector(w[kCoatTint]), 1);  // it is raised to powers
   p.coat_normal = front_normal(f, w[kCoatNormal]);
   p.sheen_weight = f.number(w[kSheen]);
   p.sheen_roughness = f.number(w[kSheenRoughness]);
-  p.sheen_tint = f.vector(w[kSheenTint]);
-  p.emission_color = f.vector(w[kEmission]);
-  p.emission_strength = f.number(w[kEmissionStrength]);
+  p.sheen_tint = bounded(f.vector(w[kSheenTint]), kMostScattered);
+  p.emission_color = bounded(f.vector(w[kEmission]), 1e5f);
+  p.emission_strength = bounded(f.number(w[kEmissionStrength]), 1e10f);
   p.thin_film_thickness = f.number(w[kFilm]);
   p.thin_film_ior = f.number(w[kFilmIor]);
   p.distribution = distribution(w[kDistribution]);
@@ -61,11 +66,11 @@ void principled(Frame& f, const uint32_t* w) {
 void closure(Frame& f, Op op, const uint32_t* w) {
   const float weight = f.number(w[0]);
   if (weight == 0) return;
-  const auto colored = [&] { return f.vector(w[1]) * weight; };
+  const auto colored = [&] { return bounded(f.vector(w[1]) * weight, kMostScattered); };
   switch (op) {
-    case Op::Emission: f.out.add_emission(colored()); break;
+    case Op::Emission: f.out.add_emission(bounded(f.vector(w[1]) * weight, kMostEmitted)); break;
     case Op::Transparent: f.out.add_transparent(colored()); break;
-    case Op::Holdout: f.out.add_holdout(weight); break;
+    case Op::Holdout: f.out.add_holdout(bounded(weight, 1)); break;
     case Op::Diffuse: f.out.add_diffuse(colored(), front_normal(f, w[2]), f.number(w[3])); break;
     case Op::Translucent: f.out.add_translucent(colored(), front_normal(f, w[2])); break;
     case Op::Glossy:
@@ -80,9 +85,9 @@ void closure(Frame& f, Op op, const uint32_t* w) {
       f.out.add_refraction(colored(), front_normal(f, w[2]), distribution(w[5]), f.number(w[3]), f.number(w[4]));
       break;
     case Op::Metallic:
-      f.out.add_metallic({weight, weight, weight}, front_normal(f, w[1]), distribution(w[11]), f.number(w[2]), f.number(w[3]),
+      f.out.add_metallic(bounded({weight, weight, weight}, kMostScattered), front_normal(f, w[1]), distribution(w[11]), f.number(w[2]), f.number(w[3]),
                          f.number(w[4]), f.vector(w[5]), f.mode<MetallicType>(w[10]) == MetallicType::PHYSICAL_CONDUCTOR,
-                         f.vector(w[6]), f.vector(w[7]), f.number(w[8]), f.number(w[9]));
+                         bounded(f.vector(w[6]), kMostScattered), bounded(f.vector(w[7]), kMostScattered), f.number(w[8]), f.number(w[9]));
       break;
     case Op::Sheen:
       f.out.add_sheen(colored(), front_normal(f, w[2]), f.number(w[3]), f.mode<SheenType>(w[4]) == SheenType::ASHIKHMIN);
