@@ -50,12 +50,11 @@ float distance_between(const Point<N>& a, const Point<N>& b, const Settings& s) 
   return s.metric == VoronoiMetric::MINKOWSKI ? std::pow(r, 1 / s.exponent) : r;
 }
 
-// PCG in N words, in place, on signed integers as Cycles has it.
-template <int N>
-void pcg(int32_t* k) {
-  uint32_t v[N];
-  for (int d = 0; d < N; ++d) v[d] = static_cast<uint32_t>(k[d]) * 1664525u + 1013904223u;
-  const auto stir = [&v] {
+// PCG in N words, in place, on signed integers as Cycles has it; the results in 0..2^31 - 1. Words may be lanes of words.
+template <int N, class Word>
+void pcg(Word* v) {
+  for (int d = 0; d < N; ++d) v[d] = v[d] * 1664525u + 1013904223u;
+  const auto stir = [v] {
     if constexpr (N == 2) {
       v[0] += v[1] * 1664525u;
       v[1] += v[0] * 1664525u;
@@ -71,9 +70,10 @@ void pcg(int32_t* k) {
     }
   };
   stir();
-  for (int d = 0; d < N; ++d) v[d] ^= static_cast<uint32_t>(static_cast<int32_t>(v[d]) >> 16);
+  // A shift right that keeps the sign: what it brings in is all ones where the highest bit is set.
+  for (int d = 0; d < N; ++d) v[d] = v[d] ^ (v[d] >> 16 | (v[d] >> 31) * 0xffff0000u);
   stir();
-  for (int d = 0; d < N; ++d) k[d] = static_cast<int32_t>(v[d] & 0x7fffffffu);
+  for (int d = 0; d < N; ++d) v[d] = v[d] & 0x7fffffffu;
 }
 
 constexpr float kPcgUnit = 1.0f / 2147483647.0f;
@@ -93,35 +93,42 @@ struct Cells {
     }
   }
 
-  int32_t key(const Point<N>& offset, int d) const {
-    return static_cast<int32_t>(static_cast<uint32_t>(whole[d]) + static_cast<uint32_t>(static_cast<int32_t>(offset.c[d])));
+  uint32_t key(const Point<N>& offset, int d) const {
+    return static_cast<uint32_t>(whole[d]) + static_cast<uint32_t>(static_cast<int32_t>(offset.c[d]));
   }
 
+  // The points of `count` cells in a row along the first coordinate, from `offset` on.
+  void points(Point<N> offset, int count, Point<N>* out) const {
+    for (int i = 0; i < count; i += 4) {
+      const Floats step = Floats{0, 1, 2, 3} + static_cast<float>(i);
+      Floats at[N], p[N];
+      for (int d = 0; d < N; ++d) at[d] = Floats{} + offset.c[d];
+      at[0] = at[0] + step;
+      if constexpr (N > 1 && H == CellHash::PCG) {
+        Words k[N];
+        for (int d = 0; d < N; ++d) k[d] = Words{} + key(offset, d);
+        k[0] = k[0] + Words{0, 1, 2, 3} + static_cast<uint32_t>(i);
+        pcg<N>(k);
+        for (int d = 0; d < N; ++d) p[d] = to_floats(bits_of<Signed>(k[d])) * kPcgUnit;
+      } else {
+        Words k[N];
+        for (int d = 0; d < N; ++d) k[d] = bits_of<Words>(at[d] + cell.c[d]);
+        lookup3_points(k, p);
+      }
+      for (int d = 0; d < N; ++d) p[d] = at[d] + p[d] * randomness;
+      for (int l = 0; l < 4 && i + l < count; ++l)
+        for (int d = 0; d < N; ++d) out[i + l].c[d] = p[d][l];
+    }
+  }
   Point<N> point(const Point<N>& offset) const {
     Point<N> out;
-    if constexpr (N > 1 && H == CellHash::PCG) {
-      int32_t k[N];
-      for (int d = 0; d < N; ++d) k[d] = key(offset, d);
-      pcg<N>(k);
-      for (int d = 0; d < N; ++d) out.c[d] = static_cast<float>(k[d]) * kPcgUnit;
-    } else {
-      float k[N];
-      for (int d = 0; d < N; ++d) k[d] = cell.c[d] + offset.c[d];
-      if constexpr (N == 1) out = {{random_of(k[0])}};
-      if constexpr (N == 2) out = {{random_of(k[0], k[1]), random_of(k[0], k[1], 1.0f)}};
-      if constexpr (N == 3)
-        out = {{random_of(k[0], k[1], k[2]), random_of(k[0], k[1], k[2], 1.0f), random_of(k[0], k[1], k[2], 2.0f)}};
-      if constexpr (N == 4)
-        out = {{random_of(k[0], k[1], k[2], k[3]), random_of(k[3], k[0], k[1], k[2]), random_of(k[2], k[3], k[0], k[1]),
-                random_of(k[1], k[2], k[3], k[0])}};
-    }
-    for (int d = 0; d < N; ++d) out.c[d] = offset.c[d] + out.c[d] * randomness;
+    points(offset, 1, &out);
     return out;
   }
 
   Rgb color(const Point<N>& offset) const {
     if constexpr (N > 1 && H == CellHash::PCG) {
-      int32_t k[4] = {};
+      uint32_t k[4] = {};
       for (int d = 0; d < N; ++d) k[d] = key(offset, d);
       pcg<N == 4 ? 4 : 3>(k);
       return Rgb{static_cast<float>(k[0]), static_cast<float>(k[1]), static_cast<float>(k[2])} * kPcgUnit;
@@ -141,16 +148,45 @@ struct Cells {
     return out;
   }
 
-  // Cells up to `reach` away, the first coordinate running fastest.
+  // Calls visit(offset, point) for the cells up to kReach away, the first coordinate running fastest.
   template <int kReach, class Visit>
-  static void around(Visit&& visit) {
-    Point<N> offset;
-    for (int d = 0; d < N; ++d) offset.c[d] = -kReach;
+  void around(Visit&& visit, Point<N> center = {}) const {
+    constexpr int kRow = 2 * kReach + 1;
+    Point<N> offset, row[kRow];
+    for (int d = 0; d < N; ++d) offset.c[d] = center.c[d] - kReach;
     for (;;) {
-      visit(offset);
-      int d = 0;
-      while (d < N && ++offset.c[d] > kReach) offset.c[d++] = -kReach;
-      if (d == N) return;
+      points(offset, kRow, row);
+      for (int i = 0; i < kRow; ++i) {
+        Point<N> here = offset;
+        here.c[0] += static_cast<float>(i);
+        visit(here, row[i]);
+      }
+      int d = 1;
+      while (d < N && ++offset.c[d] > center.c[d] + kReach) offset.c[d] = center.c[d] - kReach, ++d;
+      if (d >= N) return;
+    }
+  }
+
+ private:
+  static Floats unit(const Words& hash) { return to_floats(hash) * (1.0f / 4294967295.0f); }
+
+  static void lookup3_points(const Words* k, Floats* p) {
+    const Words one = Words{} + std::bit_cast<uint32_t>(1.0f), two = Words{} + std::bit_cast<uint32_t>(2.0f);
+    if constexpr (N == 1) p[0] = unit(lookup3(k[0]));
+    if constexpr (N == 2) {
+      p[0] = unit(lookup3(k[0], k[1]));
+      p[1] = unit(lookup3(k[0], k[1], one));
+    }
+    if constexpr (N == 3) {
+      p[0] = unit(lookup3(k[0], k[1], k[2]));
+      p[1] = unit(lookup3(k[0], k[1], k[2], one));
+      p[2] = unit(lookup3(k[0], k[1], k[2], two));
+    }
+    if constexpr (N == 4) {
+      p[0] = unit(lookup3(k[0], k[1], k[2], k[3]));
+      p[1] = unit(lookup3(k[3], k[0], k[1], k[2]));
+      p[2] = unit(lookup3(k[2], k[3], k[0], k[1]));
+      p[3] = unit(lookup3(k[1], k[2], k[3], k[0]));
     }
   }
 };
@@ -162,8 +198,7 @@ Result nearest(const Point<N>& p, const Settings& s) {
   const Cells<N, H> cells(p, s.randomness);
   float best = kFar;
   Point<N> target{}, at{};
-  cells.template around<1>([&](const Point<N>& offset) {
-    const Point<N> candidate = cells.point(offset);
+  cells.template around<1>([&](const Point<N>& offset, const Point<N>& candidate) {
     const float r = N == 1 ? distance_between(candidate, cells.local, s) : rank(candidate, cells.local, s);
     if (r < best) {
       best = r;
@@ -179,8 +214,7 @@ Result second_nearest(const Point<N>& p, const Settings& s) {
   const Cells<N, H> cells(p, s.randomness);
   float best[2] = {kFar, kFar};
   Point<N> target[2] = {}, at[2] = {};
-  cells.template around<1>([&](const Point<N>& offset) {
-    const Point<N> candidate = cells.point(offset);
+  cells.template around<1>([&](const Point<N>& offset, const Point<N>& candidate) {
     const float r = distance_between(candidate, cells.local, s);
     if (!(r < best[1])) return;
     const int place = r < best[0] ? 0 : 1;
@@ -202,8 +236,7 @@ Result smooth_nearest(const Point<N>& p, const Settings& s) {
   Result sum;
   Point<N> at{};
   bool first = true;
-  cells.template around<2>([&](const Point<N>& offset) {
-    const Point<N> candidate = cells.point(offset);
+  cells.template around<2>([&](const Point<N>& offset, const Point<N>& candidate) {
     const float r = distance_between(candidate, cells.local, s);
     float h = 1;
     if (!first) {
@@ -233,9 +266,9 @@ float to_edge(const Point<N>& p, const Settings& s) {
   Point<N> to[kCells], closest{};
   int n = 0;
   float best = kFar;
-  cells.template around<1>([&](const Point<N>& offset) {
+  cells.template around<1>([&](const Point<N>&, const Point<N>& candidate) {
     Point<N>& v = to[n++];
-    v = cells.point(offset);
+    v = candidate;
     float l2 = 0;
     for (int d = 0; d < N; ++d) {
       v.c[d] -= cells.local.c[d];
@@ -262,8 +295,7 @@ float sphere_radius(const Point<N>& p, const Settings& s) {
   const Cells<N, H> cells(p, s.randomness);
   float best = kFar;
   Point<N> closest{}, cell{};
-  cells.template around<1>([&](const Point<N>& offset) {
-    const Point<N> candidate = cells.point(offset);
+  cells.template around<1>([&](const Point<N>& offset, const Point<N>& candidate) {
     const float l2 = squared(candidate, cells.local);
     if (l2 < best) {
       best = l2;
@@ -272,14 +304,12 @@ float sphere_radius(const Point<N>& p, const Settings& s) {
     }
   });
   best = kFar;
-  cells.template around<1>([&](Point<N> offset) {
+  const auto other = [&](const Point<N>& offset, const Point<N>& candidate) {
     bool same = true;
-    for (int d = 0; d < N; ++d) {
-      same &= offset.c[d] == 0;
-      offset.c[d] += cell.c[d];
-    }
-    if (!same) best = std::min(best, squared(cells.point(offset), closest));
-  });
+    for (int d = 0; d < N; ++d) same &= offset.c[d] == cell.c[d];
+    if (!same) best = std::min(best, squared(candidate, closest));
+  };
+  cells.template around<1>(other, cell);
   return std::sqrt(best) / 2;
 }
 
