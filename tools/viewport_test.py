@@ -1,0 +1,168 @@
+"""Tests the extension in a Blender with a window: viewport_test.py ARCHIVE [--suite SUITE] [--edits N] [--hunt N]
+
+Debian's Blender (SUITE trixie: 4.3; sid: 5.2) runs under a virtual X server in a folder of its own, made once and kept in
+.cache/blender-SUITE. That needs Linux, root, debootstrap and a Debian mirror; where one is missing the test is skipped and
+says so. Pictures and figures are left in out/viewport-SUITE.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+ROOT = Path(__file__).resolve().parent.parent
+KEYRING = Path("/usr/share/keyrings/debian-archive-keyring.gpg")
+PACKAGES = "blender python3-numpy xvfb xauth imagemagick xdotool libegl1 libegl-mesa0 libgl1-mesa-dri".split()
+MODULE = "bl_ext.user_default.photon_splat"
+SECONDS = 1200
+FIRST_PICTURE, UPDATES, STALL, MEMORY = 0.15, 15.0, 0.03, 100e6
+"""s after an edit; per second of orbiting; s; bytes more over all edits: what is promised, on two cores."""
+
+
+class Skipped(Exception):
+    """Why the test cannot be done here."""
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("archive", type=Path)
+    parser.add_argument("--suite", default="trixie")
+    parser.add_argument("--chroot", type=Path, help="where Blender's system is, or is to be made")
+    parser.add_argument("--edits", type=int, default=200)
+    parser.add_argument("--hunt", type=int, default=500)
+    options = parser.parse_args()
+    chroot = (options.chroot or ROOT / ".cache" / f"blender-{options.suite}").resolve()
+    output = ROOT / "out" / f"viewport-{options.suite}"
+    try:
+        make_chroot(options.suite, chroot)
+        result = run(chroot, options.archive, output, options.edits, options.hunt)
+    except Skipped as reason:
+        print(f"SKIPPED: the viewport is not tested in a window: {reason}")
+        return 0
+    return judge(result, output)
+
+
+def make_chroot(suite: str, chroot: Path) -> None:
+    if not sys.platform.startswith("linux") or os.geteuid() != 0:
+        raise Skipped("it needs Linux and root")
+    if (chroot / "usr/bin/blender").exists() and (chroot / "usr/bin/xdotool").exists():
+        return
+    if not shutil.which("debootstrap") or not KEYRING.exists():
+        raise Skipped(f"it needs debootstrap and {KEYRING} (Debian: apt-get install debootstrap debian-archive-keyring)")
+    sys.path.insert(0, str(ROOT / "native/cmake"))
+    from debian_package import mirrors
+
+    found = mirrors()
+    if not found:
+        raise Skipped("this machine's apt names no Debian mirror")
+    print(f"Making {chroot} (some minutes, about 2 GB)", flush=True)
+    shutil.rmtree(chroot, ignore_errors=True)
+    chroot.parent.mkdir(parents=True, exist_ok=True)
+    log = chroot.with_suffix(".log").open("w")
+    install = ["apt-get", "install", "-y", "--no-install-recommends", *PACKAGES]
+    try:
+        base = ["debootstrap", "--variant=minbase", "--include=ca-certificates", f"--keyring={KEYRING}", suite, str(chroot), found[0]]
+        subprocess.run(base, stdout=log, stderr=log, check=True)
+        guard = chroot / "usr/sbin/policy-rc.d"
+        guard.write_text("#!/bin/sh\nexit 101\n")
+        guard.chmod(0o755)
+        subprocess.run(["chroot", chroot, "env", "DEBIAN_FRONTEND=noninteractive", *install], stdout=log, stderr=log, check=True)
+    except subprocess.CalledProcessError as error:
+        raise Skipped(f"{error.cmd[0]} failed; see {log.name}") from error
+
+
+def run(chroot: Path, archive: Path, output: Path, edits: int, hunt: int) -> dict[str, Any]:
+    shutil.rmtree(output, ignore_errors=True)
+    output.mkdir(parents=True)
+    inside = chroot / "tmp/photon_splat"
+    shutil.rmtree(inside, ignore_errors=True)
+    inside.mkdir(parents=True)
+    for path in (archive, ROOT / "tests/viewport/inside.py", *(ROOT / "blend_scenes").glob("*.blend")):
+        shutil.copy(path, inside)
+    mounts = [(chroot / name, ["mount", "--rbind", f"/{name}", str(chroot / name)]) for name in ("proc", "dev", "sys")]
+    mounted = []
+    try:
+        for place, command in mounts:
+            if not any(place.iterdir()) or place.name == "dev":
+                if not os.path.ismount(place):
+                    subprocess.run(command, check=True)
+                    subprocess.run(["mount", "--make-rslave", str(place)], check=True)
+                    mounted.append(place)
+        environment = {"HOME": "/tmp/photon_splat", "BLENDER_USER_RESOURCES": "/tmp/photon_splat/user", "LIBGL_ALWAYS_SOFTWARE": "1"}
+        prefix = ["chroot", str(chroot), "env", *(f"{key}={value}" for key, value in environment.items())]
+        add = ["blender", "--command", "extension", "install-file", "-r", "user_default", "--enable", f"/tmp/photon_splat/{archive.name}"]
+        subprocess.run([*prefix, *add], check=True, stdout=subprocess.DEVNULL, timeout=120)
+        script = ["--python", "/tmp/photon_splat/inside.py", "--", MODULE, "/tmp/photon_splat/cornell_box.blend"]
+        script += ["/tmp/photon_splat/interior.blend", "/tmp/photon_splat", str(edits), str(hunt)]
+        window = ["xvfb-run", "-a", "-s", "-screen 0 1280x800x24", "blender", "--factory-startup", "--addons", MODULE, *script]
+        with (output / "blender.log").open("w") as log:
+            done = subprocess.run([*prefix, *window], stdout=log, stderr=log, timeout=SECONDS, check=False)
+    except subprocess.TimeoutExpired:
+        return {"error": f"Blender was still running after {SECONDS} s"}
+    finally:
+        for place in reversed(mounted):
+            subprocess.run(["umount", "-R", "-l", str(place)], check=False)
+    for picture in [*inside.glob("*.png"), *inside.glob("result.json")]:
+        shutil.copy(picture, output)
+    if not (output / "result.json").exists():
+        return {"error": f"Blender ended with status {done.returncode} in the middle; see {output / 'blender.log'}"}
+    result: dict[str, Any] = json.loads((output / "result.json").read_text())
+    if done.returncode:
+        result["error"] = f"Blender ended with status {done.returncode} when it quit. {result['error']}"
+    return result
+
+
+def judge(result: dict[str, Any], output: Path) -> int:
+    """Prints the figures and says which are not what is promised."""
+    print(json.dumps({key: value for key, value in result.items() if key != "error"}, indent=1))
+    failures = [result["error"]] if result.get("error") else []
+
+    def hold(what: str, value: float, most: float) -> None:
+        print(f"{what}: {value:.4g} (at most {most:.4g})")
+        if not value <= most:
+            failures.append(f"{what} is {value:.4g}, more than {most:.4g}")
+
+    if "region" in result:
+        hold("camera view against F12, mean difference of 8-bit values", difference(output, result["region"]), 3.0)
+    if "orbit" in result:
+        hold("seconds between updates while orbiting", 1 / max(result["orbit"]["updates per second"], 1e-9), 1 / UPDATES)
+        hold("photon paths traced while orbiting", result["orbit"]["photons traced"], 0)
+    for kind, seconds in result.get("edits", {}).items():
+        hold(f"median seconds from an edit to a picture, {kind}", seconds, FIRST_PICTURE)
+    if "stall" in result:
+        hold("median stall of Blender's thread", result["stall"]["median"], STALL)
+        hold("bytes of memory that edits left behind", result["memory"][1] - result["memory"][0], MEMORY)
+    if "hunt" in result:
+        hold("threads left by random edits", result["hunt"]["threads"], 1)
+        hold("bytes of memory that random edits left behind", result["hunt"]["memory"][1] - result["hunt"]["memory"][0], MEMORY)
+    if "cancelled" in result:
+        hold("render that Escape did not end", float(not (result["rendering"] and result["cancelled"])), 0)
+    for failure in failures:
+        print(f"FAILED {failure}", file=sys.stderr)
+    return 1 if failures else 0
+
+
+def difference(output: Path, region: list[int]) -> float:
+    """Mean absolute difference between the window's picture of the camera view and the render of it, in the middle of the region."""
+    from PIL import Image
+
+    window = np.asarray(Image.open(output / "camera.png").convert("RGB"), np.float64)
+    rendered = np.asarray(Image.open(output / "render.png").convert("RGB"), np.float64)
+    x, y, width, height = region
+    shown = window[len(window) - y - height : len(window) - y, x : x + width]
+    rows, columns = slice(height // 8, -height // 8), slice(width // 8, -width // 8)
+    return float(np.abs(shown[rows, columns] - rendered[rows, columns]).mean())
+
+
+if __name__ == "__main__":
+    assert tomllib.loads((ROOT / "addon/blender_manifest.toml").read_text())["id"] in MODULE
+    sys.exit(main())
