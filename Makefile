@@ -22,7 +22,7 @@ NATIVE_SOURCES := $(shell find native -path native/.cache -prune -o -path native
 # What is built in the virtual environment must find its tools there: cmake and ninja.
 IN_VENV = PATH="$(CURDIR)/$(@D)/bin:$$PATH"
 
-.PHONY: help setup setup-old render test lint test-native test-python test-old extension extension-test bench bench-gpu chart calibration references scenes oracle sanitize wheel clean
+.PHONY: help setup setup-old render test lint test-native test-python test-old extension extension-test viewport-test bench bench-viewport bench-gpu chart calibration references scenes oracle sanitize wheel clean
 
 help:
 	@sed -n 's/^\([a-z-]*\):.*## /  make \1\t/p' $(MAKEFILE_LIST) | expand -t 20
@@ -110,6 +110,9 @@ extension-test: extension ## the extension installed into clean Blenders
 	$(PY) tools/run_tests.py tests/extension
 	@if [ -x $(PY_OLD) ]; then $(PY_OLD) tools/run_tests.py tests/extension; fi
 
+viewport-test: extension ## the extension in a Blender with a window (VIEWPORT_OPTIONS: see tools/viewport_test.py --help)
+	$(PY) tools/viewport_test.py dist/photon_splat-*.zip $(VIEWPORT_OPTIONS)
+
 CMAKE_TESTS = $(VENV)/bin/cmake -S native -G Ninja -DCMAKE_MAKE_PROGRAM=$(CURDIR)/$(VENV)/bin/ninja \
 	-DPython_EXECUTABLE=$(CURDIR)/$(PY) -DPHOTON_SPLAT_MODULE=OFF -DPHOTON_SPLAT_TESTS=ON
 
@@ -136,6 +139,9 @@ references: setup ## the Cycles references of tests/oracle anew (long)
 
 bench: setup ## benchmarks
 	$(PY) -m tests.bench.run
+
+bench-viewport: setup ## seconds to the first picture after an edit, pictures a second while orbiting
+	$(PY) -m tests.bench.viewport
 
 bench-gpu: setup ## the GPU splatter on a graphics card (GPU_OPTIONS: see python -m tests.bench.gpu --help)
 	$(PY) -m tests.bench.gpu $(GPU_OPTIONS)

@@ -21,7 +21,7 @@ import numpy as np
 
 ROOT = Path(__file__).resolve().parent.parent
 KEYRING = Path("/usr/share/keyrings/debian-archive-keyring.gpg")
-PACKAGES = "blender python3-numpy xvfb xauth imagemagick xdotool libegl1 libegl-mesa0 libgl1-mesa-dri".split()
+PACKAGES = ["blender", "python3-numpy", "xvfb", "xauth", "imagemagick", "xdotool", "libegl1", "libegl-mesa0", "libgl1-mesa-dri"]
 MODULE = "bl_ext.user_default.photon_splat"
 SECONDS = 1200
 FIRST_PICTURE, UPDATES, STALL, MEMORY = 0.15, 15.0, 0.03, 100e6
@@ -92,11 +92,10 @@ def run(chroot: Path, archive: Path, output: Path, edits: int, hunt: int) -> dic
     mounted = []
     try:
         for place, command in mounts:
-            if not any(place.iterdir()) or place.name == "dev":
-                if not os.path.ismount(place):
-                    subprocess.run(command, check=True)
-                    subprocess.run(["mount", "--make-rslave", str(place)], check=True)
-                    mounted.append(place)
+            if not os.path.ismount(place):
+                subprocess.run(command, check=True)
+                subprocess.run(["mount", "--make-rslave", str(place)], check=True)
+                mounted.append(place)
         environment = {"HOME": "/tmp/photon_splat", "BLENDER_USER_RESOURCES": "/tmp/photon_splat/user", "LIBGL_ALWAYS_SOFTWARE": "1"}
         prefix = ["chroot", str(chroot), "env", *(f"{key}={value}" for key, value in environment.items())]
         add = ["blender", "--command", "extension", "install-file", "-r", "user_default", "--enable", f"/tmp/photon_splat/{archive.name}"]

@@ -34,8 +34,10 @@ PHOTONS_PER_BATCH = 1 << 16
 STEPS = (1, 2, 3, 4, 6, 8)
 """Widths of a picture's pixels in those of the screen."""
 FIRST_STEP = 4
-SLOW, FAST = 0.055, 0.035
+SLOW, FAST = 0.062, 0.056
 """s a picture while the camera moves may take, and below which it is given more pixels."""
+FORGET_AFTER = 30
+"""Pictures after which one that was slow is tried again."""
 REST = 0.15
 """s without a move after which the camera rests."""
 SHOW_EVERY = 0.1
@@ -92,8 +94,7 @@ class Controller:
 
     def __init__(self, step: int | None = None) -> None:
         self.counts = Counts()
-        self._fixed_step = step
-        self._step = step or FIRST_STEP
+        self._pace = Pace(step)
         self._changed = threading.Condition()
         self._scene: tuple[Scene, RenderSettings] | None = None
         self._view: View | None = None
@@ -204,7 +205,7 @@ class Controller:
         renderer, settings = self._renderer, self._loaded[1]
         assert renderer is not None
         self._trace_store(renderer, FIRST_PHOTONS, MOST_FIRST_PATHS)
-        self._draw_store(renderer, view, max(self._step, view.pixel), moving=True)
+        self._draw_store(renderer, view, max(self._pace.step, view.pixel), moving=True)
         with self._changed:
             self._may_cancel = True
             while not self._is_new(view) and (left := self._moved + REST - time.monotonic()) > 0:
@@ -249,6 +250,7 @@ class Controller:
                 self._renderer = renderer  # from now on it can be cancelled
             fill_renderer(renderer, scene, settings)
             renderer.build()
+            self._pace.forget()
             self.counts.builds += 1
             self.counts.seconds["build"] = time.monotonic() - started
         with self._changed:
@@ -276,8 +278,8 @@ class Controller:
         self.counts.frames += 1
         seconds = time.monotonic() - started
         self.counts.seconds["moving" if moving else "still"] = seconds
-        if moving and self._fixed_step is None:
-            self._step = next_step(self._step, seconds) if step == self._step else self._step
+        if moving:
+            self._pace.took(step, seconds)
 
     def _refine(self, renderer: Renderer, view: View, settings: RenderSettings) -> None:
         """Passes as in a render; shown when they are better than the picture from the store."""
@@ -316,14 +318,36 @@ class Controller:
             self._picture = Picture(pixels, region, view, step, samples, moving, number)
 
 
-def next_step(step: int, seconds: float) -> int:
-    """The width of pixels for the next moving picture when one of `step` took so long."""
-    at = STEPS.index(step)
-    if seconds > SLOW and at + 1 < len(STEPS):
-        return STEPS[at + 1]
-    if at and seconds * (step / STEPS[at - 1]) ** 2 < FAST:
-        return STEPS[at - 1]
-    return step
+class Pace:
+    """Chooses the width of a moving picture's pixels by the time that pictures take. `fixed`: that width for ever."""
+
+    def __init__(self, fixed: int | None = None) -> None:
+        self.step = fixed or FIRST_STEP
+        self._fixed = fixed is not None
+        self._seconds: dict[int, float] = {}
+        self._pictures = 0
+
+    def forget(self) -> None:
+        """Another scene takes other times."""
+        self._seconds.clear()
+
+    def took(self, step: int, seconds: float) -> None:
+        """A picture of that step took so long."""
+        if self._fixed or step != self.step:
+            return
+        at = STEPS.index(step)
+        self._seconds[step] = seconds
+        self._pictures += 1
+        if self._pictures % FORGET_AFTER == 0 and at:  # it may have been slow for another reason
+            self._seconds.pop(STEPS[at - 1], None)
+        if seconds > SLOW and at + 1 < len(STEPS):
+            self.step = STEPS[at + 1]
+        elif at:
+            finer = STEPS[at - 1]
+            # About half of the time goes with the number of pixels.
+            expected = self._seconds.get(finer, seconds * 0.5 * (1 + (step / finer) ** 2))
+            if expected < FAST:
+                self.step = finer
 
 
 def scaled(frame: Frame, step: int, sharp: bool = True) -> tuple[Frame, tuple[int, int, int, int]]:

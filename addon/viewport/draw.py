@@ -12,22 +12,22 @@ class Canvas:
 
     def __init__(self) -> None:
         self._texture: Any = None
-        self._number = 0
+        self.number = 0
 
     def draw(self, picture: Picture) -> None:
         """Scene-linear and premultiplied, as Blender wants it: it does the colour management afterwards."""
         import gpu
         from gpu_extras.presets import draw_texture_2d
 
-        if self._texture is None or self._number != picture.number:
+        if self._texture is None or self.number != picture.number:
             height, width = picture.pixels.shape[:2]
             data = gpu.types.Buffer("FLOAT", height * width * 4, picture.pixels.reshape(-1))
             self._texture = gpu.types.GPUTexture((width, height), format="RGBA32F", data=data)
-            self._number = picture.number
+            self.number = picture.number
         x, y, width, height = picture.region
         gpu.state.blend_set("ALPHA_PREMULT")
         draw_texture_2d(self._texture, (x, y), width, height)
         gpu.state.blend_set("NONE")
 
     def clear(self) -> None:
-        self._texture, self._number = None, 0
+        self._texture, self.number = None, 0

@@ -6,6 +6,7 @@ Writes OUTPUT_FOLDER/result.json and pictures; ends Blender. No test framework i
 
 from __future__ import annotations
 
+import contextlib
 import importlib
 import json
 import math
@@ -71,12 +72,14 @@ def until(condition: Callable[[], bool], what: str) -> Iterator[float]:
     deadline = time.monotonic() + LONGEST_WAIT
     while not condition():
         if time.monotonic() > deadline:
-            raise AssertionError(f"not within {LONGEST_WAIT} s: {what}")
+            state = [(each.controller.status(), each.error, each.controller.counts) for each in lives()]
+            raise AssertionError(f"not within {LONGEST_WAIT} s: {what}; {state}")
         yield TICK
 
 
 def settled() -> bool:
-    return bool(lives()) and live().controller.idle and live().controller.picture() is not None
+    """The last picture of what there is has been drawn."""
+    return bool(lives()) and live().controller.idle and number() > 0 and live().canvas.number == number()
 
 
 def number() -> int:
@@ -115,7 +118,7 @@ def same_as_a_render() -> Iterator[float]:
     screenshot("camera")
     region = next(region for region in area().regions if region.type == "WINDOW")
     view = live().controller.picture().view
-    left, right, bottom, top = view.camera.screen
+    left, right = view.camera.screen[:2]
     render = scene.render
     # The same view as a render: the camera's frame is made the region's.
     result["region"] = [region.x, region.y, region.width, region.height]
@@ -341,9 +344,11 @@ def hunt() -> Iterator[float]:
     chance = random.Random(7)
     bpy.context.scene.photon_splat.viewport_passes = 4
     before, counts = resident(), {}
-    for k in range(HUNT):
+    for _ in range(HUNT):
         meshes = [ob for ob in bpy.context.scene.objects if ob.type == "MESH"]
-        name = chance.choice(("move", "vertex", "add", "remove", "color", "light", "view", "shading", "undo", "mode", "hide", "modifier", "frame"))
+        name = chance.choice(
+            ("move", "vertex", "add", "remove", "color", "light", "view", "shading", "undo", "mode", "hide", "modifier", "frame")
+        )
         counts[name] = counts.get(name, 0) + 1
         ob = chance.choice(meshes) if meshes else None
         if name == "move" and ob:
@@ -407,10 +412,8 @@ def other_file() -> Iterator[float]:
 def finish(error: str = "") -> None:
     result["error"] = error
     if error:
-        try:
+        with contextlib.suppress(OSError):
             screenshot("failed")
-        except OSError:
-            pass
     Path(FOLDER, "result.json").write_text(json.dumps(result, indent=1))
     bpy.ops.wm.quit_blender()
 

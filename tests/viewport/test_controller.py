@@ -13,7 +13,7 @@ import pytest
 from photon_splat.core import viewport
 from photon_splat.core.scene import LightKind, Scene
 from photon_splat.core.settings import RenderSettings
-from photon_splat.core.viewport import Controller, Picture, View, fitted, next_step, scaled
+from photon_splat.core.viewport import Controller, Pace, Picture, View, fitted, scaled
 
 from tests import corescene
 
@@ -273,13 +273,28 @@ def test_wide_pixels_keep_the_view(step: int) -> None:
     assert camera.screen[::2] == (left, bottom)
 
 
-def test_the_width_of_pixels_follows_the_time_they_take() -> None:
-    assert next_step(4, 0.2) == 6
-    assert next_step(8, 0.2) == 8
-    assert next_step(4, 0.01) == 3
-    assert next_step(1, 0.001) == 1
-    assert next_step(2, 0.04) == 2
-    assert next_step(2, 0.02) == 2
+@pytest.mark.parametrize(
+    ("fixed", "per_pixel", "expected"), [(0.0, 1e-7, 1), (0.03, 1e-7, 3), (0.05, 1e-7, 4), (0.0, 1e-5, 8), (0.2, 0.0, 8)]
+)
+def test_the_width_of_pixels_follows_the_time_they_take(fixed: float, per_pixel: float, expected: int) -> None:
+    """Pictures take less than a fifteenth of a second where that can be had, with as many pixels as that allows."""
+    pace = Pace()
+    late = 0
+    steps = []
+    for _ in range(200):
+        steps.append(pace.step)
+        seconds = fixed + per_pixel * 960 * 540 / pace.step**2
+        late += seconds > 1 / 15
+        pace.took(pace.step, seconds)
+    assert max(set(steps[100:]), key=steps[100:].count) == expected
+    assert late < 20 or expected == 8
+
+
+def test_a_fixed_width_stays() -> None:
+    pace = Pace(3)
+    for seconds in (0.001, 1.0):
+        pace.took(3, seconds)
+        assert pace.step == 3
 
 
 def test_performance_of_moving_pictures_is_told(controller: Controller) -> None:
