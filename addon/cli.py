@@ -73,6 +73,7 @@ def parser() -> argparse.ArgumentParser:
     r.add_argument("--radius-scale", type=_number(float, 1e-3, 1e3), metavar="X", help="multiplies the automatic kernel radius")
     r.add_argument("--point-spacing", type=_number(float, 0, 1), metavar="X", help="of visible points, in kernel radii; 0 = one per sample")
     r.add_argument("--no-boundary-correction", dest="boundary_correction", action="store_const", const=False)
+    r.add_argument("--denoise", action="store_const", const=True, help="run Open Image Denoise on the finished picture")
     r.add_argument("--stats", type=Path, metavar="FILE.json", help="write what the render did as JSON")
     r.add_argument("--verbose", action="store_true", help="let Blender's own messages through")
     return top
@@ -82,7 +83,17 @@ def _settings(options: argparse.Namespace) -> Callable[[RenderSettings], RenderS
     """The options laid over the scene's own settings."""
     given: dict[str, Any] = {
         name: getattr(options, name)
-        for name in ("photons_per_pass", "seed", "threads", "max_bounces", "radius_scale", "point_spacing", "boundary_correction", "passes")
+        for name in (
+            "photons_per_pass",
+            "seed",
+            "threads",
+            "max_bounces",
+            "radius_scale",
+            "point_spacing",
+            "boundary_correction",
+            "denoise",
+            "passes",
+        )
         if getattr(options, name) is not None
     }
     if options.integrator is not None:

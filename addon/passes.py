@@ -13,6 +13,10 @@ SWITCHES = {
     "Diffuse Direct": "use_pass_diffuse_direct",
     "Diffuse Indirect": "use_pass_diffuse_indirect",
     "Diffuse Color": "use_pass_diffuse_color",
+    "Glossy Direct": "use_pass_glossy_direct",
+    "Glossy Indirect": "use_pass_glossy_indirect",
+    "Transmission Direct": "use_pass_transmission_direct",
+    "Transmission Indirect": "use_pass_transmission_indirect",
     "Emission": "use_pass_emit",
 }
 """Blender's own switches, properties of a view layer."""

@@ -68,6 +68,11 @@ class PhotonSplatSettings(bpy.types.PropertyGroup):
         description="Divide by the part of the disc that lies on the surface, so that edges and corners do not darken",
         default=DEFAULTS.boundary_correction,
     )
+    denoise: BoolProperty(  # type: ignore[valid-type]
+        name="Denoise",
+        description="Run Open Image Denoise on the finished picture",
+        default=DEFAULTS.denoise,
+    )
     backend: EnumProperty(  # type: ignore[valid-type]
         name="Backend",
         description="What splats the photons",
@@ -150,6 +155,7 @@ def render_settings(scene: Any) -> RenderSettings:
         max_bounces=group.max_bounces,
         radius_scale=group.radius_scale,
         boundary_correction=group.boundary_correction,
+        denoise=group.denoise,
         backend=Backend(group.backend),
         seed=group.seed,
         threads=render.threads if render.threads_mode == "FIXED" else 0,

@@ -57,6 +57,7 @@ def fill_renderer(renderer: Renderer, scene: Scene, settings: RenderSettings) ->
         radius_scale=settings.radius_scale,
         point_spacing=settings.point_spacing,
         boundary_correction=settings.boundary_correction,
+        caustics=settings.caustics,
         seed=settings.seed & 0xFFFFFFFF,
     )
 

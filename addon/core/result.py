@@ -25,11 +25,27 @@ PASSES = (
     PassInfo("Diffuse Direct", "RGB"),
     PassInfo("Diffuse Indirect", "RGB"),
     PassInfo("Diffuse Color", "RGB"),
+    PassInfo("Glossy Direct", "RGB"),
+    PassInfo("Glossy Indirect", "RGB"),
+    PassInfo("Transmission Direct", "RGB"),
+    PassInfo("Transmission Indirect", "RGB"),
     PassInfo("Emission", "RGB"),
     PassInfo("Photon Density", "X"),
     PassInfo("Surface ID", "X"),
     PassInfo("Error", "X"),
 )
+
+LIGHT = (
+    "diffuse_direct",
+    "diffuse_indirect",
+    "glossy_direct",
+    "glossy_indirect",
+    "transmission_direct",
+    "transmission_indirect",
+    "emission",
+    "environment",
+)
+"""What the film keeps apart and the picture is the sum of."""
 
 
 @dataclass(slots=True)
@@ -52,7 +68,8 @@ class RenderResult:
 
 
 def passes_from_film(film: dict[str, Any]) -> Passes:
-    """Means over samples. Light passes are divided by the albedo, as Cycles divides them (0 where it is black)."""
+    """Means over samples. Diffuse light is divided by the albedo, as Cycles divides it (0 where that is black); glossy and
+    transmitted light has its colour in it."""
     samples = max(int(film["samples"]), 1)
     color = film["diffuse_color"]
 
@@ -60,7 +77,7 @@ def passes_from_film(film: dict[str, Any]) -> Passes:
         return np.divide(light, color, out=np.zeros_like(light), where=color > 0)
 
     combined = np.empty((*color.shape[:2], 4), np.float32)
-    combined[..., :3] = film["diffuse_direct"] + film["diffuse_indirect"] + film["emission"] + film["environment"]
+    combined[..., :3] = sum(film[light] for light in LIGHT)
     combined[..., 3:] = film["alpha"]
     combined /= samples
     return {
@@ -70,6 +87,10 @@ def passes_from_film(film: dict[str, Any]) -> Passes:
         "Diffuse Direct": per_albedo(film["diffuse_direct"]),
         "Diffuse Indirect": per_albedo(film["diffuse_indirect"]),
         "Diffuse Color": color / samples,
+        "Glossy Direct": film["glossy_direct"] / samples,
+        "Glossy Indirect": film["glossy_indirect"] / samples,
+        "Transmission Direct": film["transmission_direct"] / samples,
+        "Transmission Indirect": film["transmission_indirect"] / samples,
         "Emission": film["emission"] / samples,
         "Photon Density": film["photon_density"] / samples,
         "Surface ID": film["surface_id"],

@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
+from .denoise import DenoiserMissing, denoise
 from .gpu import context as gpu_context
 from .gpu.choice import choose_splatter
 from .memory import peak_memory_bytes
@@ -102,20 +103,22 @@ class _Worker(threading.Thread):
 
     def _splat_pass(self, number: int) -> None:
         self.renderer.trace_camera(number)
-        self.renderer.make_points(number)
-        try:
-            self._splat_photons(number)
-        except SplatterFailed as failure:
-            self.warnings.append(f"The GPU splatter failed in pass {number + 1} ({failure}); the CPU splatter has done the rest.")
-            self.splatter.close()
-            gpu_context.submit(gpu_context.discard)
-            self.splatter = CpuSplatter(self.renderer)
-            self._splat_photons(number)
+        for layer in range(self.renderer.layers):
+            self.renderer.select_layer(layer)
+            self.renderer.make_points(number)
+            try:
+                self._splat_photons(number)
+            except SplatterFailed as failure:
+                self.warnings.append(f"The GPU splatter failed in pass {number + 1} ({failure}); the CPU splatter has done the rest.")
+                self.splatter.close()
+                gpu_context.submit(gpu_context.discard)
+                self.splatter = CpuSplatter(self.renderer)
+                self._splat_photons(number)
         self.renderer.resolve()
 
     def _splat_photons(self, number: int) -> None:
-        """Adds all photons of a pass to its points, whose sums are 0 before."""
-        photons = self.settings.photons_per_pass
+        """Adds all photons of a pass and layer to its points, whose sums are 0 before."""
+        photons = self.renderer.paths_per_pass
         batch = PHOTONS_PER_BATCH
         if self.splatter.backend == Backend.GPU:
             batch = min(max(-(-photons // BATCHES_PER_PASS), LEAST_PHOTONS_PER_BATCH), batch)
@@ -193,7 +196,24 @@ def render(
     if worker.passes_done:
         renderer.make_error_estimate()
     passes = passes_from_film(renderer.film()) if worker.passes_done else black_passes(width, height)
-    return RenderResult(passes, worker.cancelled, _statistics(renderer, worker, scene, started, export_seconds))
+    denoising = _denoise(passes, worker, should_cancel) if settings.denoise and worker.passes_done and not worker.cancelled else 0.0
+    statistics = _statistics(renderer, worker, scene, started, export_seconds)
+    if settings.denoise:
+        statistics["seconds"]["denoise"] = denoising
+    return RenderResult(passes, worker.cancelled, statistics)
+
+
+def _denoise(passes: Passes, worker: _Worker, should_cancel: Callable[[], bool] | None) -> float:
+    """Takes the noise out of Combined; seconds it took. Where that cannot be done the picture stays and a warning says why."""
+    began = time.monotonic()
+    combined = passes["Combined"]
+    try:
+        combined[..., :3] = denoise(
+            combined[..., :3], passes["Diffuse Color"], passes["Normal"], threads=worker.settings.threads, should_cancel=should_cancel
+        )
+    except (DenoiserMissing, RuntimeError) as error:
+        worker.warnings.append(f"The picture has not been denoised: {error}.")
+    return time.monotonic() - began
 
 
 def _statistics(renderer: Renderer, worker: _Worker, scene: Scene, started: float, export_seconds: float) -> dict[str, Any]:

@@ -28,6 +28,8 @@ class RenderSettings:
     max_bounces          surface bounces between light and camera; 0 = direct light only
     radius_scale         multiplies the automatic kernel radius
     boundary_correction  divide by the kernel mass M(x) at patch boundaries
+    caustics             photons of their own, aimed and with narrow kernels, for light through sharp lobes; False: in with the others
+    denoise              run Open Image Denoise on the finished picture
     threads              0 = all of the machine
     point_spacing        visible points are this many kernel radii apart; 0 = one point per camera sample
     """
@@ -39,6 +41,8 @@ class RenderSettings:
     max_bounces: int = 32
     radius_scale: float = 1.0
     boundary_correction: bool = True
+    caustics: bool = True
+    denoise: bool = False
     backend: Backend = Backend.AUTO
     seed: int = 0
     threads: int = 0

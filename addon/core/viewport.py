@@ -291,10 +291,12 @@ class Controller:
             self._say("Rendering", number / settings.passes)
             began = time.monotonic()
             renderer.trace_camera(number)
-            renderer.make_points(number)
-            for first in range(0, settings.photons_per_pass, PHOTONS_PER_BATCH):
-                renderer.trace_photons(number, first, min(PHOTONS_PER_BATCH, settings.photons_per_pass - first))
-                renderer.splat()
+            for layer in range(renderer.layers):
+                renderer.select_layer(layer)
+                renderer.make_points(number)
+                for first in range(0, renderer.paths_per_pass, PHOTONS_PER_BATCH):
+                    renderer.trace_photons(number, first, min(PHOTONS_PER_BATCH, renderer.paths_per_pass - first))
+                    renderer.splat()
             renderer.resolve()
             self.counts.passes += 1
             self._count(renderer)

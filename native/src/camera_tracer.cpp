@@ -4,9 +4,15 @@ namespace photon_splat {
 namespace {
 
 constexpr int kTileSize = 16;
+// Paths of little throughput go on with a probability of this times their throughput.
+constexpr float kRoulette = 8;
+// What diffuse lobes keep of their chance where photons bring their light: rays share some direct light with light samples.
+constexpr float kDiffuseShared = 0.5f, kDiffuseLeast = 0.05f;
+constexpr int kSureBounces = 3;        // from here on at most with the throughput itself
+constexpr int kMaxTransparent = 4096;  // layers that let a path through before it is given up
 
 // Dimensions of the camera's low-discrepancy sequence, in pairs.
-enum Dimension : uint32_t { kFilterPair, kChoicePair, kLightPair, kBsdfPair, kLensPair = 64 };
+enum Dimension : uint32_t { kFilterPair, kChoicePair, kLightPair, kBsdfPair, kLobePair, kLensPair = 64 };
 
 void add_finite(Rgb& sum, const Rgb& value, uint64_t& bad) {
   if (is_finite(value)) sum += value;
@@ -15,8 +21,42 @@ void add_finite(Rgb& sum, const Rgb& value, uint64_t& bad) {
 
 }  // namespace
 
-template <class Shade>
-void CameraTracer::for_each_pixel(uint32_t sample, Film& film, const CancelFlag& cancel, Shade&& shade) {
+// A camera path on its way. It scatters at vertices 0, 1, ...; transparent surfaces that it passes are none.
+struct CameraTracer::Path {
+  Path(const CameraRay& camera_ray, Pixel& p, Tile& t, uint32_t index, uint32_t sample_number, uint32_t pixel_seed)
+      : ray(camera_ray), pixel(p), tile(t), pixel_index(index), sample(sample_number), seed(pixel_seed), origin(ray.origin),
+        direction(ray.direction), near(ray.near), far(ray.far), random(sample, seed) {}
+
+  const CameraRay& ray;
+  Pixel& pixel;
+  Tile& tile;
+  uint32_t pixel_index, sample, seed;
+  int max_bounces = 0;
+  bool records = false;  // photons bring the diffuse part of the light; else the path goes on for it
+
+  Vec3 origin, direction;
+  float near, far;
+  RayInfo info{};
+  int vertex = 0;        // number of the next scattering
+  float travelled = 0;   // up to the last vertex
+  Rgb throughput{1, 1, 1};           // of light that leaves the next vertex, emission excepted
+  Rgb emission_throughput{1, 1, 1};  // of its emission
+  Rgb diffuse_emission{};            // the part of that which the diffuse lobes of vertex 0 sent on
+  Part part = Part::kDiffuse;
+  Receiver from{{}, {}, true};       // the last vertex
+  float pdf = INFINITY;              // of the direction, by its BSDF
+  Random random;
+
+  void scale(const Rgb& factor) {
+    throughput *= factor;
+    emission_throughput *= factor;
+    diffuse_emission *= factor;
+  }
+  // Numbers for the next vertex: the low-discrepancy sequence at the first one.
+  Vec2 numbers(Dimension pair) { return vertex == 0 ? sobol_2d(sample, pair, seed) : random.next2(); }
+};
+
+void CameraTracer::trace_tiles(uint32_t sample, int max_bounces, bool records, Film& film, const CancelFlag& cancel) {
   const int across = (film.width + kTileSize - 1) / kTileSize, down = (film.height + kTileSize - 1) / kTileSize;
   tiles_.resize(static_cast<size_t>(across) * down);
   scene_.pool().for_each(tiles_.size(), cancel, [&](size_t t, int) {
@@ -39,9 +79,10 @@ void CameraTracer::for_each_pixel(uint32_t sample, Film& film, const CancelFlag&
           pixel.alpha = 1;
           continue;
         }
-        ++tile.rays;
-        Surface hit;
-        if (first_hit(*ray, pixel, hit)) shade(*ray, hit, pixel, index, seed, tile);
+        Path path(*ray, pixel, tile, index, sample, seed);
+        path.max_bounces = max_bounces;
+        path.records = records;
+        trace_path(path);
       }
   });
   for (const Tile& tile : tiles_) {
@@ -50,90 +91,192 @@ void CameraTracer::for_each_pixel(uint32_t sample, Film& film, const CancelFlag&
   }
 }
 
-// Writes what needs no light from elsewhere: background, emission, depth, normal. False: nothing hit.
-bool CameraTracer::first_hit(const CameraRay& ray, Pixel& pixel, Surface& hit) const {
-  const bool found = scene_.intersect(ray.origin, ray.direction, ray.near, ray.far, true, hit);
-  pixel.depth = found ? hit.distance * ray.cosine : kBackgroundDepth;
-  pixel.surface_id = found ? static_cast<float>(hit.key & 0xffffff) : 0;
-  pixel.emission += lights_.lamps_seen(ray.origin, ray.direction, found ? hit.distance : ray.far >= 1e30f ? INFINITY : ray.far);
-  if (!found) {
-    if (!camera_.settings().transparent) {
-      pixel.environment += lights_.world();
-      pixel.alpha += 1;
+void CameraTracer::trace_path(Path& path) const {
+  for (;;) {
+    Surface hit;
+    ++path.tile.rays;
+    const bool found = scene_.intersect(path.origin, path.direction, path.near, path.far, path.vertex == 0, hit);
+    add_lamps(path, found ? hit.distance : path.far >= 1e30f ? INFINITY : path.far);
+    if (!found) {
+      add_world(path);
+      return;
     }
-    return false;
+    const Vec3 wo = -path.direction;
+    path.info.length = hit.distance;
+    Bsdf bsdf(Transport::kRadiance, wo, hit.ng, hit.ns, hit.back);
+    scene_.shade(hit, wo, path.info, bsdf);
+    add_emission(path, hit, bsdf.emission());
+    if (path.vertex == 0 && path.info.transparent_depth == 0) path.pixel.normal += hit.ns;
+    const Passing passing = pass_through(path, hit, bsdf);
+    if (passing == Passing::kPasses) continue;
+    if (passing == Passing::kAbsorbed) {
+      if (path.vertex == 0) path.pixel.alpha += 1;
+      return;
+    }
+    if (path.vertex == 0) {
+      path.pixel.alpha += 1 - bsdf.holdout();
+      path.pixel.depth = hit.distance * path.ray.cosine;
+      path.pixel.surface_id = static_cast<float>(hit.key & 0xffffff);
+      path.pixel.diffuse_color += bsdf.diffuse_albedo() * path.throughput;
+    }
+    if (!bsdf.scatters() || !(max_abs(path.throughput) > 0)) return;
+    const Receiver receiver{hit.position, bsdf.transmits() ? Vec3{} : hit.ng, bsdf.has_rest()};
+    if (path.records && bsdf.has_rest()) {
+      const bool shares_diffuse = lights_.wants_bsdf_ray({receiver.x, receiver.n, false});
+      bsdf.prefer_rest(shares_diffuse ? kDiffuseShared : kDiffuseLeast);
+    }
+    add_direct(path, hit, bsdf, receiver);
+    if (path.vertex < path.max_bounces && path.records) leave_records(path, hit, bsdf);
+    if (!scatter(path, hit, bsdf, receiver)) return;
   }
-  pixel.alpha += 1;
-  pixel.normal += hit.ns;
-  pixel.emission += scene_.emission(hit);
-  return true;
+}
+
+// Light that the ray met: emitted, or sent on by the last vertex as direct light, or further on its way.
+void CameraTracer::add_met(Path& path, const Rgb& radiance, Rgb& seen) const {
+  const Rgb light = path.emission_throughput * radiance;
+  if (path.vertex == 0) {
+    add_finite(seen, light, path.tile.bad_samples);
+  } else if (path.vertex == 1) {
+    const Rgb diffuse = path.diffuse_emission * radiance;
+    add_finite(path.pixel.diffuse_direct, diffuse, path.tile.bad_samples);
+    add_finite(direct_of(path.pixel, path.part == Part::kDiffuse ? Part::kGlossy : path.part), light - diffuse, path.tile.bad_samples);
+  } else {
+    add_finite(indirect_of(path.pixel, path.part), light, path.tile.bad_samples);
+  }
+}
+
+void CameraTracer::add_lamps(Path& path, float far) const {
+  const Rgb radiance = path.vertex == 0 ? lights_.lamps_seen(path.origin, path.direction, path.near, far)
+                                        : lights_.lamps_met(path.from, path.direction, path.near, far, path.pdf);
+  if (!is_black(radiance)) add_met(path, radiance, path.pixel.emission);
+}
+
+void CameraTracer::add_world(Path& path) const {
+  if (path.vertex == 0) {
+    if (camera_.settings().transparent) {
+      path.pixel.alpha += 1 - average(path.throughput);
+      return;
+    }
+    path.pixel.alpha += 1;
+  }
+  add_met(path, lights_.world_met(path.from, path.direction, path.pdf), path.pixel.environment);
+}
+
+void CameraTracer::add_emission(Path& path, const Surface& hit, const Rgb& emission) const {
+  if (is_black(emission)) return;
+  const float weight = path.vertex == 0 ? 1 : lights_.surface_mis_weight(path.from, hit, path.pdf);
+  if (weight > 0) add_met(path, emission * weight, path.pixel.emission);
+}
+
+// Transparency is no lobe: the path goes straight on, as if nothing had been hit, or it stays and scatters.
+CameraTracer::Passing CameraTracer::pass_through(Path& path, const Surface& hit, const Bsdf& bsdf) const {
+  const Rgb transparency = bsdf.transparency();
+  const float mean = average(transparency);
+  if (!(mean > 0)) return Passing::kStays;
+  const float scattered = bsdf.scatters() ? std::max(average(bsdf.albedo()), 0.05f) : 0;
+  const float passing = mean / (mean + scattered);
+  const bool passes = scattered == 0 || path.random.next() < passing;
+  path.scale(passes ? transparency / passing : Rgb{1, 1, 1} / (1 - passing));
+  if (!passes) return Passing::kStays;
+  const float survival = std::min(1.0f, max_abs(path.emission_throughput) * kRoulette);
+  if (++path.info.transparent_depth > kMaxTransparent || path.random.next() >= survival) return Passing::kAbsorbed;
+  path.scale(Rgb{1, 1, 1} / survival);
+  path.near = std::nextafter(hit.distance + ray_epsilon(hit.position, hit.distance), INFINITY);
+  return Passing::kPasses;
+}
+
+void CameraTracer::add_direct(Path& path, const Surface& hit, const Bsdf& bsdf, const Receiver& receiver) const {
+  const Vec2 choice = path.numbers(kChoicePair), place = path.numbers(kLightPair);
+  if (bsdf.only_delta()) return;
+  const auto light = lights_.sample(receiver, choice.x, place);
+  if (!light) return;
+  float pdf = 0;
+  Rgb diffuse{};
+  const Rgb scattered = bsdf.evaluate(light->direction, &pdf, nullptr, &diffuse);
+  if (!(max_abs(scattered) > 0)) return;
+  ++path.tile.rays;
+  Rgb arriving = light->weight * light_through(*light, hit, path.info);
+  if (light->use_mis) arriving *= light->pdf * light->pdf / (light->pdf * light->pdf + pdf * pdf);
+  arriving *= path.throughput;
+  if (path.vertex == 0) {
+    const bool through = dot(light->direction, hit.ng) < 0;
+    add_finite(path.pixel.diffuse_direct, arriving * diffuse, path.tile.bad_samples);
+    add_finite(direct_of(path.pixel, through ? Part::kTransmission : Part::kGlossy), arriving * (scattered - diffuse), path.tile.bad_samples);
+  } else {
+    add_finite(indirect_of(path.pixel, path.part), arriving * scattered, path.tile.bad_samples);
+  }
 }
 
 // The ray starts off the surface, so it is aimed anew; before an emissive surface it stops as far off that one.
-bool CameraTracer::shadowed(const LightSample& light, const Vec3& x, const Vec3& origin, float epsilon) const {
-  if (!std::isfinite(light.distance)) return scene_.occluded(origin, light.direction, 0, INFINITY);
-  const Vec3 target = x + light.direction * light.distance + light.normal * std::max(epsilon, ray_epsilon(x, light.distance));
+Rgb CameraTracer::light_through(const LightSample& light, const Surface& hit, const RayInfo& ray) const {
+  const float epsilon = ray_epsilon(hit.position, hit.distance);
+  const Vec3 origin = hit.position + hit.ng * std::copysign(epsilon, dot(light.direction, hit.ng));
+  if (!std::isfinite(light.distance)) return scene_.transmittance(origin, light.direction, INFINITY, ray);
+  const Vec3 target =
+      hit.position + light.direction * light.distance + light.normal * std::max(epsilon, ray_epsilon(hit.position, light.distance));
   const Vec3 way = target - origin;
   const float distance = length(way);
-  return distance > 0 && scene_.occluded(origin, way / distance, 0, distance * (1 - 1e-5f));
+  return distance > 0 ? scene_.transmittance(origin, way / distance, distance * (1 - 1e-5f), ray) : Rgb{1, 1, 1};
 }
 
-Rgb CameraTracer::direct_irradiance(const Surface& hit, float choice, const Vec2& light, const Vec2& bsdf,
-                                    uint64_t& rays) const {
-  Rgb irradiance{};
-  const float epsilon = ray_epsilon(hit.position, hit.distance);
-  const Vec3 origin = hit.position + hit.ng * epsilon;
-  if (const auto s = lights_.sample(hit.position, hit.ng, choice, light)) {
-    const float cosine = dot(s->direction, hit.ns);
-    if (cosine > 0 && dot(s->direction, hit.ng) > 0) {
-      float mis = 1;
-      if (s->use_mis) {
-        const float bsdf_pdf = cosine / kPi;
-        mis = s->pdf * s->pdf / (s->pdf * s->pdf + bsdf_pdf * bsdf_pdf);
-      }
-      ++rays;
-      if (!shadowed(*s, hit.position, origin, epsilon)) irradiance += s->weight * (cosine * mis);
-    }
+void CameraTracer::leave_records(Path& path, const Surface& hit, const Bsdf& bsdf) const {
+  const float footprint = camera_.footprint_at(path.ray, path.travelled + hit.distance);
+  const auto leave = [&](const Rgb& albedo, uint32_t key, const Vec3& ng) {
+    const Rgb throughput = path.throughput * albedo * (1 / kPi);
+    if (is_black(throughput)) return;
+    if (!is_finite(throughput)) ++path.tile.bad_samples;
+    else path.tile.records.push_back({hit.position, key, ng, footprint, throughput, path.pixel_index, hit.instance, hit.triangle, path.part});
+  };
+  leave(bsdf.gather(), hit.key, hit.ng);
+  leave(bsdf.gather_through(), hit.key ^ 1u, -hit.ng);
+}
+
+// Sends the path on for light that records do not bring; false where it ends.
+bool CameraTracer::scatter(Path& path, const Surface& hit, const Bsdf& bsdf, const Receiver& receiver) const {
+  const bool last = path.vertex >= path.max_bounces;
+  const bool goes_on = !last && (!path.records || bsdf.has_rest());
+  if (!goes_on && !bsdf.has_rest() && !lights_.wants_bsdf_ray(receiver)) return false;
+  const Vec2 lobe = path.numbers(kLobePair), way = path.numbers(kBsdfPair);
+  const auto s = bsdf.sample(lobe.x, way);
+  if (!s) return false;
+  Rgb diffuse = s->diffuse ? s->weight : Rgb{};
+  if (path.vertex == 0 && bsdf.has_rest() && s->pdf > 0) {
+    float pdf;
+    bsdf.evaluate(s->direction, &pdf, nullptr, &diffuse);
+    diffuse = diffuse / s->pdf;
   }
-  if (lights_.wants_bsdf_ray(hit.position)) {
-    const Vec3 local = sample_cosine_hemisphere(bsdf);
-    const Vec3 direction = Basis(hit.ns).to_world(local);
-    if (local.z > 0 && dot(direction, hit.ng) > 0) {
-      const float pdf = local.z / kPi;
-      ++rays;
-      Surface next;
-      const bool found = scene_.intersect(origin, direction, 0, INFINITY, false, next);
-      Rgb radiance = lights_.lamps_met(hit.position, hit.ng, direction, found ? next.distance : INFINITY, pdf);
-      if (!found) {
-        radiance += lights_.world();
-      } else {
-        const Rgb emission = scene_.emission(next);
-        if (!is_black(emission)) radiance += emission * lights_.surface_mis_weight(hit.position, hit.ng, next, pdf);
-      }
-      irradiance += radiance * kPi;
-    }
+  const Rgb before = path.throughput;
+  path.throughput = !goes_on ? Rgb{} : path.records ? before * s->rest : before * s->weight;
+  path.emission_throughput = before * s->weight;
+  path.diffuse_emission = before * diffuse;
+  if (!is_finite(path.emission_throughput) || !is_finite(path.throughput) || !is_finite(path.diffuse_emission)) {
+    ++path.tile.bad_samples;
+    return false;
   }
-  return irradiance;
+  const float strength = std::max(max_abs(path.throughput), max_abs(path.emission_throughput));
+  const float survival = std::min(1.0f, strength * (path.vertex < kSureBounces ? kRoulette : 1.2f));
+  if (path.random.next() >= survival) return false;
+  path.scale(Rgb{1, 1, 1} / survival);
+
+  if (path.vertex == 0) path.part = s->transmitted ? Part::kTransmission : s->diffuse ? Part::kDiffuse : Part::kGlossy;
+  path.info.kind = s->diffuse ? RayInfo::kDiffuse : s->transmitted ? RayInfo::kTransmission : RayInfo::kGlossy;
+  path.info.singular = s->pdf <= 0;
+  ++path.info.depth;
+  ++(s->diffuse ? path.info.diffuse_depth : s->transmitted ? path.info.transmission_depth : path.info.glossy_depth);
+  const float side = std::copysign(ray_epsilon(hit.position, hit.distance), dot(s->direction, hit.ng));
+  path.travelled += hit.distance;
+  path.origin = hit.position + hit.ng * side;
+  path.direction = s->direction;
+  path.near = 0;
+  path.far = INFINITY;
+  path.from = receiver;
+  path.pdf = s->pdf > 0 ? s->pdf : INFINITY;
+  ++path.vertex;
+  return true;
 }
 
-Rgb CameraTracer::shade_direct(const Surface& hit, uint32_t sample, uint32_t seed, Pixel& pixel, Tile& tile) const {
-  const Rgb albedo = scene_.albedo(hit);
-  pixel.diffuse_color += albedo;
-  if (is_black(albedo)) return albedo;
-  const Rgb direct = direct_irradiance(hit, sobol_2d(sample, kChoicePair, seed).x, sobol_2d(sample, kLightPair, seed),
-                                       sobol_2d(sample, kBsdfPair, seed), tile.rays);
-  add_finite(pixel.diffuse_direct, albedo * direct * (1 / kPi), tile.bad_samples);
-  return albedo;
-}
-
-const std::vector<Record>& CameraTracer::trace(uint32_t sample, Film& film, const CancelFlag& cancel) {
-  for_each_pixel(sample, film, cancel,
-                 [&](const CameraRay& ray, const Surface& hit, Pixel& pixel, uint32_t index, uint32_t seed, Tile& tile) {
-    const Rgb albedo = shade_direct(hit, sample, seed, pixel, tile);
-    if (is_black(albedo)) return;
-    tile.records.push_back({hit.position, hit.key, hit.ng, camera_.footprint_at(ray, hit.distance),
-                            albedo * (1 / kPi), index, hit.instance, hit.triangle});
-  });
+const std::vector<Record>& CameraTracer::trace(uint32_t sample, int max_bounces, Film& film, const CancelFlag& cancel) {
+  trace_tiles(sample, max_bounces, true, film, cancel);
   ranges_.assign(tiles_.size() + 1, 0);
   for (size_t t = 0; t < tiles_.size(); ++t) ranges_[t + 1] = ranges_[t] + tiles_[t].records.size();
   records_.resize(ranges_.back());
@@ -143,38 +286,8 @@ const std::vector<Record>& CameraTracer::trace(uint32_t sample, Film& film, cons
   return records_;
 }
 
-Rgb CameraTracer::indirect_radiance(Surface hit, Rgb throughput, int max_bounces, Random& random, uint64_t& rays) const {
-  Rgb sum{};
-  for (int bounce = 1; bounce <= max_bounces; ++bounce) {
-    const Vec3 local = sample_cosine_hemisphere(random.next2());
-    const Vec3 direction = Basis(hit.ns).to_world(local);
-    if (!(local.z > 0) || dot(direction, hit.ng) <= 0) return sum;
-    const Vec3 origin = hit.position + hit.ng * ray_epsilon(hit.position, hit.distance);
-    ++rays;
-    if (!scene_.intersect(origin, direction, 0, INFINITY, false, hit)) return sum;
-    const Rgb albedo = scene_.albedo(hit);
-    throughput *= albedo;
-    if (is_black(throughput)) return sum;
-    const float choice = random.next();
-    const Vec2 light = random.next2(), bsdf = random.next2();
-    sum += throughput * direct_irradiance(hit, choice, light, bsdf, rays) * (1 / kPi);
-    if (bounce >= 3) {
-      const float survival = std::min(1.0f, max_component(throughput) * 1.2f);
-      if (random.next() >= survival) return sum;
-      throughput *= 1 / survival;
-    }
-  }
-  return sum;
-}
-
 void CameraTracer::trace_reference(uint32_t sample, int max_bounces, Film& film, const CancelFlag& cancel) {
-  for_each_pixel(sample, film, cancel,
-                 [&](const CameraRay&, const Surface& hit, Pixel& pixel, uint32_t, uint32_t seed, Tile& tile) {
-    const Rgb albedo = shade_direct(hit, sample, seed, pixel, tile);
-    if (is_black(albedo)) return;
-    Random random(sample, seed);
-    add_finite(pixel.diffuse_indirect, indirect_radiance(hit, albedo, max_bounces, random, tile.rays), tile.bad_samples);
-  });
+  trace_tiles(sample, max_bounces, false, film, cancel);
 }
 
 }  // namespace photon_splat

@@ -1,5 +1,5 @@
-// The camera's side: rays from the lens to the first diffuse surfaces, direct light there, and records of what
-// photons are to add later.
+// The camera's side: paths from the lens through mirrors and glass to surfaces that scatter diffusely, direct light on the
+// way, and records of what photons are to add later.
 #pragma once
 
 #include "camera.h"
@@ -8,7 +8,7 @@
 
 namespace photon_splat {
 
-// A place where a camera path asks for indirect irradiance E: film[pixel] += throughput * E. A path may leave any
+// A place where a camera path asks for indirect irradiance E: its pixel gets throughput * E. A path may leave any
 // number of records; nothing downstream knows the camera.
 struct Record {
   Vec3 position;
@@ -18,6 +18,7 @@ struct Record {
   Rgb throughput;      // albedo / pi times what the path gathered on its way
   uint32_t pixel;
   uint32_t instance, triangle;
+  Part part;
 };
 
 class CameraTracer {
@@ -26,7 +27,8 @@ class CameraTracer {
       : scene_(scene), lights_(lights), camera_(camera), seed_(seed) {}
 
   // Camera sample number `sample` of every pixel, instead of what `film` held; returns the records in tile order.
-  const std::vector<Record>& trace(uint32_t sample, Film& film, const CancelFlag& cancel);
+  // Paths go through at most `max_bounces` lobes.
+  const std::vector<Record>& trace(uint32_t sample, int max_bounces, Film& film, const CancelFlag& cancel);
 
   // One sample per pixel of the unbiased path tracer, indirect light included; leaves no records.
   void trace_reference(uint32_t sample, int max_bounces, Film& film, const CancelFlag& cancel);
@@ -42,14 +44,19 @@ class CameraTracer {
     std::vector<Record> records;
     uint64_t rays = 0, bad_samples = 0;
   };
-  template <class Shade>
-  void for_each_pixel(uint32_t sample, Film& film, const CancelFlag& cancel, Shade&& shade);
-  bool first_hit(const CameraRay& ray, Pixel& pixel, Surface& hit) const;
-  bool shadowed(const LightSample& light, const Vec3& x, const Vec3& origin, float epsilon) const;
-  Rgb direct_irradiance(const Surface& hit, float choice, const Vec2& light, const Vec2& bsdf, uint64_t& rays) const;
-  // Albedo and direct light of the first surface into the pixel; returns the albedo.
-  Rgb shade_direct(const Surface& hit, uint32_t sample, uint32_t seed, Pixel& pixel, Tile& tile) const;
-  Rgb indirect_radiance(Surface hit, Rgb throughput, int max_bounces, class Random& random, uint64_t& rays) const;
+  struct Path;
+  enum class Passing { kStays, kPasses, kAbsorbed };
+  void trace_tiles(uint32_t sample, int max_bounces, bool records, Film& film, const CancelFlag& cancel);
+  void trace_path(Path& path) const;
+  void add_met(Path& path, const Rgb& radiance, Rgb& seen) const;
+  void add_lamps(Path& path, float far) const;
+  void add_world(Path& path) const;
+  void add_emission(Path& path, const Surface& hit, const Rgb& emission) const;
+  Passing pass_through(Path& path, const Surface& hit, const Bsdf& bsdf) const;
+  void add_direct(Path& path, const Surface& hit, const Bsdf& bsdf, const Receiver& receiver) const;
+  Rgb light_through(const LightSample& light, const Surface& hit, const RayInfo& ray) const;
+  void leave_records(Path& path, const Surface& hit, const Bsdf& bsdf) const;
+  bool scatter(Path& path, const Surface& hit, const Bsdf& bsdf, const Receiver& receiver) const;
 
   Scene& scene_;
   const Lights& lights_;

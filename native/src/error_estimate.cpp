@@ -66,7 +66,7 @@ void ErrorEstimate::add(const Film& pass, ThreadPool& pool) {
   pool.for_each(static_cast<size_t>(height_), never, [&](size_t row, int) {
     for (size_t i = row * width_; i < (row + 1) * width_; ++i) {
       const Pixel& pixel = pass.pixels[i];
-      float block = luminance(radiance(pixel));
+      float block = luminance(pixel.combined());
       luminance_[i] += block;
       detail_[i] += pixel.detail;
       detail_squares_[i] += pixel.detail * pixel.detail;

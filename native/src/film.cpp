@@ -13,6 +13,10 @@ void add_sample(Film& sum, const Film& sample, ThreadPool& pool) {
       const Pixel& from = sample.pixels[i];
       to.diffuse_direct += from.diffuse_direct;
       to.diffuse_indirect += from.diffuse_indirect;
+      to.glossy_direct += from.glossy_direct;
+      to.glossy_indirect += from.glossy_indirect;
+      to.transmission_direct += from.transmission_direct;
+      to.transmission_indirect += from.transmission_indirect;
       to.diffuse_color += from.diffuse_color;
       to.emission += from.emission;
       to.environment += from.environment;

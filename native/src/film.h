@@ -8,15 +8,30 @@
 namespace photon_splat {
 
 struct Pixel {
-  Rgb diffuse_direct, diffuse_indirect;  // albedo included
+  // Light by the lobe that sent it to the camera; its colour included.
+  Rgb diffuse_direct, diffuse_indirect, glossy_direct, glossy_indirect, transmission_direct, transmission_indirect;
   Rgb diffuse_color, emission, environment, normal;
   float alpha = 0, photon_density = 0;
   float detail = 0;                      // luminance that discs of half the area would take away
   float depth = 0, surface_id = 0;       // of the first sample
+
+  // All of the light.
+  Rgb combined() const {
+    return diffuse_direct + diffuse_indirect + glossy_direct + glossy_indirect + transmission_direct + transmission_indirect +
+           emission + environment;
+  }
 };
 
-// All light of a pixel: the Combined pass.
-inline Rgb radiance(const Pixel& p) { return p.diffuse_direct + p.diffuse_indirect + p.emission + p.environment; }
+// The light of a pixel by the first lobe of the path that brought it.
+enum class Part : uint8_t { kDiffuse, kGlossy, kTransmission };
+
+inline Rgb& direct_of(Pixel& pixel, Part part) {
+  return part == Part::kDiffuse ? pixel.diffuse_direct : part == Part::kGlossy ? pixel.glossy_direct : pixel.transmission_direct;
+}
+inline Rgb& indirect_of(Pixel& pixel, Part part) {
+  return part == Part::kDiffuse ? pixel.diffuse_indirect
+                                : part == Part::kGlossy ? pixel.glossy_indirect : pixel.transmission_indirect;
+}
 
 inline constexpr float kBackgroundDepth = 1e10f;
 

@@ -12,7 +12,10 @@ float smoothstep(float t) {
   return t * t * (3 - 2 * t);
 }
 
-float power_heuristic(float a, float b) { return a * a / (a * a + b * b); }
+float power_heuristic(float a, float b) {
+  if (!(a < 1e18f)) return 1;  // a delta
+  return a * a / (a * a + b * b);
+}
 
 }  // namespace
 
@@ -50,41 +53,42 @@ float Lights::sampled_area(const Lamp& lamp, const Vec3& x) const {
   return std::min(lamp.area, std::max(kPi * beam * beam, 1e-30f));
 }
 
-float Lights::emitter_weight(const Emitter& e, const Vec3& x, const Vec3& n) const {
+float Lights::emitter_weight(const Emitter& e, const Receiver& to) const {
   if (e.lamp >= 0 && lamps_[e.lamp].s.kind == LampKind::kSun) {
     const Lamp& lamp = lamps_[e.lamp];
-    return dot(n, -lamp.forward) + std::sqrt(2 * lamp.one_minus_cos) < 0 ? 0 : e.importance;
+    return dot(to.n, -lamp.forward) + std::sqrt(2 * lamp.one_minus_cos) < 0 ? 0 : e.importance;
   }
-  const Vec3 to_center = e.center - x;
-  if (dot(n, to_center) < -e.radius) return 0;  // wholly below the horizon
+  const Vec3 to_center = e.center - to.x;
+  if (dot(to.n, to_center) < -e.radius) return 0;  // wholly below the horizon
   if (e.lamp >= 0 && lamps_[e.lamp].s.kind == LampKind::kArea && dot(lamps_[e.lamp].forward, to_center) >= 0) return 0;
   return e.importance / std::max({length2(to_center), e.radius * e.radius, 1e-30f});
 }
 
-bool Lights::is_near(const Emitter& e, const Vec3& x) const {
+bool Lights::shares_with_rays(const Emitter& e, const Receiver& to) const {
+  if (to.sharp) return true;
   if (e.lamp >= 0 && lamps_[e.lamp].s.kind != LampKind::kArea) return false;  // the others are sampled by solid angle
-  return length2(e.center - x) < 4 * e.radius * e.radius;
+  return length2(e.center - to.x) < 4 * e.radius * e.radius;
 }
 
-bool Lights::wants_bsdf_ray(const Vec3& x) const {
+bool Lights::wants_bsdf_ray(const Receiver& to) const {
   if (!is_black(scene_.world)) return true;
   for (const Emitter& e : emitters_)
-    if (is_near(e, x)) return true;
+    if (shares_with_rays(e, to)) return true;
   return false;
 }
 
-float Lights::choice_probability(uint32_t emitter, const Vec3& x, const Vec3& n) const {
+float Lights::choice_probability(uint32_t emitter, const Receiver& to) const {
   if (emitters_.size() > kFewEmitters) return static_cast<float>(emitters_[emitter].power / choice_cdf_.back());
   float sum = 0, chosen = 0;
   for (uint32_t i = 0; i < emitters_.size(); ++i) {
-    const float w = emitter_weight(emitters_[i], x, n);
+    const float w = emitter_weight(emitters_[i], to);
     sum += w;
     if (i == emitter) chosen = w;
   }
   return sum > 0 ? chosen / sum : 0;
 }
 
-std::optional<LightSample> Lights::sample(const Vec3& x, const Vec3& n, float choice, const Vec2& u) const {
+std::optional<LightSample> Lights::sample(const Receiver& to, float choice, const Vec2& u) const {
   if (emitters_.empty()) return std::nullopt;
   size_t chosen = 0;
   float probability = 1;
@@ -95,7 +99,7 @@ std::optional<LightSample> Lights::sample(const Vec3& x, const Vec3& n, float ch
     probability = static_cast<float>(emitters_[chosen].power / choice_cdf_.back());
   } else {
     float weight[kFewEmitters], sum = 0;
-    for (size_t i = 0; i < emitters_.size(); ++i) sum += weight[i] = emitter_weight(emitters_[i], x, n);
+    for (size_t i = 0; i < emitters_.size(); ++i) sum += weight[i] = emitter_weight(emitters_[i], to);
     if (!(sum > 0)) return std::nullopt;
     float target = choice * sum;
     for (chosen = 0; chosen + 1 < emitters_.size() && target >= weight[chosen]; ++chosen) target -= weight[chosen];
@@ -104,10 +108,10 @@ std::optional<LightSample> Lights::sample(const Vec3& x, const Vec3& n, float ch
   }
   const Emitter& e = emitters_[chosen];
   LightSample out{};
-  if (!(e.lamp >= 0 ? sample_lamp(e, x, u, out) : sample_mesh(e, x, u, out))) return std::nullopt;
+  if (!(e.lamp >= 0 ? sample_lamp(e, to.x, u, out) : sample_mesh(e, to.x, u, out))) return std::nullopt;
   out.weight *= 1 / probability;
   out.pdf *= probability;
-  out.use_mis = is_near(e, x);
+  out.use_mis = out.pdf > 0 && shares_with_rays(e, to);
   return out;
 }
 
@@ -116,6 +120,7 @@ bool Lights::sample_lamp(const Emitter& e, const Vec3& x, const Vec2& u, LightSa
   if (lamp.s.kind == LampKind::kSun) {
     out.direction = Basis(-lamp.forward).to_world(sample_cone(u, lamp.one_minus_cos));
     out.distance = INFINITY;
+    out.pdf = lamp.one_minus_cos > 0 ? 1 / (2 * kPi * lamp.one_minus_cos) : 0;
     // Radiance over the cone's pdf is its flux per area; the cosine belongs to the receiver.
     out.weight = lamp.one_minus_cos > 0 ? lamp.radiance * (2 * kPi * lamp.one_minus_cos) : lamp.intensity;
     return true;
@@ -158,7 +163,8 @@ bool Lights::sample_lamp(const Emitter& e, const Vec3& x, const Vec2& u, LightSa
     const Vec3 local = sample_cone(u, one_minus_cos);
     out.direction = Basis(to / d).to_world(local);
     out.distance = d / local.z;
-    out.weight = lamp.radiance * (2 * kPi * one_minus_cos);
+    out.pdf = 1 / (2 * kPi * one_minus_cos);
+    out.weight = lamp.radiance / out.pdf;
   } else if (d > r) {
     const float sin2 = r * r / d2;
     const float one_minus_cos = sin2 / (1 + std::sqrt(1 - sin2));
@@ -166,12 +172,14 @@ bool Lights::sample_lamp(const Emitter& e, const Vec3& x, const Vec2& u, LightSa
     out.direction = Basis(to / d).to_world(local);
     const float miss2 = d2 * (local.x * local.x + local.y * local.y);
     out.distance = d * local.z - std::sqrt(std::max(0.0f, r * r - miss2));
-    out.weight = lamp.radiance * (2 * kPi * one_minus_cos);
+    out.pdf = 1 / (2 * kPi * one_minus_cos);
+    out.weight = lamp.radiance / out.pdf;
   } else {  // inside a spherical lamp, which shines inwards too, and there without a spot's cone
     out.direction = sample_sphere(u);
     const float along = dot(to, out.direction);
     out.distance = along + std::sqrt(std::max(0.0f, along * along - d2 + r * r));
-    out.weight = lamp.radiance * (4 * kPi);
+    out.pdf = 1 / (4 * kPi);
+    out.weight = lamp.radiance / out.pdf;
     return true;
   }
   if (lamp.s.kind == LampKind::kSpot) out.weight *= spot_attenuation(lamp, -out.direction);
@@ -209,76 +217,91 @@ bool Lights::sample_mesh(const Emitter& e, const Vec3& x, const Vec2& u, LightSa
   out.direction = to / out.distance;
   const float cosine = std::abs(dot(out.direction, normal));
   if (cosine <= 1e-7f) return false;
-  const Material& material = scene_.material_of(e.instance, e.triangles[pick]);
-  Surface s{};
-  s.instance = e.instance;
-  s.triangle = e.triangles[pick];
-  s.u = b1;
-  s.v = b2;
-  s.side = dot(out.direction, normal) > 0 ? &material.back : &material.front;
   const float pdf_area = share / e.cdf.back() / (0.5f * twice_area);
   out.pdf = pdf_area * d2 / cosine;
-  out.weight = scene_.emission(s) / out.pdf;
-  out.normal = dot(out.direction, normal) > 0 ? -normal : normal;
+  const bool back = dot(out.direction, normal) > 0;
+  out.weight = scene_.emission(scene_.surface_at(e.instance, e.triangles[pick], b1, b2, back), -out.direction, {}) / out.pdf;
+  out.normal = back ? -normal : normal;
   return !is_black(out.weight);
 }
 
-float Lights::surface_mis_weight(const Vec3& x, const Vec3& n, const Surface& hit, float bsdf_pdf) const {
+float Lights::surface_mis_weight(const Receiver& receiver, const Surface& hit, float bsdf_pdf) const {
   const int32_t index = emitter_of_instance_[hit.instance];
-  if (index < 0) return 0;
+  if (index < 0) return 1;
   const Emitter& e = emitters_[index];
-  if (!is_near(e, x)) return 0;
-  const Material& material = scene_.material_of(hit.instance, hit.triangle);
-  const float weight = average(material.front.emission) + average(material.back.emission);
+  if (!shares_with_rays(e, receiver)) return 0;
+  if (!(bsdf_pdf < INFINITY)) return 1;
   Vec3 corner[3];
   triangle_corners(hit.instance, hit.triangle, corner);
-  const Vec3 to = hit.position - x;
+  const float area = 0.5f * length(cross(corner[1] - corner[0], corner[2] - corner[0]));
+  const Vec3 to = hit.position - receiver.x;
   const float cosine = std::abs(dot(normalize(to), hit.ng));
-  const float pdf = choice_probability(index, x, n) * weight / e.total_weight * length2(to) / std::max(cosine, 1e-7f);
+  const float pdf = choice_probability(index, receiver) * e.share_of(hit.triangle) / area * length2(to) / std::max(cosine, 1e-7f);
   return power_heuristic(bsdf_pdf, pdf);
 }
 
-Rgb Lights::lamp_radiance_met(const Lamp& lamp, const Vec3& origin, const Vec3& direction, float far, float& pdf) const {
+Rgb Lights::lamp_radiance_met(const Lamp& lamp, const Vec3& origin, const Vec3& direction, float near, float far,
+                              float& pdf) const {
   pdf = 0;
   if (lamp.s.kind == LampKind::kArea) {
     const float cosine = -dot(direction, lamp.forward);
     if (cosine <= 0) return {};
     const Vec3 to = lamp.center - origin;
     const float t = -dot(to, lamp.forward) / cosine;
-    if (!(t > 0) || t > far) return {};
+    if (!(t > near) || t > far) return {};
     if (!inside_shape(lamp, direction * t - to)) return {};
     pdf = t * t / (cosine * sampled_area(lamp, origin));
     return lamp.radiance * spread_attenuation(lamp, length(cross(direction, lamp.forward)) / cosine);
   }
   if (lamp.s.kind == LampKind::kSun) {
-    if (std::isfinite(far) || lamp.one_minus_cos <= 0) return {};
-    return length2(direction + lamp.forward) <= 2 * lamp.one_minus_cos ? lamp.radiance : Rgb{};
+    if (std::isfinite(far) || lamp.one_minus_cos <= 0 || length2(direction + lamp.forward) > 2 * lamp.one_minus_cos) return {};
+    pdf = 1 / (2 * kPi * lamp.one_minus_cos);
+    return lamp.radiance;
   }
   const Vec3 to = lamp.center - origin;
   const float along = dot(to, direction), d2 = length2(to), r2 = lamp.s.radius * lamp.s.radius;
   const float miss2 = d2 - along * along;
-  if (r2 <= 0 || along <= 0 || along > far || miss2 > r2 || d2 < r2) return {};
-  if (lamp.s.soft_falloff && miss2 * (d2 + r2) > r2 * d2) return {};
+  if (r2 <= 0 || miss2 > r2) return {};
+  float one_minus_cos;
+  if (lamp.s.soft_falloff) {
+    if (along <= near || along > far || miss2 * (d2 + r2) > r2 * d2) return {};
+    one_minus_cos = (r2 / (d2 + r2)) / (1 + std::sqrt(d2 / (d2 + r2)));
+  } else if (d2 > r2) {
+    const float entry = along - std::sqrt(r2 - miss2);
+    if (entry <= near || entry > far) return {};
+    const float sin2 = r2 / d2;
+    one_minus_cos = sin2 / (1 + std::sqrt(1 - sin2));
+  } else {  // from inside
+    const float exit = along + std::sqrt(r2 - miss2);
+    if (exit <= near || exit > far) return {};
+    pdf = 1 / (4 * kPi);
+    return lamp.radiance;
+  }
+  pdf = 1 / (2 * kPi * one_minus_cos);
   return lamp.s.kind == LampKind::kSpot ? lamp.radiance * spot_attenuation(lamp, -direction) : lamp.radiance;
 }
 
-Rgb Lights::lamps_met(const Vec3& x, const Vec3& n, const Vec3& direction, float far, float bsdf_pdf) const {
+Rgb Lights::world_met(const Receiver&, const Vec3&, float) const { return scene_.world; }
+
+Rgb Lights::lamps_met(const Receiver& to, const Vec3& direction, float near, float far, float bsdf_pdf) const {
   Rgb sum{};
   for (uint32_t i = 0; i < emitters_.size(); ++i) {
     const Emitter& e = emitters_[i];
-    if (e.lamp < 0 || !is_near(e, x)) continue;
+    if (e.lamp < 0 || !shares_with_rays(e, to)) continue;
     float pdf;
-    const Rgb radiance = lamp_radiance_met(lamps_[e.lamp], x, direction, far, pdf);
-    if (pdf > 0) sum += radiance * power_heuristic(bsdf_pdf, pdf * choice_probability(i, x, n));
+    const Rgb radiance = lamp_radiance_met(lamps_[e.lamp], to.x, direction, near, far, pdf);
+    if (!(pdf > 0)) continue;
+    sum += bsdf_pdf < INFINITY ? radiance * power_heuristic(bsdf_pdf, pdf * choice_probability(i, to)) : radiance;
   }
   return sum;
 }
 
-Rgb Lights::lamps_seen(const Vec3& origin, const Vec3& direction, float far) const {
+Rgb Lights::lamps_seen(const Vec3& origin, const Vec3& direction, float near, float far) const {
   Rgb sum{};
   for (const Lamp& lamp : lamps_) {
     float pdf;
-    if (lamp.s.camera_visible) sum += lamp_radiance_met(lamp, origin, direction, far, pdf);
+    const bool inside = lamp.s.kind != LampKind::kSun && length2(lamp.center - origin) < lamp.s.radius * lamp.s.radius;
+    if (lamp.s.camera_visible && !inside) sum += lamp_radiance_met(lamp, origin, direction, near, far, pdf);
   }
   return sum;
 }

@@ -27,6 +27,13 @@ struct LampSettings {
   bool camera_visible = false;
 };
 
+// Where light is wanted.
+struct Receiver {
+  Vec3 x;
+  Vec3 n;              // unit; 0 where light from either side counts
+  bool sharp = false;  // scatters in narrow lobes: its rays share all lights they can find with `sample`, not near ones only
+};
+
 // Light arriving at a point from one direction. weight = radiance / pdf (solid angle, choice of light included).
 struct LightSample {
   Vec3 direction;
@@ -61,21 +68,23 @@ class Lights {
  public:
   Lights(const Scene& scene, const std::vector<LampSettings>& lamps);
 
-  // One light sample for a point with unit normal n; nullopt when no light reaches it.
-  std::optional<LightSample> sample(const Vec3& x, const Vec3& n, float choice, const Vec2& u) const;
+  // One light sample; nullopt when no light reaches the place.
+  std::optional<LightSample> sample(const Receiver& to, float choice, const Vec2& u) const;
 
-  // True when a BSDF-sampled ray from x could add light that `sample` leaves to it (world, lights near by).
-  bool wants_bsdf_ray(const Vec3& x) const;
+  // True when a BSDF-sampled ray could add light that `sample` leaves to it (world, lights near by).
+  bool wants_bsdf_ray(const Receiver& to) const;
 
-  // Share of a BSDF-sampled direction (pdf given) in the emission of an emissive surface hit by a ray from x with normal n.
-  float surface_mis_weight(const Vec3& x, const Vec3& n, const Surface& hit, float bsdf_pdf) const;
+  // Share of a BSDF-sampled direction in the emission of an emissive surface hit by a ray from the receiver. `bsdf_pdf`:
+  // solid angle; infinity for deltas, which no light sample can find.
+  float surface_mis_weight(const Receiver& to, const Surface& hit, float bsdf_pdf) const;
 
-  // Radiance of the lamps that a ray meets before `far`, weighted as above.
-  Rgb lamps_met(const Vec3& x, const Vec3& n, const Vec3& direction, float far, float bsdf_pdf) const;
+  // Radiance of the lamps that a ray meets between `near` and `far`, weighted as above.
+  Rgb lamps_met(const Receiver& to, const Vec3& direction, float near, float far, float bsdf_pdf) const;
+  // Radiance of the world in a direction that a ray from the receiver left the scene in, weighted likewise.
+  Rgb world_met(const Receiver& to, const Vec3& direction, float bsdf_pdf) const;
   // The same for a camera ray, unweighted: only lamps that the camera may see.
-  Rgb lamps_seen(const Vec3& origin, const Vec3& direction, float far) const;
+  Rgb lamps_seen(const Vec3& origin, const Vec3& direction, float near, float far) const;
 
-  Rgb world() const { return scene_.world; }
   double total_power() const { return total_power_; }  // W, mean over RGB
 
   // Photon number `index` of the stream `seed` starts in proportion to power, or where `guide` sends it.
@@ -108,6 +117,7 @@ class Lights {
     double power = 0;
     std::vector<uint32_t> triangles;
     std::vector<float> cdf;                 // over triangles, by power
+    std::vector<float> front_share;         // of each triangle's power
     std::vector<uint32_t> cdf_start;        // where to begin looking, for equal steps of the cdf
 
     // The triangle whose share of the cdf holds `target`: a look-up and a step or two instead of a search.
@@ -118,21 +128,29 @@ class Lights {
       while (i + 1 < cdf.size() && cdf[i] <= target) ++i;
       return i;
     }
-    float total_weight = 0;                 // sum of area * weight
+    // Of the whole: what `triangle` is picked with; 0 where it does not emit.
+    float share_of(uint32_t triangle) const {
+      const auto at = std::lower_bound(triangles.begin(), triangles.end(), triangle);
+      if (at == triangles.end() || *at != triangle) return 0;
+      const size_t i = at - triangles.begin();
+      return (cdf[i] - (i ? cdf[i - 1] : 0)) / cdf.back();
+    }
   };
 
   void add_lamp(const LampSettings& settings);
   void add_emissive_instances();
-  float emitter_weight(const Emitter& e, const Vec3& x, const Vec3& n) const;
-  bool is_near(const Emitter& e, const Vec3& x) const;
-  float choice_probability(uint32_t emitter, const Vec3& x, const Vec3& n) const;
+  void add_emissive_triangles(uint32_t instance, Emitter& emitter, Bounds& bounds, double& sum) const;
+  float emitter_weight(const Emitter& e, const Receiver& to) const;
+  bool shares_with_rays(const Emitter& e, const Receiver& to) const;
+  float choice_probability(uint32_t emitter, const Receiver& to) const;
   float spot_attenuation(const Lamp& lamp, const Vec3& from_lamp) const;
   float spread_attenuation(const Lamp& lamp, float tangent) const;  // of the angle to the lamp's axis
   bool inside_shape(const Lamp& lamp, const Vec3& from_center) const;
   float sampled_area(const Lamp& lamp, const Vec3& x) const;  // of an area lamp, from x
   bool sample_lamp(const Emitter& e, const Vec3& x, const Vec2& u, LightSample& out) const;
   bool sample_mesh(const Emitter& e, const Vec3& x, const Vec2& u, LightSample& out) const;
-  Rgb lamp_radiance_met(const Lamp& lamp, const Vec3& origin, const Vec3& direction, float far, float& pdf) const;
+  // `pdf` is that of sample_lamp for this direction; 0 where the lamp is not met.
+  Rgb lamp_radiance_met(const Lamp& lamp, const Vec3& origin, const Vec3& direction, float near, float far, float& pdf) const;
   PhotonStart emit_lamp(const Lamp& lamp, float coin, const Vec2& place, const Vec2& way) const;
   PhotonStart emit_mesh(const Emitter& e, float pick, const Vec2& place, const Vec2& way) const;
   PhotonStart emit_parallel(const Vec3& direction, const Vec2& place) const;

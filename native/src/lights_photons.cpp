@@ -136,34 +136,44 @@ void Lights::add_lamp(const LampSettings& settings) {
   emitters_.push_back(std::move(e));
 }
 
+namespace {
+
+constexpr double kProbeFloor = 0.02;
+
+bool may_emit(const Scene& scene, const Material& m) {
+  if (m.program >= 0) return scene.programs[m.program].features & kProgramEmits;
+  return !is_black(m.front.emission) || !is_black(m.back.emission);
+}
+
+// About the mean over the triangle, RGB averaged; textures of plain materials count as white.
+float mean_emission(const Scene& scene, const Material& m, uint32_t instance, uint32_t triangle, bool back) {
+  if (m.program < 0) return average((back ? m.back : m.front).emission);
+  static constexpr float kProbes[4][2] = {{1 / 3.0f, 1 / 3.0f}, {0.15f, 0.15f}, {0.7f, 0.15f}, {0.15f, 0.7f}};
+  const int probes = scene.programs[m.program].features & kProgramConstantEmission ? 1 : 4;
+  float sum = 0;
+  for (int i = 0; i < probes; ++i) {
+    const Surface s = scene.surface_at(instance, triangle, kProbes[i][0], kProbes[i][1], back);
+    sum += average(scene.emission(s, s.ng, {}));
+  }
+  return std::isfinite(sum) ? std::max(sum, 0.0f) / static_cast<float>(probes) : 0;
+}
+
+}  // namespace
+
 void Lights::add_emissive_instances() {
   emitter_of_instance_.assign(scene_.instances.size(), -1);
   for (uint32_t i = 0; i < scene_.instances.size(); ++i) {
     const Instance& instance = scene_.instances[i];
     bool emissive = false;
-    for (uint32_t s = 0; s < instance.slot_count; ++s) {
-      const Material& m = scene_.materials[scene_.slot_materials[instance.first_material + s]];
-      emissive |= !is_black(m.front.emission) || !is_black(m.back.emission);
-    }
+    for (uint32_t s = 0; s < instance.slot_count; ++s)
+      emissive |= may_emit(scene_, scene_.materials[scene_.slot_materials[instance.first_material + s]]);
     if (!emissive) continue;
     Emitter e;
     e.instance = i;
     Bounds bounds;
     double sum = 0;
-    const uint32_t count = static_cast<uint32_t>(scene_.meshes[instance.mesh].triangles.size());
-    for (uint32_t t = 0; t < count; ++t) {
-      const Material& m = scene_.material_of(i, t);
-      const float weight = average(m.front.emission) + average(m.back.emission);
-      if (!(weight > 0)) continue;
-      Vec3 corner[3];
-      triangle_corners(i, t, corner);
-      const float area = 0.5f * length(cross(corner[1] - corner[0], corner[2] - corner[0]));
-      for (const Vec3& p : corner) bounds.add(p);
-      e.triangles.push_back(t);
-      e.cdf.push_back(static_cast<float>(sum += double(area) * weight));
-    }
-    if (!(sum > 0)) continue;
-    e.total_weight = static_cast<float>(sum);
+    add_emissive_triangles(i, e, bounds, sum);
+    if (!(sum > 0) || !std::isfinite(sum)) continue;
     e.cdf_start.resize(e.cdf.size());
     for (size_t bucket = 0, i = 0; bucket < e.cdf_start.size(); ++bucket) {
       const float target = e.cdf.back() * static_cast<float>(bucket) / static_cast<float>(e.cdf_start.size());
@@ -172,10 +182,48 @@ void Lights::add_emissive_instances() {
     }
     e.center = bounds.center();
     e.radius = 0.5f * bounds.diagonal();
-    e.importance = e.total_weight;
+    e.importance = static_cast<float>(sum);
     e.power = sum * kPi;
     emitter_of_instance_[i] = static_cast<int32_t>(emitters_.size());
     emitters_.push_back(std::move(e));
+  }
+}
+
+// Picks triangles by area times mean emission. What a program emits is probed at a few points; between them it may emit
+// more, so that no triangle it covers gets less than a share of the mesh's mean.
+void Lights::add_emissive_triangles(uint32_t instance, Emitter& e, Bounds& bounds, double& sum) const {
+  const uint32_t count = static_cast<uint32_t>(scene_.meshes[scene_.instances[instance].mesh].triangles.size());
+  std::vector<float> areas, front, back;
+  std::vector<bool> probed;
+  double probed_power = 0, probed_area = 0;
+  for (uint32_t t = 0; t < count; ++t) {
+    const Material& m = scene_.material_of(instance, t);
+    if (!may_emit(scene_, m)) continue;
+    Vec3 corner[3];
+    triangle_corners(instance, t, corner);
+    const float area = 0.5f * length(cross(corner[1] - corner[0], corner[2] - corner[0]));
+    if (!(area > 0)) continue;
+    for (const Vec3& p : corner) bounds.add(p);
+    e.triangles.push_back(t);
+    areas.push_back(area);
+    probed.push_back(m.program >= 0);
+    front.push_back(mean_emission(scene_, m, instance, t, false));
+    back.push_back(mean_emission(scene_, m, instance, t, true));
+    if (!probed.back()) continue;
+    probed_power += double(area) * (front.back() + back.back());
+    probed_area += area;
+  }
+  const float floor = probed_area > 0 ? static_cast<float>(kProbeFloor * probed_power / probed_area) : 0;
+  for (size_t i = 0; i < areas.size(); ++i) {
+    const bool constant = !probed[i] || scene_.programs[scene_.material_of(instance, e.triangles[i]).program].features &
+                                            kProgramConstantEmission;
+    if (!constant) {
+      front[i] += floor;
+      back[i] += floor;
+    }
+    const float weight = front[i] + back[i];
+    e.front_share.push_back(weight > 0 ? front[i] / weight : 0.5f);
+    e.cdf.push_back(static_cast<float>(sum += double(areas[i]) * weight));
   }
 }
 
@@ -265,25 +313,17 @@ PhotonStart Lights::emit_mesh(const Emitter& e, float pick, const Vec2& place, c
   normal = twice_area > 0 ? normal / twice_area : Vec3{0, 0, 1};
   if (scene_.instances[e.instance].mirrored) normal = -normal;
 
-  const Material& material = scene_.material_of(e.instance, e.triangles[i]);
-  const float front = average(material.front.emission), back = average(material.back.emission);
-  const float front_share = front / (front + back);
+  const float front_share = e.front_share[i];
   const bool on_back = again >= front_share;
   const float side_pdf = on_back ? 1 - front_share : front_share;
   if (on_back) normal = -normal;
 
-  Surface s{};
-  s.instance = e.instance;
-  s.triangle = e.triangles[i];
-  s.u = b1;
-  s.v = b2;
-  s.side = on_back ? &material.back : &material.front;
   PhotonStart start;
   const Vec3 point = corner[0] * (1 - root) + corner[1] * b1 + corner[2] * b2;
   start.origin = point + normal * ray_epsilon(point, 0);
   start.direction = Basis(normal).to_world(sample_cosine_hemisphere(way));
   const float pdf_area = share / e.cdf.back() / std::max(0.5f * twice_area, 1e-37f) * side_pdf;
-  start.power = scene_.emission(s) * (kPi / pdf_area);
+  start.power = scene_.emission(scene_.surface_at(e.instance, e.triangles[i], b1, b2, on_back), start.direction, {}) * (kPi / pdf_area);
   return start;
 }
 

@@ -199,6 +199,10 @@ nb::dict film_arrays(const Renderer& r) {
   const auto rgb = [](const Rgb& c, float* v) { v[0] = c.x; v[1] = c.y; v[2] = c.z; };
   add("diffuse_direct", 3, [&](const Pixel& p, float* v) { rgb(p.diffuse_direct, v); });
   add("diffuse_indirect", 3, [&](const Pixel& p, float* v) { rgb(p.diffuse_indirect, v); });
+  add("glossy_direct", 3, [&](const Pixel& p, float* v) { rgb(p.glossy_direct, v); });
+  add("glossy_indirect", 3, [&](const Pixel& p, float* v) { rgb(p.glossy_indirect, v); });
+  add("transmission_direct", 3, [&](const Pixel& p, float* v) { rgb(p.transmission_direct, v); });
+  add("transmission_indirect", 3, [&](const Pixel& p, float* v) { rgb(p.transmission_indirect, v); });
   add("diffuse_color", 3, [&](const Pixel& p, float* v) { rgb(p.diffuse_color, v); });
   add("emission", 3, [&](const Pixel& p, float* v) { rgb(p.emission, v); });
   add("environment", 3, [&](const Pixel& p, float* v) { rgb(p.environment, v); });
@@ -220,10 +224,22 @@ nb::dict statistics(Renderer& r) {
   seconds["splat"] = r.seconds().splat;
   seconds["boundary"] = r.seconds().boundary;
   seconds["error"] = r.seconds().error;
-  photons["traced"] = r.photon_counts().traced;
-  photons["stored"] = r.photon_counts().stored;
-  photons["pilot"] = r.pilot_paths();
-  photons["guided"] = r.guided();
+  uint64_t traced = 0, stored = 0, pilot = 0;
+  for (size_t i = 0; i < r.layer_count(); ++i) {
+    const Layer& layer = r.layer(i);
+    const PhotonCounts counts = r.photon_counts(layer);
+    traced += counts.traced;
+    stored += counts.stored;
+    pilot += layer.pilot.traced;
+    nb::dict part;
+    part["traced"] = counts.traced;
+    part["stored"] = counts.stored;
+    part["guided"] = layer.tracer->guided();
+    photons[layer.stream == PhotonStream::kCaustic ? "caustic" : "indirect"] = part;
+  }
+  photons["traced"] = traced;
+  photons["stored"] = stored;
+  photons["pilot"] = pilot;
   out["seconds"] = seconds;
   out["photons"] = photons;
   out["rays"] = r.rays();
@@ -341,11 +357,14 @@ NB_MODULE(photon_splat_native, m) {
         r.camera_settings.aperture = {radius, focus, blades, rotation, ratio};
       }, "radius"_a, "focus"_a, "blades"_a, "rotation"_a, "ratio"_a, "After set_camera: a lens of finite size.")
       .def("set_options", [](Renderer& r, uint64_t photons_per_pass, int max_bounces, float radius_scale, float point_spacing,
-                             bool boundary_correction, uint32_t seed, const std::string& kernel) {
-        r.options = {photons_per_pass, max_bounces, radius_scale, point_spacing, boundary_correction, seed, kernel};
-      }, "photons_per_pass"_a, "max_bounces"_a, "radius_scale"_a, "point_spacing"_a, "boundary_correction"_a, "seed"_a,
-           "kernel"_a = "")
+                             bool boundary_correction, bool caustics, uint32_t seed, const std::string& kernel) {
+        r.options = {photons_per_pass, max_bounces, radius_scale, point_spacing, boundary_correction, caustics, seed, kernel};
+      }, "photons_per_pass"_a, "max_bounces"_a, "radius_scale"_a, "point_spacing"_a, "boundary_correction"_a, "caustics"_a,
+           "seed"_a, "kernel"_a = "")
       .def("build", &Renderer::build, released)
+      .def_prop_ro("layers", &Renderer::layer_count, "Kinds of photons: indirect light, and caustics where something can make them.")
+      .def("select_layer", &Renderer::select_layer, "layer"_a, "The one that points, photons and splats are about from now on; 0 at first.")
+      .def_prop_ro("paths_per_pass", &Renderer::paths_per_pass, "Photon paths of a pass in the selected layer.")
       .def("trace_camera", &Renderer::trace_camera, "pass"_a, released)
       .def("make_points", &Renderer::make_points, "pass"_a, released)
       .def("trace_photons", &Renderer::trace_photons, "pass"_a, "first"_a, "count"_a, released)

@@ -10,8 +10,8 @@ namespace photon_splat {
 
 class PhotonStore {
  public:
-  PhotonStore(Scene& scene, const Lights& lights, int max_bounces, uint32_t seed)
-      : scene_(scene), tracer_(scene, lights, max_bounces), seed_(seed) {}
+  PhotonStore(Scene& scene, const Lights& lights, int max_bounces, PhotonStream stream, uint32_t seed)
+      : scene_(scene), tracer_(scene, lights, max_bounces, stream), seed_(seed) {}
 
   // Traces `paths` more; the first call learns where photons start that come to lie anywhere at all. Photons beyond `most_bytes` of memory are not taken in, nor are the paths that left them.
   // What was there stays as it is if this is cancelled.

@@ -5,28 +5,90 @@
 namespace photon_splat {
 namespace {
 constexpr uint64_t kPathsPerChunk = 512;  // their state stays in the cache
+constexpr int kMaxTransparent = 4096;      // layers that let a path through before it is given up
 constexpr double kUsefulShare = 0.3;       // of unguided paths, from which on they are left unguided
 }
 
+// What lands after a bounce is indirect light, or caustic light, or a share of each.
+void PhotonTracer::store(const Path& path, const Surface& hit, const Vec3& direction, const KeyFilter& visible,
+                         std::vector<Photon>& photons) const {
+  if (path.bounces == 0 || !visible.contains(hit.key)) return;
+  const float share = stream_ == PhotonStream::kAll ? 1 : stream_ == PhotonStream::kCaustic ? path.caustic : 1 - path.caustic;
+  const float cos_shading = -dot(direction, hit.ns), cos_geometric = -dot(direction, hit.ng);
+  if (!(share > 0) || cos_shading <= 0 || cos_geometric <= 0) return;
+  // Density on the surface measures the geometric cosine; the BSDF wants the shading one (Veach 1997, section 5.3).
+  const Rgb power = path.power * (share * cos_shading / cos_geometric);
+  photons.push_back({hit.position, hit.key, encode_direction(hit.ng), encode_direction(-direction), power});
+}
+
 // Stores a photon where one belongs and sends the path on; false where it ends.
-bool PhotonTracer::shade(Path& path, int bounce, const Surface& hit, uint64_t index, uint32_t seed, const KeyFilter& visible,
-                         Vec3& origin, Vec3& direction, std::vector<Photon>& photons) const {
+bool PhotonTracer::shade(Path& path, const Surface& hit, const PhotonStart& start, uint64_t index, uint32_t seed,
+                         const KeyFilter& visible, Vec3& origin, Vec3& direction, std::vector<Photon>& photons) const {
+  if (hit.program) return scatter_by_program(path, hit, start, index, seed, visible, origin, direction, photons);
+  if (path.bounces == 0 && !start.accepts(hit.position, path.travelled + hit.distance)) return false;
+  store(path, hit, direction, visible, photons);
   const float cos_shading = -dot(direction, hit.ns), cos_geometric = -dot(direction, hit.ng);
   if (cos_shading <= 0 || cos_geometric <= 0) return false;
-  // Density on the surface measures the geometric cosine; the BSDF wants the shading one (Veach 1997, section 5.3).
-  path.power *= cos_shading / cos_geometric;
-  if (bounce > 0 && visible.contains(hit.key))
-    photons.push_back({hit.position, hit.key, encode_direction(hit.ng), encode_direction(-direction), path.power});
-  if (bounce == max_bounces_) return false;
-  path.power *= scene_.albedo(hit);
+  if (path.bounces == max_bounces_ || stream_ == PhotonStream::kCaustic) return false;
+  path.power *= scene_.albedo(hit) * (cos_shading / cos_geometric);
   const float survival = std::min(1.0f, max_component(path.power) / path.reference);
   if (!(survival > 0) || path.random.next() >= survival) return false;
   path.power *= 1 / survival;
   const Vec3 local = sample_cosine_hemisphere(
-      bounce == 0 ? sobol_2d(static_cast<uint32_t>(index), 3, seed) : path.random.next2());
+      path.bounces == 0 ? sobol_2d(static_cast<uint32_t>(index), 3, seed) : path.random.next2());
   if (!(local.z > 0)) return false;
   origin = hit.position + hit.ng * ray_epsilon(hit.position, hit.distance);
   direction = Basis(hit.ng).to_world(local);
+  ++path.bounces;
+  path.caustic = 0;
+  path.kind = RayInfo::kDiffuse;
+  return true;
+}
+
+bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const PhotonStart& start, uint64_t index, uint32_t seed,
+                                      const KeyFilter& visible, Vec3& origin, Vec3& direction,
+                                      std::vector<Photon>& photons) const {
+  Bsdf bsdf(Transport::kFlux, -direction, hit.ng, hit.ns, hit.back);
+  RayInfo ray;
+  ray.kind = path.kind;
+  ray.depth = path.bounces;
+  ray.transparent_depth = path.passed;
+  scene_.shade(hit, -direction, ray, bsdf);
+  const bool accepted = path.bounces > 0 || start.accepts(hit.position, path.travelled + hit.distance);
+  if (accepted) store(path, hit, direction, visible, photons);
+
+  const float epsilon = ray_epsilon(hit.position, hit.distance);
+  const Rgb transparency = bsdf.transparency();
+  const float mean = average(transparency);
+  if (mean > 0) {  // straight on, as if nothing had been hit, or not
+    const float scattered = bsdf.scatters() ? std::max(average(bsdf.albedo()), 0.05f) : 0;
+    const float passing = mean / (mean + scattered);
+    if (scattered == 0 || path.random.next() < passing) {
+      path.power *= transparency / passing;
+      const float survival = std::min(1.0f, max_abs(path.power) / path.reference);
+      if (++path.passed > kMaxTransparent || !(survival > 0) || path.random.next() >= survival) return false;
+      path.power *= 1 / survival;
+      path.travelled += hit.distance;
+      origin = hit.position - hit.ng * epsilon;
+      return true;
+    }
+    path.power *= 1 / (1 - passing);
+  }
+  if (!accepted || path.bounces == max_bounces_ || !bsdf.scatters()) return false;
+  const float choice = path.random.next();
+  const auto s = bsdf.sample(choice, path.bounces == 0 ? sobol_2d(static_cast<uint32_t>(index), 3, seed) : path.random.next2());
+  if (!s) return false;
+  path.caustic *= s->diffuse ? 0 : sharpness(s->roughness);
+  if (stream_ == PhotonStream::kCaustic && !(path.caustic > 0)) return false;
+  path.power *= s->weight;
+  const float survival = std::min(1.0f, max_abs(path.power) / path.reference);
+  if (!(survival > 0) || path.random.next() >= survival || !is_finite(path.power)) return false;
+  path.power *= 1 / survival;
+  ++path.bounces;
+  path.travelled = 0;
+  path.kind = s->diffuse ? RayInfo::kDiffuse : s->transmitted ? RayInfo::kTransmission : RayInfo::kGlossy;
+  origin = hit.position + hit.ng * std::copysign(epsilon, dot(s->direction, hit.ng));
+  direction = s->direction;
   return true;
 }
 
@@ -55,7 +117,7 @@ void PhotonTracer::trace_chunk(uint64_t first, uint64_t count, double total, uin
     chunk.directions.push_back(start.direction);
   }
   Surface hits[Scene::kPacket];
-  for (int bounce = 0; bounce <= max_bounces_ && !chunk.paths.empty(); ++bounce) {
+  while (!chunk.paths.empty()) {
     const uint32_t alive = static_cast<uint32_t>(chunk.paths.size());
     chunk.rays += alive;
     uint32_t kept = 0;
@@ -72,9 +134,9 @@ void PhotonTracer::trace_chunk(uint64_t first, uint64_t count, double total, uin
         if (!(found >> k & 1)) continue;
         Path path = chunk.paths[begin + k];
         Vec3 origin = chunk.origins[begin + k], direction = chunk.directions[begin + k];
-        if (bounce == 0 && !chunk.starts[path.place].accepts(hits[k].position, hits[k].distance)) continue;
         const size_t stored = chunk.photons.size();
-        const bool alive_still = shade(path, bounce, hits[k], first + path.place, seed, visible, origin, direction, chunk.photons);
+        const bool alive_still = shade(path, hits[k], chunk.starts[path.place], first + path.place, seed, visible, origin,
+                                       direction, chunk.photons);
         chunk.useful[path.place] += static_cast<uint16_t>(chunk.photons.size() - stored);
         if (!alive_still) continue;
         chunk.paths[kept] = path;

@@ -33,12 +33,22 @@ struct PhotonCounts {
   uint64_t traced = 0, stored = 0, rays = 0;
 };
 
+// Light that came through sharp lobes only, from the light to where it lands, makes caustics: it wants narrow kernels and
+// photons aimed at what focuses it. A path's share in them is the product of its lobes' sharpness, which falls from 1 to 0
+// over a range of roughness: caustic photons carry this share of the path's power, indirect ones the rest.
+enum class PhotonStream : uint8_t { kAll, kIndirect, kCaustic };
+
+inline float sharpness(float roughness) {
+  const float t = std::clamp((roughness - 0.1f) / 0.4f, 0.0f, 1.0f);
+  return 1 - t * t * (3 - 2 * t);
+}
+
 // Traces photon paths first .. first + count - 1 of the stream `seed` and returns what they left on surfaces of
 // `visible`. Powers are those of a set of `total` paths. Their order follows the index, not the thread.
 class PhotonTracer {
  public:
-  PhotonTracer(Scene& scene, const Lights& lights, int max_bounces)
-      : scene_(scene), lights_(lights), max_bounces_(max_bounces) {}
+  PhotonTracer(Scene& scene, const Lights& lights, int max_bounces, PhotonStream stream)
+      : scene_(scene), lights_(lights), max_bounces_(max_bounces), stream_(stream) {}
 
   const std::vector<Photon>& trace(uint64_t first, uint64_t count, double total, uint32_t seed,
                                    const KeyFilter& visible, const CancelFlag& cancel);
@@ -59,6 +69,10 @@ class PhotonTracer {
     float reference;  // power that survivors of Russian roulette keep
     Random random{0, 0};
     uint32_t place;   // among the chunk's paths as they started
+    uint16_t bounces = 0, passed = 0;  // lobes; transparent surfaces
+    float travelled = 0;               // before the present ray, since the last bounce
+    float caustic = 1;                 // share of caustic light
+    RayInfo::Kind kind = RayInfo::kShadow;  // of the ray: from the light, it is what direct light sends as a shadow ray
   };
   struct Chunk {
     std::vector<Photon> photons;
@@ -70,12 +84,16 @@ class PhotonTracer {
     std::vector<Vec3> origins, directions;
   };
   void trace_chunk(uint64_t first, uint64_t count, double total, uint32_t seed, const KeyFilter& visible, Chunk& chunk) const;
-  bool shade(Path& path, int bounce, const Surface& hit, uint64_t index, uint32_t seed, const KeyFilter& visible,
+  bool shade(Path& path, const Surface& hit, const PhotonStart& start, uint64_t index, uint32_t seed, const KeyFilter& visible,
              Vec3& origin, Vec3& direction, std::vector<Photon>& photons) const;
+  void store(const Path& path, const Surface& hit, const Vec3& direction, const KeyFilter& visible, std::vector<Photon>& photons) const;
+  bool scatter_by_program(Path& path, const Surface& hit, const PhotonStart& start, uint64_t index, uint32_t seed,
+                          const KeyFilter& visible, Vec3& origin, Vec3& direction, std::vector<Photon>& photons) const;
 
   Scene& scene_;
   const Lights& lights_;
   int max_bounces_;
+  PhotonStream stream_;
   std::optional<EmissionGuide> guide_;
   std::vector<Chunk> chunks_;
   std::vector<Photon> photons_;

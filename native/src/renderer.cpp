@@ -7,6 +7,7 @@ namespace {
 
 constexpr uint64_t kPilotPaths = 65536;
 constexpr double kPhotonsPerDisc = 100;  // from one pass, before radii shrink
+constexpr double kCausticPhotonsPerDisc = 25;
 constexpr double kShrinkExponent = -1.0 / 6.0;  // h ~ pass^(-1/6): variance and squared bias fall alike (Knaus & Zwicker 2011)
 
 class Timer {
@@ -21,107 +22,131 @@ class Timer {
 
 }  // namespace
 
+void Renderer::add_layer(PhotonStream stream, double photons_per_disc, uint64_t paths_per_pass) {
+  const uint32_t seed = stream == PhotonStream::kCaustic ? hash_combine(options.seed, 5) : options.seed;
+  auto layer = std::make_unique<Layer>(Layer{stream, photons_per_disc, seed, paths_per_pass, nullptr});
+  layer->tracer = std::make_unique<PhotonTracer>(scene, *lights_, options.max_bounces, stream);
+  layer->splatter = std::make_unique<Splatter>(options.kernel);
+  layers_.push_back(std::move(layer));
+}
+
 void Renderer::build() {
   Timer timer(seconds_.acceleration);
   camera_ = std::make_unique<Camera>(camera_settings);
-  splatter_ = std::make_unique<Splatter>(options.kernel);
+  choose_kernel(options.kernel);  // speaks up before work is done
   scene.build(cancel_);
   lights_ = std::make_unique<Lights>(scene, lamps);
   camera_tracer_ = std::make_unique<CameraTracer>(scene, *lights_, *camera_, hash_combine(options.seed, 2));
-  photon_tracer_ = std::make_unique<PhotonTracer>(scene, *lights_, options.max_bounces);
+  make_layers();
   film_.reset(camera_settings.region_width, camera_settings.region_height);
   pass_film_.reset(film_.width, film_.height);
   errors_.reset(film_.width, film_.height);
 }
 
-void Renderer::require_built() const {
-  if (!camera_tracer_) throw std::logic_error("build() comes before the other stages");
+void Renderer::make_layers() {
+  layers_.clear();
+  const bool caustics = options.caustics && scene.features() & kProgramSharp;
+  add_layer(caustics ? PhotonStream::kIndirect : PhotonStream::kAll, kPhotonsPerDisc, options.photons_per_pass);
+  if (caustics) add_layer(PhotonStream::kCaustic, kCausticPhotonsPerDisc, options.photons_per_pass);
+  current_ = layers_.front().get();
+}
+
+Layer& Renderer::selected() const {
+  if (!current_) throw std::logic_error("build() comes before the other stages");
+  return *current_;
 }
 
 void Renderer::trace_camera(uint32_t pass) {
-  require_built();
+  selected();
   Timer timer(seconds_.camera);
-  records_ = &camera_tracer_->trace(pass, pass_film_, cancel_);
+  records_ = &camera_tracer_->trace(pass, options.max_bounces, pass_film_, cancel_);
+}
+
+// A pilot teaches where useful photons start and how dense they land.
+void Renderer::learn(Layer& layer) {
+  Timer timer(seconds_.photons);
+  KeyFilter keys;
+  for (const Record& r : *records_) keys.add(r.key);
+  const uint64_t paths = std::max<uint64_t>(1, std::min(layer.paths_per_pass, kPilotPaths));
+  layer.tracer->learn_emission(paths, hash_combine(layer.seed, 4), keys, cancel_);
+  const auto& pilot = layer.tracer->trace(0, paths, static_cast<double>(paths), hash_combine(layer.seed, 3), keys, cancel_);
+  layer.radii = std::make_unique<RadiusMap>(scene, pilot, static_cast<double>(paths));
+  layer.pilot = layer.tracer->counts();
 }
 
 void Renderer::make_points(uint32_t pass) {
   if (!records_) throw std::logic_error("trace_camera() comes before make_points()");
-  if (!radii_) {
-    Timer timer(seconds_.photons);
-    KeyFilter keys;
-    for (const Record& r : *records_) keys.add(r.key);
-    const uint64_t paths = std::max<uint64_t>(1, std::min(options.photons_per_pass, kPilotPaths));
-    photon_tracer_->learn_emission(paths, hash_combine(options.seed, 4), keys, cancel_);
-    const auto& pilot = photon_tracer_->trace(0, paths, static_cast<double>(paths), hash_combine(options.seed, 3), keys, cancel_);
-    radii_ = std::make_unique<RadiusMap>(scene, pilot, static_cast<double>(paths));
-    pilot_ = photon_tracer_->counts();
-  }
+  Layer& layer = selected();
+  if (!layer.radii) learn(layer);
   {
     Timer timer(seconds_.camera);
     PointSettings s;
-    s.photons_per_disc = kPhotonsPerDisc;
-    s.paths_per_pass = static_cast<double>(std::max<uint64_t>(1, options.photons_per_pass));
+    s.photons_per_disc = layer.photons_per_disc;
+    s.paths_per_pass = static_cast<double>(std::max<uint64_t>(1, layer.paths_per_pass));
     s.radius_factor = options.radius_scale * static_cast<float>(std::pow(pass + 1.0, kShrinkExponent));
     s.spacing = options.point_spacing;
-    points_.build(scene, *records_, *radii_, s, pass, options.seed, cancel_);
+    layer.points.build(scene, *records_, *layer.radii, s, pass, layer.seed, cancel_);
   }
   if (options.boundary_correction) {
     Timer timer(seconds_.boundary);
-    points_.correct_boundaries(scene, cancel_);
+    layer.points.correct_boundaries(scene, cancel_);
   }
   Timer timer(seconds_.splat);
-  splatter_->set_blocks(points_.block_bounds());
+  layer.splatter->set_blocks(layer.points.block_bounds());
 }
 
 void Renderer::trace_photons(uint32_t pass, uint64_t first, uint64_t count) {
-  require_built();
+  Layer& layer = selected();
   Timer timer(seconds_.photons);
-  photons_ = &photon_tracer_->trace(pass * options.photons_per_pass + first, count,
-                                    static_cast<double>(options.photons_per_pass), hash_combine(options.seed, 1),
-                                    points_.keys(), cancel_);
+  photons_ = &layer.tracer->trace(pass * layer.paths_per_pass + first, count, static_cast<double>(layer.paths_per_pass),
+                                  hash_combine(layer.seed, 1), layer.points.keys(), cancel_);
 }
 
 void Renderer::splat() {
-  require_built();
+  Layer& layer = selected();
   Timer timer(seconds_.splat);
-  splatter_->splat(*photons_, points_.blocks(), scene.pool(), cancel_);
+  layer.splatter->splat(*photons_, layer.points.blocks(), scene.pool(), cancel_);
 }
 
 const Splatter& Renderer::find_pairs(size_t first, size_t count) {
-  require_built();
+  Layer& layer = selected();
   if (first > photons_->size() || count > photons_->size() - first) throw std::out_of_range("there are not so many photons");
   Timer timer(seconds_.splat);
-  splatter_->find_pairs(photons_->data() + first, count, points_.blocks().size(), scene.pool(), cancel_);
-  return *splatter_;
+  layer.splatter->find_pairs(photons_->data() + first, count, layer.points.blocks().size(), scene.pool(), cancel_);
+  return *layer.splatter;
 }
 
 void Renderer::set_photons(std::vector<Photon> photons) {
-  require_built();
+  selected();
   given_photons_ = std::move(photons);
   photons_ = &given_photons_;
 }
 
 void Renderer::resolve() {
-  require_built();
+  selected();
   Timer timer(seconds_.splat);
+  for (const auto& layer : layers_) add_irradiance(*layer);
+  finish_pass();
+}
+
+void Renderer::add_irradiance(const Layer& layer) {
   const std::vector<Record>& records = *records_;
-  const std::vector<PointBlock>& blocks = points_.blocks();
+  const std::vector<PointBlock>& blocks = layer.points.blocks();
   const std::vector<size_t>& ranges = camera_tracer_->tile_ranges();
   scene.pool().for_each(ranges.size() - 1, cancel_, [&](size_t tile, int) {
     for (size_t i = ranges[tile]; i < ranges[tile + 1]; ++i) {
-      const uint32_t point = points_.point_of_record(i), lane = point % kBlockSize;
+      const uint32_t point = layer.points.point_of_record(i), lane = point % kBlockSize;
       const PointBlock& block = blocks[point / kBlockSize];
       const Rgb irradiance = Rgb{block.r[lane], block.g[lane], block.b[lane]} * block.scale[lane];
       Pixel& pixel = pass_film_.pixels[records[i].pixel];
       const Rgb light = records[i].throughput * irradiance;
-      pixel.diffuse_indirect += light;
+      indirect_of(pixel, records[i].part) += light;
       const float wide = luminance(irradiance);
       if (wide > 0) pixel.detail += luminance(light) * (1 - block.narrow[lane] * block.narrow_scale[lane] / wide);
       // Photons per square metre: the kernel disc holds `count` of them.
       pixel.photon_density += block.count[lane] * block.inverse_h2[lane] / kPi;
     }
   });
-  finish_pass();
 }
 
 void Renderer::finish_pass() {
@@ -131,26 +156,27 @@ void Renderer::finish_pass() {
 }
 
 void Renderer::make_error_estimate() {
-  require_built();
+  selected();
   Timer timer(seconds_.error);
   errors_.update(scene.pool());
 }
 
 void Renderer::trace_reference(uint32_t sample) {
-  require_built();
+  selected();
   Timer timer(seconds_.camera);
   camera_tracer_->trace_reference(sample, options.max_bounces, pass_film_, cancel_);
   finish_pass();
 }
 
-PhotonCounts Renderer::photon_counts() const {
-  if (!photon_tracer_) return {};
-  const PhotonCounts all = photon_tracer_->counts();
-  return {all.traced - pilot_.traced, all.stored - pilot_.stored, all.rays};
+PhotonCounts Renderer::photon_counts(const Layer& layer) const {
+  const PhotonCounts all = layer.tracer->counts();
+  return {all.traced - layer.pilot.traced, all.stored - layer.pilot.stored, all.rays};
 }
 
 uint64_t Renderer::rays() const {
-  return (camera_tracer_ ? camera_tracer_->rays() : 0) + photon_counts().rays;
+  uint64_t sum = camera_tracer_ ? camera_tracer_->rays() : 0;
+  for (const auto& layer : layers_) sum += layer->tracer->counts().rays;
+  return sum;
 }
 
 }  // namespace photon_splat

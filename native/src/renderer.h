@@ -1,4 +1,6 @@
 // One render, stage by stage: each method is one stage of a pass, timed, and called in this order by the session.
+// Photons come in layers: indirect light, and caustics where something can make them. Stages from make_points() to splat()
+// are called for each layer in turn, after select_layer().
 #pragma once
 
 #include <memory>
@@ -17,12 +19,27 @@ struct RenderOptions {
   float radius_scale = 1;
   float point_spacing = 1.0f / 3.0f;
   bool boundary_correction = true;
+  bool caustics = true;  // photons of their own for caustics, where the scene can make them; else in with the others
   uint32_t seed = 0;
   std::string kernel;  // of the splatter; empty: the fastest
 };
 
 struct StageSeconds {
   double acceleration = 0, camera = 0, photons = 0, splat = 0, boundary = 0, error = 0;
+};
+
+// Photons of one kind and the points they are splatted on, with kernels of their own.
+struct Layer {
+  PhotonStream stream;
+  double photons_per_disc;
+  uint32_t seed;
+  uint64_t paths_per_pass;
+  std::unique_ptr<PhotonTracer> tracer;
+  std::unique_ptr<RadiusMap> radii{};
+  PhotonCounts pilot{};
+  std::unique_ptr<Splatter> splatter{};
+  VisiblePoints points{};
+  std::optional<PhotonStore> store{};
 };
 
 class Renderer {
@@ -39,6 +56,11 @@ class Renderer {
 
   // Camera samples of pass `pass`, direct light included, and records of where photons are wanted.
   void trace_camera(uint32_t pass);
+  size_t layer_count() const { return layers_.size(); }
+  const Layer& layer(size_t i) const { return *layers_.at(i); }
+  // The layer that the following stages are about; 0, the indirect light, at first.
+  void select_layer(size_t i) { current_ = layers_.at(i).get(); }
+  uint64_t paths_per_pass() const { return current_ ? current_->paths_per_pass : 0; }
   // Visible points for those records; the first call traces the pilot that chooses radii.
   void make_points(uint32_t pass);
   // Photon paths [first, first + count) of pass `pass`. Kept until the next call.
@@ -48,7 +70,7 @@ class Renderer {
   // Instead of splat(), for a splatter elsewhere: which of the photons [first, first + count) each block may catch. That
   // splatter writes its sums into blocks().
   const Splatter& find_pairs(size_t first, size_t count);
-  std::vector<PointBlock>& blocks() { return points_.blocks(); }
+  std::vector<PointBlock>& blocks() { return selected().points.blocks(); }
   // Instead of trace_photons(): photons made elsewhere.
   void set_photons(std::vector<Photon> photons);
   // Adds the pass to the film, the points' irradiance with it. Until then the film is that of the passes before.
@@ -64,7 +86,6 @@ class Renderer {
   void trace_store(uint64_t paths, size_t most_bytes);
   // One camera sample per pixel, lit indirectly by the photons of the store; traces none. The film then holds it alone.
   void draw_store();
-  const PhotonStore* store() const { return store_ ? &*store_ : nullptr; }
 
   void cancel() { cancel_.set(); }
   // Takes cancel() back, when no stage runs.
@@ -75,33 +96,32 @@ class Renderer {
   // How far the film may be from the truth; make_error_estimate() brings it up to date.
   const ErrorEstimate& errors() const { return errors_; }
   void make_error_estimate();
-  const VisiblePoints& points() const { return points_; }
+  const VisiblePoints& points() const { return current_ ? current_->points : no_points_; }
   const std::vector<Photon>& photons() const { return *photons_; }
-  PhotonTracer& photon_tracer() { return *photon_tracer_; }
+  PhotonTracer& photon_tracer() { return *selected().tracer; }
   const StageSeconds& seconds() const { return seconds_; }
-  // Without the pilot, whose photons only choose radii; rays are all rays.
-  PhotonCounts photon_counts() const;
-  uint64_t pilot_paths() const { return pilot_.traced; }
-  bool guided() const { return photon_tracer_ && photon_tracer_->guided(); }
+  // Of one layer, without its pilot, whose photons only choose radii; rays are all rays.
+  PhotonCounts photon_counts(const Layer& layer) const;
   uint64_t rays() const;
   uint64_t bad_samples() const { return camera_tracer_ ? camera_tracer_->bad_samples() : 0; }
-  std::string kernel_name() const { return splatter_ ? splatter_->kernel_name() : ""; }
+  std::string kernel_name() const { return current_ ? current_->splatter->kernel_name() : ""; }
   int threads() { return scene.pool().size(); }
 
  private:
-  void require_built() const;
   void finish_pass();
+  Layer& selected() const;
+  void add_layer(PhotonStream stream, double photons_per_disc, uint64_t paths_per_pass);
+  void make_layers();
+  void learn(Layer& layer);
+  void add_irradiance(const Layer& layer);
 
   CancelFlag cancel_;
   std::unique_ptr<Lights> lights_;
   std::unique_ptr<Camera> camera_;
   std::unique_ptr<CameraTracer> camera_tracer_;
-  std::unique_ptr<PhotonTracer> photon_tracer_;
-  std::unique_ptr<RadiusMap> radii_;
-  PhotonCounts pilot_;
-  std::unique_ptr<Splatter> splatter_;
-  VisiblePoints points_;
-  std::optional<PhotonStore> store_;
+  std::vector<std::unique_ptr<Layer>> layers_;
+  Layer* current_ = nullptr;
+  VisiblePoints no_points_;
   Film film_, pass_film_;
   ErrorEstimate errors_;
   const std::vector<Record>* records_ = nullptr;

@@ -153,6 +153,7 @@ void Scene::build(const CancelFlag& cancel) {
     rtcReleaseGeometry(geometry);
   }
   commit(top_, cancel);
+  update_features();
   if (!instances.empty()) {
     RTCBounds b;
     rtcGetSceneBounds(top_, &b);
@@ -162,6 +163,14 @@ void Scene::build(const CancelFlag& cancel) {
     }
   }
   throw_on_error(cancel);
+}
+
+void Scene::update_features() {
+  features_ = 0;
+  for (int32_t material : slot_materials) {
+    const int program = materials[material].program;
+    features_ |= program < 0 ? kProgramGathers | kProgramEmits : programs[program].features;
+  }
 }
 
 bool Scene::intersect(const Vec3& origin, const Vec3& direction, float near, float far, bool coherent,
@@ -274,6 +283,78 @@ void Scene::fill_surface(const RawHit& hit, const Vec3& origin, const Vec3& dire
   s.key = ((instance.seed ^ patch * 0x9e3779b1u) << 1) | (s.back ? 1u : 0u);
   const Material& material = material_of(s.instance, s.triangle);
   s.side = s.back ? &material.back : &material.front;
+  s.program = material.program < 0 ? nullptr : &programs[material.program];
+}
+
+Surface Scene::surface_at(uint32_t index, uint32_t triangle, float u, float v, bool back) const {
+  const Instance& instance = instances[index];
+  const Mesh& mesh = meshes[instance.mesh];
+  const Triangle& t = mesh.triangles[triangle];
+  const Vec3 a = mesh.positions[t[0]], ab = mesh.positions[t[1]] - a, ac = mesh.positions[t[2]] - a;
+  const Vec3 normal = cross(ab, ac);
+  const Vec3 front = instance.shared ? instance.to_local.transposed_vector(normal) : normal;
+  Surface s;
+  fill_surface({index, triangle, instance.shared, u, v, 0, normal}, instance.to_world.point(a + ab * u + ac * v),
+               normalize(back ? front : -front), s);
+  return s;
+}
+
+namespace {
+
+ShadingPoint shading_point(const Surface& s, const Vec3& wo, const RayInfo& ray) {
+  ShadingPoint p;
+  p.position = s.position;
+  p.ng = s.ng;
+  p.ns = s.ns;
+  p.wo = wo;
+  p.back = s.back;
+  p.instance = s.instance;
+  p.triangle = s.triangle;
+  p.u = s.u;
+  p.v = s.v;
+  p.ray = ray;
+  p.ray.length = s.distance;
+  return p;
+}
+
+}  // namespace
+
+void Scene::shade(const Surface& s, const Vec3& wo, const RayInfo& ray, Bsdf& bsdf) const {
+  if (s.program) {
+    run_program(*this, *s.program, shading_point(s, wo, ray), bsdf);
+  } else {
+    const Vec3 front_normal = s.back ? -s.ns : s.ns;
+    bsdf.add_diffuse(albedo(s), front_normal, 0);
+    bsdf.add_emission(textured(s.side->emission, s.side->emission_texture, s));
+  }
+  bsdf.finish();
+}
+
+Rgb Scene::emission(const Surface& s, const Vec3& wo, const RayInfo& ray) const {
+  if (!s.program) return textured(s.side->emission, s.side->emission_texture, s);
+  if (!(s.program->features & kProgramEmits)) return {};
+  Bsdf bsdf(Transport::kRadiance, wo, s.ng, s.ns, s.back);
+  run_program(*this, *s.program, shading_point(s, wo, ray), bsdf);
+  return bsdf.emission();
+}
+
+Rgb Scene::transmittance(const Vec3& origin, const Vec3& direction, float far, const RayInfo& ray) const {
+  if (!occluded(origin, direction, 0, far)) return {1, 1, 1};
+  if (!(features_ & kProgramTransparent)) return {};
+  Rgb through{1, 1, 1};
+  RayInfo info = ray;
+  info.kind = RayInfo::kShadow;
+  Surface s;
+  for (float near = 0; intersect(origin, direction, near, far, false, s);) {
+    if (!may_be_transparent(s)) return {};
+    Bsdf bsdf(Transport::kRadiance, -direction, s.ng, s.ns, s.back);
+    run_program(*this, *s.program, shading_point(s, -direction, info), bsdf);
+    through *= bsdf.transparency();
+    if (max_component(through) < 1e-6f) return {};
+    ++info.transparent_depth;
+    near = std::nextafter(s.distance + ray_epsilon(s.position, s.distance), INFINITY);
+  }
+  return through;
 }
 
 const Material& Scene::material_of(uint32_t instance_index, uint32_t triangle) const {

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "attributes.h"
+#include "bsdf/bsdf.h"
 #include "nodes/program.h"
 #include "parallel.h"
 #include "texture.h"
@@ -66,6 +67,7 @@ struct Surface {
   float u, v;          // barycentric
   float distance;
   const MaterialSide* side;
+  const Program* program;  // or null: then `side` says it all
 };
 
 // A ray offset that clears the rounding error of a hit at `position` found `distance` away.
@@ -105,13 +107,28 @@ class Scene {
   // Embree's packets are a fifth faster than single rays even on photons, which share nothing but their number.
   static constexpr uint32_t kPacket = 8;
   unsigned intersect_packet(const Vec3* origins, const Vec3* directions, uint32_t count, Surface* surfaces) const;
+  // The surface at a point of a triangle, as a ray that meets that side head-on would find it.
+  Surface surface_at(uint32_t instance, uint32_t triangle, float u, float v, bool back) const;
   bool occluded(const Vec3& origin, const Vec3& direction, float near, float far) const;
+  // Share of light that comes through on the way: 1 where nothing stands, 0 behind what is opaque, between them what
+  // transparent surfaces let pass. `ray` is what programs are told of the ray.
+  Rgb transmittance(const Vec3& origin, const Vec3& direction, float far, const RayInfo& ray) const;
 
   // True when the bounds of some primitive come within `radius` of `x`.
   bool anything_within(const Vec3& x, float radius) const;
 
+  // Closures of the surface for light that leaves towards `wo` (camera) or came from there (photons), ready for use.
+  void shade(const Surface& s, const Vec3& wo, const RayInfo& ray, Bsdf& bsdf) const;
+  // Lambertian reflectance of a surface without a program.
   Rgb albedo(const Surface& s) const { return textured(s.side->albedo, s.side->albedo_texture, s); }
-  Rgb emission(const Surface& s) const { return textured(s.side->emission, s.side->emission_texture, s); }
+  // Radiance towards `wo`.
+  Rgb emission(const Surface& s, const Vec3& wo, const RayInfo& ray) const;
+  // Whether the material lets light through without scattering it, or could (its program knows).
+  bool may_be_transparent(const Surface& s) const { return s.program && s.program->features & kProgramTransparent; }
+  // Features of any material in use, as ProgramFeature bits; the plain ones gather and emit.
+  uint32_t features() const { return features_; }
+  // To be called when materials have changed after build().
+  void update_features();
   Vec2 uv_at(uint32_t instance, uint32_t triangle, float u, float v) const;
   const Material& material_of(uint32_t instance, uint32_t triangle) const;
 
@@ -136,6 +153,7 @@ class Scene {
   ThreadPool pool_;
   RTCDevice device_ = nullptr;
   RTCScene top_ = nullptr;
+  uint32_t features_ = 0;
   bool packets_ = false;  // this Embree has code for packets of eight
   std::vector<RTCScene> mesh_scenes_;
   Bounds bounds_;

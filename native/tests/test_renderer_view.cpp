@@ -67,8 +67,8 @@ TEST_CASE("views from the store trace no photon, and the same view is the same b
     Renderer renderer(threads);
     fill_box(renderer);
     renderer.trace_store(30000, budget);
-    const uint64_t traced = renderer.store()->counts().traced;
-    CHECK(renderer.store()->paths() == 30000);
+    const uint64_t traced = renderer.layer(0).store->counts().traced;
+    CHECK(renderer.layer(0).store->paths() == 30000);
     renderer.draw_store();
     const Film first = renderer.film();
     CHECK(first.samples == 1);
@@ -78,8 +78,8 @@ TEST_CASE("views from the store trace no photon, and the same view is the same b
     look_from(renderer, 0.5f);
     renderer.draw_store();
     CHECK(same(renderer.film(), first));
-    CHECK(renderer.store()->counts().traced == traced);
-    CHECK(renderer.photon_counts().traced == 0);
+    CHECK(renderer.layer(0).store->counts().traced == traced);
+    CHECK(renderer.photon_counts(renderer.layer(0)).traced == 0);
   }
 }
 
@@ -98,10 +98,10 @@ TEST_CASE("the store keeps to its memory") {
   Renderer renderer(2);
   fill_box(renderer);
   renderer.trace_store(1000, 0);  // the first photons are always taken in
-  CHECK(renderer.store()->paths() == 1000);
+  CHECK(renderer.layer(0).store->paths() == 1000);
   renderer.trace_store(1000, 0);
-  CHECK(renderer.store()->paths() == 1000);
-  CHECK(renderer.store()->full());
+  CHECK(renderer.layer(0).store->paths() == 1000);
+  CHECK(renderer.layer(0).store->full());
   renderer.draw_store();
 }
 
@@ -129,7 +129,7 @@ TEST_CASE("relight takes other lamps on the same geometry") {
   const double before = mean_indirect(renderer.film());
   light(renderer, 20);
   renderer.relight();
-  CHECK(renderer.store() == nullptr);
+  CHECK(!renderer.layer(0).store);
   CHECK(renderer.film().samples == 0);
   renderer.trace_store(30000, budget);
   renderer.draw_store();

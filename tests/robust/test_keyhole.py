@@ -37,7 +37,7 @@ def indirect(what: Scene, integrator: Integrator, seeds: int, **settings: float)
     for seed in range(seeds):
         result = c.shoot(what, integrator, seed=seed, **settings)
         means.append(float((result.passes["Diffuse Indirect"] * result.passes["Diffuse Color"]).mean()))
-        guided = result.statistics["photons"]["guided"]
+        guided = result.statistics["photons"]["indirect"]["guided"]
     return float(np.mean(means)), float(np.std(means, ddof=1) / np.sqrt(seeds)), guided
 
 
@@ -55,4 +55,4 @@ def test_an_open_box_is_left_unguided() -> None:
         c.perspective((0.0, -0.95, 0.0), (0.0, 1.0, 0.0), 32, 32, 2.2), [(c.box((-1, -1, -1), (1, 1, 1), inwards=True), c.lambert(0.9))]
     )
     what.lights = [c.lamp(LightKind.POINT, 10.0, (0.0, 0.0, 0.5))]
-    assert not c.shoot(what, passes=1, photons_per_pass=20_000).statistics["photons"]["guided"]
+    assert not c.shoot(what, passes=1, photons_per_pass=20_000).statistics["photons"]["indirect"]["guided"]

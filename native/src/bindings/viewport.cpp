@@ -16,7 +16,7 @@ nb::ndarray<nb::numpy, float> picture(Renderer& r) {
     r.scene.pool().for_each(static_cast<size_t>(film.height), CancelFlag{}, [&](size_t row, int) {
       for (size_t i = row * film.width; i < (row + 1) * film.width; ++i) {
         const Pixel& p = film.pixels[i];
-        const Rgb c = (p.diffuse_direct + p.diffuse_indirect + p.emission + p.environment) * share;
+        const Rgb c = p.combined() * share;
         const float out[4] = {c.x, c.y, c.z, p.alpha * share};
         std::copy(out, out + 4, &values[4 * i]);
       }
@@ -25,14 +25,25 @@ nb::ndarray<nb::numpy, float> picture(Renderer& r) {
   return to_numpy(std::move(values), {static_cast<size_t>(film.height), static_cast<size_t>(film.width), 4});
 }
 
+// Sums over the layers; `paths` are those of each.
 nb::dict store_statistics(const Renderer& r) {
-  const PhotonStore* store = r.store();
+  uint64_t paths = 0, photons = 0, bytes = 0, traced = 0;
+  bool full = false;
+  for (size_t i = 0; i < r.layer_count(); ++i) {
+    const auto& store = r.layer(i).store;
+    if (!store) continue;
+    paths = std::max(paths, store->paths());
+    photons += store->photons().size();
+    bytes += store->bytes();
+    traced += store->counts().traced;
+    full |= store->full();
+  }
   nb::dict out;
-  out["paths"] = store ? store->paths() : 0;
-  out["photons"] = store ? store->photons().size() : 0;
-  out["bytes"] = store ? store->bytes() : 0;
-  out["traced"] = store ? store->counts().traced : 0;
-  out["full"] = store && store->full();
+  out["paths"] = paths;
+  out["photons"] = photons;
+  out["bytes"] = bytes;
+  out["traced"] = traced;
+  out["full"] = full;
   return out;
 }
 

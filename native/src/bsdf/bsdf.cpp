@@ -7,6 +7,8 @@
 namespace photon_splat {
 namespace {
 
+constexpr float kOrenNayarRest = 0.3f;  // about the share of it that no Lambertian has
+
 // Closures with clean inputs. expand() adds their lobes as seen from `view`; as many whatever the view.
 
 struct Diffuse {
@@ -235,6 +237,26 @@ void Bsdf::finish() {
     total += lobe.pick;
   }
   for (Lobe& lobe : lobes_) lobe.pick = total > 0 ? lobe.pick / total : 0;
+}
+
+void Bsdf::prefer_rest(float kept) {
+  float total = 0;
+  for (Lobe& lobe : lobes_) {
+    if (lobe.kind == LobeKind::kLambert || lobe.kind == LobeKind::kTranslucent)
+      lobe.pick *= std::clamp(length(lobe.n - view_.ns), kept, 1.0f);
+    else if (lobe.kind == LobeKind::kOrenNayar)
+      lobe.pick *= std::max(kept, kOrenNayarRest);
+    total += lobe.pick;
+  }
+  for (Lobe& lobe : lobes_) lobe.pick = total > 0 ? lobe.pick / total : 0;
+}
+
+bool Bsdf::transmits() const {
+  for (const Lobe& lobe : lobes_) {
+    if (lobe.pick <= 0) continue;
+    if (lobe.kind == LobeKind::kTranslucent || (lobe.kind == LobeKind::kFacets && max_component(lobe.fresnel.transmit_tint) > 0)) return true;
+  }
+  return false;
 }
 
 bool Bsdf::scatters() const {

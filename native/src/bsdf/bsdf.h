@@ -84,11 +84,15 @@ class Bsdf {
   const Rgb& transparency() const { return lobes_.transparency; }  // share of light that goes straight on: a null vertex, no lobe
   float holdout() const { return lobes_.holdout; }
   bool scatters() const;      // has any closure that scatters
+  bool transmits() const;     // some lobe sends light to the other side
   bool only_delta() const;    // scatters, and evaluate() is 0 everywhere
 
   // What photons estimate here: Lambertian albedos. L_D = gather/pi E(wo's side) + gather_through/pi E(the other side).
   const Rgb& gather() const { return gather_; }
   const Rgb& gather_through() const { return gather_through_; }
+  // Lets sample() choose lobes for the sake of `rest`: those that photons estimate keep `kept` of their chance, or what they
+  // differ from a Lambertian of the surface's shading normal. After finish(); evaluate()'s pdf follows.
+  void prefer_rest(float kept);
   bool has_rest() const;      // scatters beyond what is gathered: camera paths go on
   Rgb albedo() const;         // directional albedo towards wo, about; for the denoiser and Russian roulette
   Rgb diffuse_albedo() const; // of diffuse-like lobes: Blender's Diffuse Color pass
