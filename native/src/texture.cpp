@@ -16,6 +16,15 @@ int wrap(int i, int size, Extension extension) {
   return 0;
 }
 
+// A coordinate that shows the same but keeps whole pixels in the range of integers; 0 for what is not finite.
+float near_image(float x, Extension extension) {
+  constexpr float kFar = 1e4f;
+  if (std::abs(x) < kFar) return x;
+  if (!std::isfinite(x)) return 0;
+  if (extension == Extension::kRepeat) return x - std::floor(x);
+  return extension == Extension::kMirror ? std::fmod(x, 2.0f) : std::clamp(x, -kFar, kFar);
+}
+
 // Weights of the uniform cubic B-spline for the texels -1, 0, 1, 2 around a fraction t.
 std::array<float, 4> spline_weights(float t) {
   const float t2 = t * t, t3 = t2 * t, s = 1 - t;
@@ -52,8 +61,7 @@ Texture::Texel Texture::texel(int x, int y) const {
 }
 
 Texture::Texel Texture::interpolated(Vec2 uv) const {
-  // Far outside the unit square floats hold no fraction worth having; this also keeps the integers below in range.
-  if (!(std::abs(uv.x) < 1e4f) || !(std::abs(uv.y) < 1e4f)) uv = {0, 0};
+  uv = {near_image(uv.x, extension), near_image(uv.y, extension)};
   const float x = uv.x * static_cast<float>(width), y = uv.y * static_cast<float>(height);
   if (interpolation == Interpolation::kClosest) return texel(static_cast<int>(std::floor(x)), static_cast<int>(std::floor(y)));
   const float fx = std::floor(x - 0.5f), fy = std::floor(y - 0.5f);

@@ -115,7 +115,7 @@ TEST_CASE("attributes are interpolated over their domain, byte colours decoded f
   CHECK(scalars.y == Approx(0.25 + 0.75 * 127 / 255));
   std::tie(number, scalars) = read(Op::Attribute, 11);
   check_near(number, {0, 0, 0});
-  check_near(scalars, {0, 0, 0});
+  check_near(scalars, {0, 1, 0});
   std::tie(number, scalars) = read(Op::InstanceAttribute, 7);
   check_near(number, {0.1f, 0.2f, 0.6f});
   check_near(scalars, {0.3f, 0.5f, 0});
@@ -182,6 +182,14 @@ TEST_CASE("images: pixels, extension, alpha") {
   check_near(look(0.25f, 0.5f, true), {0.4f, 0.8f, 0.2f});
   check_near(look(0.75f, 0.5f, true), {3, 2, 1});
   check_near(look(1.25f, 0.5f, false), {0, 0, 0});
+  check_near(look(1e9f, 0.5f, false), {0, 0, 0});
+  square.scene.textures[0].extension = Extension::kRepeat;
+  check_near(look(-20000.75f, 0.5f, false), {0.2f, 0.4f, 0.1f});
+  check_near(look(-20000.25f, 0.5f, false), {3, 2, 1});
+  square.scene.textures[0].extension = Extension::kMirror;
+  check_near(look(20001.75f, 0.5f, false), {0.2f, 0.4f, 0.1f});
+  square.scene.textures[0].extension = Extension::kExtend;
+  check_near(look(1e9f, 0.5f, false), {3, 2, 1});
   check_near(look(0.25f, 0.5f, false, kNone), {1, 0, 1});
 }
 

@@ -29,7 +29,7 @@ Vec3 tangent_of_triangle(const Frame& f, uint32_t uv, float& sign) {
   return shared ? direction : f.world_to_object().vector(direction);
 }
 
-// Tangent and sign of the bitangent in object coordinates, not normalised, as the exporter gives them or from the triangle's UVs.
+// Tangent and sign of the bitangent in object coordinates, the tangent not normalised, as the exporter gives them or from the triangle's UVs.
 Vec3 tangent_frame(const Frame& f, uint32_t tangent, uint32_t uv, float& sign) {
   std::array<float, 4> value{};
   uint32_t components;
@@ -38,14 +38,15 @@ Vec3 tangent_frame(const Frame& f, uint32_t tangent, uint32_t uv, float& sign) {
   return {value[0], value[1], value[2]};
 }
 
-// The surface's own normal in object coordinates, on its front, not normalised where it is smooth.
+// The surface's own normal in object coordinates, on its front, unit. (Before Blender 5.0 Cycles did not normalise it, which
+// shows a little on coarse meshes.)
 Vec3 front_normal_in_object(const Frame& f) {
   const Mesh& mesh = f.mesh();
   if (mesh.corner_normals.empty()) return f.normal_to_object(f.point.back ? -f.point.ng : f.point.ng);
   const Vec3* n = &mesh.corner_normals[3 * static_cast<size_t>(f.point.triangle)];
   const bool shared = f.scene.instances[f.point.instance].shared;
   const auto own = [&](int k) { return shared ? n[k] : f.normal_to_object(n[k]); };
-  return own(0) * (1 - f.point.u - f.point.v) + own(1) * f.point.u + own(2) * f.point.v;
+  return safe_normalize(own(0) * (1 - f.point.u - f.point.v) + own(1) * f.point.u + own(2) * f.point.v);
 }
 
 Vec3 across(const Frame& f, const Vec3& tangent_in_object) {
