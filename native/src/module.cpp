@@ -98,6 +98,7 @@ uint32_t add_texture(Renderer& r, nb::ndarray<nb::c_contig, nb::device::cpu, nb:
   } else {
     throw std::invalid_argument("a texture's pixels are neither uint8 nor float32");
   }
+  texture.compact();
   r.scene.textures.push_back(std::move(texture));
   return static_cast<uint32_t>(r.scene.textures.size() - 1);
 }

@@ -1,7 +1,49 @@
 #include "texture.h"
 
+#include <bit>
+
 namespace photon_splat {
 namespace {
+
+constexpr float kShortUnit = 1.0f / 65535.0f;
+
+// Of a half float that is finite and no denormal.
+float from_half(uint16_t h) {
+  const float magnitude = std::bit_cast<float>(static_cast<uint32_t>(h & 0x7fff) << 13) * 0x1p112f;
+  return h & 0x8000 ? -magnitude : magnitude;
+}
+uint16_t to_half(float x) {  // cut off, not rounded
+  const uint32_t bits = std::bit_cast<uint32_t>(std::abs(x) * 0x1p-112f) >> 13;
+  return static_cast<uint16_t>(bits | (std::signbit(x) ? 0x8000u : 0u));
+}
+bool fits_half(float x) { return x == 0 || (std::abs(x) >= 0x1p-14f && std::abs(x) <= 65504.0f && from_half(to_half(x)) == x); }
+uint16_t to_short(float x) { return static_cast<uint16_t>(std::clamp(x, 0.0f, 1.0f) * 65535.0f + 0.5f); }
+bool fits_short(float x) { return static_cast<float>(to_short(x)) * kShortUnit == x; }
+
+// Drops channels of RGBA pixels that say nothing: an alpha of `opaque` everywhere, then colours that are all grey.
+template <class T>
+int drop_channels(std::vector<T>& pixels, T opaque) {
+  bool alpha = false, color = false;
+  for (size_t i = 0; i < pixels.size(); i += 4) {
+    alpha |= pixels[i + 3] != opaque;
+    color |= pixels[i] != pixels[i + 1] || pixels[i] != pixels[i + 2];
+  }
+  if (alpha) return 4;
+  const size_t kept = color ? 3 : 1;
+  for (size_t i = 0, to = 0; i < pixels.size(); i += 4)
+    for (size_t c = 0; c < kept; ++c) pixels[to++] = pixels[i + c];
+  pixels.resize(pixels.size() / 4 * kept);
+  pixels.shrink_to_fit();
+  return static_cast<int>(kept);
+}
+
+template <class Convert>
+std::vector<uint16_t> converted(std::vector<float>& floats, Convert&& convert) {
+  std::vector<uint16_t> out(floats.size());
+  std::transform(floats.begin(), floats.end(), out.begin(), convert);
+  floats = {};
+  return out;
+}
 
 int wrap(int i, int size, Extension extension) {
   switch (extension) {
@@ -54,10 +96,30 @@ Texture::Texel Texture::texel(int x, int y) const {
   x = wrap(x, width, extension);
   y = wrap(y, height, extension);
   if (x < 0 || y < 0) return {};
-  const size_t at = 4 * (static_cast<size_t>(y) * width + x);
-  Texel t;
-  for (size_t c = 0; c < 4; ++c) t[c] = bytes.empty() ? floats[at + c] : static_cast<float>(bytes[at + c]) * (1.0f / 255.0f);
-  return t;
+  const size_t at = static_cast<size_t>(channels) * (static_cast<size_t>(y) * width + x);
+  const auto read = [&](auto&& value) -> Texel {
+    if (channels == 1) return {value(at), value(at), value(at), 1};
+    return {value(at), value(at + 1), value(at + 2), channels == 4 ? value(at + 3) : 1.0f};
+  };
+  if (!bytes.empty()) return read([&](size_t i) { return static_cast<float>(bytes[i]) * (1.0f / 255.0f); });
+  if (!floats.empty()) return read([&](size_t i) { return floats[i]; });
+  if (half) return read([&](size_t i) { return from_half(shorts[i]); });
+  return read([&](size_t i) { return static_cast<float>(shorts[i]) * kShortUnit; });
+}
+
+void Texture::compact() {
+  if (channels != 4) return;
+  if (!bytes.empty()) {
+    channels = drop_channels<uint8_t>(bytes, 255);
+    return;
+  }
+  channels = drop_channels(floats, 1.0f);
+  if (std::all_of(floats.begin(), floats.end(), fits_half)) {
+    half = true;
+    shorts = converted(floats, to_half);
+  } else if (std::all_of(floats.begin(), floats.end(), fits_short)) {
+    shorts = converted(floats, to_short);
+  }
 }
 
 Texture::Texel Texture::interpolated(Vec2 uv) const {

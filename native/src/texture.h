@@ -1,4 +1,4 @@
-// Image textures: 8-bit pixels stay 8-bit, float pixels stay float.
+// Image textures, kept in the depth their pixels need.
 #pragma once
 
 #include <array>
@@ -21,8 +21,16 @@ struct Texture {
   bool srgb = false;
   Interpolation interpolation = Interpolation::kLinear;
   Extension extension = Extension::kRepeat;
-  std::vector<uint8_t> bytes;   // RGBA rows from v = 0 up, or
-  std::vector<float> floats;    // the same in float
+  // Rows from v = 0 up, in one of these.
+  std::vector<uint8_t> bytes;
+  std::vector<uint16_t> shorts;  // of 65535, or half floats
+  std::vector<float> floats;
+  bool half = false;             // what `shorts` are
+  int channels = 4;              // RGBA; 3: opaque; 1: grey, opaque
+
+  // Keeps the same pixels in as few channels and bits as lose nothing.
+  void compact();
+  size_t memory() const { return bytes.size() + 2 * shorts.size() + 4 * floats.size(); }
 
   // Linear RGB at uv; black where kClip ends the image. Stored values are interpolated, then decoded, as Cycles does.
   Rgb lookup(Vec2 uv) const;
