@@ -100,7 +100,7 @@ void normal_map(Frame& f, const uint32_t* w) {
   if (f.is_background()) return f.set(w[0], shading);
   if (space == MapSpace::TANGENT) {
     float sign = 1;
-    const Vec3 tangent = tangent_frame(f, w[4], w[5], sign), own = front_normal_in_object(f);
+    const Vec3 tangent = tangent_frame(f, w[4], w[5], sign), own = safe_normalize(front_normal_in_object(f));
     if (length2(tangent) == 0) return f.set(w[0], shading);
     c = {c.x * strength, c.y * strength, mix(1, c.z, clamp_unit(strength))};
     n = f.normal_from_object(safe_normalize(tangent * c.x + cross(own, tangent) * (sign * c.y) + own * c.z));

@@ -85,7 +85,7 @@ void set_attribute(Frame& f, const uint32_t* w, const std::array<float, 4>& a, u
   const Vec3 v = components == 1 ? Vec3{a[0], a[0], a[0]} : Vec3{a[0], a[1], a[2]};
   f.set(w[0], v);
   f.set(w[1], components <= 2 ? a[0] : average(v));
-  f.set(w[2], components == 0 ? 0.0f : components == 4 ? a[3] : 1.0f);
+  f.set(w[2], components == 4 ? a[3] : 1.0f);
 }
 
 }  // namespace
