@@ -38,15 +38,14 @@ Vec3 tangent_frame(const Frame& f, uint32_t tangent, uint32_t uv, float& sign) {
   return {value[0], value[1], value[2]};
 }
 
-// The surface's own normal in object coordinates, on its front, unit. (Before Blender 5.0 Cycles did not normalise it, which
-// shows a little on coarse meshes.)
+// The surface's own normal in object coordinates, on its front, not normalised where it is smooth.
 Vec3 front_normal_in_object(const Frame& f) {
   const Mesh& mesh = f.mesh();
   if (mesh.corner_normals.empty()) return f.normal_to_object(f.point.back ? -f.point.ng : f.point.ng);
   const Vec3* n = &mesh.corner_normals[3 * static_cast<size_t>(f.point.triangle)];
   const bool shared = f.scene.instances[f.point.instance].shared;
   const auto own = [&](int k) { return shared ? n[k] : f.normal_to_object(n[k]); };
-  return safe_normalize(own(0) * (1 - f.point.u - f.point.v) + own(1) * f.point.u + own(2) * f.point.v);
+  return own(0) * (1 - f.point.u - f.point.v) + own(1) * f.point.u + own(2) * f.point.v;
 }
 
 Vec3 across(const Frame& f, const Vec3& tangent_in_object) {
@@ -100,7 +99,9 @@ void normal_map(Frame& f, const uint32_t* w) {
   if (f.is_background()) return f.set(w[0], shading);
   if (space == MapSpace::TANGENT) {
     float sign = 1;
-    const Vec3 tangent = tangent_frame(f, w[4], w[5], sign), own = safe_normalize(front_normal_in_object(f));
+    const Vec3 tangent = tangent_frame(f, w[4], w[5], sign);
+    Vec3 own = front_normal_in_object(f);
+    if (f.on(w[6])) own = safe_normalize(own);
     if (length2(tangent) == 0) return f.set(w[0], shading);
     c = {c.x * strength, c.y * strength, mix(1, c.z, clamp_unit(strength))};
     n = f.normal_from_object(safe_normalize(tangent * c.x + cross(own, tangent) * (sign * c.y) + own * c.z));
