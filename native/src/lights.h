@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "emission_guide.h"
+#include "emission_targets.h"
 #include "scene.h"
 
 namespace photon_splat {
@@ -51,6 +52,7 @@ struct PhotonStart {
   Vec3 soft_center;            // of a lamp that faces its receiver; see `accepts`
   float soft_radius2 = -1;
   float first_hit_from = 0, first_hit_to = INFINITY;  // distances at which the first surface is lit by this photon
+  int32_t aim = -1;            // pair of EmissionTargets; -1: natural emission
 
   // A disc of radius r that faces a receiver at distance d shows it only rays that pass the centre closer than
   // r d / sqrt(d^2 + r^2); the lines themselves are those of a sphere of radius r.
@@ -92,6 +94,13 @@ class Lights {
   PhotonStart emit(const EmissionPrimary& primary) const;
   // A guide for these emitters that has learnt nothing yet.
   EmissionGuide make_guide() const;
+
+  // A mixture that aims all but an eighth of the photons at the spheres (those of weight 0 excepted). One share of natural
+  // emission more makes sure that no light is lost, wherever it goes.
+  EmissionTargets aim_at(std::vector<EmissionTargets::Sphere> spheres) const;
+  // Photon number `index` of the stream `seed`. Its power is that of the whole light field divided by the mixture's density,
+  // so that sums over photons have the same expectation as with emit(). Without targets: natural emission.
+  PhotonStart emit_towards(const EmissionTargets& targets, uint64_t index, uint32_t seed) const;
 
  private:
   struct Lamp {
@@ -137,6 +146,14 @@ class Lights {
     }
   };
 
+  // A place on an emissive mesh, in proportion to the power from there.
+  struct MeshPoint {
+    Vec3 position, normal;      // on the front side
+    size_t triangle;            // of the emitter's
+    float u, v;
+    float pdf;                  // area measure
+    float side;                 // uniform in [0, 1), to choose the side by
+  };
   void add_lamp(const LampSettings& settings);
   void add_emissive_instances();
   void add_emissive_triangles(uint32_t instance, Emitter& emitter, Bounds& bounds, double& sum) const;
@@ -153,7 +170,18 @@ class Lights {
   Rgb lamp_radiance_met(const Lamp& lamp, const Vec3& origin, const Vec3& direction, float near, float far, float& pdf) const;
   PhotonStart emit_lamp(const Lamp& lamp, float coin, const Vec2& place, const Vec2& way) const;
   PhotonStart emit_mesh(const Emitter& e, float pick, const Vec2& place, const Vec2& way) const;
+  // A photon that is not weighted yet, and what its weight is made of: lights_aimed.cpp.
+  struct Draft;
+  MeshPoint point_on_mesh(const Emitter& e, float pick, const Vec2& place) const;
+  Draft natural_draft(uint32_t emitter, const Vec2& pick, const Vec2& place, const Vec2& way) const;
+  Draft aimed_draft(uint32_t emitter, const EmissionTargets::Sphere& target, const Vec2& pick, const Vec2& place, const Vec2& way) const;
+  void weigh_lamp(const Lamp& lamp, Draft& draft) const;
+  void weigh_mesh(const Emitter& e, const MeshPoint& point, Draft& draft) const;
+  float aimed_density(const Draft& draft, const EmissionTargets::Sphere& target, bool own) const;
+  double flux_between(uint32_t emitter, const EmissionTargets::Sphere& target) const;
   PhotonStart emit_parallel(const Vec3& direction, const Vec2& place) const;
+  PhotonStart emit_world(const Vec2& place, const Vec2& way) const;
+  float scene_disc() const { return scene_.radius() * 1.0001f; }  // radius of the disc that parallel light comes through
   void triangle_corners(uint32_t instance, uint32_t triangle, Vec3 corner[3]) const;
 
   const Scene& scene_;

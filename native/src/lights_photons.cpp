@@ -2,41 +2,12 @@
 #include <stdexcept>
 
 #include "lights.h"
+#include "table.h"
 
 namespace photon_splat {
 namespace {
 
-constexpr int kTableSize = 256;
 constexpr float kSmallestSpread = 0.1f * kPi / 180;
-
-// Cumulative table of a density over [low, high]; the last entry is its integral.
-template <class Density>
-std::vector<float> tabulate(float low, float high, Density density) {
-  std::vector<float> cdf(kTableSize);
-  double sum = 0;
-  const float step = (high - low) / kTableSize;
-  for (int i = 0; i < kTableSize; ++i) {
-    // A floor keeps every place that may emit reachable; the exact weight of a sample makes good for it.
-    const float value = density(low + (static_cast<float>(i) + 0.5f) * step);
-    sum += std::max(value, 1e-4f) * step;
-    cdf[i] = static_cast<float>(sum);
-  }
-  return cdf;
-}
-
-struct TableSample {
-  float value, pdf;
-};
-
-TableSample sample_table(const std::vector<float>& cdf, float low, float high, float u) {
-  const float target = u * cdf.back();
-  size_t bin = std::upper_bound(cdf.begin(), cdf.end(), target) - cdf.begin();
-  bin = std::min(bin, cdf.size() - 1);
-  const float before = bin ? cdf[bin - 1] : 0, share = cdf[bin] - before;
-  const float step = (high - low) / static_cast<float>(cdf.size());
-  const float inside = std::clamp((target - before) / share, 0.0f, 1.0f);
-  return {low + (static_cast<float>(bin) + inside) * step, share / (cdf.back() * step)};
-}
 
 Vec3 around_axis(const Vec3& x, const Vec3& y, const Vec3& z, float cosine, float turn) {
   const float sine = std::sqrt(std::max(0.0f, 1 - cosine * cosine));
@@ -229,13 +200,19 @@ void Lights::add_emissive_triangles(uint32_t instance, Emitter& e, Bounds& bound
 
 PhotonStart Lights::emit_parallel(const Vec3& direction, const Vec2& place) const {
   const Vec2 p = sample_disk(place);
-  const float r = scene_.radius() * 1.0001f;
+  const float r = scene_disc();
   const Basis basis(direction);
   PhotonStart start;
   start.origin = scene_.center() + basis.to_world({p.x * r, p.y * r, -r});
   start.direction = direction;
   const float disc = kPi * r * r;
   start.power = {disc, disc, disc};
+  return start;
+}
+
+PhotonStart Lights::emit_world(const Vec2& place, const Vec2& way) const {
+  PhotonStart start = emit_parallel(sample_sphere(way), place);
+  start.power *= scene_.world * (4 * kPi);
   return start;
 }
 
@@ -299,31 +276,36 @@ PhotonStart Lights::emit_lamp(const Lamp& lamp, float coin, const Vec2& place, c
   return start;
 }
 
-PhotonStart Lights::emit_mesh(const Emitter& e, float pick, const Vec2& place, const Vec2& way) const {
+Lights::MeshPoint Lights::point_on_mesh(const Emitter& e, float pick, const Vec2& place) const {
   const float target = pick * e.cdf.back();
-  const size_t i = e.triangle_at(target);
-  const float low = i ? e.cdf[i - 1] : 0, share = std::max(e.cdf[i] - low, 1e-37f);
-  float again = std::clamp((target - low) / share, 0.0f, 1.0f);
-
+  MeshPoint p;
+  p.triangle = e.triangle_at(target);
+  const float low = p.triangle ? e.cdf[p.triangle - 1] : 0, share = std::max(e.cdf[p.triangle] - low, 1e-37f);
+  p.side = std::clamp((target - low) / share, 0.0f, 1.0f);
   Vec3 corner[3];
-  triangle_corners(e.instance, e.triangles[i], corner);
-  const float root = std::sqrt(place.x), b1 = root * (1 - place.y), b2 = root * place.y;
-  Vec3 normal = cross(corner[1] - corner[0], corner[2] - corner[0]);
-  const float twice_area = length(normal);
-  normal = twice_area > 0 ? normal / twice_area : Vec3{0, 0, 1};
-  if (scene_.instances[e.instance].mirrored) normal = -normal;
+  triangle_corners(e.instance, e.triangles[p.triangle], corner);
+  const float root = std::sqrt(place.x);
+  p.u = root * (1 - place.y);
+  p.v = root * place.y;
+  p.position = corner[0] * (1 - root) + corner[1] * p.u + corner[2] * p.v;
+  p.normal = cross(corner[1] - corner[0], corner[2] - corner[0]);
+  const float twice_area = length(p.normal);
+  p.normal = twice_area > 0 ? p.normal / twice_area : Vec3{0, 0, 1};
+  if (scene_.instances[e.instance].mirrored) p.normal = -p.normal;
+  p.pdf = share / e.cdf.back() / std::max(0.5f * twice_area, 1e-37f);
+  return p;
+}
 
-  const float front_share = e.front_share[i];
-  const bool on_back = again >= front_share;
-  const float side_pdf = on_back ? 1 - front_share : front_share;
-  if (on_back) normal = -normal;
-
+PhotonStart Lights::emit_mesh(const Emitter& e, float pick, const Vec2& place, const Vec2& way) const {
+  const MeshPoint p = point_on_mesh(e, pick, place);
+  const float front_share = e.front_share[p.triangle];
+  const bool on_back = p.side >= front_share;
+  const Vec3 normal = on_back ? -p.normal : p.normal;
   PhotonStart start;
-  const Vec3 point = corner[0] * (1 - root) + corner[1] * b1 + corner[2] * b2;
-  start.origin = point + normal * ray_epsilon(point, 0);
+  start.origin = p.position + normal * ray_epsilon(p.position, 0);
   start.direction = Basis(normal).to_world(sample_cosine_hemisphere(way));
-  const float pdf_area = share / e.cdf.back() / std::max(0.5f * twice_area, 1e-37f) * side_pdf;
-  start.power = scene_.emission(scene_.surface_at(e.instance, e.triangles[i], b1, b2, on_back), start.direction, {}) * (kPi / pdf_area);
+  const Surface s = scene_.surface_at(e.instance, e.triangles[p.triangle], p.u, p.v, on_back);
+  start.power = scene_.emission(s, start.direction, {}) * (kPi / (p.pdf * (on_back ? 1 - front_share : front_share)));
   return start;
 }
 
@@ -344,8 +326,7 @@ PhotonStart Lights::emit(const EmissionPrimary& p) const {
   PhotonStart start;
   double power = world_power_;
   if (p.emitter == emitters_.size()) {
-    start = emit_parallel(sample_sphere(p.way), p.place);
-    start.power *= scene_.world * (4 * kPi);
+    start = emit_world(p.place, p.way);
   } else {
     const Emitter& e = emitters_[p.emitter];
     start = e.lamp >= 0 ? emit_lamp(lamps_[e.lamp], p.pick.y, p.place, p.way) : emit_mesh(e, p.pick.y, p.place, p.way);

@@ -1,0 +1,181 @@
+#include "lights.h"
+
+#include <doctest/doctest.h>
+
+#include <string>
+
+#include "meshes.h"
+
+using namespace photon_splat;
+
+namespace {
+
+struct Estimate {
+  double mean = 0, error = 0;
+};
+
+// Power of the photons of `draw` that pass through a sphere, W, mean over RGB.
+template <class Draw>
+std::vector<Estimate> flux_through(const std::vector<EmissionTargets::Sphere>& spheres, uint64_t count, Draw&& draw) {
+  std::vector<double> sum(spheres.size() + 1), squares(spheres.size() + 1);
+  for (uint64_t i = 0; i < count; ++i) {
+    const PhotonStart start = draw(i);
+    const double power = average(start.power);
+    REQUIRE(std::isfinite(power));
+    REQUIRE(length(start.direction) == doctest::Approx(1).epsilon(1e-4));
+    for (size_t s = 0; s <= spheres.size(); ++s) {  // the last one: all photons
+      if (s < spheres.size()) {
+        const Vec3 to = spheres[s].center - start.origin;
+        const float along = dot(to, start.direction), r2 = spheres[s].radius * spheres[s].radius;
+        if (length2(to) - along * along > r2 || (along < 0 && length2(to) > r2)) continue;
+      }
+      sum[s] += power;
+      squares[s] += power * power;
+    }
+  }
+  std::vector<Estimate> out;
+  for (size_t s = 0; s < sum.size(); ++s) {
+    const double n = static_cast<double>(count), mean = sum[s] / n;
+    out.push_back({mean, std::sqrt(std::max(squares[s] / n - mean * mean, 0.0) / n)});
+  }
+  return out;
+}
+
+LampSettings lamp_of(LampKind kind, Vec3 place = {0.5f, 0.5f, 3}) {
+  LampSettings s;
+  s.kind = kind;
+  s.strength = {10, 20, 5};
+  s.to_world.m = {1, 0, 0, place.x, 0, 1, 0, place.y, 0, 0, 1, place.z};
+  return s;
+}
+
+struct Named {
+  std::string name;
+  std::vector<LampSettings> lamps;
+  float world = 0;
+  bool mesh = false;
+};
+
+std::vector<Named> lights_of_every_kind() {
+  std::vector<Named> all;
+  auto s = lamp_of(LampKind::kPoint);
+  all.push_back({"point", {s}});
+  s.radius = 0.6f;
+  all.push_back({"soft point", {s}});
+  s.soft_falloff = false;
+  all.push_back({"spherical point", {s}});
+  s.radius = 1.2f;
+  s.to_world.m[11] = 1;
+  all.push_back({"spherical point with things inside", {s}});
+  s = lamp_of(LampKind::kSpot);
+  s.spot_size = 1.2f;
+  s.spot_blend = 0.4f;
+  all.push_back({"spot", {s}});
+  s.to_world.m[0] = 1.7f;
+  s.to_world.m[10] = 0.8f;
+  s.radius = 0.3f;
+  all.push_back({"scaled soft spot", {s}});
+  s.soft_falloff = false;
+  s.radius = 1.5f;
+  s.to_world.m[11] = 1;
+  all.push_back({"spherical spot with things inside", {s}});
+  s = lamp_of(LampKind::kSun);
+  all.push_back({"sharp sun", {s}});
+  s.angle = 0.3f;
+  all.push_back({"wide sun", {s}});
+  s = lamp_of(LampKind::kArea);
+  all.push_back({"area", {s}});
+  s.spread = 1.0f;
+  s.ellipse = true;
+  all.push_back({"elliptic area of narrow spread", {s}});
+  all.push_back({"world", {}, 0.7f});
+  all.push_back({"mesh", {}, 0, true});
+  all.push_back({"several", {lamp_of(LampKind::kPoint, {2, 1, 2}), lamp_of(LampKind::kArea), lamp_of(LampKind::kSun)}, 0.3f, true});
+  return all;
+}
+
+void fill_for(Scene& scene, const Named& lights) {
+  scene.world = {lights.world, lights.world, lights.world};
+  scene.materials.resize(2);
+  if (lights.mesh) {
+    scene.materials[1].front.emission = {3, 2, 1};
+    scene.materials[1].back.emission = {0.5f, 0.5f, 0.5f};
+  }
+  scene.meshes.push_back(padded(make_cube()));
+  scene.meshes.push_back(padded(make_grid(2, 1)));
+  scene.add_instance(0, identity, {0});
+  scene.add_instance(1, {1, 0, 0, 1.5, 0, 1, 0, 0, 0, 0, 1, 1.5}, {1});
+  scene.build(CancelFlag());
+}
+
+}  // namespace
+
+TEST_CASE("aimed emission brings the flux that natural emission brings, to its targets and elsewhere") {
+  constexpr uint64_t count = 1 << 16;
+  const std::vector<EmissionTargets::Sphere> targets{{{0.4f, 0.6f, 0.9f}, 0.05f, 50}, {{0.9f, 0.2f, 0.3f}, 0.4f, 1}};
+  std::vector<EmissionTargets::Sphere> probes = targets;
+  probes.push_back({{-0.2f, 0.9f, 0.5f}, 0.5f});
+  for (const Named& lights : lights_of_every_kind()) {
+    CAPTURE(lights.name);
+    Scene scene(1);
+    fill_for(scene, lights);
+    const Lights all(scene, lights.lamps);
+    const EmissionTargets aimed = all.aim_at(targets);
+    const auto natural = flux_through(probes, 8 * count, [&](uint64_t i) { return all.emit(all.primary(i, 1, nullptr)); });
+    const auto towards = flux_through(probes, count, [&](uint64_t i) { return all.emit_towards(aimed, i, 2); });
+    for (size_t s = 0; s < natural.size(); ++s) {
+      CAPTURE(s);
+      CAPTURE(natural[s].mean);
+      CAPTURE(towards[s].mean);
+      const double error = std::hypot(natural[s].error, towards[s].error);
+      CHECK(std::abs(natural[s].mean - towards[s].mean) < 4 * error + 1e-3 * natural[s].mean);
+    }
+    // What it is for: per photon, what reaches the small target is known far better.
+    const double gain = natural[0].error * std::sqrt(8.0) / natural[0].mean / (towards[0].error / towards[0].mean);
+    CAPTURE(gain);
+    CHECK(gain > 2);
+  }
+}
+
+TEST_CASE("targets that nothing can reach, of no size or of no weight leave natural emission alone") {
+  Scene scene(1);
+  Named lights{"area", {lamp_of(LampKind::kArea)}};
+  fill_for(scene, lights);
+  const Lights all(scene, lights.lamps);
+  const EmissionTargets aimed = all.aim_at({{{0, 0, 9}, 0.1f, 1}, {{0, 0, 0}, 0, 1}, {{0, 0, 0}, 1, 0}, {{0, 0, 0}, NAN, 1}});
+  for (uint64_t i = 0; i < 64; ++i) {
+    const PhotonStart a = all.emit(all.primary(i, 3, nullptr)), b = all.emit_towards(aimed, i, 3);
+    CHECK(b.aim == -1);
+    CHECK(length(a.origin - b.origin) < 1e-6f);
+    CHECK(length(a.direction - b.direction) < 1e-6f);
+    CHECK(length(a.power - b.power) < 1e-3f * length(a.power));
+  }
+}
+
+TEST_CASE("what was learnt sends photons to the targets of use, and changes no expectation") {
+  Scene scene(1);
+  Named lights{"point", {lamp_of(LampKind::kPoint)}};
+  fill_for(scene, lights);
+  const Lights all(scene, lights.lamps);
+  const std::vector<EmissionTargets::Sphere> targets{{{0, 0, 0.5f}, 0.1f}, {{1, 1, 0.5f}, 0.1f}};
+  EmissionTargets aimed = all.aim_at(targets);
+  const auto count_of = [&](const EmissionTargets& a) {
+    int first = 0;
+    for (uint64_t i = 0; i < 4096; ++i) first += all.emit_towards(a, i, 5).aim == 0;
+    return first;
+  };
+  const int before = count_of(aimed);
+  for (uint64_t i = 0; i < 4096; ++i) {
+    const PhotonStart start = all.emit_towards(aimed, i, 5);
+    aimed.learn(start, start.aim == 0 ? 1 : 0);
+  }
+  aimed.finish();
+  const int after = count_of(aimed);
+  CHECK(before == doctest::Approx(4096 * 7 / 16).epsilon(0.02));
+  CHECK(after > before * 1.6);
+  CHECK(after < 4096 * 7 / 8);
+  const auto natural = flux_through(targets, 1 << 18, [&](uint64_t i) { return all.emit(all.primary(i, 1, nullptr)); });
+  const auto towards = flux_through(targets, 1 << 16, [&](uint64_t i) { return all.emit_towards(aimed, i, 2); });
+  for (size_t s = 0; s < natural.size(); ++s)
+    CHECK(std::abs(natural[s].mean - towards[s].mean) < 4 * std::hypot(natural[s].error, towards[s].error));
+}
