@@ -19,14 +19,14 @@ float power_heuristic(float a, float b) {
 
 }  // namespace
 
-Lights::Lights(const Scene& scene, const std::vector<LampSettings>& lamps) : scene_(scene) {
+Lights::Lights(Scene& scene, const std::vector<LampSettings>& lamps) : scene_(scene), environment_(scene) {
   for (const LampSettings& lamp : lamps) add_lamp(lamp);
   add_emissive_instances();
   double sum = 0;
   for (const Emitter& e : emitters_) choice_cdf_.push_back(sum += e.power);
-  // Half the sphere of directions times the disc that the scene shows: pi R^2 * 4 pi.
-  const double r = scene.radius();
-  world_power_ = average(scene.world) * 4.0 * kPi * kPi * r * r;
+  // All directions times the disc that the scene shows.
+  const double r = scene_disc();
+  world_power_ = average(environment_.mean()) * 4.0 * kPi * kPi * r * r;
   power_cdf_ = choice_cdf_;
   power_cdf_.push_back(total_power_ = sum + world_power_);
 }
@@ -71,43 +71,73 @@ bool Lights::shares_with_rays(const Emitter& e, const Receiver& to) const {
 }
 
 bool Lights::wants_bsdf_ray(const Receiver& to) const {
-  if (!is_black(scene_.world)) return true;
+  if (!environment_.black()) return true;
   for (const Emitter& e : emitters_)
     if (shares_with_rays(e, to)) return true;
   return false;
 }
 
+float Lights::emitters_weight(const Receiver& to) const {
+  if (emitters_.size() > kFewEmitters) return environment_.irradiance(to.n);
+  float sum = 0;
+  for (const Emitter& e : emitters_) sum += emitter_weight(e, to);
+  return sum;
+}
+
+// The world is drawn from as far as that is better than leaving it to the rays that BSDFs draw.
+float Lights::world_probability(const Receiver& to, float emitters) const {
+  if (environment_.constant()) return 0;
+  const float world = environment_.irradiance(to.n) * environment_.contrast();
+  return world > 0 ? world / (world + emitters) : 0;
+}
+
 float Lights::choice_probability(uint32_t emitter, const Receiver& to) const {
-  if (emitters_.size() > kFewEmitters) return static_cast<float>(emitters_[emitter].power / choice_cdf_.back());
+  if (emitters_.size() > kFewEmitters) {
+    const float others = 1 - world_probability(to, emitters_weight(to));
+    return others * static_cast<float>(emitters_[emitter].power / choice_cdf_.back());
+  }
   float sum = 0, chosen = 0;
   for (uint32_t i = 0; i < emitters_.size(); ++i) {
     const float w = emitter_weight(emitters_[i], to);
     sum += w;
     if (i == emitter) chosen = w;
   }
-  return sum > 0 ? chosen / sum : 0;
+  return sum > 0 ? chosen / sum * (1 - world_probability(to, sum)) : 0;
 }
 
 std::optional<LightSample> Lights::sample(const Receiver& to, float choice, const Vec2& u) const {
-  if (emitters_.empty()) return std::nullopt;
+  float weight[kFewEmitters], sum = 0;
+  const bool few = emitters_.size() <= kFewEmitters;
+  if (few) for (size_t i = 0; i < emitters_.size(); ++i) sum += weight[i] = emitter_weight(emitters_[i], to);
+  else sum = emitters_weight(to);
+  LightSample out{};
+  const float world = world_probability(to, sum);
+  if (choice < world) {
+    const Environment::Sample s = environment_.sample(u);
+    if (!(s.pdf > 0)) return std::nullopt;
+    out.direction = s.direction;
+    out.distance = INFINITY;
+    out.pdf = s.pdf * world;
+    out.weight = environment_.radiance(s.direction) / out.pdf;
+    out.use_mis = true;
+    if (is_black(out.weight)) return std::nullopt;
+    return out;
+  }
+  if (!(sum > 0)) return std::nullopt;
+  choice = std::min((choice - world) / (1 - world), 0x1.fffffep-1f);
   size_t chosen = 0;
-  float probability = 1;
-  if (emitters_.size() > kFewEmitters) {
-    const double target = choice * choice_cdf_.back();
-    chosen = std::upper_bound(choice_cdf_.begin(), choice_cdf_.end(), target) - choice_cdf_.begin();
-    chosen = std::min(chosen, emitters_.size() - 1);
-    probability = static_cast<float>(emitters_[chosen].power / choice_cdf_.back());
-  } else {
-    float weight[kFewEmitters], sum = 0;
-    for (size_t i = 0; i < emitters_.size(); ++i) sum += weight[i] = emitter_weight(emitters_[i], to);
-    if (!(sum > 0)) return std::nullopt;
+  float probability = 1 - world;
+  if (few) {
     float target = choice * sum;
     for (chosen = 0; chosen + 1 < emitters_.size() && target >= weight[chosen]; ++chosen) target -= weight[chosen];
     if (!(weight[chosen] > 0)) return std::nullopt;
-    probability = weight[chosen] / sum;
+    probability *= weight[chosen] / sum;
+  } else {
+    chosen = std::upper_bound(choice_cdf_.begin(), choice_cdf_.end(), choice * choice_cdf_.back()) - choice_cdf_.begin();
+    chosen = std::min(chosen, emitters_.size() - 1);
+    probability *= static_cast<float>(emitters_[chosen].power / choice_cdf_.back());
   }
   const Emitter& e = emitters_[chosen];
-  LightSample out{};
   if (!(e.lamp >= 0 ? sample_lamp(e, to.x, u, out) : sample_mesh(e, to.x, u, out))) return std::nullopt;
   out.weight *= 1 / probability;
   out.pdf *= probability;
@@ -281,7 +311,11 @@ Rgb Lights::lamp_radiance_met(const Lamp& lamp, const Vec3& origin, const Vec3& 
   return lamp.s.kind == LampKind::kSpot ? lamp.radiance * spot_attenuation(lamp, -direction) : lamp.radiance;
 }
 
-Rgb Lights::world_met(const Receiver&, const Vec3&, float) const { return scene_.world; }
+Rgb Lights::world_met(const Receiver& to, const Vec3& direction, float bsdf_pdf) const {
+  const Rgb radiance = environment_.radiance(direction);
+  if (!(bsdf_pdf < INFINITY) || environment_.constant() || is_black(radiance)) return radiance;
+  return radiance * power_heuristic(bsdf_pdf, world_probability(to, emitters_weight(to)) * environment_.pdf(direction));
+}
 
 Rgb Lights::lamps_met(const Receiver& to, const Vec3& direction, float near, float far, float bsdf_pdf) const {
   Rgb sum{};

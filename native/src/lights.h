@@ -5,7 +5,7 @@
 
 #include "emission_guide.h"
 #include "emission_targets.h"
-#include "scene.h"
+#include "environment.h"
 
 namespace photon_splat {
 
@@ -68,7 +68,7 @@ struct PhotonStart {
 
 class Lights {
  public:
-  Lights(const Scene& scene, const std::vector<LampSettings>& lamps);
+  Lights(Scene& scene, const std::vector<LampSettings>& lamps);
 
   // One light sample; nullopt when no light reaches the place.
   std::optional<LightSample> sample(const Receiver& to, float choice, const Vec2& u) const;
@@ -87,6 +87,7 @@ class Lights {
   // The same for a camera ray, unweighted: only lamps that the camera may see.
   Rgb lamps_seen(const Vec3& origin, const Vec3& direction, float near, float far) const;
 
+  const Environment& environment() const { return environment_; }
   double total_power() const { return total_power_; }  // W, mean over RGB
 
   // Photon number `index` of the stream `seed` starts in proportion to power, or where `guide` sends it.
@@ -159,7 +160,9 @@ class Lights {
   void add_emissive_triangles(uint32_t instance, Emitter& emitter, Bounds& bounds, double& sum) const;
   float emitter_weight(const Emitter& e, const Receiver& to) const;
   bool shares_with_rays(const Emitter& e, const Receiver& to) const;
-  float choice_probability(uint32_t emitter, const Receiver& to) const;
+  float choice_probability(uint32_t emitter, const Receiver& to) const;  // of an emitter among themselves
+  float emitters_weight(const Receiver& to) const;                         // of all together
+  float world_probability(const Receiver& to, float emitters_weight) const;
   float spot_attenuation(const Lamp& lamp, const Vec3& from_lamp) const;
   float spread_attenuation(const Lamp& lamp, float tangent) const;  // of the angle to the lamp's axis
   bool inside_shape(const Lamp& lamp, const Vec3& from_center) const;
@@ -185,6 +188,7 @@ class Lights {
   void triangle_corners(uint32_t instance, uint32_t triangle, Vec3 corner[3]) const;
 
   const Scene& scene_;
+  Environment environment_;
   std::vector<Lamp> lamps_;
   std::vector<Emitter> emitters_;
   std::vector<int32_t> emitter_of_instance_;  // -1: none

@@ -211,8 +211,9 @@ PhotonStart Lights::emit_parallel(const Vec3& direction, const Vec2& place) cons
 }
 
 PhotonStart Lights::emit_world(const Vec2& place, const Vec2& way) const {
-  PhotonStart start = emit_parallel(sample_sphere(way), place);
-  start.power *= scene_.world * (4 * kPi);
+  const Environment::Sample s = environment_.sample(way);
+  PhotonStart start = emit_parallel(-s.direction, place);
+  start.power *= s.pdf > 0 ? environment_.radiance(s.direction) / s.pdf : Rgb{};
   return start;
 }
 

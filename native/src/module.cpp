@@ -350,6 +350,24 @@ NB_MODULE(photon_splat_native, m) {
         if (!is_finite(to_rgb(radiance))) throw std::invalid_argument("the world has a colour that is not finite");
         r.scene.world = max(to_rgb(radiance), Vec3{});
       }, "radiance"_a)
+      .def("set_world_map", [](Renderer& r, int texture, bool mirror_ball, Matrix to_lookup) {
+        if (texture < 0 || texture >= static_cast<int>(r.scene.textures.size()))
+          throw std::invalid_argument("the world names a texture that does not exist");
+        WorldMap map;
+        map.texture = texture;
+        map.mirror_ball = mirror_ball;
+        for (int i = 0; i < 12; ++i) map.to_lookup.m[i] = static_cast<float>(to_lookup.data()[i]);
+        for (float f : map.to_lookup.m)
+          if (!std::isfinite(f)) throw std::invalid_argument("the world's mapping is not finite");
+        r.scene.world_map = map;
+      }, "texture"_a, "mirror_ball"_a, "to_lookup"_a, "An image of the world; set_world() gives its factor.")
+      .def("add_sun_disc", [](Renderer& r, Rgb3 direction, float half_angle, Rgb3 bottom, Rgb3 top) {
+        const SunDisc sun{to_rgb(direction), half_angle, to_rgb(bottom), to_rgb(top)};
+        if (!is_finite(sun.direction) || !(length2(sun.direction) > 0) || !std::isfinite(half_angle) || !is_finite(sun.bottom) ||
+            !is_finite(sun.top))
+          throw std::invalid_argument("the sky's sun has a setting that is not finite");
+        r.scene.sun_discs.push_back(sun);
+      }, "direction"_a, "half_angle"_a, "bottom"_a, "top"_a)
       .def("set_camera", &set_camera, "matrix"_a, "screen"_a, "orthographic"_a, "clip_start"_a, "clip_end"_a, "frame"_a,
            "region"_a, "transparent"_a, "pixel_filter"_a, "filter_width"_a)
       .def("set_panorama", &set_panorama, "kind"_a, "longitude"_a, "latitude"_a, "fov"_a, "focal_length"_a, "sensor"_a,

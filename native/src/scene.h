@@ -70,6 +70,21 @@ struct Surface {
   const Program* program;  // or null: then `side` says it all
 };
 
+// An image of the world, lit by every direction.
+struct WorldMap {
+  int texture = -1;
+  bool mirror_ball = false;    // else equirectangular
+  Affine to_lookup;            // of a direction, before it is looked up
+};
+
+// The sun of a sky: a disc with limb darkening, its radiance between that of its lower and that of its upper edge; what is
+// below the horizon is not there.
+struct SunDisc {
+  Vec3 direction;              // towards it
+  float half_angle = 0;
+  Rgb bottom{}, top{};
+};
+
 // A ray offset that clears the rounding error of a hit at `position` found `distance` away.
 inline float ray_epsilon(const Vec3& position, float distance) { return 4e-6f * std::max(max_abs(position), distance); }
 
@@ -87,8 +102,10 @@ class Scene {
   std::vector<Material> materials;
   std::vector<Texture> textures;
   std::vector<Program> programs;
-  Rgb world{};
-  int world_program = -1;  // into programs: then `world` is not read
+  Rgb world{};             // constant radiance, or the factor of the map
+  WorldMap world_map;
+  int world_program = -1;  // into programs: then neither is read
+  std::vector<SunDisc> sun_discs;
   ShadingView view;        // for programs
   std::vector<InstanceAttribute> instance_attributes;
   std::vector<Affine> world_to_object;  // of each instance, shared or not; filled by build() where there are programs

@@ -1,0 +1,244 @@
+#include "environment.h"
+
+namespace photon_splat {
+namespace {
+
+constexpr double kUniformShare = 0.02;     // of the table's samples: no direction is ever left out
+constexpr float kLimbDarkening = 0.6f;     // Cycles' sun: 1 - 0.6 (1 - cos of the angle to the sun's own surface)
+constexpr int kMostColumns = 2048;
+
+// Real spherical harmonics to the second degree.
+void harmonics_at(const Vec3& d, float y[9]) {
+  y[0] = 0.282095f;
+  y[1] = 0.488603f * d.y;
+  y[2] = 0.488603f * d.z;
+  y[3] = 0.488603f * d.x;
+  y[4] = 1.092548f * d.x * d.y;
+  y[5] = 1.092548f * d.y * d.z;
+  y[6] = 0.315392f * (3 * d.z * d.z - 1);
+  y[7] = 1.092548f * d.x * d.z;
+  y[8] = 0.546274f * (d.x * d.x - d.y * d.y);
+}
+
+Vec3 direction_at(float polar, float longitude) {
+  const float sine = std::sin(polar);
+  return {sine * std::cos(longitude), sine * std::sin(longitude), std::cos(polar)};
+}
+
+size_t pick(const float* cdf, size_t count, float u) {
+  return std::min<size_t>(std::upper_bound(cdf, cdf + count, u) - cdf, count - 1);
+}
+
+float share(const float* cdf, size_t i) { return cdf[i] - (i ? cdf[i - 1] : 0.0f); }
+
+float within(const float* cdf, size_t i, float u) {
+  return std::clamp((u - (i ? cdf[i - 1] : 0.0f)) / std::max(share(cdf, i), 1e-30f), 0.0f, 0x1.fffffep-1f);
+}
+
+}  // namespace
+
+Environment::Environment(Scene& scene) : scene_(scene) {
+  add_discs();
+  if (scene_.world_map.texture >= 0 || scene_.world_program >= 0) bake();
+  else measure({scene_.world});
+}
+
+Rgb Environment::map_radiance(const Vec3& d) const {
+  if (scene_.world_program >= 0) {
+    ShadingPoint p;
+    p.position = d;
+    p.ng = p.ns = p.wo = -d;
+    Bsdf bsdf(Transport::kRadiance, p.wo, p.ng, p.ns, false);
+    run_program(scene_, scene_.programs[scene_.world_program], p, bsdf);
+    return max(bsdf.emission(), Vec3{});
+  }
+  const WorldMap& map = scene_.world_map;
+  if (map.texture < 0) return scene_.world;
+  const Vec3 v = map.to_lookup.vector(d) + map.to_lookup.column(3);
+  const float len = length(v);
+  if (!(len > 0)) return {};
+  const Rgb texel = scene_.textures[map.texture].lookup(map.mirror_ball ? mirror_ball_uv(v / len) : equirectangular_uv(v / len));
+  return max(texel, Vec3{}) * scene_.world;
+}
+
+void Environment::add_discs() {
+  for (const SunDisc& sun : scene_.sun_discs) {
+    Disc disc{sun, normalize(sun.direction), 0, 0, 0, 0};
+    const float half = std::clamp(sun.half_angle, 1e-5f, 0.5f * kPi), sine = std::sin(0.5f * half);
+    disc.one_minus_cos = 2 * sine * sine;
+    const float elevation = std::asin(std::clamp(disc.towards.z, -1.0f, 1.0f));
+    disc.high = elevation + half;
+    disc.low = elevation - half > 0 ? elevation - half : 0;
+    double sum = 0;
+    constexpr uint32_t kProbes = 1024;
+    const Basis basis(disc.towards);
+    for (uint32_t i = 0; i < kProbes; ++i)
+      sum += average(radiance_of(disc, basis.to_world(sample_cone(sobol_2d(i, 0, 0), disc.one_minus_cos))));
+    disc.flux = sum / kProbes * 2 * kPi * disc.one_minus_cos;
+    if (disc.flux > 0 && std::isfinite(disc.flux)) discs_.push_back(disc);
+  }
+}
+
+Rgb Environment::radiance_of(const Disc& disc, const Vec3& d) const {
+  const float off2 = length2(d - disc.towards);  // 2 (1 - cos)
+  if (off2 > 2 * disc.one_minus_cos || d.z < 0) return {};
+  const float ratio2 = std::min(off2 / (2 * disc.one_minus_cos), 1.0f);
+  const float height = (std::asin(std::clamp(d.z, -1.0f, 1.0f)) - disc.low) / std::max(disc.high - disc.low, 1e-9f);
+  const Rgb color = disc.sun.bottom + (disc.sun.top - disc.sun.bottom) * std::clamp(height, 0.0f, 1.0f);
+  return max(color, Vec3{}) * (1 - kLimbDarkening * (1 - std::sqrt(1 - ratio2)));
+}
+
+Rgb Environment::disc_radiance(const Vec3& d) const {
+  Rgb sum{};
+  for (const Disc& disc : discs_) sum += radiance_of(disc, d);
+  return sum;
+}
+
+// Means over cells equal in longitude and polar angle; the radiance is looked at closely enough to see every texel.
+void Environment::bake() {
+  int columns = 512, finest = 1024;
+  if (scene_.world_program < 0) {
+    const Texture& texture = scene_.textures[scene_.world_map.texture];
+    columns = std::clamp(texture.width, 64, kMostColumns);
+    finest = std::clamp(std::max(texture.width, 2 * texture.height), columns, 16384);
+  }
+  width_ = columns;
+  height_ = columns / 2;
+  const int fine = std::max(2, (finest + columns - 1) / columns);
+  std::vector<Rgb> cells(static_cast<size_t>(width_) * height_);
+  scene_.pool().for_each(height_, CancelFlag(), [&](size_t row, int) {
+    for (int column = 0; column < width_; ++column) {
+      Rgb sum{};
+      for (int j = 0; j < fine; ++j)
+        for (int i = 0; i < fine; ++i) {
+          const float polar = (static_cast<float>(row) + (static_cast<float>(j) + 0.5f) / static_cast<float>(fine)) * kPi /
+                              static_cast<float>(height_);
+          const float longitude = (static_cast<float>(column) + (static_cast<float>(i) + 0.5f) / static_cast<float>(fine)) *
+                                  2 * kPi / static_cast<float>(width_);
+          sum += map_radiance(direction_at(polar, longitude));
+        }
+      cells[row * width_ + column] = sum / static_cast<float>(fine * fine);
+    }
+  });
+  measure(cells);
+}
+
+// cells: the table's, or one for all directions.
+void Environment::measure(const std::vector<Rgb>& cells) {
+  if (width_ == 0) height_ = width_ = 1;
+  const auto solid_angle = [&](int row) {
+    const double top = kPi * row / height_, bottom = kPi * (row + 1) / height_;
+    return 2 * double(kPi) / width_ * (std::cos(top) - std::cos(bottom));
+  };
+  double sum[3] = {}, squares = 0, power = 0;
+  for (int row = 0; row < height_; ++row)
+    for (int column = 0; column < width_; ++column) {
+      const Rgb& c = cells[static_cast<size_t>(row) * width_ + column];
+      const double omega = solid_angle(row), mean = std::isfinite(average(c)) ? average(c) : 0;
+      for (int i = 0; i < 3; ++i) sum[i] += std::isfinite(c[i]) ? c[i] * omega : 0;
+      squares += mean * mean * omega;
+      power += mean * omega;
+      float y[9];
+      const Vec3 d = direction_at((static_cast<float>(row) + 0.5f) * kPi / static_cast<float>(height_),
+                                  (static_cast<float>(column) + 0.5f) * 2 * kPi / static_cast<float>(width_));
+      harmonics_at(d, y);
+      for (int i = 0; i < (cells.size() > 1 ? 9 : 1); ++i) harmonics_[i] += static_cast<float>(mean * omega) * y[i];
+    }
+  double discs = 0;
+  Rgb disc_mean{};
+  for (const Disc& disc : discs_) {
+    discs += disc.flux;
+    float y[9];
+    harmonics_at(disc.towards, y);
+    for (int i = 0; i < 9; ++i) harmonics_[i] += static_cast<float>(disc.flux) * y[i];
+    const double middle = average((disc.sun.bottom + disc.sun.top) * 0.5f);
+    if (middle > 0) disc_mean += (disc.sun.bottom + disc.sun.top) * static_cast<float>(0.5 * disc.flux / middle / (4 * kPi));
+    disc_cdf_.push_back(static_cast<float>(discs));
+  }
+  mean_ = Rgb{static_cast<float>(sum[0]), static_cast<float>(sum[1]), static_cast<float>(sum[2])} / (4 * kPi) + disc_mean;
+  if (discs > 0) {
+    disc_share_ = static_cast<float>(std::clamp(discs / (discs + power), 0.05, power > 0 ? 0.95 : 1.0));
+    for (float& c : disc_cdf_) c *= static_cast<float>(disc_share_ / discs);
+  }
+  const double even = power > 0 ? power * power / (4 * kPi * squares) : 1;  // 1: the same from everywhere
+  contrast_ = static_cast<float>((discs + power * (1 - even)) / std::max(discs + power, 1e-300));
+  if (cells.size() == 1 || !(power > 0)) return;
+  if (1 - even < 1e-4) {
+    width_ = height_ = 0;
+    if (discs_.empty()) return;  // as good as constant
+  }
+  if (width_ == 0) return;
+  cdf_.resize(cells.size());
+  density_.resize(cells.size());
+  row_cdf_.resize(height_);
+  double rows = 0;
+  for (int row = 0; row < height_; ++row) {
+    const double omega = solid_angle(row);
+    double running = 0;
+    for (int column = 0; column < width_; ++column) {
+      const size_t at = static_cast<size_t>(row) * width_ + column;
+      const double mean = std::isfinite(average(cells[at])) ? average(cells[at]) : 0;
+      density_[at] = static_cast<float>((1 - kUniformShare) * mean / power + kUniformShare / (4 * kPi));
+      running += density_[at];
+      cdf_[at] = static_cast<float>(running);
+    }
+    for (int column = 0; column < width_; ++column) cdf_[static_cast<size_t>(row) * width_ + column] /= static_cast<float>(running);
+    row_cdf_[row] = static_cast<float>(rows += running * omega);
+  }
+}
+
+Environment::Sample Environment::sample(const Vec2& u) const {
+  Vec3 direction;
+  if (u.x < disc_share_) {
+    const size_t i = pick(disc_cdf_.data(), disc_cdf_.size(), u.x);
+    direction = Basis(discs_[i].towards).to_world(sample_cone({within(disc_cdf_.data(), i, u.x), u.y}, discs_[i].one_minus_cos));
+  } else {
+    const float x = std::min((u.x - disc_share_) / (1 - disc_share_), 0x1.fffffep-1f);
+    if (cdf_.empty()) {
+      direction = sample_sphere({x, u.y});
+    } else {
+      const float target = x * row_cdf_.back();
+      const size_t row = pick(row_cdf_.data(), row_cdf_.size(), target);
+      const float* cdf = &cdf_[row * width_];
+      const size_t column = pick(cdf, width_, u.y);
+      // Uniform in solid angle within the cell.
+      const float top = std::cos(kPi * static_cast<float>(row) / static_cast<float>(height_));
+      const float bottom = std::cos(kPi * static_cast<float>(row + 1) / static_cast<float>(height_));
+      const float z = top + (bottom - top) * within(row_cdf_.data(), row, target);
+      const float longitude = (static_cast<float>(column) + within(cdf, column, u.y)) * 2 * kPi / static_cast<float>(width_);
+      const float sine = std::sqrt(std::max(0.0f, 1 - z * z));
+      direction = {sine * std::cos(longitude), sine * std::sin(longitude), z};
+    }
+  }
+  return {direction, pdf(direction)};
+}
+
+float Environment::map_pdf(const Vec3& d) const {
+  if (cdf_.empty()) return 1 / (4 * kPi);
+  const float polar = std::atan2(std::hypot(d.x, d.y), d.z), longitude = std::atan2(d.y, d.x);
+  const int row = std::clamp(static_cast<int>(polar / kPi * static_cast<float>(height_)), 0, height_ - 1);
+  const int column = std::clamp(static_cast<int>((longitude < 0 ? longitude + 2 * kPi : longitude) / (2 * kPi) * static_cast<float>(width_)), 0, width_ - 1);
+  return density_[static_cast<size_t>(row) * width_ + column] / row_cdf_.back();
+}
+
+float Environment::pdf(const Vec3& d) const {
+  float sum = disc_share_ < 1 ? (1 - disc_share_) * map_pdf(d) : 0;
+  for (size_t i = 0; i < discs_.size(); ++i)
+    if (length2(d - discs_[i].towards) <= 2 * discs_[i].one_minus_cos * (1 + 1e-5f))
+      sum += share(disc_cdf_.data(), i) / (2 * kPi * discs_[i].one_minus_cos);
+  return sum;
+}
+
+// Ramamoorthi & Hanrahan 2001, "An efficient representation for irradiance environment maps".
+float Environment::irradiance(const Vec3& n) const {
+  const float whole = harmonics_[0] * 2 * std::sqrt(kPi);  // integral of the radiance over all directions
+  if (!(length2(n) > 0)) return 0.5f * whole;
+  float y[9];
+  harmonics_at(n, y);
+  float sum = kPi * harmonics_[0] * y[0];
+  for (int i = 1; i < 4; ++i) sum += 2 * kPi / 3 * harmonics_[i] * y[i];
+  for (int i = 4; i < 9; ++i) sum += kPi / 4 * harmonics_[i] * y[i];
+  return std::max(sum, 0.02f * whole);
+}
+
+}  // namespace photon_splat

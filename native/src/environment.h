@@ -1,0 +1,71 @@
+// What lies beyond the scene: radiance by direction, drawn from in proportion to it.
+#pragma once
+
+#include "scene.h"
+
+namespace photon_splat {
+
+class Environment {
+ public:
+  // Bakes the table that directions are drawn from. Uses the scene's threads.
+  explicit Environment(Scene& scene);
+
+  bool black() const { return is_black(mean_); }
+  // The same from everywhere: nothing is gained by drawing from it.
+  bool constant() const { return cdf_.empty() && discs_.empty(); }
+  // W/m^2/sr out of the direction `d` (unit, away from the scene).
+  Rgb radiance(const Vec3& d) const { return map_radiance(d) + disc_radiance(d); }
+  Rgb mean() const { return mean_; }  // over all directions
+
+  struct Sample {
+    Vec3 direction;
+    float pdf;   // solid angle
+  };
+  Sample sample(const Vec2& u) const;
+  float pdf(const Vec3& d) const;
+
+  // About the irradiance of an unshadowed surface, mean over RGB; n = 0: of both sides of any.
+  float irradiance(const Vec3& n) const;
+  // 0 for the same light from everywhere .. 1 for light from one direction: how much a drawn direction is worth.
+  float contrast() const { return contrast_; }
+
+ private:
+  struct Disc {
+    SunDisc sun;
+    Vec3 towards;
+    float one_minus_cos, low, high;   // elevation of its lower edge or the horizon, and of its upper edge
+    double flux;                      // through a surface that faces it, mean over RGB, W/m^2
+  };
+  Rgb map_radiance(const Vec3& d) const;
+  Rgb disc_radiance(const Vec3& d) const;
+  Rgb radiance_of(const Disc& disc, const Vec3& d) const;
+  void add_discs();
+  void bake();
+  void measure(const std::vector<Rgb>& cells);
+  float map_pdf(const Vec3& d) const;
+
+  Scene& scene_;
+  std::vector<Disc> discs_;
+  std::vector<float> disc_cdf_;          // up to the discs' share of the samples
+  float disc_share_ = 0;
+  int width_ = 0, height_ = 0;           // of the table: longitude by polar angle from +Z
+  std::vector<float> cdf_;               // per row over longitude, normalised
+  std::vector<float> row_cdf_;
+  std::vector<float> density_;           // per cell, 1/sr
+  Rgb mean_{};
+  float contrast_ = 0;
+  float harmonics_[9] = {};              // of the mean over RGB
+};
+
+// Where an equirectangular image shows the direction d, as Blender maps it: u runs against the longitude, v from -Z up.
+inline Vec2 equirectangular_uv(const Vec3& d) {
+  return {0.5f - std::atan2(d.y, d.x) / (2 * kPi), 0.5f + std::atan2(d.z, std::hypot(d.x, d.y)) / kPi};
+}
+// The same of a photographed mirror ball.
+inline Vec2 mirror_ball_uv(Vec3 d) {
+  d.y -= 1;
+  const float scale = 2 * std::sqrt(std::max(-0.5f * d.y, 0.0f));
+  return {0.5f * (1 + (scale > 0 ? d.x / scale : d.x)), 0.5f * (1 + (scale > 0 ? d.z / scale : d.z))};
+}
+
+}  // namespace photon_splat
