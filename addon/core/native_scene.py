@@ -97,6 +97,11 @@ def _add_lights(renderer: Renderer, scene: Scene) -> None:
                 camera_visible=light.camera_visible,
             )
     renderer.set_world(_rgb(scene.world))
+    if scene.world_map is not None:
+        rows = np.vstack([np.asarray(scene.world_map.to_lookup, np.float64), [0.0, 0.0, 0.0, 1.0]])
+        renderer.set_world_map(scene.world_map.texture, scene.world_map.mirror_ball, np.ascontiguousarray(rows))
+    for sun in scene.sun_discs:
+        renderer.add_sun_disc([float(c) for c in sun.direction], sun.half_angle, _rgb(sun.bottom), _rgb(sun.top), sun.horizon)
 
 
 def place_camera(renderer: Renderer, camera: Camera, frame: Frame) -> None:

@@ -148,6 +148,27 @@ class Light:
     camera_visible: bool = False
 
 
+@dataclass(slots=True)
+class WorldMap:
+    """An image of the world. `to_lookup` (3, 4) maps a direction to that which is looked up; `mirror_ball`: the image shows the
+    world mirrored in a ball, else it is equirectangular (u against the longitude, v from -Z up, its middle at +X)."""
+
+    texture: int
+    to_lookup: NDArray[np.float64]
+    mirror_ball: bool = False
+
+
+@dataclass(slots=True)
+class SunDisc:
+    """The sun of a sky: radiance (W/m^2/sr) at its lower and upper edge before limb darkening, hidden below an elevation."""
+
+    direction: tuple[float, float, float]
+    half_angle: float
+    bottom: Rgb
+    top: Rgb
+    horizon: float = -np.pi
+
+
 class PixelFilter(StrEnum):
     BOX = "box"
     GAUSSIAN = "gaussian"
@@ -234,7 +255,8 @@ class Frame:
 
 @dataclass(slots=True)
 class Scene:
-    """Everything a render needs. `world` is the constant radiance (W/m^2/sr) seen where a ray leaves the scene."""
+    """Everything a render needs. `world` is the radiance (W/m^2/sr) seen where a ray leaves the scene: constant, or the factor
+    of `world_map`; `sun_discs` come on top."""
 
     camera: Camera
     frame: Frame
@@ -245,6 +267,8 @@ class Scene:
     textures: list[Texture] = field(default_factory=list)
     lights: list[Light] = field(default_factory=list)
     world: Rgb = (0.0, 0.0, 0.0)
+    world_map: WorldMap | None = None
+    sun_discs: list[SunDisc] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
 
 

@@ -49,7 +49,7 @@ def export_contents(
     materials = Materials(textures, report)
     objects = Objects(materials, textures, report, kept)
     objects.collect(depsgraph, visible)
-    exported.world = export_world(getattr(view_layer, "world_override", None) or scene.world, textures, report)
+    export_world(getattr(view_layer, "world_override", None) or scene.world, textures, report, exported)
     exported.meshes, exported.instances = objects.meshes, objects.instances()
     exported.material_sets, exported.lights = objects.material_sets, objects.lights
     exported.materials, exported.textures = materials.list, textures.list

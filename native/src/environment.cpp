@@ -68,7 +68,7 @@ void Environment::add_discs() {
     disc.one_minus_cos = 2 * sine * sine;
     const float elevation = std::asin(std::clamp(disc.towards.z, -1.0f, 1.0f));
     disc.high = elevation + half;
-    disc.low = elevation - half > 0 ? elevation - half : 0;
+    disc.low = elevation - half;
     double sum = 0;
     constexpr uint32_t kProbes = 1024;
     const Basis basis(disc.towards);
@@ -81,9 +81,11 @@ void Environment::add_discs() {
 
 Rgb Environment::radiance_of(const Disc& disc, const Vec3& d) const {
   const float off2 = length2(d - disc.towards);  // 2 (1 - cos)
-  if (off2 > 2 * disc.one_minus_cos || d.z < 0) return {};
+  if (off2 > 2 * disc.one_minus_cos) return {};
   const float ratio2 = std::min(off2 / (2 * disc.one_minus_cos), 1.0f);
-  const float height = (std::asin(std::clamp(d.z, -1.0f, 1.0f)) - disc.low) / std::max(disc.high - disc.low, 1e-9f);
+  const float elevation = std::asin(std::clamp(d.z, -1.0f, 1.0f));
+  if (elevation < disc.sun.horizon) return {};
+  const float height = (elevation - disc.low) / std::max(disc.high - disc.low, 1e-9f);
   const Rgb color = disc.sun.bottom + (disc.sun.top - disc.sun.bottom) * std::clamp(height, 0.0f, 1.0f);
   return max(color, Vec3{}) * (1 - kLimbDarkening * (1 - std::sqrt(1 - ratio2)));
 }

@@ -33,7 +33,7 @@ class Environment {
   struct Disc {
     SunDisc sun;
     Vec3 towards;
-    float one_minus_cos, low, high;   // elevation of its lower edge or the horizon, and of its upper edge
+    float one_minus_cos, low, high;   // elevations of its lower and its upper edge
     double flux;                      // through a surface that faces it, mean over RGB, W/m^2
   };
   Rgb map_radiance(const Vec3& d) const;

@@ -77,12 +77,12 @@ struct WorldMap {
   Affine to_lookup;            // of a direction, before it is looked up
 };
 
-// The sun of a sky: a disc with limb darkening, its radiance between that of its lower and that of its upper edge; what is
-// below the horizon is not there.
+// The sun of a sky: a disc with limb darkening, its radiance between that of its lower and that of its upper edge.
 struct SunDisc {
   Vec3 direction;              // towards it
   float half_angle = 0;
   Rgb bottom{}, top{};
+  float horizon = -kPi;        // elevation below which nothing is seen of it
 };
 
 // A ray offset that clears the rounding error of a hit at `position` found `distance` away.

@@ -32,6 +32,7 @@ void add_sun(Scene& scene, float elevation, float half_angle) {
   sun.half_angle = half_angle;
   sun.bottom = {100, 40, 10};
   sun.top = {200, 150, 100};
+  sun.horizon = 0;
   scene.sun_discs.push_back(sun);
 }
 
