@@ -48,6 +48,10 @@ def _focus(name: str, *, splat: bool = False, **options: Any) -> Case:
     return Case(name, "depth_of_field", options, splat=splat)
 
 
+def _world(name: str, build: str, *, splat: bool = False, **options: Any) -> Case:
+    return Case(name, build, options, splat=splat)
+
+
 PANORAMAS = (
     "EQUIRECTANGULAR",
     "EQUIANGULAR_CUBEMAP_FACE",
@@ -123,6 +127,51 @@ CASES: tuple[Case, ...] = (
     _geometry("instanced_lamp"),
     # World and emissive meshes
     _geometry("world", color=(0.5, 0.7, 1.0), strength=1.5),
+    Case("environment", "environment", passes=48, photons_per_pass=40_000),
+    Case("environment_no_spot", "environment", {"spot": 1.0}),
+    _world("environment_turned", "environment", rotation=(0.3, -0.2, 1.0)),
+    _world("environment_texture_mapping", "environment", rotation=(0.3, -0.2, 1.0), mapping="TEXTURE", location=(0.1, 0.2, -0.1)),
+    _world("environment_vector_mapping", "environment", rotation=(0.0, 0.0, 2.0), mapping="VECTOR", scale=(1.0, 2.0, -1.0)),
+    _world("environment_point_mapping", "environment", rotation=(0.0, 0.5, 2.0), location=(0.3, 0.0, 0.2), coordinates="Object"),
+    _world("environment_mirror_ball", "environment", projection="MIRROR_BALL", spot=5.0),
+    _world("environment_and_lamp", "environment", lamp=True, splat=True),
+    Case("sky_single", "sky", {"kind": "SINGLE_SCATTERING", "sun_elevation": 0.6, "sun_rotation": 2.5}, passes=48, photons_per_pass=40_000),
+    _world(
+        "sky_single_low",
+        "sky",
+        kind="SINGLE_SCATTERING",
+        sun_elevation=0.1,
+        sun_rotation=-2.0,
+        altitude=0.0,
+        seen=6.0,
+    ),
+    _world("sky_single_night", "sky", kind="SINGLE_SCATTERING", sun_elevation=-0.04, sun_rotation=4.0, strength=1.0),
+    _world(
+        "sky_single_dusty",
+        "sky",
+        kind="SINGLE_SCATTERING",
+        sun_elevation=0.8,
+        sun_rotation=2.5,
+        aerosol_density=5.0,
+        air_density=2.0,
+        ozone_density=4.0,
+        altitude=2000.0,
+    ),
+    _world("sky_single_no_sun", "sky", kind="SINGLE_SCATTERING", sun_elevation=0.6, sun_disc=False, seen=6.0),
+    _world("sky_multiple", "sky", kind="MULTIPLE_SCATTERING", sun_elevation=0.6, sun_rotation=2.5, splat=True),
+    _world("sky_multiple_low", "sky", kind="MULTIPLE_SCATTERING", sun_elevation=0.02, sun_rotation=3.3, seen=1.6, altitude=300.0),
+    _world("sky_multiple_night", "sky", kind="MULTIPLE_SCATTERING", sun_elevation=-0.1, sun_rotation=4.0, strength=1.0, seen=1.6),
+    _world(
+        "sky_multiple_wide_sun",
+        "sky",
+        kind="MULTIPLE_SCATTERING",
+        sun_elevation=1.0,
+        sun_rotation=2.2,
+        sun_size=0.4,
+        sun_intensity=0.5,
+    ),
+    _world("sky_multiple_over_the_top", "sky", kind="MULTIPLE_SCATTERING", sun_elevation=2.4, sun_rotation=0.5, sun_size=0.05),
+    _world("sky_preetham", "sky", kind="PREETHAM", sun_direction=(0.4, -0.6, 0.5), turbidity=3.5, seen=1.6),
     _geometry("emissive_mesh"),
     _geometry("emissive_front_only"),
     _geometry("emissive_texture"),

@@ -157,6 +157,74 @@ def emissive_texture() -> None:
     m.add_picture("Screen", [(-0.9, 0.9, 0.6), (0.7, 0.9, 0.6), (0.7, 0.6, 1.5), (-0.9, 0.6, 1.5)], material)
 
 
+def _background() -> tuple[bpy.types.NodeTree, bpy.types.Node]:
+    """The tree of the world and its Background node, nothing but this and the output in it."""
+    m.set_world((0.0, 0.0, 0.0))
+    shown = bpy.context.scene.world
+    shown.use_nodes = True
+    return shown.node_tree, next(node for node in shown.node_tree.nodes if node.type == "BACKGROUND")
+
+
+def _sky_pixels(spot: float) -> np.ndarray:
+    """A gradient with a dark band and a bright spot of 2x2 texels, (32, 64, 4), not symmetric in any way."""
+    row, column = np.mgrid[:32, :64]
+    pixels = np.ones((32, 64, 4), np.float32)
+    pixels[..., 0], pixels[..., 1] = 0.2 + 0.6 * row / 32, 0.1 + 0.5 * (column / 64)
+    pixels[..., 2] = 0.9 - 0.5 * row / 32
+    pixels[14:17, :, :3] *= 0.1
+    pixels[24:26, 10:12, :3] = spot * np.array((1.0, 0.8, 0.5), np.float32)
+    return pixels
+
+
+def environment(
+    spot: float = 60.0,
+    rotation: Sequence[float] | None = None,
+    mapping: str = "POINT",
+    scale: Sequence[float] = (1.0, 1.0, 1.0),
+    location: Sequence[float] = (0.0, 0.0, 0.0),
+    projection: str = "EQUIRECTANGULAR",
+    strength: float = 0.7,
+    coordinates: str = "Generated",
+    lamp: bool = False,
+) -> None:
+    _stage()
+    tree, background = _background()
+    image = bpy.data.images.new("sky", 64, 32, float_buffer=True)
+    image.colorspace_settings.name = "Non-Color"
+    image.pixels.foreach_set(_sky_pixels(spot).ravel())
+    image.update()
+    texture = tree.nodes.new("ShaderNodeTexEnvironment")
+    texture.image, texture.projection = image, projection
+    background.inputs["Strength"].default_value = strength
+    tree.links.new(texture.outputs["Color"], background.inputs["Color"])
+    if rotation is not None:
+        turn, place = tree.nodes.new("ShaderNodeMapping"), tree.nodes.new("ShaderNodeTexCoord")
+        turn.vector_type = mapping
+        turn.inputs["Rotation"].default_value = rotation
+        turn.inputs["Scale"].default_value = scale
+        if mapping in {"POINT", "TEXTURE"}:
+            turn.inputs["Location"].default_value = location
+        tree.links.new(place.outputs[coordinates], turn.inputs["Vector"])
+        tree.links.new(turn.outputs["Vector"], texture.inputs["Vector"])
+    if lamp:
+        _lamp("AREA", 20.0, HIGH, size=0.6)
+
+
+def sky(kind: str, strength: float = 0.1, seen: float = 0.0, **settings: Any) -> None:
+    """seen: height that the camera looks at, so that the sky is in the picture. Names are those of Blender 5."""
+    _stage()
+    tree, background = _background()
+    texture = tree.nodes.new("ShaderNodeTexSky")
+    texture.sky_type = kind
+    for name, value in settings.items():
+        setattr(texture, name, value)
+    background.inputs["Strength"].default_value = strength
+    tree.links.new(texture.outputs["Color"], background.inputs["Color"])
+    if seen:
+        _look((0.0, -4.3, 0.9), (0.0, 0.15, seen))
+        bpy.context.scene.camera.data.lens = 24.0
+
+
 # Surfaces ----------------------------------------------------------------------------------------------------------
 
 

@@ -19,6 +19,17 @@ nanobind::ndarray<nanobind::numpy, T> to_numpy(std::vector<T>&& values, std::ini
 // Shader programs, what they read from meshes and instances, and their table of operations.
 void bind_shading(nanobind::module_& m, nanobind::class_<Renderer>& renderer);
 
+// The value that `known` gives to a name; std::invalid_argument for another one.
+template <class E>
+E named(const std::string& name, std::initializer_list<std::pair<const char*, E>> known, const char* what) {
+  for (const auto& [text, value] : known)
+    if (name == text) return value;
+  throw std::invalid_argument("unknown " + std::string(what) + " '" + name + "'");
+}
+
+// World, skies and suns.
+void bind_world(nanobind::module_& m, nanobind::class_<Renderer>& renderer);
+
 // What a splatter outside of the native module needs: photons, pairs, points as an atlas, sums.
 void bind_splatting(nanobind::class_<Renderer>& renderer);
 
