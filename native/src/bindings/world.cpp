@@ -15,9 +15,12 @@ using Matrix = nb::ndarray<const double, nb::c_contig, nb::device::cpu, nb::shap
 
 Rgb to_rgb(const Rgb3& c) { return {c[0], c[1], c[2]}; }
 
+// Takes map and suns away, too.
 void set_world(Renderer& r, Rgb3 radiance) {
   if (!is_finite(to_rgb(radiance))) throw std::invalid_argument("the world has a colour that is not finite");
   r.scene.world = max(to_rgb(radiance), Vec3{});
+  r.scene.world_map = {};
+  r.scene.sun_discs.clear();
 }
 
 void set_world_map(Renderer& r, int texture, bool mirror_ball, Matrix to_lookup) {
