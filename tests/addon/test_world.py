@@ -1,0 +1,113 @@
+"""Worlds from Blender: what of them is exported, and what is named instead."""
+
+from __future__ import annotations
+
+from math import cos, pi, sin
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.addon import stage
+from tests.addon.blender import in_blender
+
+
+def _tree() -> tuple[Any, Any]:
+    """The node tree of a new world and its Background node."""
+    import bpy
+
+    world = bpy.data.worlds.new("Sky")
+    stage.scene().world = world
+    world.use_nodes = True
+    return world.node_tree, next(node for node in world.node_tree.nodes if node.type == "BACKGROUND")
+
+
+def _image(tree: Any, background: Any) -> Any:
+    import bpy
+
+    stage.camera()
+    node = tree.nodes.new("ShaderNodeTexEnvironment")
+    node.image = bpy.data.images.new("Map", 8, 4, float_buffer=True)
+    tree.links.new(node.outputs["Color"], background.inputs["Color"])
+    return node
+
+
+def _mapped(tree: Any, node: Any, output: str = "Generated") -> Any:
+    mapping, coordinates = tree.nodes.new("ShaderNodeMapping"), tree.nodes.new("ShaderNodeTexCoord")
+    tree.links.new(coordinates.outputs[output], mapping.inputs["Vector"])
+    tree.links.new(mapping.outputs["Vector"], node.inputs["Vector"])
+    return mapping
+
+
+@in_blender
+def test_an_environment_image_and_its_rotation() -> None:
+    tree, background = _tree()
+    node = _image(tree, background)
+    background.inputs["Strength"].default_value = 2.0
+    what = stage.exported()
+    assert what.world == (2.0, 2.0, 2.0)
+    assert np.allclose(what.world_map.to_lookup, np.eye(4)[:3])
+    assert not what.world_map.mirror_ball
+    assert what.textures[what.world_map.texture].pixels.shape == (4, 8, 4)
+    node.projection = "MIRROR_BALL"
+    _mapped(tree, node).inputs["Rotation"].default_value = (0.0, 0.0, 0.5)
+    what = stage.exported()
+    assert what.world_map.mirror_ball
+    assert np.allclose(what.world_map.to_lookup[:2, :2], [[cos(0.5), -sin(0.5)], [sin(0.5), cos(0.5)]])
+    assert what.warnings == []
+
+
+@in_blender
+def test_what_an_image_cannot_be_looked_up_by_is_named() -> None:
+    tree, background = _tree()
+    _mapped(tree, _image(tree, background), "Window")
+    what = stage.exported()
+    assert what.world_map is None
+    assert any("environment image approximated by its mean colour" in warning for warning in what.warnings)
+
+
+@pytest.mark.parametrize("model", ["SINGLE_SCATTERING", "MULTIPLE_SCATTERING"])
+@in_blender
+def test_a_sky_and_its_sun(model: str) -> None:
+    tree, background = _tree()
+    stage.camera()
+    node = tree.nodes.new("ShaderNodeTexSky")
+    kinds = [item.identifier for item in node.bl_rna.properties["sky_type"].enum_items]
+    node.sky_type = model if model in kinds else "NISHITA"
+    node.sun_elevation, node.sun_rotation, node.sun_size, node.sun_intensity = 0.5, 0.3, 0.02, 2.0
+    background.inputs["Strength"].default_value = 0.5
+    tree.links.new(node.outputs["Color"], background.inputs["Color"])
+    what = stage.exported()
+    (sun,) = what.sun_discs
+    assert sun.direction == pytest.approx((sin(0.3) * cos(0.5), cos(0.3) * cos(0.5), sin(0.5)), abs=1e-5)
+    assert sun.half_angle == pytest.approx(0.01)
+    # Strength and intensity cancel. In Blender's units the sun gives some hundreds outside the atmosphere.
+    flux = np.mean(sun.top) * pi * 0.01**2
+    assert 20.0 < flux < 200.0
+    assert np.all(np.asarray(sun.bottom) < sun.top)
+    pixels = what.textures[what.world_map.texture].pixels
+    assert np.isfinite(pixels).all()
+    assert pixels[700].mean() > 0.1
+    node.sun_disc = False
+    assert stage.exported().sun_discs == []
+
+
+@in_blender
+def test_a_sky_model_that_is_not_there_is_named() -> None:
+    tree, background = _tree()
+    stage.camera()
+    node = tree.nodes.new("ShaderNodeTexSky")
+    node.sky_type = "HOSEK_WILKIE"
+    tree.links.new(node.outputs["Color"], background.inputs["Color"])
+    what = stage.exported()
+    assert what.warnings == ["World 'Sky', node 'Sky Texture': the sky model HOSEK_WILKIE is not supported; taken as Preetham's"]
+    assert what.world_map is not None
+
+
+@in_blender
+def test_a_sun_past_the_zenith_comes_down_on_the_other_side() -> None:
+    from photon_splat.export.world import _wrapped
+
+    assert _wrapped(2.0, 0.1) == pytest.approx((pi - 2.0, 0.1 + pi))
+    assert _wrapped(-2.0, 0.1) == pytest.approx((2.0 - pi, 0.1 + pi))
+    assert _wrapped(2 * pi + 0.3, 0.0) == pytest.approx((0.3, 0.0))
