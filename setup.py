@@ -12,5 +12,5 @@ setup(
     version=manifest["version"],
     packages=["photon_splat" + folder.removeprefix("addon") for folder in folders] + ["photon_splat.shaders"],
     package_dir={"photon_splat": "addon", "photon_splat.shaders": "shaders"},
-    package_data={"photon_splat": ["blender_manifest.toml"], "photon_splat.shaders": ["*"]},
+    package_data={"photon_splat": ["blender_manifest.toml", "presets/**/*.py"], "photon_splat.shaders": ["*"]},
 )

@@ -1,0 +1,61 @@
+"""Presets of the sampling settings, by Blender's own system: Draft, Good and Final come with the engine."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import bpy
+from bl_operators.presets import AddPresetBase
+from bl_ui.utils import PresetPanel
+
+from ..engine import ENGINE
+
+FOLDER = "photon_splat/render"
+HOME = str(Path(__file__).resolve().parent.parent)
+"""Blender looks for presets/FOLDER in it."""
+
+
+class PHOTON_SPLAT_PT_presets(PresetPanel, bpy.types.Panel):
+    bl_label = "Sampling Presets"
+    preset_subdir = FOLDER
+    preset_operator = "script.execute_preset"
+    preset_add_operator = "photon_splat.preset_add"
+    COMPAT_ENGINES = {ENGINE}
+
+
+class PHOTON_SPLAT_OT_preset_add(AddPresetBase, bpy.types.Operator):
+    bl_idname = "photon_splat.preset_add"
+    bl_label = "Add Sampling Preset"
+    bl_description = "Keep the settings of Sampling and Light Paths under a name, or remove those of a name"
+    preset_menu = "PHOTON_SPLAT_PT_presets"
+    preset_defines = ["settings = bpy.context.scene.photon_splat"]
+    preset_values = [
+        f"settings.{name}"
+        for name in (
+            "error_threshold",
+            "passes",
+            "time_limit",
+            "photons_per_pass",
+            "max_bounces",
+            "viewport_passes",
+            "viewport_photons_per_pass",
+        )
+    ]
+    preset_subdir = FOLDER
+
+
+CLASSES = (PHOTON_SPLAT_OT_preset_add, PHOTON_SPLAT_PT_presets)
+
+
+def register() -> None:
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+    if hasattr(bpy.utils, "register_preset_path"):  # Blender 4.2 finds the user's own presets only
+        bpy.utils.register_preset_path(HOME)
+
+
+def unregister() -> None:
+    if hasattr(bpy.utils, "unregister_preset_path"):
+        bpy.utils.unregister_preset_path(HOME)
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)

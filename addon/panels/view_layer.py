@@ -1,0 +1,55 @@
+"""Panels of the view layer's tab."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import bpy
+
+from ..core.result import PASSES
+from ..passes import OWN_SWITCHES, SWITCHES
+from .base import RenderPanel, split_layout
+
+DATA = ("Depth", "Normal", "Surface ID", "Photon Density", "Error")
+"""Passes that are no light."""
+
+
+class PHOTON_SPLAT_PT_passes(RenderPanel, bpy.types.Panel):
+    bl_label = "Passes"
+    bl_context = "view_layer"
+
+    def draw(self, context: Any) -> None:
+        layout, view_layer = split_layout(self), context.view_layer
+        data, light = layout.column(heading="Data"), layout.column(heading="Light")
+        for info in PASSES:
+            column = data if info.name in DATA else light
+            if info.name in OWN_SWITCHES:
+                column.prop(view_layer.photon_splat, OWN_SWITCHES[info.name])
+            elif info.name in SWITCHES:
+                column.prop(view_layer, SWITCHES[info.name], text=info.name)
+
+
+class PHOTON_SPLAT_WORLD_PT_preview(RenderPanel, bpy.types.Panel):
+    bl_label = "Preview"
+    bl_context = "world"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        return bool(super().poll(context) and context.world)
+
+    def draw(self, context: Any) -> None:
+        self.layout.template_preview(context.world)
+
+
+CLASSES = (PHOTON_SPLAT_PT_passes, PHOTON_SPLAT_WORLD_PT_preview)
+
+
+def register() -> None:
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+
+
+def unregister() -> None:
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)
