@@ -84,7 +84,7 @@ def _render(engine: Any, depsgraph: Any, frame: Frame, blender_result: Any, star
 
     def on_progress(progress: Progress) -> None:
         engine.update_progress(progress.fraction)
-        engine.update_stats("", progress.message)
+        engine.update_stats(f"Remaining: {remaining(progress, time.monotonic() - started)}", progress.message)
         engine.update_memory_stats(memory_used=current_memory_bytes() / 2**20, memory_peak=peak_memory_bytes() / 2**20)
         if progress.interim is not None:
             fill_passes(blender_result, progress.interim)
@@ -103,6 +103,14 @@ def _render(engine: Any, depsgraph: Any, frame: Frame, blender_result: Any, star
     result.statistics.setdefault("peak_memory_bytes", peak_memory_bytes())
     result.statistics.setdefault("warnings", list(scene.warnings))
     return result
+
+
+def remaining(progress: Progress, elapsed: float) -> str:
+    """How long the rest of a render takes (minutes:seconds) if it goes on as in the `elapsed` seconds so far."""
+    if not progress.passes_done or not progress.fraction > 0.0:
+        return "--:--"
+    seconds = round(elapsed * (1.0 / progress.fraction - 1.0))
+    return f"{seconds // 60:02}:{seconds % 60:02}" if seconds < 3600 else f"{seconds // 3600}:{seconds % 3600 // 60:02}:{seconds % 60:02}"
 
 
 def fill_passes(blender_result: Any, passes: dict[str, np.ndarray]) -> None:

@@ -164,13 +164,15 @@ def render_settings(scene: Any) -> RenderSettings:
 
 
 def viewport_settings(scene: Any) -> RenderSettings:
-    """Those of the viewport: its own passes, photons and time limit, all else as in `render_settings`."""
+    """Those of the viewport: its own passes, photons and time limit, all else that counts there as in `render_settings`."""
     group = scene.photon_splat
     return replace(
         render_settings(scene),
         passes=group.viewport_passes,
         photons_per_pass=group.viewport_photons_per_pass,
         time_limit=group.viewport_time_limit,
+        error_threshold=0.0,
+        denoise=False,
     )
 
 

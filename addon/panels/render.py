@@ -44,6 +44,7 @@ class PHOTON_SPLAT_PT_sampling_render(RenderPanel, bpy.types.Panel):
         layout.prop(settings, "passes")
         layout.prop(settings, "time_limit")
         layout.prop(settings, "photons_per_pass")
+        layout.prop(settings, "denoise")
 
 
 class PHOTON_SPLAT_PT_sampling_advanced(RenderPanel, bpy.types.Panel):

@@ -155,12 +155,20 @@ def plan_lines(plan: Any) -> Iterator[str]:
 CLASSES = (PHOTON_SPLAT_OT_select, PHOTON_SPLAT_PT_approximations, PHOTON_SPLAT_PT_last_render, PHOTON_SPLAT_PT_plan)
 
 
+@bpy.app.handlers.persistent
+def _forget(*_: Any) -> None:
+    """Another file has other scenes, maybe of the same names."""
+    last_renders.clear()
+
+
 def register() -> None:
     for cls in CLASSES:
         bpy.utils.register_class(cls)
+    bpy.app.handlers.load_pre.append(_forget)
 
 
 def unregister() -> None:
+    bpy.app.handlers.load_pre.remove(_forget)
     for cls in reversed(CLASSES):
         bpy.utils.unregister_class(cls)
     last_renders.clear()

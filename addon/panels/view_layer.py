@@ -36,7 +36,7 @@ class PHOTON_SPLAT_WORLD_PT_preview(RenderPanel, bpy.types.Panel):
 
     @classmethod
     def poll(cls, context: Any) -> bool:
-        return bool(super().poll(context) and context.world)
+        return bool(super().poll(context) and getattr(context, "world", None))
 
     def draw(self, context: Any) -> None:
         self.layout.template_preview(context.world)

@@ -404,18 +404,30 @@ def test_settings_of_the_scene_reach_the_session() -> None:
 
 
 @in_blender
+def test_the_time_that_remains() -> None:
+    from photon_splat.core.result import Progress
+    from photon_splat.job import remaining
+
+    assert remaining(Progress(0.0, "", 0), 3.0) == "--:--"
+    assert remaining(Progress(0.25, "", 4), 30.0) == "01:30"
+    assert remaining(Progress(1.0, "", 4), 30.0) == "00:00"
+    assert remaining(Progress(0.001, "", 1), 10.0) == "2:46:30"
+
+
+@in_blender
 def test_the_last_render_is_told_in_the_panel() -> None:
     import bpy
-    from photon_splat import job, panels
+    from photon_splat import job
+    from photon_splat.panels import report
 
     stage.room()
     stage.scene().render.use_motion_blur = True
     bpy.ops.render.render()
     last = job.last_renders["Scene"]
     assert "Motion blur" in last.warnings[0]
-    lines = list(panels.statistics_lines(last.statistics))
+    lines = list(report.statistics_lines(last.statistics))
     assert lines[0].startswith("2 passes in ")
-    assert lines[1].startswith("4,000 photons traced, ")
+    assert any(line.startswith("4,000 photons traced, ") for line in lines)
     with stage.replaced("render", _broken(ValueError("on purpose"))), pytest.raises(RuntimeError):
         bpy.ops.render.render()
     assert job.last_renders["Scene"].error == "on purpose"

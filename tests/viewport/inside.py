@@ -91,7 +91,7 @@ def quiet() -> None:
     """No overlays, few passes: what is seen is the picture alone."""
     scene = bpy.context.scene
     scene.render.engine = "PHOTON_SPLAT"
-    scene.photon_splat.viewport_passes = 32
+    scene.photon_splat.viewport_passes = 4
     scene.photon_splat.backend = "CPU"
     space().overlay.show_overlays = space().show_gizmo = False
     space().show_region_header = space().show_region_toolbar = space().show_region_ui = False
@@ -110,6 +110,7 @@ def same_as_a_render() -> Iterator[float]:
     space().shading.type = "RENDERED"
     space().region_3d.view_perspective = "CAMERA"
     scene = bpy.context.scene
+    scene.photon_splat.viewport_passes = 32
     scene.camera.data.passepartout_alpha = 0.0
     yield from until(lambda: bool(lives()) and live().controller.picture() is not None, "the first picture")
     yield 0.3
@@ -130,6 +131,7 @@ def same_as_a_render() -> Iterator[float]:
     render.filepath = f"{FOLDER}/render.png"
     bpy.ops.render.render(write_still=True)
     render.resolution_x, render.resolution_y, scene.camera.data.lens, scene.camera.data.sensor_fit = kept
+    scene.photon_splat.viewport_passes = 4
     space().region_3d.view_perspective = "PERSP"
     yield 0.1
 
@@ -153,10 +155,7 @@ def orbit() -> Iterator[float]:
         if not shot and angle > 1.0:
             shot = True
             screenshot("orbit")
-            began += 1.0
-            first = number() - round(1.0 * 15)
-            began = time.monotonic()
-            first = number()
+            began, first = time.monotonic(), number()
         yield 0.01
     seconds = time.monotonic() - began
     result["orbit"] = {
