@@ -211,7 +211,7 @@ void Bsdf::add_metallic(const Rgb& weight, const Vec3& normal, Distribution d, f
   } else {
     f.kind = FresnelKind::kF82;
     f.f0 = min(clean_color(base_or_ior), kWhite);
-    f.f90 = f82_factor(f.f0, min(clean_color(edge_or_extinction), kWhite));
+    f.f90 = min(clean_color(edge_or_extinction), kWhite);
   }
   f.film_thickness = clean(film_thickness, 0, 1e5f, 0);
   f.film_ior = clean(film_ior, 1e-5f, 1e5f, 1.33f);

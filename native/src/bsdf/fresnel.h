@@ -11,7 +11,7 @@ enum class FresnelKind : uint8_t { kOne, kDielectric, kF82, kConductor };
 struct FresnelTerms {
   FresnelKind kind = FresnelKind::kOne;
   float ior = 1;                // dielectric: index behind the boundary over the index before it
-  Rgb f0{1, 1, 1}, f90{1, 1, 1};  // dielectric: reflectance at 0 and 90 degrees; F82: base and b; conductor: n and k
+  Rgb f0{1, 1, 1}, f90{1, 1, 1};  // dielectric: reflectance at 0 and 90 degrees; F82: base and edge tint; conductor: n and k
   Rgb reflect_tint{1, 1, 1}, transmit_tint{};
   float film_thickness = 0, film_ior = 1.33f;  // nm; no film under 0.1 nm
 };
@@ -33,17 +33,13 @@ float fresnel_dielectric(float cos_i, float ior, float* cos_t = nullptr);
 inline float f0_from_ior(float ior) { return sqr((ior - 1) / (ior + 1)); }
 float ior_from_f0(float f0);
 
-// Schlick's curve bent so that it takes the value base * tint at 82 degrees (Kutz et al. 2021): the factor `b` of
-// F(c) = f0 + (1 - f0) (1 - c)^5 - b c (1 - c)^6.
-Rgb f82_factor(const Rgb& base, const Rgb& tint);
-
 FresnelValue evaluate_fresnel(const FresnelTerms& terms, float cos_i);
 
 // Mean of the reflectance over a hemisphere, 2 integral F(c) c dc: what energy loses at each further bounce between facets.
 Rgb mean_reflectance(const FresnelTerms& terms);
 
-// Reflectance of a thin film (Belcour & Barla 2017) as RGB in [0, 1]; `n`, `k`: index of what lies under it over the index
-// outside, extinction (0: dielectric).
-Rgb film_reflectance(float cos_i, float thickness_nm, float film_ior, const Rgb& n, const Rgb& k);
+// Reflectance as RGB of a film of the index `film_ior` over a surface of the index n + ik, indices relative to the outside;
+// `under` (optional): reflectance of the surface within the film, instead of what n and k say.
+Rgb film_reflectance(float cos_i, float thickness_nm, float film_ior, const Rgb& n, const Rgb& k, const Rgb* under = nullptr);
 
 }  // namespace photon_splat

@@ -91,7 +91,7 @@ void expand_principled(const Rgb& outer, const PrincipledInputs& in, const View&
     FresnelTerms f;
     f.kind = FresnelKind::kF82;
     f.f0 = base;
-    f.f90 = f82_factor(base, min(in.specular_tint, kWhite));
+    f.f90 = min(in.specular_tint, kWhite);
     f.film_thickness = in.thin_film_thickness;
     f.film_ior = in.thin_film_ior;
     out.add(facet_lobe(view, weight * in.metallic, normal, shape, f));
