@@ -24,7 +24,7 @@ struct Diffuse {
 struct Translucent {
   Rgb weight;
   Vec3 normal;
-  void expand(const View& view, LobeList& out) const { out.add(translucent_lobe(weight, view.turned(normal))); }
+  void expand(const View& view, LobeList& out) const { out.add(translucent_lobe(view, weight, view.turned(normal))); }
 };
 
 struct Facet {
@@ -36,7 +36,7 @@ struct Facet {
   void expand(const View& view, LobeList& out) const {
     FresnelTerms f = fresnel;
     if (transmits) {
-      if (view.back) f.ior = 1 / f.ior;
+      if (view.back) f.film_ior /= f.ior, f.ior = 1 / f.ior;  // the film too is seen from within the glass
       const float f0 = f0_from_ior(f.ior);
       f.f0 = {f0, f0, f0};
       if (!mirror) f.f0 = f.f90 = {};

@@ -22,8 +22,8 @@ Lobe lambert_lobe(const Rgb& weight, const Vec3& n) {
   return lobe;
 }
 
-Lobe translucent_lobe(const Rgb& weight, const Vec3& n) {
-  Lobe lobe = make(LobeKind::kTranslucent, weight, n);
+Lobe translucent_lobe(const View& view, const Rgb& weight, const Vec3& n) {
+  Lobe lobe = make(LobeKind::kTranslucent, weight, valid_reflection(view, n));
   lobe.gather = weight;
   return lobe;
 }
@@ -103,12 +103,13 @@ Lobe toon_lobe(const Rgb& weight, const Vec3& n, bool glossy, float size, float 
 namespace {
 
 // Softens the terminator that a bumped normal draws (Estevez et al. 2019, "A microfacet-based shadowing function to solve
-// the bump terminator problem").
-float bump_shadow(const Vec3& smooth, const Vec3& n, const Vec3& wi) {
-  const float a = dot(n, wi), b = dot(smooth, wi), c = dot(smooth, n);
-  if (!(a * b * c > 0)) return 0;
-  const float g = b / (a * c);
-  return g >= 1 ? 1 : g * (1 + g - g * g);
+// the bump terminator problem"): the bump as a GGX surface of its own.
+float bump_shadow(const View& view, const Vec3& n, const Vec3& wi) {
+  const float d = dot(view.ns, n), i = dot(view.ns, wi);
+  if (d > 1 - 1e-6f) return 1;
+  if (!(d > 0 && i > 0)) return 0;
+  const float alpha2 = saturate(0.125f * (1 / sqr(d) - 1)), tan2 = 1 / sqr(i) - 1;
+  return 2 / (1 + std::sqrt(1 + alpha2 * tan2));
 }
 
 float toon_intensity(const Lobe& lobe, float angle) {
@@ -136,21 +137,17 @@ FacetValue Lobe::evaluate(const View& view, const Vec3& wi) const {
         const float lost = std::max(0.0f, 1 - (kPi * p[0] + p[1] * oren_nayar_g(cosine)));
         f = weight * (kWhite * (p[0] + p[1] * t) + multiple * (p[2] * lost)) * cosine;
       }
-      if (dot(n, view.ns) < 1 - 1e-6f) f *= bump_shadow(view.ns, n, wi);
-      return {f, cosine / kPi};
+      return {f * bump_shadow(view, n, wi), cosine / kPi};
     }
-    case LobeKind::kTranslucent: {
+    case LobeKind::kTranslucent:
       if (!(side < 0 && cosine < 0)) return {};
-      Rgb f = weight * (-cosine / kPi);
-      if (dot(n, view.ns) < 1 - 1e-6f) f *= bump_shadow(view.ns, n, wi);
-      return {f, -cosine / kPi};
-    }
+      return {weight * (-cosine / kPi), -cosine / kPi};
     case LobeKind::kSheen: {
       if (!(side > 0 && cosine > 0)) return {};
       const Vec3 w = to_local(wi);
       const float len2 = sqr(p[0] * w.x + p[1] * w.z) + sqr(p[0] * w.y) + sqr(w.z);
       const float pdf = w.z / kPi * sqr(p[0] / len2);
-      return {weight * pdf, pdf};
+      return {weight * (pdf * bump_shadow(view, n, wi)), pdf};
     }
     case LobeKind::kVelvet: {
       const float cos_o = dot(n, view.wo);
@@ -168,7 +165,8 @@ FacetValue Lobe::evaluate(const View& view, const Vec3& wi) const {
       if (!(side > 0 && cosine > 0) || !(dot(n, view.wo) > 0 || kind == LobeKind::kToonDiffuse)) return {};
       const float c = dot(toon_axis(*this, view.wo), wi), pdf = 1 / (2 * kPi * p[2]);
       if (c < 1 - p[2]) return {};
-      return {weight * (toon_intensity(*this, std::acos(std::min(c, 1.0f))) * pdf), pdf};
+      const float shadow = kind == LobeKind::kToonDiffuse ? bump_shadow(view, n, wi) : 1;
+      return {weight * (toon_intensity(*this, std::acos(std::min(c, 1.0f))) * pdf * shadow), pdf};
     }
     case LobeKind::kFacets: {
       if (facets.delta()) return {};

@@ -17,9 +17,6 @@ float Lobe::roughness() const {
   }
 }
 
-namespace {
-
-// Turns n towards ng until the mirror direction of wo stands a little above the surface; as it is where it already does.
 // In the plane of ng and n, with wo = (x, z) there and n at the angle a from ng, the mirror direction's height over the
 // surface is x sin 2a + z cos 2a.
 Vec3 valid_reflection(const View& view, const Vec3& n) {
@@ -35,6 +32,8 @@ Vec3 valid_reflection(const View& view, const Vec3& n) {
   const float a = 0.5f * (std::atan2(x, z) + std::acos(std::clamp(least / r, -1.0f, 1.0f)));
   return normalize(view.ng * std::cos(a) + axis * std::sin(a));
 }
+
+namespace {
 
 Vec3 rotate(const Vec3& v, const Vec3& axis, float angle) {  // Rodrigues
   const float c = std::cos(angle), s = std::sin(angle);

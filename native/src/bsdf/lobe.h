@@ -70,10 +70,13 @@ class LobeList {
   alignas(Lobe) std::byte storage_[sizeof(Lobe) * kMax];  // not a Lobe[]: the constructors would cost more than a hit
 };
 
+// n turned towards ng until the mirror direction of wo stands a little above the surface; n where it already does.
+Vec3 valid_reflection(const View& view, const Vec3& n);
+
 // What makes a lobe out of a closure's inputs. All inputs finite and in range.
 Lobe lambert_lobe(const Rgb& weight, const Vec3& n);
 Lobe oren_nayar_lobe(const View& view, const Rgb& weight, const Vec3& n, float roughness, const Rgb& color);
-Lobe translucent_lobe(const Rgb& weight, const Vec3& n);
+Lobe translucent_lobe(const View& view, const Rgb& weight, const Vec3& n);  // n as valid_reflection() makes it, as in Cycles
 Lobe sheen_lobe(const View& view, const Rgb& weight, const Vec3& n, float roughness);
 Lobe velvet_lobe(const View& view, const Rgb& weight, const Vec3& n, float sigma);
 Lobe toon_lobe(const Rgb& weight, const Vec3& n, bool glossy, float size, float smooth);

@@ -7,7 +7,7 @@ PrincipledInputs clean(const PrincipledInputs& inputs) {
   const auto unit = [](float& x, float fallback) { x = clean(x, 0, 1, fallback); };
   in.base_color = clean_color(in.base_color);
   in.specular_tint = clean_color(in.specular_tint);
-  in.coat_tint = clean_color(in.coat_tint);
+  in.coat_tint = min(clean_color(in.coat_tint), kWhite);
   in.sheen_tint = clean_color(in.sheen_tint);
   in.emission_color = clean_color(in.emission_color);
   unit(in.metallic, 0), unit(in.roughness, 0.5f), unit(in.diffuse_roughness, 0), unit(in.subsurface_weight, 0);
@@ -19,7 +19,7 @@ PrincipledInputs clean(const PrincipledInputs& inputs) {
   in.specular_level = clean(in.specular_level, 0, 1e6f, 0.5f);
   unit(in.anisotropic, 0);
   in.anisotropic_rotation = clean(in.anisotropic_rotation, -1e4f, 1e4f, 0);
-  in.emission_strength = clean(in.emission_strength, 0, 1e18f, 0);
+  in.emission_strength = clean(in.emission_strength, 0, 1e10f, 0);
   in.thin_film_thickness = clean(in.thin_film_thickness, 0, 1e5f, 0);
   in.thin_film_ior = clean(in.thin_film_ior, 1e-5f, 1e5f, 1.33f);
   if (!is_finite(in.tangent)) in.tangent = {};
@@ -105,7 +105,7 @@ void expand_principled(const Rgb& outer, const PrincipledInputs& in, const View&
     f.f0 = in.specular_tint * f0_from_ior(f.ior);
     f.transmit_tint = {std::sqrt(base.x), std::sqrt(base.y), std::sqrt(base.z)};
     f.film_thickness = in.thin_film_thickness;
-    f.film_ior = in.thin_film_ior;
+    f.film_ior = view.back ? in.thin_film_ior / in.ior : in.thin_film_ior;
     FacetShape isotropic = shape;
     isotropic.along = isotropic.across = 1;
     out.add(facet_lobe(view, weight * in.transmission_weight, normal, isotropic, f));

@@ -14,7 +14,7 @@ void expand_principled(const Rgb& weight, const PrincipledInputs& inputs, const 
 // Harmless numbers.
 inline float clean(float x, float low, float high, float fallback) { return std::isfinite(x) ? std::clamp(x, low, high) : fallback; }
 inline Rgb clean_color(const Rgb& c) {
-  constexpr float most = 1e18f;
+  constexpr float most = 1e10f;  // products of three must stay finite
   return {clean(c.x, 0, most, 0), clean(c.y, 0, most, 0), clean(c.z, 0, most, 0)};
 }
 
