@@ -1,6 +1,6 @@
 #include "photons.h"
 
-#include <cstring>
+#include "caustic_targets.h"
 
 namespace photon_splat {
 namespace {
@@ -92,6 +92,11 @@ bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const Phot
   return true;
 }
 
+PhotonStart PhotonTracer::start(uint64_t index, uint32_t seed) const {
+  if (targets_) return lights_.emit_towards(*targets_, index, seed);
+  return lights_.emit(lights_.primary(index, seed, guide_ ? &*guide_ : nullptr));
+}
+
 // All paths of a chunk advance by one ray at a time, in packets.
 void PhotonTracer::trace_chunk(uint64_t first, uint64_t count, double total, uint32_t seed, const KeyFilter& visible,
                                Chunk& chunk) const {
@@ -104,7 +109,7 @@ void PhotonTracer::trace_chunk(uint64_t first, uint64_t count, double total, uin
   chunk.directions.clear();
   chunk.useful.assign(count, 0);
   for (uint64_t index = first; index < first + count; ++index) {
-    const PhotonStart start = lights_.emit(lights_.primary(index, seed, guide_ ? &*guide_ : nullptr));
+    const PhotonStart start = this->start(index, seed);
     chunk.starts.push_back(start);
     Path path;
     path.power = start.power * static_cast<float>(1.0 / total);
@@ -177,6 +182,13 @@ const std::vector<Photon>& PhotonTracer::trace(uint64_t first, uint64_t count, d
 
 void PhotonTracer::learn_emission(uint64_t paths, uint32_t seed, const KeyFilter& visible, const CancelFlag& cancel) {
   if (lights_.total_power() <= 0 || max_bounces_ < 1) return;
+  if (stream_ == PhotonStream::kCaustic) {
+    targets_ = lights_.aim_at(caustic_targets(scene_));
+    trace(0, paths, static_cast<double>(paths), seed, visible, cancel);
+    for (uint64_t i = 0; i < paths; ++i) targets_->learn(start(i, seed), chunks_[i / kPathsPerChunk].useful[i % kPathsPerChunk]);
+    targets_->finish();
+    return;
+  }
   trace(0, paths, static_cast<double>(paths), seed, visible, cancel);
   EmissionGuide guide = lights_.make_guide();
   uint64_t useful_paths = 0;

@@ -55,9 +55,9 @@ class PhotonTracer {
   const PhotonCounts& counts() const { return counts_; }
 
   // Traces a pilot and learns from it where photons that end on visible surfaces start. Guided emission is taken up
-  // only where few unguided paths are of use.
+  // only where few unguided paths are of use. Caustic photons are aimed at what can focus light instead.
   void learn_emission(uint64_t paths, uint32_t seed, const KeyFilter& visible, const CancelFlag& cancel);
-  bool guided() const { return guide_.has_value(); }
+  bool guided() const { return guide_.has_value() || targets_.has_value(); }
 
   // For the benchmark: every ray that path tracing asks for, as origin, near, direction, far (8 floats a ray).
   std::vector<float>* ray_log = nullptr;
@@ -84,6 +84,7 @@ class PhotonTracer {
     std::vector<Vec3> origins, directions;
   };
   void trace_chunk(uint64_t first, uint64_t count, double total, uint32_t seed, const KeyFilter& visible, Chunk& chunk) const;
+  PhotonStart start(uint64_t index, uint32_t seed) const;
   bool shade(Path& path, const Surface& hit, const PhotonStart& start, uint64_t index, uint32_t seed, const KeyFilter& visible,
              Vec3& origin, Vec3& direction, std::vector<Photon>& photons) const;
   void store(const Path& path, const Surface& hit, const Vec3& direction, const KeyFilter& visible, std::vector<Photon>& photons) const;
@@ -95,6 +96,7 @@ class PhotonTracer {
   int max_bounces_;
   PhotonStream stream_;
   std::optional<EmissionGuide> guide_;
+  std::optional<EmissionTargets> targets_;
   std::vector<Chunk> chunks_;
   std::vector<Photon> photons_;
   PhotonCounts counts_;
