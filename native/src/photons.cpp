@@ -81,6 +81,8 @@ bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const Phot
   path.caustic *= s->diffuse ? 0 : sharpness(s->roughness);
   if (stream_ == PhotonStream::kCaustic && !(path.caustic > 0)) return false;
   path.power *= s->weight;
+  // Refraction scales power by the square of the relative index and undoes it on the way out: no reason to end a path.
+  if (s->transmitted) path.reference *= std::clamp(max_abs(s->weight), 0.1f, 10.0f);
   const float survival = std::min(1.0f, max_abs(path.power) / path.reference);
   if (!(survival > 0) || path.random.next() >= survival || !is_finite(path.power)) return false;
   path.power *= 1 / survival;
