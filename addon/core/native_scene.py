@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from .scene import Camera, Frame, Scene, Side
+from .scene import NO_PROGRAM, Camera, Frame, Mesh, Scene, Side
 from .settings import RenderSettings
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ def fill_renderer(renderer: Renderer, scene: Scene, settings: RenderSettings) ->
         raise ValueError("the scene has an instance whose place in the world is not finite")
     renderer.set_origin([float(c) for c in origin])
     _add_materials(renderer, scene)
-    for mesh in scene.meshes:
+    for index, mesh in enumerate(scene.meshes):
         with _naming(f"mesh '{mesh.name}'"):
             renderer.add_mesh(
                 np.ascontiguousarray(mesh.positions, np.float32),
@@ -48,6 +48,7 @@ def fill_renderer(renderer: Renderer, scene: Scene, settings: RenderSettings) ->
                 _contiguous(mesh.uv, np.float32),
                 _contiguous(mesh.slots, np.uint16),
             )
+            _add_mesh_shading(renderer, index, mesh)
     _add_instances(renderer, scene)
     _add_lights(renderer, scene)
     place_camera(renderer, scene.camera, scene.frame)
@@ -73,9 +74,14 @@ def replace_shading(renderer: Renderer, scene: Scene) -> None:
 def _add_materials(renderer: Renderer, scene: Scene) -> None:
     for texture in scene.textures:
         renderer.add_texture(np.ascontiguousarray(texture.pixels), texture.srgb, str(texture.interpolation), str(texture.extension))
+    for program in scene.programs:
+        renderer.add_program(program.name, program.code, program.constants, program.registers, int(program.features))
     for material in scene.materials:
         with _naming(f"material '{material.name}'"):
-            renderer.add_material(_side(material.front), _side(material.back))
+            if material.program != NO_PROGRAM:
+                renderer.add_program_material(material.program)
+            else:
+                renderer.add_material(_side(material.front), _side(material.back))
 
 
 def _add_lights(renderer: Renderer, scene: Scene) -> None:
@@ -102,13 +108,17 @@ def _add_lights(renderer: Renderer, scene: Scene) -> None:
         renderer.set_world_map(scene.world_map.texture, scene.world_map.mirror_ball, np.ascontiguousarray(rows))
     for sun in scene.sun_discs:
         renderer.add_sun_disc([float(c) for c in sun.direction], sun.half_angle, _rgb(sun.bottom), _rgb(sun.top), sun.horizon)
+    if scene.world_program != NO_PROGRAM:
+        renderer.set_world_program(scene.world_program)
 
 
 def place_camera(renderer: Renderer, camera: Camera, frame: Frame) -> None:
     """A renderer that is built takes it with set_view()."""
+    screen = [float(c) for c in camera.screen]
+    renderer.set_shading_view(np.ascontiguousarray(camera.matrix, np.float64), screen, camera.orthographic)
     renderer.set_camera(
         matrix=np.ascontiguousarray(camera.matrix, np.float64),
-        screen=[float(c) for c in camera.screen],
+        screen=screen,
         orthographic=camera.orthographic,
         clip_start=camera.clip_start,
         clip_end=camera.clip_end,
@@ -134,6 +144,15 @@ def _add_instances(renderer: Renderer, scene: Scene) -> None:
         scene.warnings.append(f"Mesh '{name}' stands in the scene flattened to nothing (a scale of 0); those instances are left out.")
     for mesh, matrix, material_set in zip(instances.mesh[~flat], matrices[~flat], instances.material_set[~flat], strict=True):
         renderer.add_instance(int(mesh), matrix, material_sets[int(material_set)])
+    for attribute in instances.attributes:
+        renderer.add_instance_attribute(attribute.id, np.ascontiguousarray(attribute.values[~flat], np.float32))
+
+
+def _add_mesh_shading(renderer: Renderer, index: int, mesh: Mesh) -> None:
+    for attribute in mesh.shading.attributes:
+        renderer.add_mesh_attribute(index, attribute.id, str(attribute.domain), np.ascontiguousarray(attribute.values))
+    if mesh.shading.generated is not None:
+        renderer.set_generated(index, list(mesh.shading.generated.scale), list(mesh.shading.generated.offset))
 
 
 @contextmanager

@@ -13,8 +13,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .shading import InstanceAttribute, MeshShading, Program
+
 Rgb = tuple[float, float, float]
 NO_TEXTURE = -1
+NO_PROGRAM = -1
 
 
 class Interpolation(StrEnum):
@@ -22,6 +25,7 @@ class Interpolation(StrEnum):
 
     LINEAR = "linear"
     CLOSEST = "closest"
+    CUBIC = "cubic"
 
 
 class Extension(StrEnum):
@@ -63,11 +67,15 @@ class Side:
 
 @dataclass(slots=True)
 class Material:
-    """A surface material; the two sides may differ (a Mix Shader driven by Geometry > Backfacing)."""
+    """A surface material; the two sides may differ (a Mix Shader driven by Geometry > Backfacing).
+
+    `program`: index into Scene.programs; then the sides are not read.
+    """
 
     name: str
     front: Side = field(default_factory=Side)
     back: Side = field(default_factory=Side)
+    program: int = NO_PROGRAM
 
 
 @dataclass(slots=True)
@@ -80,6 +88,8 @@ class Mesh:
     uv              (T, 3, 2) float32 of the render-active UV map, or None
     slots           (T,) uint16 material slot per triangle, or None: all 0
 
+    shading         what shader programs read beyond that
+
     No NaN, no infinity, no triangle of zero area (the exporter drops those and says so).
     """
 
@@ -89,6 +99,7 @@ class Mesh:
     corner_normals: NDArray[np.float32] | None = None
     uv: NDArray[np.float32] | None = None
     slots: NDArray[np.uint16] | None = None
+    shading: MeshShading = field(default_factory=MeshShading)
 
 
 @dataclass(slots=True)
@@ -98,11 +109,13 @@ class Instances:
     mesh          (I,) uint32 index into Scene.meshes
     matrix        (I, 4, 4) float64 local to world; negative determinants (mirroring) are fine
     material_set  (I,) uint32 index into Scene.material_sets
+    attributes    what shader programs read from instances
     """
 
     mesh: NDArray[np.uint32]
     matrix: NDArray[np.float64]
     material_set: NDArray[np.uint32]
+    attributes: list[InstanceAttribute] = field(default_factory=list)
 
     @classmethod
     def empty(cls) -> Instances:
@@ -255,8 +268,11 @@ class Frame:
 
 @dataclass(slots=True)
 class Scene:
-    """Everything a render needs. `world` is the radiance (W/m^2/sr) seen where a ray leaves the scene: constant, or the factor
-    of `world_map`; `sun_discs` come on top."""
+    """Everything a render needs.
+
+    `world` is the radiance (W/m^2/sr) seen where a ray leaves the scene: constant, or the factor of `world_map`; `sun_discs`
+    come on top. `world_program`, an index into `programs`, stands in the place of both where it is given.
+    """
 
     camera: Camera
     frame: Frame
@@ -266,9 +282,11 @@ class Scene:
     materials: list[Material] = field(default_factory=list)
     textures: list[Texture] = field(default_factory=list)
     lights: list[Light] = field(default_factory=list)
+    programs: list[Program] = field(default_factory=list)
     world: Rgb = (0.0, 0.0, 0.0)
     world_map: WorldMap | None = None
     sun_discs: list[SunDisc] = field(default_factory=list)
+    world_program: int = NO_PROGRAM
     warnings: list[str] = field(default_factory=list)
 
 

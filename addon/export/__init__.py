@@ -37,7 +37,7 @@ def export_contents(
     """
     from .images import Textures
     from .kept import Kept
-    from .materials import Materials
+    from .materials import Materials, Shading
     from .objects import Objects
     from .world import export_world
 
@@ -46,12 +46,14 @@ def export_contents(
     view_layer = depsgraph.view_layer_eval
     exported = Scene(camera, frame)
     textures = Textures(report, kept)
-    materials = Materials(textures, report)
+    shading = Shading(textures, report, depsgraph)
+    materials = Materials(shading)
     objects = Objects(materials, textures, report, kept)
     objects.collect(depsgraph, visible)
+    objects.collect_shading(depsgraph, shading.around.wants, *shading.wanted)
     export_world(getattr(view_layer, "world_override", None) or scene.world, textures, report, exported)
     exported.meshes, exported.instances = objects.meshes, objects.instances()
     exported.material_sets, exported.lights = objects.material_sets, objects.lights
-    exported.materials, exported.textures = materials.list, textures.list
+    exported.materials, exported.textures, exported.programs = materials.list, textures.list, shading.programs
     exported.warnings = report.messages()
     return exported

@@ -15,6 +15,7 @@ from .kept import Kept, identity
 
 MISSING_RGBA = (255, 0, 255, 255)  # what Cycles shows in place of an image that cannot be read
 LINEAR_SPACES = {"Linear Rec.709", "Linear", "Raw", "Non-Color", "Generic Data"}
+INTERPOLATIONS = {"Closest": Interpolation.CLOSEST, "Cubic": Interpolation.CUBIC, "Smart": Interpolation.CUBIC}
 EXTENSIONS = {"REPEAT": Extension.REPEAT, "EXTEND": Extension.EXTEND, "CLIP": Extension.CLIP, "MIRROR": Extension.MIRROR}
 
 
@@ -30,26 +31,27 @@ class Textures:
         self.list.append(texture)
         return len(self.list) - 1
 
-    def of_node(self, node: Any, owner: str) -> int:
-        """Index of the texture that an Image (or Environment) Texture node reads; `owner` is what warnings name."""
+    def of_node(self, node: Any, owner: str) -> tuple[int, bool]:
+        """Index of the texture that an Image (or Environment) Texture node reads, and whether its colours are times their alpha
+        (which they are not meant to be where somebody asks for the alpha); `owner` is what warnings name."""
         image = node.image
-        interpolation = Interpolation.CLOSEST if node.interpolation == "Closest" else Interpolation.LINEAR
+        interpolation = INTERPOLATIONS.get(node.interpolation, Interpolation.LINEAR)
         extension = EXTENSIONS.get(getattr(node, "extension", "REPEAT"), Extension.REPEAT)
-        straight = not any(socket.name == "Alpha" and socket.is_linked for socket in node.outputs)
         path = _path(image, node) if image else ""
-        key = (image.as_pointer() if image else 0, path, interpolation, extension, straight)
+        key = (image.as_pointer() if image else 0, path, interpolation, extension)
         if key not in self._known:
-            pixels, srgb = self._pixels(image, path, straight, owner)
+            pixels, srgb = self._pixels(image, path, owner)
             self._known[key] = self.add(Texture(image.name if image else "(none)", pixels, srgb, interpolation, extension))
-        return self._known[key]
+        associated = image is not None and image.alpha_mode in {"STRAIGHT", "PREMUL"} and not _is_data(image)
+        return self._known[key], associated
 
-    def _pixels(self, image: Any, path: str, associate: bool, owner: str) -> tuple[NDArray, bool]:
+    def _pixels(self, image: Any, path: str, owner: str) -> tuple[NDArray, bool]:
         if image is None or image.is_dirty or image.source == "MOVIE":
-            return _read(image, path, associate, owner, self._report)
+            return _read(image, path, owner, self._report)
         changed = os.stat(path).st_mtime_ns if os.path.isfile(path) else 0
         reading = (image.colorspace_settings.name, image.alpha_mode, image.source)
-        key = ("image", identity(image), path, changed, associate, owner, *reading)
-        return self._kept.get(key, (identity(image),), self._report, lambda report: _read(image, path, associate, owner, report))
+        key = ("image", identity(image), path, changed, owner, *reading)
+        return self._kept.get(key, (identity(image),), self._report, lambda report: _read(image, path, owner, report))
 
     def mean(self, index: int) -> NDArray[np.float64]:
         """Mean linear RGB of a texture."""
@@ -69,8 +71,8 @@ def srgb_to_linear(encoded: NDArray) -> NDArray:
     return np.where(encoded <= 0.04045, encoded / 12.92, ((np.maximum(encoded, 0.04045) + 0.055) / 1.055) ** 2.4).astype(encoded.dtype)
 
 
-def _read(image: Any, path: str, associate: bool, owner: str, report: Report) -> tuple[NDArray, bool]:
-    """Pixels and whether they are sRGB-encoded; pink where there is no image. `associate`: colour times alpha, as Cycles does."""
+def _read(image: Any, path: str, owner: str, report: Report) -> tuple[NDArray, bool]:
+    """Pixels, colour times alpha as Cycles has them, and whether they are sRGB-encoded; pink where there is no image."""
     if image is None:
         report.warn(f"{owner}: an image texture has no image; shown in pink")
         return _pink(), True
@@ -86,6 +88,8 @@ def _read(image: Any, path: str, associate: bool, owner: str, report: Report) ->
         report.warn(f"{owner}: {named}: {path or 'its file'} cannot be read; shown in pink")
         return _pink(), True
     srgb, is_data = _color_space(image, owner, report)
+    if image.alpha_mode == "NONE":
+        pixels[..., 3] = 255 if pixels.dtype == np.uint8 else 1.0
     if pixels.dtype != np.uint8:
         if from_file and srgb:
             pixels[..., :3] = srgb_to_linear(pixels[..., :3])
@@ -95,7 +99,7 @@ def _read(image: Any, path: str, associate: bool, owner: str, report: Report) ->
         return pixels, False
     # A byte buffer of Blender is straight whatever the file says; a file with premultiplied colours holds what Cycles shows.
     multiply = image.alpha_mode == "STRAIGHT" or (image.alpha_mode == "PREMUL" and not from_file)
-    if associate and multiply and not is_data and pixels[..., 3].min() < 255:
+    if multiply and not is_data and pixels[..., 3].min() < 255:
         alpha = pixels[..., 3:].astype(np.uint16)
         pixels[..., :3] = (pixels[..., :3] * alpha + 127) // 255
     return pixels, srgb
@@ -162,9 +166,8 @@ def _from_blender(image: Any) -> NDArray | None:
 
 def _color_space(image: Any, owner: str, report: Report) -> tuple[bool, bool]:
     """(sRGB-encoded, not a colour at all)."""
-    settings = image.colorspace_settings
-    name = settings.name
-    if getattr(settings, "is_data", False) or name in {"Non-Color", "Raw", "Generic Data"}:
+    name = image.colorspace_settings.name
+    if _is_data(image):
         return False, True
     if name == "sRGB":
         return True, False
@@ -173,6 +176,11 @@ def _color_space(image: Any, owner: str, report: Report) -> tuple[bool, bool]:
         report.warn(f"{owner}: image '{image.name}': colour space {name} is not supported; read as {nearest}")
         return nearest == "sRGB", False
     return False, False
+
+
+def _is_data(image: Any) -> bool:
+    settings = image.colorspace_settings
+    return bool(getattr(settings, "is_data", False)) or settings.name in {"Non-Color", "Raw", "Generic Data"}
 
 
 def _pink() -> NDArray[np.uint8]:

@@ -1,80 +1,145 @@
-"""Blender materials -> core.scene.Material."""
+"""Blender materials -> core.scene.Material, as a program or, where they come to no more than that, as two Lambertian sides."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import bpy
-import numpy as np
 
 from ..core.scene import Material, Side
+from ..core.shading import Feature, Program
 from ..report import Report
+from .compile.assemble import statement
+from .compile.compiler import Compiled, Compiler
+from .compile.node import Owner, Surroundings, Wants
+from .compile.reduce import lambertian
+from .compile.trees import Trees
+from .compile.values import ONE, ORIGIN, ZERO, Folding, Graph, number, vector
 from .images import Textures
-from .nodes import Source, output_node, source, uses_nodes
-from .shading import Closure, Reducer
+from .nodes import output_node, uses_nodes
 
 DEFAULT_NAME = "(default)"
+BLACK = Side((0.0, 0.0, 0.0))
+
+
+class Shading:
+    """What the trees of one scene share: programs, each once, textures, and what programs ask of meshes and instances."""
+
+    def __init__(self, textures: Textures, report: Report, depsgraph: Any = None) -> None:
+        self.programs: list[Program] = []
+        self.around = Surroundings(textures, report, Wants(), Trees(), depsgraph)
+        self.folding = Folding()
+
+    def add(self, program: Program) -> int:
+        self.programs.append(program)
+        return len(self.programs) - 1
+
+    def compile(self, owner: Owner, surface: Any, displacement: Any = None) -> Compiled:
+        return Compiler(owner, self.around, self.folding).surface(surface, displacement)
+
+    @property
+    def wanted(self) -> tuple[frozenset[int], frozenset[int]]:
+        """Ids of what programs read from meshes, and from instances."""
+        meshes = frozenset[int]().union(*(program.wants for program in self.programs))
+        return meshes, frozenset[int]().union(*(program.wants_instances for program in self.programs))
 
 
 class Materials:
     """The materials of one scene, each once. Indices point into `list`."""
 
-    def __init__(self, textures: Textures, report: Report) -> None:
+    def __init__(self, shading: Shading) -> None:
         self.list: list[Material] = []
-        self._textures, self._report = textures, report
+        self._shading = shading
         self._known: dict[tuple[int, str | None], int] = {}
+        self._any_uv_map: dict[int, int] = {}  # materials that are the same for every render-active UV map
 
-    def index(self, material: Any, user: str, uv_map: str | None = None) -> int:
-        """Index of a bpy.types.Material (None: Blender's default grey) on object `user` whose render-active UV map is `uv_map`."""
+    def index(self, material: Any, uv_map: str | None = None) -> int:
+        """Index of a bpy.types.Material (None: Blender's default) on an object whose render-active UV map is `uv_map`."""
         if material is None:
-            if bpy.app.version >= (5, 0, 0):  # its default became a Principled BSDF
-                self._report.warn(
-                    "No material: Blender's default is approximated by its base colour; specular reflection left out: {}", user
-                )
-            return self._remember((0, None), lambda: Material(DEFAULT_NAME))
-        key = (material.as_pointer(), uv_map)
-        return self._remember(key, lambda: export_material(material, self._textures, self._report, uv_map))
+            return self._remember((0, None), lambda: default_material(self._shading))
+        pointer = material.as_pointer()
+        if pointer in self._any_uv_map:
+            return self._any_uv_map[pointer]
+        owner = Owner(f"Material '{material.name}'", material, uv_map=uv_map)
+        index = self._remember((pointer, uv_map), lambda: export_material(material, owner, self._shading))
+        if not owner.asked_uv_map:
+            self._any_uv_map[pointer] = index
+        return index
 
-    def _remember(self, key: tuple[int, str | None], make: Any) -> int:
+    def _remember(self, key: tuple[int, str | None], make: Callable[[], Material]) -> int:
         if key not in self._known:
             self.list.append(make())
             self._known[key] = len(self.list) - 1
         return self._known[key]
 
 
-def export_material(material: Any, textures: Textures, report: Report, uv_map: str | None = None) -> Material:
-    """Reduce a material's node tree; without nodes its viewport colour is what Cycles takes, with an empty tree it is black."""
-    owner = f"Material '{material.name}'"
+def default_material(shading: Shading) -> Material:
+    """What an object without material looks like: a Principled BSDF from Blender 5.0 on, before that a diffuse surface."""
+    if bpy.app.version < (5, 0, 0):
+        return Material(DEFAULT_NAME)
+    return Material(DEFAULT_NAME, program=shading.add(_default_program(shading)))
+
+
+def _default_program(shading: Shading) -> Program:
+    white = vector((1.0, 1.0, 1.0))
+    zeros = ("metallic", "diffuse_roughness", "subsurface_weight", "anisotropic", "anisotropic_rotation", "transmission_weight")
+    zeros += ("coat_weight", "sheen_weight", "emission_strength", "thin_film_thickness")
+    given = dict.fromkeys(zeros, ZERO) | dict.fromkeys(("normal", "coat_normal", "tangent"), ORIGIN)
+    given |= dict.fromkeys(("specular_tint", "coat_tint", "sheen_tint", "emission_color"), white)
+    given |= {"weight": ONE, "base_color": vector((0.8, 0.8, 0.8)), "alpha": ONE, "coat_roughness": number(0.03)}
+    given |= dict.fromkeys(("roughness", "specular_level", "sheen_roughness"), number(0.5))
+    given |= dict.fromkeys(("ior", "coat_ior"), number(1.5)) | {"thin_film_ior": number(1.33)}
+    made = statement("Principled", distribution="MULTI_GGX", **given)
+    return Compiled(Graph(shading.folding), [made], Feature.GATHERS | Feature.REST).program(DEFAULT_NAME)
+
+
+def export_material(material: Any, owner: Owner, shading: Shading) -> Material:
+    """Without nodes its viewport colour is what Cycles takes, with an empty tree it is black."""
+    report = shading.around.report
     if not uses_nodes(material):
         r, g, b, _ = material.diffuse_color
         side = Side(base_color=(r, g, b))
         return Material(material.name, side, side)
     output = output_node(material.node_tree)
     if output is None:
-        return Material(material.name, Side((0.0, 0.0, 0.0)), Side((0.0, 0.0, 0.0)))
-    root = Source(output, None)
-    for name in ("Volume", "Displacement"):
-        found = root.input(name)
-        if found is not None and found.node is not None:
-            report.warn(f"{owner}, node '{found.node.name}': {name} not supported; left out")
-    surface = source(output.inputs["Surface"])
-    front, back = (
-        _side(Reducer(owner, textures, report, backfacing, uv_map).shader(surface), owner, textures, report) for backfacing in (False, True)
-    )
-    return Material(material.name, front, front if front == back else back)
+        return Material(material.name, BLACK, BLACK)
+    volume = shading.around.trees.feed(output.inputs["Volume"], ())
+    if volume is not None and volume.node is not None:
+        report.warn(f"{owner.name}, node '{volume.node.name}': Volume not supported; left out")
+    displacement = output.inputs["Displacement"]
+    if displacement.is_linked and getattr(material, "displacement_method", "BUMP") != "BUMP":
+        report.warn(f"{owner.name}: displacement of the surface itself is not supported; it bends normals as a bump")
+    compiled = shading.compile(owner, output.inputs["Surface"], displacement if displacement.is_linked else None)
+    sides = _sides(material, owner, compiled, output, shading)
+    if sides is not None:
+        return Material(material.name, *sides)
+    return Material(material.name, program=shading.add(compiled.program(material.name)))
 
 
-def _side(closure: Closure, owner: str, textures: Textures, report: Report) -> Side:
-    base, base_texture, exact = closure.diffuse.as_texture(textures)
-    emission, emission_texture, also_exact = closure.emission.as_texture(textures)
-    if not (exact and also_exact):
-        report.warn(f"{owner}: a sum of images of different sizes is approximated by its mean colour")
-    for name, value in (("base colour", base), ("emission", emission)):
-        if not np.isfinite(value).all():
-            report.warn(f"{owner}: its {name} is not a finite number; taken as black")
-    base = base if np.isfinite(base).all() else (0.0, 0.0, 0.0)
-    emission = emission if np.isfinite(emission).all() else (0.0, 0.0, 0.0)
+def _sides(material: Any, owner: Owner, compiled: Compiled, output: Any, shading: Shading) -> tuple[Side, Side] | None:
+    """The two sides of a material that comes to that, else None."""
+    if any(made.operation.name not in {"Diffuse", "Emission"} for made in compiled.statements):
+        return None
+    whole = lambertian(compiled)
+    if whole is not None:
+        side = _side(whole, owner, shading)
+        return side, side
+    if owner.normal is not None or "Backfacing" not in compiled.operations():
+        return None
+    found = []
+    for back in (False, True):
+        one = Owner(owner.name, material, back, owner.uv_map)
+        reduced = lambertian(shading.compile(one, output.inputs["Surface"]))
+        if reduced is None:
+            return None
+        found.append(_side(reduced, owner, shading))
+    return found[0], found[1]
+
+
+def _side(reduced: Any, owner: Owner, shading: Shading) -> Side:
+    (base, base_texture), (emission, emission_texture) = reduced
     if min(base) < 0.0 or min(emission) < 0.0:
-        report.warn(f"{owner}: negative colours are taken as 0")
+        shading.around.report.warn(f"{owner.name}: negative colours are taken as 0")
         base, emission = ((max(r, 0.0), max(g, 0.0), max(b, 0.0)) for r, g, b in (base, emission))
     return Side(base, base_texture, emission, emission_texture)

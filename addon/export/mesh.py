@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -14,8 +15,21 @@ from .arrays import read
 MAX_SLOT = np.iinfo(np.uint16).max
 
 
-def export_mesh(mesh: Any, name: str, report: Report) -> Mesh | None:
-    """The triangles of a bpy.types.Mesh, or None if it has none. `name` is the object that warnings name."""
+@dataclass(slots=True)
+class Triangles:
+    """The triangles of a Blender mesh that are rendered. They may be views of Blender's memory.
+
+    positions (V, 3); corners (T, 3) indices of loops; vertices (T, 3); kept: mask of the mesh's own triangles, None: all.
+    """
+
+    positions: NDArray[np.float32]
+    corners: NDArray[np.int32]
+    vertices: NDArray[np.int32]
+    kept: NDArray[np.bool_] | None
+
+
+def sound_triangles(mesh: Any, name: str, report: Report) -> Triangles | None:
+    """The triangles of a bpy.types.Mesh that have an area, or None if there are none. `name` is the object that warnings name."""
     if len(mesh.polygons) == 0:
         return None
     mesh.calc_loop_triangles()
@@ -28,30 +42,39 @@ def export_mesh(mesh: Any, name: str, report: Report) -> Mesh | None:
             return None
         positions = np.where(np.isfinite(positions), positions, np.float32(0.0))
         corners, vertices = corners[kept], vertices[kept]
+    return Triangles(positions, corners, vertices, kept)
+
+
+def export_mesh(mesh: Any, name: str, report: Report) -> Mesh | None:
+    """The triangles of a bpy.types.Mesh, or None if it has none. `name` is the object that warnings name."""
+    found = sound_triangles(mesh, name, report)
+    if found is None:
+        return None
     return Mesh(
         name=mesh.name,
-        positions=np.array(positions, np.float32),
-        triangles=vertices.astype(np.uint32),
-        corner_normals=_corner_normals(mesh, positions, corners, vertices),
-        uv=_uv(mesh, corners),
-        slots=_slots(mesh, kept),
+        positions=np.array(found.positions, np.float32),
+        triangles=found.vertices.astype(np.uint32),
+        corner_normals=_corner_normals(mesh, found.positions, found.corners, found.vertices),
+        uv=_uv(mesh, found.corners),
+        slots=_slots(mesh, found.kept),
     )
 
 
-def flattened(mesh: Mesh, matrix: NDArray[np.float64], name: str, report: Report) -> Mesh | None:
-    """`mesh` in world space under a `matrix` that squeezes it into a plane; None if nothing with an area is left."""
+def flattened(mesh: Mesh, matrix: NDArray[np.float64], name: str, report: Report) -> tuple[Mesh, NDArray[np.bool_] | None] | None:
+    """`mesh` in world space under a `matrix` that squeezes it into a plane, and which triangles are left; None if none has an area."""
     positions = (mesh.positions @ matrix[:3, :3].T + matrix[:3, 3]).astype(np.float32)
     kept = _sound_triangles(positions, mesh.triangles, name, report)
     selection: Any = slice(None) if kept is None else kept
     if kept is not None and not kept.any():
         return None
-    return Mesh(
+    flat = Mesh(
         name=mesh.name,
         positions=positions,
         triangles=mesh.triangles[selection],
         uv=None if mesh.uv is None else mesh.uv[selection],
         slots=None if mesh.slots is None else mesh.slots[selection],
     )
+    return flat, kept
 
 
 def _sound_triangles(positions: NDArray, vertices: NDArray, name: str, report: Report) -> NDArray[np.bool_] | None:

@@ -9,7 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core.scene import Instances, Light, Mesh
+from ..core.shading import InstanceAttribute
 from ..report import Report
+from .attributes import instance_value, mesh_shading, width_of
+from .compile.node import Wants
 from .images import Textures
 from .kept import Kept, identity
 from .lights import export_light
@@ -33,12 +36,15 @@ class Objects:
         self._sets: dict[tuple[int, ...], int] = {}
         self._rows: list[tuple[int, int]] = []
         self._matrices: list[NDArray[np.float64]] = []
+        self._row_of: dict[int, int] = {}  # by place in the graph's list of instances
+        self._attributes: list[InstanceAttribute] = []
+        self._flat: dict[int, NDArray[np.bool_] | None] = {}  # flattened meshes: which triangles are left
 
     def collect(self, depsgraph: Any, visible: Callable[[Any], bool] | None = None) -> None:
         """Nothing of what the graph's iterator hands out is kept: it reuses its objects."""
         view_layer = depsgraph.view_layer
         override = view_layer.material_override
-        for instance in depsgraph.object_instances:
+        for place, instance in enumerate(depsgraph.object_instances):
             ob = instance.object
             kind = ob.type
             if visible is not None and not visible(instance):
@@ -47,7 +53,10 @@ class Objects:
                 if instance.show_particles:
                     self._report_particles(ob)
                 if instance.show_self:
+                    before = len(self._rows)
                     self._add_mesh(ob, np.array(instance.matrix_world, np.float64), override, view_layer)
+                    if len(self._rows) > before:
+                        self._row_of[place] = before
             elif kind == "LIGHT":
                 if instance.show_self:
                     light = export_light(ob, np.array(instance.matrix_world, np.float64), self._textures, self._report)
@@ -56,11 +65,33 @@ class Objects:
             elif kind in UNSUPPORTED and instance.show_self:
                 self._report.warn(f"Not supported yet and left out, {UNSUPPORTED[kind]}: {{}}", ob.name)
 
+    def collect_shading(self, depsgraph: Any, wants: Wants, of_meshes: frozenset[int], of_instances: frozenset[int]) -> None:
+        """What programs read from meshes and instances (ids of `wants`). The graph has not changed since collect()."""
+        if not of_meshes and not of_instances:
+            return
+        names = {number: want for want, number in wants.ids.items()}
+        mesh_wants = {number: names[number] for number in sorted(of_meshes)}
+        instance_wants = {number: names[number] for number in sorted(of_instances)}
+        values = {number: np.zeros((len(self._rows), width_of(want)), np.float32) for number, want in instance_wants.items()}
+        done: set[int] = set()
+        for place, instance in enumerate(depsgraph.object_instances):
+            row = self._row_of.get(place)
+            if row is None:
+                continue
+            index = self._rows[row][0]
+            if mesh_wants and index not in done:
+                done.add(index)
+                ob = instance.object
+                self.meshes[index].shading = mesh_shading(ob.data, ob.name, mesh_wants, self._flat.get(index), self._report)
+            for number, want in instance_wants.items():
+                values[number][row] = instance_value(instance, want, depsgraph)
+        self._attributes = [InstanceAttribute(number, found) for number, found in values.items()]
+
     def instances(self) -> Instances:
         if not self._rows:
             return Instances.empty()
         rows = np.array(self._rows, np.uint32)
-        return Instances(rows[:, 0].copy(), np.stack(self._matrices), rows[:, 1].copy())
+        return Instances(rows[:, 0].copy(), np.stack(self._matrices), rows[:, 1].copy(), self._attributes)
 
     def _add_mesh(self, ob: Any, matrix: NDArray[np.float64], override: Any, view_layer: Any) -> None:
         data = ob.data
@@ -81,10 +112,13 @@ class Objects:
             self._set_of[key] = self._material_set(ob, data, index, override)
             self._report_visibility(ob, view_layer)
         if flat:
-            index = self._append(flattened(self.meshes[index], matrix, ob.name, self._report))
-            matrix = np.eye(4)
-            if index is None:
+            left = flattened(self.meshes[index], matrix, ob.name, self._report)
+            if left is None:
                 return
+            self.meshes.append(left[0])
+            index = len(self.meshes) - 1
+            self._flat[index] = left[1]
+            matrix = np.eye(4)
         self._rows.append((index, self._set_of[key]))
         self._matrices.append(matrix)
 
@@ -115,7 +149,7 @@ class Objects:
         """Index of the set for an object's slots, as long as the mesh's slots need: the last material serves those beyond."""
         uv_map = next((layer.name for layer in data.uv_layers if layer.active_render), None)
         found = [override] if override else [slot.material for slot in ob.material_slots] or [None]
-        indices = [self._materials.index(material, ob.name, uv_map) for material in found]
+        indices = [self._materials.index(material, uv_map) for material in found]
         slots = self.meshes[mesh_index].slots
         needed = 1 if slots is None else int(np.max(slots)) + 1
         indices += [indices[-1]] * (needed - len(indices))

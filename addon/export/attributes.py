@@ -1,0 +1,194 @@
+"""What shader programs read from meshes and instances beyond the geometry: only what some tree asks for."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..core.shading import GENERATED, Domain, GeneratedSpace, MeshAttribute, MeshShading
+from ..report import Report
+from .arrays import read, read_copy
+from .compile.inputs import property_value
+from .compile.node import Want
+from .mesh import Triangles, sound_triangles
+
+NUMBERS = {"FLOAT", "INT", "INT8", "BOOLEAN"}
+# Of a type of attribute: the property that holds its value, and how many numbers that is.
+STORED = {"FLOAT_VECTOR": ("vector", 3), "FLOAT2": ("vector", 2), "FLOAT_COLOR": ("color", 4), "QUATERNION": ("value", 4)}
+INSTANCE_WIDTHS = {"info/color": 4, "info/generated": 3, "info/uv": 3}
+PARTICLE_VECTORS = {"Location": "location", "Velocity": "velocity", "Angular Velocity": "angular_velocity"}
+
+
+def mesh_shading(mesh: Any, name: str, wants: dict[int, Want], left: NDArray[np.bool_] | None, report: Report) -> MeshShading:
+    """What `wants` (by id) of a bpy.types.Mesh; what it does not have is left out. `left`: triangles of the rendered ones that count."""
+    shading = MeshShading()
+    triangles = sound_triangles(mesh, name, Report())
+    if triangles is None:
+        return shading
+    if left is not None:
+        triangles.corners, triangles.vertices = triangles.corners[left], triangles.vertices[left]
+    for number, want in wants.items():
+        found: tuple[Domain, NDArray] | None = None
+        if number == GENERATED:
+            shading.generated, found = _generated(mesh)
+        elif want.kind == "tangent":
+            found = _tangents(mesh, want.name, name, triangles, report)
+        elif want.kind == "color":
+            found = _values(mesh, _color_attribute(mesh, want.name), triangles, left)
+        else:
+            found = _values(mesh, mesh.attributes.get(want.name), triangles, left)
+        if found is not None:
+            shading.attributes.append(MeshAttribute(number, *found))
+    return shading
+
+
+def _generated(mesh: Any) -> tuple[GeneratedSpace, tuple[Domain, NDArray] | None]:
+    """Linear in the position, and a value per vertex where a deformation has moved it from where it was."""
+    location, size = np.array(mesh.texspace_location, np.float64), np.array(mesh.texspace_size, np.float64)
+    scale = 0.5 / np.where(size != 0.0, size, 1.0)
+    offset = 0.5 - location * scale
+    space = GeneratedSpace(tuple(scale.tolist()), tuple(offset.tolist()))
+    now = read(mesh.vertices, "co", np.float32, 3)
+    before = read_copy(mesh.vertices, "undeformed_co", np.float32, 3)
+    if np.array_equal(now, before):
+        return space, None
+    return space, (Domain.POINT, (before * scale + offset).astype(np.float32))
+
+
+def _color_attribute(mesh: Any, name: str) -> Any:
+    if name:
+        return mesh.attributes.get(name)
+    index = mesh.color_attributes.render_color_index
+    return mesh.color_attributes[index] if 0 <= index < len(mesh.color_attributes) else None
+
+
+def _values(mesh: Any, attribute: Any, triangles: Triangles, left: NDArray[np.bool_] | None) -> tuple[Domain, NDArray] | None:
+    """A layer's values as the renderer has them, or None for what holds no numbers."""
+    if attribute is None or len(attribute.data) == 0:
+        return None
+    kind = attribute.data_type
+    if kind == "BYTE_COLOR":
+        encoded = read_copy(attribute.data, "color_srgb", np.float32, 4)
+        values: NDArray = np.rint(np.clip(encoded, 0.0, 1.0) * 255.0).astype(np.uint8)
+    elif kind in NUMBERS:
+        dtype = {"FLOAT": np.float32, "BOOLEAN": np.bool_}.get(kind, np.int32)
+        values = read_copy(attribute.data, "value", dtype).astype(np.float32)[:, None]
+    elif kind in STORED:
+        values = read_copy(attribute.data, STORED[kind][0], np.float32, STORED[kind][1])
+    else:
+        return None
+    if values.dtype == np.float32 and not np.isfinite(values).all():
+        values = np.nan_to_num(values, nan=0.0, posinf=0.0, neginf=0.0)
+    if attribute.domain == "POINT":
+        return Domain.POINT, values
+    if attribute.domain == "CORNER":
+        return Domain.CORNER, values[triangles.corners.ravel()]
+    if attribute.domain == "FACE":
+        faces = read(mesh.loop_triangle_polygons, "value", np.int32)
+        faces = faces if triangles.kept is None else faces[triangles.kept]
+        return Domain.FACE, values[faces if left is None else faces[left]]
+    if attribute.domain == "EDGE":
+        return Domain.POINT, _at_vertices(mesh, values.astype(np.float32))
+    return None
+
+
+def _at_vertices(mesh: Any, values: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Mean over the edges of each vertex."""
+    ends = read_copy(mesh.edges, "vertices", np.int32, 2)
+    total = np.zeros((len(mesh.vertices), values.shape[1]), np.float32)
+    for side in (0, 1):
+        np.add.at(total, ends[:, side], values)
+    return total / np.maximum(np.bincount(ends.ravel(), minlength=len(total)), 1)[:, None].astype(np.float32)
+
+
+def _tangents(mesh: Any, layer: str, name: str, triangles: Triangles, report: Report) -> tuple[Domain, NDArray] | None:
+    """(3 T, 4): tangents of corners, in the mesh's coordinates, and the sign of the bitangent. None: the renderer takes the triangles' own."""
+    active = next((one.name for one in mesh.uv_layers if one.active_render), "")
+    layer = layer or active
+    if layer not in mesh.uv_layers:
+        return None
+    try:
+        mesh.calc_tangents(uvmap=layer)
+    except RuntimeError as error:
+        report.warn(f"Object {{}}: tangents of its UV map are those of single triangles ({str(error).strip()})", name)
+        return None
+    values = np.empty((len(mesh.loops), 4), np.float32)
+    values[:, :3] = read_copy(mesh.loops, "tangent", np.float32, 3)
+    values[:, 3] = read_copy(mesh.loops, "bitangent_sign", np.float32)
+    mesh.free_tangents()
+    return Domain.CORNER, values[triangles.corners.ravel()]
+
+
+# --- instances ---
+
+
+def width_of(want: Want) -> int:
+    """Components of an attribute of instances."""
+    if want.kind in {"object", "instancer"}:
+        return 4
+    if want.kind == "particle":
+        return 3 if want.name in PARTICLE_VECTORS else 1
+    return INSTANCE_WIDTHS.get(f"{want.kind}/{want.name}", 1)
+
+
+def instance_value(instance: Any, want: Want, depsgraph: Any) -> Any:
+    """A number or tuple for one of the graph's instances; 0 where it has nothing of the kind."""
+    ob = instance.object
+    if want.kind == "info":
+        return _info(instance, ob, want.name)
+    if want.kind == "particle":
+        return _particle(instance, want.name, depsgraph)
+    owners = [ob, ob.data]
+    if want.kind == "instancer" and instance.is_instance and instance.parent is not None:
+        owners = [instance.parent, instance.parent.data, *owners]
+    return property_value(owners, want.name) or (0.0, 0.0, 0.0, 0.0)
+
+
+def _info(instance: Any, ob: Any, name: str) -> Any:
+    if name == "color":
+        return tuple(ob.color)
+    if name == "index":
+        return float(ob.pass_index)
+    if name == "random":
+        return (instance.random_id & 0xFFFFFFFF) / 0xFFFFFFFF
+    if not instance.is_instance:
+        return 0.0
+    if name == "generated":
+        return tuple(0.5 * v - 0.5 for v in instance.orco)
+    return (*instance.uv, 0.0)
+
+
+def _particle(instance: Any, name: str, depsgraph: Any) -> Any:
+    system = instance.particle_system
+    if system is None:
+        return 0.0
+    index = instance.persistent_id[0]
+    if not 0 <= index < len(system.particles):
+        return 0.0
+    particle = system.particles[index]
+    if name in PARTICLE_VECTORS:
+        return tuple(getattr(particle, PARTICLE_VECTORS[name]))
+    if name == "Index":
+        return float(index)
+    if name == "Random":
+        return _hash_unit(index)
+    if name == "Age":
+        return depsgraph.scene.frame_current_final - particle.birth_time
+    return particle.lifetime if name == "Lifetime" else particle.size
+
+
+def _hash_unit(value: int) -> float:
+    """Bob Jenkins' lookup3 (public domain) of (value, 0), scaled to 0..1."""
+
+    def turn(x: int, k: int) -> int:
+        return ((x << k) | (x >> (32 - k))) & 0xFFFFFFFF
+
+    start = (0xDEADBEEF + (2 << 2) + 13) & 0xFFFFFFFF
+    a, b, c = (start + value) & 0xFFFFFFFF, start, start
+    for k, (x, y) in zip((14, 11, 25, 16, 4, 14, 24), ("cb", "ac", "ba", "cb", "ac", "ba", "cb"), strict=True):
+        words = {"a": a, "b": b, "c": c}
+        words[x] = ((words[x] ^ words[y]) - turn(words[y], k)) & 0xFFFFFFFF
+        a, b, c = words["a"], words["b"], words["c"]
+    return c / 0xFFFFFFFF

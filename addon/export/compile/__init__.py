@@ -1,0 +1,1 @@
+"""Blender's shader node trees -> core.shading.Program."""
