@@ -152,7 +152,7 @@ def _info(instance: Any, ob: Any, name: str) -> Any:
     if name == "index":
         return float(ob.pass_index)
     if name == "random":
-        return (instance.random_id & 0xFFFFFFFF) / 0xFFFFFFFF
+        return (instance.random_id & 0xFFFFFFFF) / 0xFFFFFFFF if instance.is_instance else _hash_unit(_hash_name(ob.name))
     if not instance.is_instance:
         return 0.0
     if name == "generated":
@@ -163,7 +163,7 @@ def _info(instance: Any, ob: Any, name: str) -> Any:
 def _particle(instance: Any, name: str, depsgraph: Any) -> Any:
     system = instance.particle_system
     if system is None:
-        return 0.0
+        return _hash_unit(0) if name == "Random" else 0.0
     index = instance.persistent_id[0]
     if not 0 <= index < len(system.particles):
         return 0.0
@@ -177,6 +177,13 @@ def _particle(instance: Any, name: str, depsgraph: Any) -> Any:
     if name == "Age":
         return depsgraph.scene.frame_current_final - particle.birth_time
     return particle.lifetime if name == "Lifetime" else particle.size
+
+
+def _hash_name(name: str) -> int:
+    value = 0
+    for byte in name.encode():
+        value = (value * 37 + byte) & 0xFFFFFFFF
+    return value
 
 
 def _hash_unit(value: int) -> float:

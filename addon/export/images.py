@@ -96,12 +96,14 @@ def _read(image: Any, path: str, owner: str, report: Report) -> tuple[NDArray, b
         if not np.isfinite(pixels).all():
             report.warn(f"{owner}: {named} holds values that are not finite numbers; read as 0")
             pixels = np.nan_to_num(pixels, nan=0.0, posinf=0.0, neginf=0.0)
+        if image.alpha_mode == "STRAIGHT" and not is_data:
+            pixels[..., :3] *= pixels[..., 3:]
         return pixels, False
-    # A byte buffer of Blender is straight whatever the file says; a file with premultiplied colours holds what Cycles shows.
-    multiply = image.alpha_mode == "STRAIGHT" or (image.alpha_mode == "PREMUL" and not from_file)
+    # A file's byte buffer in Blender is straight whatever the file says; a file with premultiplied colours holds what Cycles shows.
+    multiply = image.alpha_mode == "STRAIGHT" or (image.alpha_mode == "PREMUL" and not from_file and image.source != "GENERATED")
     if multiply and not is_data and pixels[..., 3].min() < 255:
         alpha = pixels[..., 3:].astype(np.uint16)
-        pixels[..., :3] = (pixels[..., :3] * alpha + 127) // 255
+        pixels[..., :3] = pixels[..., :3] * alpha // 255
     return pixels, srgb
 
 

@@ -1,7 +1,7 @@
 """Node trees whose output Photon Splat and Cycles must agree on: one small tree per case, made by script.
 
 Most inputs are swept over the cell: sources "x" and "y" run from -2 to 2 across it, "u" and "v" from 0 to 1, "uv" is the UV
-coordinate, "p" the vector (x, y, x - y), "c" the colour (u, v, 1 - u).
+coordinate, "p" the vector (x, y, x - y), "c" the colour (u, v, 1 - u), "s" and "t" are p and y in steps, "h" is about v.
 """
 
 from __future__ import annotations
@@ -91,10 +91,13 @@ class Sources:
         return node.outputs[0]
 
     def _x(self) -> Any:
-        return self._math("MULTIPLY_ADD", self.get("u"), 4.0, -2.0)
+        return self._math("MULTIPLY_ADD", self.get("u"), 3.97, -1.96)
 
     def _y(self) -> Any:
-        return self._math("MULTIPLY_ADD", self.get("v"), 4.0, -2.0)
+        return self._math("MULTIPLY_ADD", self.get("v"), 4.03, -2.05)
+
+    def _h(self) -> Any:
+        return self._math("MULTIPLY_ADD", self.get("v"), 0.913, 0.071)
 
     def _combined(self, *parts: Any) -> Any:
         node = self.tree.nodes.new("ShaderNodeCombineXYZ")
@@ -104,6 +107,16 @@ class Sources:
 
     def _p(self) -> Any:
         return self._combined(self.get("x"), self.get("y"), self._math("SUBTRACT", self.get("x"), self.get("y")))
+
+    def _s(self) -> Any:
+        node = self.tree.nodes.new("ShaderNodeVectorMath")
+        node.operation = "SNAP"
+        self.tree.links.new(self.get("p"), node.inputs[0])
+        node.inputs[1].default_value = (0.37, 0.43, 0.29)
+        return node.outputs[0]
+
+    def _t(self) -> Any:
+        return self._math("SNAP", self.get("y"), 0.41)
 
     def _q(self) -> Any:
         return self._combined(self.get("y"), self.get("v"), self.get("x"))

@@ -18,7 +18,7 @@ def _math() -> list[Case]:
             inputs = {"Value": "x", "Value_001": "y", "Value_002": 0.4}
             properties = {"operation": operation, "use_clamp": clamp}
             found.append(Case(f"math {operation} {clamp}", "ShaderNodeMath", "Value", properties, inputs))
-    inputs = {"Value": "u", "Value_001": "v", "Value_002": "y"}
+    inputs = {"Value": "u", "Value_001": "h", "Value_002": "y"}
     found += [
         Case(f"math {operation} positive", "ShaderNodeMath", "Value", {"operation": operation}, inputs)
         for operation in ("POWER", "LOGARITHM", "SMOOTH_MIN", "SMOOTH_MAX", "WRAP", "COMPARE", "PINGPONG", "SNAP")

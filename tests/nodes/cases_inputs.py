@@ -39,7 +39,7 @@ def _hits() -> list[Case]:
                 found.append(Case(f"layer weight {output} {k} {thing}", "ShaderNodeLayerWeight", output, inputs={"Blend": blend}, thing=thing))
         for k, ior in enumerate((1.5, 0.7, "y")):
             found.append(Case(f"fresnel {k} {thing}", "ShaderNodeFresnel", "Fac", inputs={"IOR": ior}, thing=thing))
-        for axis in "XYZ":
+        for axis in "XYZ" if thing == "sphere" else "Z":  # around X and Y a plane has no direction
             properties = {"direction_type": "RADIAL", "axis": axis}
             found.append(Case(f"tangent {axis} {thing}", "ShaderNodeTangent", "Tangent", properties, thing=thing))
         for uv_map in ("", "Second"):

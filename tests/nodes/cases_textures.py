@@ -37,7 +37,7 @@ def _noises() -> list[Case]:
         found.append(Case(f"noise sweep {k}", "ShaderNodeTexNoise", "Fac", inputs={"Vector": "p", "Scale": 1.5} | inputs, noise=True))
     found.append(Case("noise on a sphere", "ShaderNodeTexNoise", "Color", inputs={"Scale": 3.0}, thing="sphere", noise=True))
     for dimensions in ("1D", "2D", "3D", "4D"):
-        inputs = {"Vector": "p", "W": "x"}
+        inputs = {"Vector": "s", "W": "t"}
         found += [
             Case(f"white noise {dimensions} {output}", "ShaderNodeTexWhiteNoise", output, {"noise_dimensions": dimensions}, inputs, noise=True)
             for output in ("Value", "Color")
@@ -173,6 +173,8 @@ def _images() -> list[Case]:
         "float": {"floats": True},
         "float data": {"floats": True, "space": "Non-Color"},
         "float straight": {"floats": True, "mode": "STRAIGHT"},
+        "float premultiplied": {"floats": True, "mode": "PREMUL"},
+        "premultiplied": {"mode": "PREMUL"},
         "linear bytes": {"space": "Linear Rec.709"},
     }
     for name, given in variants.items():

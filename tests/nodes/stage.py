@@ -17,7 +17,6 @@ from tests.nodes.cases import Case
 
 PIXELS = 32
 SHIFT = 64.0  # is added to what is emitted, so that nothing is negative
-SUBDIVISIONS = 4
 
 
 def build(cases: list[Case]) -> None:
@@ -63,10 +62,11 @@ def cell(picture: np.ndarray, k: int) -> np.ndarray:
 def _plane() -> Any:
     import bpy
 
-    # One cell, turned so that no axis lies along the rows of pixels' centres.
-    n = SUBDIVISIONS
-    vertices = [(i / n - 0.5, j / n - 0.5, 0.0) for j in range(n + 1) for i in range(n + 1)]
-    faces = [(j * (n + 1) + i, j * (n + 1) + i + 1, (j + 1) * (n + 1) + i + 1, (j + 1) * (n + 1) + i) for j in range(n) for i in range(n)]
+    # Three by five pieces: no diagonal runs through pixels' centres all along.
+    columns, rows = 3, 5
+    vertices = [(i / columns - 0.5, j / rows - 0.5, 0.0) for j in range(rows + 1) for i in range(columns + 1)]
+    first = [j * (columns + 1) + i for j in range(rows) for i in range(columns)]
+    faces = [face for a in first for face in ((a, a + 1, a + columns + 2), (a, a + columns + 2, a + columns + 1))]
     mesh = bpy.data.meshes.new("Plane")
     mesh.from_pydata(vertices, [], faces)
     _layers(mesh, lambda v: (v.co.x + 0.5, v.co.y + 0.5))
@@ -136,8 +136,8 @@ def _material(case: Case) -> Any:
     return made
 
 
-def cycles(cases: list[Case]) -> np.ndarray:
-    """The board as Cycles renders it: (height, width, 3), row 0 at the bottom, without the shift."""
+def cycles() -> tuple[np.ndarray, np.ndarray]:
+    """The board as Cycles renders it, without the shift, and where its samples hit: (height, width, 3) each, row 0 at the bottom."""
     import bpy
 
     scene = bpy.context.scene
@@ -148,7 +148,26 @@ def cycles(cases: list[Case]) -> np.ndarray:
     settings.sample_clamp_direct = settings.sample_clamp_indirect = 0.0
     settings.pixel_filter_type, settings.filter_width = "BOX", 0.01
     settings.max_bounces = 0
-    render = scene.render
+    picture = _rendered() - SHIFT
+    where = bpy.data.materials.new("Where")
+    if bpy.app.version < (5, 0, 0):
+        where.use_nodes = True
+    tree = where.node_tree
+    tree.nodes.clear()
+    output, emission, geometry = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("OutputMaterial", "Emission", "NewGeometry"))
+    tree.links.new(geometry.outputs["Position"], emission.inputs["Color"])
+    tree.links.new(emission.outputs[0], output.inputs["Surface"])
+    layer = scene.view_layers[0]
+    layer.material_override = where
+    positions = _rendered()
+    layer.material_override = None
+    return picture, positions
+
+
+def _rendered() -> np.ndarray:
+    import bpy
+
+    render = bpy.context.scene.render
     if hasattr(render.image_settings, "media_type"):
         render.image_settings.media_type = "IMAGE"
     render.image_settings.file_format = "OPEN_EXR"
@@ -162,30 +181,34 @@ def cycles(cases: list[Case]) -> np.ndarray:
         image.pixels.foreach_get(pixels)
         size = tuple(image.size)
         bpy.data.images.remove(image)
-    return pixels.reshape(size[1], size[0], -1)[..., :3].astype(np.float64) - SHIFT
+    return pixels.reshape(size[1], size[0], -1)[..., :3].astype(np.float64)
 
 
-def ours(cases: list[Case]) -> tuple[np.ndarray, list[str]]:
-    """The same of our programs, and the exporter's warnings."""
+def ours(positions: np.ndarray) -> tuple[np.ndarray, list[str]]:
+    """What our programs emit at `positions` (black where there is nothing), and the exporter's warnings."""
     import bpy
     from photon_splat.core import native
     from photon_splat.core.native_scene import fill_renderer, world_bounds
     from photon_splat.core.settings import RenderSettings
-    from photon_splat.export import export_scene
+    from photon_splat.export import export_scene, materials
 
-    scene = export_scene(bpy.context.evaluated_depsgraph_get())
+    plain = materials._sides
+    materials._sides = lambda *_: None  # everything as a program
+    try:
+        scene = export_scene(bpy.context.evaluated_depsgraph_get())
+    finally:
+        materials._sides = plain
     renderer = native.load().Renderer(0)
     fill_renderer(renderer, scene, RenderSettings())
     renderer.build()
     origin = world_bounds(scene).mean(axis=0)
-    width, height = scene.frame.width, scene.frame.height
-    left, right, bottom, top = scene.camera.screen
-    y, x = np.mgrid[:height, :width]
-    points = np.stack([left + (x + 0.5) / width * (right - left), bottom + (y + 0.5) / height * (top - bottom), 0.0 * x], axis=-1)
-    points = points.reshape(-1, 3) + scene.camera.matrix[:3, 3] - origin
+    height, width = positions.shape[:2]
+    points = positions.reshape(-1, 3).copy()
+    nothing = ~points.any(axis=1)
+    points[:, 2] = scene.camera.matrix[2, 3]
     down = np.tile(np.array([[0.0, 0.0, -1.0]], np.float32), (len(points), 1))
-    found = renderer.shade_rays(points.astype(np.float32), down, footprint=(right - left) / width)
-    picture = found["emission"].reshape(height, width, 3).astype(np.float64)
-    missed = ~found["hit"].reshape(height, width).astype(bool)
-    picture[missed] = 0.0
-    return picture - SHIFT, list(scene.warnings)
+    left, right, *_ = scene.camera.screen
+    found = renderer.shade_rays((points - origin).astype(np.float32), down, footprint=(right - left) / width)
+    picture = found["emission"].astype(np.float64) - SHIFT
+    picture[nothing | ~found["hit"].astype(bool)] = -SHIFT
+    return picture.reshape(height, width, 3), list(scene.warnings)

@@ -9,7 +9,7 @@ import bpy
 
 from .inputs import uv
 from .node import Node, label
-from .values import ORIGIN, ZERO, Value, number, vector
+from .values import ONE, ORIGIN, ZERO, Value, number, vector
 
 Outputs = dict[str, Value]
 
@@ -22,7 +22,12 @@ def coordinates(n: Node, default: Value | None = None) -> Value:
     """What the Vector input brings (or else `default`, or Generated coordinates), moved by the node's own texture mapping."""
     point = n.values.get("Vector") or default or n.generated()
     matrix = texture_matrix(n.node.texture_mapping)
-    return point if matrix is None else n.graph.one("TransformPoint", point=point, matrix=matrix)
+    if matrix is None:
+        return point
+    moved = n.graph.one("TransformPoint", point=point, matrix=matrix)
+    if n.node.texture_mapping.vector_type != "NORMAL":
+        return moved
+    return n.graph.add("VectorMath", a=moved, b=moved, c=moved, scale=ONE, operation="NORMALIZE")["vector"]
 
 
 def texture_matrix(mapping: Any) -> tuple[float, ...] | None:
