@@ -13,6 +13,7 @@ from ..core.scene import Extension, Interpolation, Texture
 from ..report import Report
 from .kept import Kept, identity
 
+BLENDER_5 = bpy.app.version >= (5, 0, 0)
 MISSING_RGBA = (255, 0, 255, 255)  # what Cycles shows in place of an image that cannot be read
 LINEAR_SPACES = {"Linear Rec.709", "Linear", "Raw", "Non-Color", "Generic Data"}
 INTERPOLATIONS = {"Closest": Interpolation.CLOSEST, "Cubic": Interpolation.CUBIC, "Smart": Interpolation.CUBIC}
@@ -31,9 +32,8 @@ class Textures:
         self.list.append(texture)
         return len(self.list) - 1
 
-    def of_node(self, node: Any, owner: str) -> tuple[int, bool]:
-        """Index of the texture that an Image (or Environment) Texture node reads, and whether its colours are times their alpha
-        (which they are not meant to be where somebody asks for the alpha); `owner` is what warnings name."""
+    def of_node(self, node: Any, owner: str) -> int:
+        """Index of the texture that an Image (or Environment) Texture node reads; `owner` is what warnings name."""
         image = node.image
         interpolation = INTERPOLATIONS.get(node.interpolation, Interpolation.LINEAR)
         extension = EXTENSIONS.get(getattr(node, "extension", "REPEAT"), Extension.REPEAT)
@@ -42,8 +42,7 @@ class Textures:
         if key not in self._known:
             pixels, srgb = self._pixels(image, path, owner)
             self._known[key] = self.add(Texture(image.name if image else "(none)", pixels, srgb, interpolation, extension))
-        associated = image is not None and image.alpha_mode in {"STRAIGHT", "PREMUL"} and not _is_data(image)
-        return self._known[key], associated
+        return self._known[key]
 
     def _pixels(self, image: Any, path: str, owner: str) -> tuple[NDArray, bool]:
         if image is None or image.is_dirty or image.source == "MOVIE":
@@ -56,6 +55,11 @@ class Textures:
     def mean(self, index: int) -> NDArray[np.float64]:
         """Mean linear RGB of a texture."""
         return linear_rgb(self.list[index]).reshape(-1, 3).mean(axis=0, dtype=np.float64)
+
+
+def is_associated(image: Any) -> bool:
+    """True if the colours of its texture are times their alpha (which they are not meant to be where a tree asks for the alpha)."""
+    return image is not None and image.alpha_mode in {"STRAIGHT", "PREMUL"} and not _is_data(image)
 
 
 def linear_rgb(texture: Texture) -> NDArray[np.float32]:
@@ -96,11 +100,13 @@ def _read(image: Any, path: str, owner: str, report: Report) -> tuple[NDArray, b
         if not np.isfinite(pixels).all():
             report.warn(f"{owner}: {named} holds values that are not finite numbers; read as 0")
             pixels = np.nan_to_num(pixels, nan=0.0, posinf=0.0, neginf=0.0)
-        if image.alpha_mode == "STRAIGHT" and not is_data:
+        if image.alpha_mode == "STRAIGHT" and not is_data and (from_file or BLENDER_5):
             pixels[..., :3] *= pixels[..., 3:]
         return pixels, False
-    # A file's byte buffer in Blender is straight whatever the file says; a file with premultiplied colours holds what Cycles shows.
-    multiply = image.alpha_mode == "STRAIGHT" or (image.alpha_mode == "PREMUL" and not from_file and image.source != "GENERATED")
+    # A byte buffer of Blender is straight whatever the file says (generated ones only before 5.0); a file with premultiplied
+    # colours holds what Cycles shows.
+    straight_buffer = not from_file and not (BLENDER_5 and image.source == "GENERATED")
+    multiply = image.alpha_mode == "STRAIGHT" or (image.alpha_mode == "PREMUL" and straight_buffer)
     if multiply and not is_data and pixels[..., 3].min() < 255:
         alpha = pixels[..., 3:].astype(np.uint16)
         pixels[..., :3] = pixels[..., :3] * alpha // 255

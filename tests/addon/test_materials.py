@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from photon_splat.core.shading import Feature
 
 from tests.addon import stage
 from tests.addon.blender import in_blender
@@ -221,34 +222,86 @@ def test_groups_reroutes_and_muted_nodes() -> None:
 
 
 @in_blender
-def test_what_is_approximated_is_named() -> None:
+def test_what_is_more_than_lambert_becomes_a_program() -> None:
     glossy = stage.material("Mirror", (0.75, 0.5, 0.25), "ShaderNodeBsdfAnisotropic")
     noisy, tree = stage.empty_material("Noisy")
     shader, noise = tree.nodes.new("ShaderNodeBsdfDiffuse"), tree.nodes.new("ShaderNodeTexNoise")
-    noise.label = "Grain"
     tree.links.new(noise.outputs["Color"], shader.inputs["Color"])
     stage.surface(tree, shader)
-    metal, tree = stage.empty_material("Metal")
-    principled = tree.nodes.new("ShaderNodeBsdfPrincipled")
-    principled.inputs["Metallic"].default_value = 1
-    stage.surface(tree, principled)
-    for k, made in enumerate((glossy, noisy, metal)):
+    plastic, tree = stage.empty_material("Plastic")
+    stage.surface(tree, tree.nodes.new("ShaderNodeBsdfPrincipled"))
+    glowing, tree = stage.empty_material("Glowing")
+    glow, wave = tree.nodes.new("ShaderNodeEmission"), tree.nodes.new("ShaderNodeTexWave")
+    tree.links.new(wave.outputs["Color"], glow.inputs["Color"])
+    stage.surface(tree, glow)
+    for k, made in enumerate((glossy, noisy, plastic, glowing)):
         stage.plane(f"P{k}").data.materials[0] = made
     what = stage.exported()
-    assert np.allclose(what.materials[0].front.base_color, (0.75, 0.5, 0.25))
-    for words in (("Mirror", "approximated"), ("Noisy", "Grain", "approximated"), ("Metal", "Principled BSDF", "Metallic")):
-        stage.the_one_warning(what, lambda warning, words=words: all(word in warning for word in words))
+    features = [what.programs[material.program].features for material in what.materials]
+    assert features == [Feature.REST, Feature.GATHERS, Feature.GATHERS | Feature.REST, Feature.EMITS]
+    assert what.warnings == []
+
+
+@in_blender
+def test_features_of_programs() -> None:
+    def principled(**inputs: float) -> Feature:
+        made, tree = stage.empty_material("Made")
+        shader = tree.nodes.new("ShaderNodeBsdfPrincipled")
+        for name, value in inputs.items():
+            shader.inputs[name.replace("_", " ")].default_value = value
+        stage.surface(tree, shader)
+        ob.data.materials[0] = made
+        what = stage.exported()
+        return what.programs[what.materials[0].program].features
+
+    ob = stage.plane()
+    matte = Feature.GATHERS | Feature.REST
+    assert principled(Roughness=0.2) == matte | Feature.SHARP
+    assert principled(Coat_Weight=1.0, Coat_Roughness=0.0) == matte | Feature.SHARP
+    assert principled(Metallic=1.0) == Feature.REST
+    assert principled(Alpha=0.5) == matte | Feature.TRANSPARENT
+    assert principled(Emission_Strength=2.0) == matte | Feature.EMITS | Feature.CONSTANT_EMISSION
+    assert principled(Emission_Strength=2.0, Coat_Weight=0.5) & (Feature.EMITS | Feature.CONSTANT_EMISSION) == Feature.EMITS
+
+
+@in_blender
+def test_only_what_programs_ask_for_is_exported() -> None:
+    ob = stage.plane()
+    mesh = ob.data
+    mesh.uv_layers.new(name="UV")
+    mesh.uv_layers.new(name="Other")
+    mesh.color_attributes.new("Tone", "BYTE_COLOR", "CORNER")
+    made, tree = stage.empty_material("Plain")
+    shader = tree.nodes.new("ShaderNodeBsdfPrincipled")
+    stage.surface(tree, shader)
+    mesh.materials[0] = made
+    what = stage.exported()
+    assert (what.meshes[0].shading.attributes, what.meshes[0].shading.generated, what.instances.attributes) == ([], None, [])
+    tone, other, info = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("VertexColor", "UVMap", "ObjectInfo"))
+    tone.layer_name, other.uv_map = "Tone", "Other"
+    for source, target in ((tone.outputs["Color"], "Base Color"), (other.outputs[0], "Specular Tint"), (info.outputs["Random"], "Roughness")):
+        tree.links.new(source, shader.inputs[target])
+    what = stage.exported()
+    assert sorted((str(a.domain), a.values.shape) for a in what.meshes[0].shading.attributes) == [("corner", (6, 2)), ("corner", (6, 4))]
+    assert [a.values.shape for a in what.instances.attributes] == [(1, 1)]
+    assert what.meshes[0].shading.generated is None
 
 
 @in_blender
 def test_no_material_and_an_empty_slot() -> None:
+    import bpy
+
     ob = stage.plane()
     ob.data.materials.clear()
     for k in range(2):
         if k:
             ob.data.materials.append(None)
         what = stage.exported()
-        assert np.allclose(what.materials[0].front.base_color, 0.8)
+        if bpy.app.version >= (5, 0, 0):
+            assert what.programs[what.materials[0].program].features == Feature.GATHERS | Feature.REST
+        else:
+            assert np.allclose(what.materials[0].front.base_color, 0.8)
+        assert what.warnings == []
 
 
 @in_blender
@@ -265,9 +318,9 @@ def test_values_that_are_no_colour() -> None:
     for k, material in enumerate((made, negative)):
         stage.plane(f"P{k}").data.materials[0] = material
     what = stage.exported()
-    assert [m.front.base_color for m in what.materials] == [(0, 0, 0), (0.5, 0, 0.5)]
+    assert [m.front.base_color for m in what.materials] == [(0, 0.5, 0.5), (0.5, 0, 0.5)]
     assert what.warnings == [
-        "Material 'Cursed': its base colour is not a finite number; taken as black",
+        "Material 'Cursed', node 'Diffuse BSDF': its Color is not a finite number; taken as 0",
         "Material 'Negative': negative colours are taken as 0",
     ]
 

@@ -222,6 +222,39 @@ def _muted_without_way(tree: Any) -> Any:
     return sum_of.outputs[0]
 
 
+def _loose_reroute(tree: Any) -> Any:
+    """Links that come from nowhere."""
+    reroute, invert = tree.nodes.new("NodeReroute"), tree.nodes.new("ShaderNodeInvert")
+    input_of(invert, "Color").default_value = (0.2, 0.4, 0.6, 1.0)
+    tree.links.new(reroute.outputs[0], input_of(invert, "Color"))
+    return invert.outputs[0]
+
+
+def _muted_group(tree: Any) -> Any:
+    outer = _number_group(tree).node
+    outer.mute = True
+    return outer.outputs[0]
+
+
+def _whole_group(tree: Any) -> Any:
+    """A number that goes through an integer and a switch."""
+    import bpy
+
+    group = bpy.data.node_groups.new("Whole", "ShaderNodeTree")
+    group.interface.new_socket("Count", in_out="INPUT", socket_type="NodeSocketInt")
+    group.interface.new_socket("Switch", in_out="INPUT", socket_type="NodeSocketBool")
+    group.interface.new_socket("Result", in_out="OUTPUT", socket_type="NodeSocketFloat")
+    start, ending, sum_of = (group.nodes.new(kind) for kind in ("NodeGroupInput", "NodeGroupOutput", "ShaderNodeMath"))
+    for k in range(2):
+        group.links.new(start.outputs[k], sum_of.inputs[k])
+    group.links.new(sum_of.outputs[0], ending.inputs[0])
+    outer = tree.nodes.new("ShaderNodeGroup")
+    outer.node_tree = group
+    for socket in outer.inputs[:2]:
+        tree.links.new(Sources(tree).get("x"), socket)
+    return outer.outputs[0]
+
+
 def _reroutes(tree: Any) -> Any:
     socket = Sources(tree).get("c")
     for _ in range(5):
@@ -262,7 +295,8 @@ def _object_coordinates(tree: Any) -> Any:
 def _trees() -> list[Case]:
     made: dict[str, Callable[[Any], Any]] = {f"{depth} groups": _group(depth) for depth in (1, 2, 8)}
     made |= {"number group": _number_group, "muted": _muted(True), "muted unlinked": _muted(False), "muted link": _muted_link}
-    made |= {"muted without way": _muted_without_way, "reroutes": _reroutes, "object coordinates": _object_coordinates}
+    made |= {"muted without way": _muted_without_way, "reroutes": _reroutes, "loose reroute": _loose_reroute, "object coordinates": _object_coordinates}
+    made |= {"muted group": _muted_group, "whole group": _whole_group}
     made |= {f"texture mapping {kind}": _texture_mapping(kind) for kind in ("POINT", "TEXTURE", "VECTOR", "NORMAL")}
     return [Case(name, "", "", build=build) for name, build in made.items()]
 

@@ -89,15 +89,18 @@ def _sphere() -> Any:
 
 def _layers(mesh: Any, uv: Any) -> None:
     """Two UV maps, two colour attributes and attributes of every domain."""
-    first, second = (mesh.uv_layers.new(name=name) for name in ("First", "Second"))
-    corners = mesh.color_attributes.new("Bytes", "BYTE_COLOR", "CORNER")
-    floats = mesh.color_attributes.new("Floats", "FLOAT_COLOR", "POINT")
-    number = mesh.attributes.new("Number", "FLOAT", "POINT")
-    where = mesh.attributes.new("Where", "FLOAT_VECTOR", "CORNER")
-    whole = mesh.attributes.new("Whole", "INT", "FACE")
-    edge = mesh.attributes.new("Edge", "FLOAT", "EDGE")
-    flag = mesh.attributes.new("Flag", "BOOLEAN", "FACE")
-    pair = mesh.attributes.new("Pair", "FLOAT2", "POINT")
+    for name in ("First", "Second"):
+        mesh.uv_layers.new(name=name)
+    mesh.color_attributes.new("Bytes", "BYTE_COLOR", "CORNER")
+    mesh.color_attributes.new("Floats", "FLOAT_COLOR", "POINT")
+    kinds = {"Number": ("FLOAT", "POINT"), "Where": ("FLOAT_VECTOR", "CORNER"), "Whole": ("INT", "FACE"), "Edge": ("FLOAT", "EDGE")}
+    kinds |= {"Flag": ("BOOLEAN", "FACE"), "Pair": ("FLOAT2", "POINT")}
+    for name, (kind, domain) in kinds.items():
+        mesh.attributes.new(name, kind, domain)
+    # A new layer may move the ones that are there.
+    first, second = (mesh.uv_layers[name] for name in ("First", "Second"))
+    corners, floats = mesh.attributes["Bytes"], mesh.attributes["Floats"]
+    number, where, whole, edge, flag, pair = (mesh.attributes[name] for name in kinds)
     for loop in mesh.loops:
         v = mesh.vertices[loop.vertex_index]
         x, y = uv(v)

@@ -211,11 +211,11 @@ class Compiler:
         """The evaluated value of `feed` as it arrives in a socket of kind `to_type`."""
         if feed.node is None:
             holder = Node(feed.socket.node, feed.groups, self.graph, self.owner, self.around)
-            value = holder.own_value(feed.socket) or ZERO
+            value = ZERO if feed.empty else holder.own_value(feed.socket) or ZERO
         else:
             found = self._values[_key(feed.node, feed.groups, place)].get(feed.socket.identifier)
             value = ZERO if found is None else found
-        kind = feed.socket.type
+        kind = "VALUE" if feed.empty else feed.socket.type
         for passed in (*reversed(feed.types), to_type):
             value = self.graph.convert(value, kind, passed)
             kind = passed

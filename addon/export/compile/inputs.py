@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+import bpy
+
 from .node import Node
 from .values import NONE, ONE, ORIGIN, ZERO, Value, number, vector
 
@@ -189,7 +191,9 @@ def normal_map(n: Node) -> Outputs:
     tangent_id = n.around.wants.id("tangent", node.uv_map) if node.space == "TANGENT" else NONE
     uv_of = uv_id(n, node.uv_map) if node.space == "TANGENT" else NONE
     strength = n.number("Strength", 1.0)
-    return {"Normal": n.graph.one("NormalMap", strength=strength, color=color, space=node.space, tangent=tangent_id, uv=uv_of)}
+    unit = bpy.app.version >= (5, 0, 0)
+    found = n.graph.one("NormalMap", strength=strength, color=color, space=node.space, tangent=tangent_id, uv=uv_of, unit_normal=unit)
+    return {"Normal": found}
 
 
 def bump(n: Node) -> Outputs:

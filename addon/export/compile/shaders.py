@@ -148,6 +148,9 @@ def principled(n: Node, weight: Value) -> Made:
     alpha, specular, anisotropic = n.number("Alpha", 1.0), n.number("Specular IOR Level", 0.5), n.number("Anisotropic")
     ior = n.number("IOR", 1.5)
     emission_color, emission_strength = n.color("Emission Color"), n.number("Emission Strength")
+    layers = ("Transmission Weight", "Coat Weight", "Sheen Weight")
+    if alpha == ONE and specular == ZERO and metal == ZERO and all(weights[name] == ZERO for name in layers):
+        return _matte(n, weight, emission_color, emission_strength)
     made = statement(
         "Principled",
         weight=weight,
@@ -199,6 +202,14 @@ def principled(n: Node, weight: Value) -> Made:
     if n.number("Diffuse Roughness") != ZERO:
         features |= Feature.REST
     return [made], features
+
+
+def _matte(n: Node, weight: Value, emission_color: Value, emission_strength: Value) -> Made:
+    """A Principled BSDF that has nothing but its diffuse layer and emission."""
+    roughness = n.number("Diffuse Roughness")
+    made = statement("Diffuse", weight=weight, color=n.color("Base Color"), normal=n.closure_normal(), roughness=roughness)
+    shining, features = emitted(n, n.graph.multiply(weight, emission_strength), emission_color)
+    return [made, *shining], features | Feature.GATHERS | (Feature(0) if roughness == ZERO else Feature.REST)
 
 
 def _as_diffuse(what: str, color: str) -> Callable[[Node, Value], Made]:

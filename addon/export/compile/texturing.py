@@ -7,6 +7,7 @@ from typing import Any
 
 import bpy
 
+from ..images import is_associated
 from .inputs import uv
 from .node import Node, label
 from .values import ONE, ORIGIN, ZERO, Value, number, vector
@@ -59,21 +60,21 @@ def texture_matrix(mapping: Any) -> tuple[float, ...] | None:
 
 def image(n: Node) -> Outputs:
     node = n.node
-    index, unassociate = n.around.textures.of_node(node, f"{n.owner.name}, node '{label(node)}'")
+    index = n.around.textures.of_node(node, f"{n.owner.name}, node '{label(node)}'")
     found = n.graph.add(
         "ImageTexture",
         vector=coordinates(n, uv(n, "")),
         image=index,
         projection=node.projection,
         projection_blend=number(node.projection_blend),
-        unassociate=unassociate and n.wanted("Alpha"),
+        unassociate=n.wanted("Alpha") and is_associated(node.image),
     )
     return {"Color": found["color"], "Alpha": found["alpha"]}
 
 
 def environment(n: Node) -> Outputs:
     node = n.node
-    index, _ = n.around.textures.of_node(node, f"{n.owner.name}, node '{label(node)}'")
+    index = n.around.textures.of_node(node, f"{n.owner.name}, node '{label(node)}'")
     where = coordinates(n, n.graph.one("Geometry", what="POSITION"))
     return {"Color": n.graph.add("EnvironmentTexture", vector=where, image=index, projection=node.projection, unassociate=False)["color"]}
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+import bpy
+
 Groups = tuple[Any, ...]
 
 
@@ -13,13 +15,18 @@ class Feed:
     """What feeds an input: output `socket` of `node`, or (node is None) an input `socket` with its own value.
 
     `groups` are the group nodes around it, outermost first. `types` are the kinds of sockets that the value passes on its
-    way, the last one first: it is converted to each of them.
+    way, the last one first: it is converted to each of them. `empty`: the value is 0 whatever the socket says.
     """
 
     node: Any
     socket: Any
     groups: Groups
     types: tuple[str, ...] = ()
+    empty: bool = False
+
+
+# Blender 5 takes groups apart before a renderer sees them: what passes their sockets is not converted to their kind any more.
+INLINED = bpy.app.version >= (5, 0, 0)
 
 
 class Trees:
@@ -45,23 +52,27 @@ class Trees:
         asked = Feed(None, socket, groups)
         types: list[str] = []
         passed: set[tuple[int, int]] = set()
+        loose = False
         while True:
             mark = (socket.as_pointer(), len(groups))
             if mark in passed:
                 return None
             passed.add(mark)
             link = self.link(socket)
+            if link is None and loose:
+                return asked if INLINED else Feed(None, socket, groups, tuple(types), empty=True)
             if link is None:
-                return Feed(None, socket, groups, tuple(types))
+                return Feed(None, socket, groups, () if INLINED else tuple(types))
+            loose = False
             node, output = link.from_node, link.from_socket
             if node.type == "REROUTE":
-                socket = node.inputs[0]
+                socket, loose = node.inputs[0], True
             elif node.mute:
                 inner = next((inner.from_socket for inner in node.internal_links if inner.to_socket == output), None)
                 if inner is None:
                     return asked
                 types.append(output.type)
-                socket = inner
+                socket, loose = inner, True
             elif node.type == "GROUP":
                 inner = self._group_input(node, output.identifier)
                 if inner is None:
@@ -75,7 +86,7 @@ class Trees:
                 types.append(output.type)
                 socket, groups = outer, groups[:-1]
             else:
-                return Feed(node, output, groups, tuple(types))
+                return Feed(node, output, groups, () if INLINED else tuple(types))
 
     def _group_input(self, group: Any, identifier: str) -> Any:
         """The input of a group's output node that stands for one of its outputs, or None."""

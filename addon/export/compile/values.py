@@ -173,24 +173,11 @@ class Graph:
     def convert(self, value: Value, from_type: str, to_type: str) -> Value:
         """As Cycles converts where a link joins sockets of different types (VALUE, VECTOR, RGBA and what is handled like them)."""
         wide = to_type in {"VECTOR", "RGBA", "ROTATION", "SHADER"}
-        if value.width == 1:
-            if to_type in {"INT", "BOOLEAN"}:
-                return self.whole(value, to_type)
-            return self.one("Spread", value=value) if wide else value
-        if wide:
-            return value
-        if from_type == "RGBA":
-            value = self.one("Luminance", color=value)
-        else:
-            value = self.one("Average", value=value)
-        return self.whole(value, to_type) if to_type in {"INT", "BOOLEAN"} else value
-
-    def whole(self, value: Value, to_type: str) -> Value:
-        zero = ZERO
-        if to_type == "INT":
-            return self.one("Math", a=value, b=zero, c=zero, operation="TRUNC", use_clamp=False)
-        equal = self.one("Math", a=value, b=zero, c=zero, operation="COMPARE", use_clamp=False)
-        return self.one("OneMinus", a=equal)
+        if value.width == 3 and not wide:
+            value = self.one("Luminance", color=value) if from_type == "RGBA" else self.one("Average", value=value)
+        if to_type in {"INT", "BOOLEAN"}:
+            return self.one("Math", a=value, b=ZERO, c=ZERO, operation="TRUNC", use_clamp=False)
+        return self.one("Spread", value=value) if wide and value.width == 1 else value
 
 
 class Folding:
