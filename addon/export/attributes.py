@@ -100,11 +100,15 @@ def _at_vertices(mesh: Any, values: NDArray[np.float32]) -> NDArray[np.float32]:
     total = np.zeros((len(mesh.vertices), values.shape[1]), np.float32)
     for side in (0, 1):
         np.add.at(total, ends[:, side], values)
-    return total / np.maximum(np.bincount(ends.ravel(), minlength=len(total)), 1)[:, None].astype(np.float32)
+    counts = np.maximum(np.bincount(ends.ravel(), minlength=len(total)), 1).astype(np.float32)
+    return (total / counts[:, None]).astype(np.float32)
 
 
 def _tangents(mesh: Any, layer: str, name: str, triangles: Triangles, report: Report) -> tuple[Domain, NDArray] | None:
-    """(3 T, 4): tangents of corners, in the mesh's coordinates, and the sign of the bitangent. None: the renderer takes the triangles' own."""
+    """(3 T, 4): tangents of corners, in the mesh's coordinates, and the sign of the bitangent.
+
+    None: the renderer takes the triangles' own.
+    """
     active = next((one.name for one in mesh.uv_layers if one.active_render), "")
     layer = layer or active
     if layer not in mesh.uv_layers:
@@ -194,8 +198,11 @@ def _hash_unit(value: int) -> float:
 
     start = (0xDEADBEEF + (2 << 2) + 13) & 0xFFFFFFFF
     a, b, c = (start + value) & 0xFFFFFFFF, start, start
-    for k, (x, y) in zip((14, 11, 25, 16, 4, 14, 24), ("cb", "ac", "ba", "cb", "ac", "ba", "cb"), strict=True):
-        words = {"a": a, "b": b, "c": c}
-        words[x] = ((words[x] ^ words[y]) - turn(words[y], k)) & 0xFFFFFFFF
-        a, b, c = words["a"], words["b"], words["c"]
+    c = ((c ^ b) - turn(b, 14)) & 0xFFFFFFFF
+    a = ((a ^ c) - turn(c, 11)) & 0xFFFFFFFF
+    b = ((b ^ a) - turn(a, 25)) & 0xFFFFFFFF
+    c = ((c ^ b) - turn(b, 16)) & 0xFFFFFFFF
+    a = ((a ^ c) - turn(c, 4)) & 0xFFFFFFFF
+    b = ((b ^ a) - turn(a, 14)) & 0xFFFFFFFF
+    c = ((c ^ b) - turn(b, 24)) & 0xFFFFFFFF
     return c / 0xFFFFFFFF

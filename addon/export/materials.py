@@ -83,8 +83,8 @@ def default_material(shading: Shading) -> Material:
 
 def _default_program(shading: Shading) -> Program:
     white = vector((1.0, 1.0, 1.0))
-    zeros = ("metallic", "diffuse_roughness", "subsurface_weight", "anisotropic", "anisotropic_rotation", "transmission_weight")
-    zeros += ("coat_weight", "sheen_weight", "emission_strength", "thin_film_thickness")
+    zeros: tuple[str, ...] = ("metallic", "diffuse_roughness", "subsurface_weight", "anisotropic", "anisotropic_rotation")
+    zeros += ("transmission_weight", "coat_weight", "sheen_weight", "emission_strength", "thin_film_thickness")
     given = dict.fromkeys(zeros, ZERO) | dict.fromkeys(("normal", "coat_normal", "tangent"), ORIGIN)
     given |= dict.fromkeys(("specular_tint", "coat_tint", "sheen_tint", "emission_color"), white)
     given |= {"weight": ONE, "base_color": vector((0.8, 0.8, 0.8)), "alpha": ONE, "coat_roughness": number(0.03)}

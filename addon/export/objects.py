@@ -3,22 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from dataclasses import replace
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..core.scene import Instances, Light, Mesh
-from ..core.shading import InstanceAttribute
+from ..core.shading import InstanceAttribute, MeshShading
 from ..report import Report
 from .attributes import instance_value, mesh_shading, width_of
-from .compile.node import Wants
+from .compile.node import Want, Wants
 from .images import Textures
 from .kept import Kept, identity
 from .lights import export_light
 from .materials import Materials
 from .mesh import export_mesh, flattened
 
+Value = TypeVar("Value")
 UNSUPPORTED = {"CURVES": "hair curves", "VOLUME": "volumes", "POINTCLOUD": "point clouds", "GREASEPENCIL": "grease pencil objects"}
 RAYS = ("visible_camera", "visible_diffuse", "visible_shadow")
 
@@ -82,10 +84,17 @@ class Objects:
             if mesh_wants and index not in done:
                 done.add(index)
                 ob = instance.object
-                self.meshes[index].shading = mesh_shading(ob.data, ob.name, mesh_wants, self._flat.get(index), self._report)
+                self.meshes[index] = replace(self.meshes[index], shading=self._shading(ob, mesh_wants, self._flat.get(index)))
             for number, want in instance_wants.items():
                 values[number][row] = instance_value(instance, want, depsgraph)
         self._attributes = [InstanceAttribute(number, found) for number, found in values.items()]
+
+    def _shading(self, ob: Any, wants: dict[int, Want], left: NDArray[np.bool_] | None) -> MeshShading:
+        def make(report: Report) -> MeshShading:
+            return _with_mesh(ob, lambda mesh: mesh_shading(mesh, ob.name, wants, left, report))
+
+        known_as = ("shading", *_known_as(ob), tuple(wants.items()), left is not None and left.tobytes())
+        return self._kept.get(known_as, _made_of(ob), self._report, make)
 
     def instances(self) -> Instances:
         if not self._rows:
@@ -97,9 +106,7 @@ class Objects:
         data = ob.data
         pointer = data.as_pointer()
         if pointer not in self._mesh_of:
-            made_of = (identity(ob), identity(ob.original.data))
-            known_as = ("mesh", pointer, *made_of, len(data.vertices), len(data.polygons))
-            mesh = self._kept.get(known_as, made_of, self._report, lambda report: _mesh(ob, data, report))
+            mesh = self._kept.get(("mesh", *_known_as(ob)), _made_of(ob), self._report, lambda report: _exported(ob, report))
             self._mesh_of[pointer] = self._append(mesh)
         index = self._mesh_of[pointer]
         if index is None:
@@ -179,10 +186,24 @@ class Objects:
             self._report.warn("Light linking of emitting objects is not supported yet; ignored for: {}", ob.name)
 
 
-def _mesh(ob: Any, data: Any, report: Report) -> Mesh | None:
-    if not data.is_editmode:
-        return export_mesh(data, ob.name, report)
+def _made_of(ob: Any) -> tuple[int, int]:
+    return identity(ob), identity(ob.original.data)
+
+
+def _known_as(ob: Any) -> tuple[int, ...]:
+    data = ob.data
+    return (data.as_pointer(), *_made_of(ob), len(data.vertices), len(data.polygons))
+
+
+def _exported(ob: Any, report: Report) -> Mesh | None:
+    return _with_mesh(ob, lambda mesh: export_mesh(mesh, ob.name, report))
+
+
+def _with_mesh(ob: Any, make: Callable[[Any], Value]) -> Value:
+    """What `make` makes of an object's mesh."""
+    if not ob.data.is_editmode:
+        return make(ob.data)
     try:  # in edit mode the arrays of the mesh itself are not up to date
-        return export_mesh(ob.to_mesh(), ob.name, report)
+        return make(ob.to_mesh())
     finally:
         ob.to_mesh_clear()

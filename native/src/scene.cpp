@@ -94,8 +94,7 @@ void Scene::build(const CancelFlag& cancel) {
   std::vector<uint32_t> uses(meshes.size());
   for (const Instance& instance : instances) ++uses[instance.mesh];
   world_to_object.clear();
-  if (!programs.empty())
-    for (const Instance& instance : instances) world_to_object.push_back(instance.to_local);
+  for (const Instance& instance : instances) world_to_object.push_back(instance.to_local);
   for (Instance& instance : instances) {
     instance.shared = uses[instance.mesh] > 1;
     if (instance.shared) continue;

@@ -108,7 +108,7 @@ class Scene {
   std::vector<SunDisc> sun_discs;
   ShadingView view;        // for programs
   std::vector<InstanceAttribute> instance_attributes;
-  std::vector<Affine> world_to_object;  // of each instance, shared or not; filled by build() where there are programs
+  std::vector<Affine> world_to_object;  // of each instance, shared or not; filled by build()
   double origin[3] = {0, 0, 0};
 
   // Adds a mesh placed by a matrix that is already relative to `origin`.

@@ -279,7 +279,11 @@ def test_only_what_programs_ask_for_is_exported() -> None:
     assert (what.meshes[0].shading.attributes, what.meshes[0].shading.generated, what.instances.attributes) == ([], None, [])
     tone, other, info = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("VertexColor", "UVMap", "ObjectInfo"))
     tone.layer_name, other.uv_map = "Tone", "Other"
-    for source, target in ((tone.outputs["Color"], "Base Color"), (other.outputs[0], "Specular Tint"), (info.outputs["Random"], "Roughness")):
+    for source, target in (
+        (tone.outputs["Color"], "Base Color"),
+        (other.outputs[0], "Specular Tint"),
+        (info.outputs["Random"], "Roughness"),
+    ):
         tree.links.new(source, shader.inputs[target])
     what = stage.exported()
     assert sorted((str(a.domain), a.values.shape) for a in what.meshes[0].shading.attributes) == [("corner", (6, 2)), ("corner", (6, 4))]

@@ -128,7 +128,9 @@ def _curves() -> list[Case]:
 
 def _colors() -> list[Case]:
     found = []
-    for k, inputs in enumerate(({"Hue": "u", "Saturation": 1.3}, {"Hue": 0.6, "Saturation": "v", "Value": "u"}, {"Fac": "u", "Value": 1.7})):
+    for k, inputs in enumerate(
+        ({"Hue": "u", "Saturation": 1.3}, {"Hue": 0.6, "Saturation": "v", "Value": "u"}, {"Fac": "u", "Value": 1.7})
+    ):
         found.append(Case(f"hsv {k}", "ShaderNodeHueSaturation", "Color", inputs=inputs | {"Color": "c"}))
     found.append(Case("bright", "ShaderNodeBrightContrast", "Color", inputs={"Color": "c", "Bright": "x", "Contrast": "y"}))
     found.append(Case("gamma", "ShaderNodeGamma", "Color", inputs={"Color": "c", "Gamma": "y"}))

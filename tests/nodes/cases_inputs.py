@@ -36,7 +36,9 @@ def _hits() -> list[Case]:
         found.append(Case(f"uv map absent {thing}", "ShaderNodeUVMap", "UV", {"uv_map": "No such"}, thing=thing))
         for k, blend in enumerate((0.5, 0.2, 0.8, "u")):
             for output in ("Fresnel", "Facing"):
-                found.append(Case(f"layer weight {output} {k} {thing}", "ShaderNodeLayerWeight", output, inputs={"Blend": blend}, thing=thing))
+                found.append(
+                    Case(f"layer weight {output} {k} {thing}", "ShaderNodeLayerWeight", output, inputs={"Blend": blend}, thing=thing)
+                )
         for k, ior in enumerate((1.5, 0.7, "y")):
             found.append(Case(f"fresnel {k} {thing}", "ShaderNodeFresnel", "Fac", inputs={"IOR": ior}, thing=thing))
         for axis in "XYZ" if thing == "sphere" else "Z":  # around X and Y a plane has no direction
@@ -62,11 +64,11 @@ def _turn(node: Any) -> None:
 def _attributes() -> list[Case]:
     found = []
     for name in ("Number", "Where", "Whole", "Flag", "Pair", "Edge", "Bytes", "Floats", "First", "No such", "position"):
-        for output in ("Color", "Vector", "Fac", "Alpha"):
-            found.append(Case(f"attribute {name} {output}", "ShaderNodeAttribute", output, {"attribute_name": name}))
+        outputs: tuple[str, ...] = ("Color", "Vector", "Fac", "Alpha")
+        found += [Case(f"attribute {name} {o}", "ShaderNodeAttribute", o, {"attribute_name": name}) for o in outputs]
     for name in ("Bytes", "Floats", ""):
-        for output in ("Color", "Alpha"):
-            found.append(Case(f"color attribute {name} {output}", "ShaderNodeVertexColor", output, {"layer_name": name}, thing="sphere"))
+        outputs = ("Color", "Alpha")
+        found += [Case(f"color attribute {name} {o}", "ShaderNodeVertexColor", o, {"layer_name": name}, thing="sphere") for o in outputs]
     for kind, name in (("OBJECT", "own"), ("OBJECT", "own_vector"), ("OBJECT", "color"), ("OBJECT", "missing"), ("INSTANCER", "own")):
         for output in ("Color", "Fac", "Alpha"):
             properties = {"attribute_type": kind, "attribute_name": name}
@@ -295,7 +297,12 @@ def _object_coordinates(tree: Any) -> Any:
 def _trees() -> list[Case]:
     made: dict[str, Callable[[Any], Any]] = {f"{depth} groups": _group(depth) for depth in (1, 2, 8)}
     made |= {"number group": _number_group, "muted": _muted(True), "muted unlinked": _muted(False), "muted link": _muted_link}
-    made |= {"muted without way": _muted_without_way, "reroutes": _reroutes, "loose reroute": _loose_reroute, "object coordinates": _object_coordinates}
+    made |= {
+        "muted without way": _muted_without_way,
+        "reroutes": _reroutes,
+        "loose reroute": _loose_reroute,
+        "object coordinates": _object_coordinates,
+    }
     made |= {"muted group": _muted_group, "whole group": _whole_group}
     made |= {f"texture mapping {kind}": _texture_mapping(kind) for kind in ("POINT", "TEXTURE", "VECTOR", "NORMAL")}
     return [Case(name, "", "", build=build) for name, build in made.items()]

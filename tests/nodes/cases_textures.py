@@ -39,7 +39,14 @@ def _noises() -> list[Case]:
     for dimensions in ("1D", "2D", "3D", "4D"):
         inputs = {"Vector": "s", "W": "t"}
         found += [
-            Case(f"white noise {dimensions} {output}", "ShaderNodeTexWhiteNoise", output, {"noise_dimensions": dimensions}, inputs, noise=True)
+            Case(
+                f"white noise {dimensions} {output}",
+                "ShaderNodeTexWhiteNoise",
+                output,
+                {"noise_dimensions": dimensions},
+                inputs,
+                noise=True,
+            )
             for output in ("Value", "Color")
         ]
     found.append(Case("white noise alone", "ShaderNodeTexWhiteNoise", "Color", noise=True))
@@ -87,9 +94,8 @@ def _waves() -> list[Case]:
 
 
 def _patterns() -> list[Case]:
-    found = []
-    for kind in enum("ShaderNodeTexGradient", "gradient_type"):
-        found.append(Case(f"gradient {kind}", "ShaderNodeTexGradient", "Fac", {"gradient_type": kind}, {"Vector": "p"}))
+    kinds = enum("ShaderNodeTexGradient", "gradient_type")
+    found = [Case(f"gradient {kind}", "ShaderNodeTexGradient", "Fac", {"gradient_type": kind}, {"Vector": "p"}) for kind in kinds]
     found.append(Case("gradient generated", "ShaderNodeTexGradient", "Color", thing="sphere"))
     for depth in range(11):
         properties = {"turbulence_depth": depth}
@@ -103,7 +109,9 @@ def _patterns() -> list[Case]:
         properties: dict[str, Any] = {"offset": 0.3, "squash": 1.4, "offset_frequency": 3, "squash_frequency": 2}
         found.append(Case(f"brick {output}", "ShaderNodeTexBrick", output, properties, inputs))
         found.append(Case(f"brick plain {output}", "ShaderNodeTexBrick", output, inputs={"Vector": "p"}))
-    found.append(Case("brick swept", "ShaderNodeTexBrick", "Color", inputs={"Vector": "p", "Bias": "x", "Mortar Smooth": "v", "Mortar Size": 0.1}))
+    found.append(
+        Case("brick swept", "ShaderNodeTexBrick", "Color", inputs={"Vector": "p", "Bias": "x", "Mortar Smooth": "v", "Mortar Size": 0.1})
+    )
     return found
 
 

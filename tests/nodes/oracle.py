@@ -54,8 +54,12 @@ def compare(names: list[str], every: int, dump: Path | None = None) -> dict[str,
             failed[case.name] = {"differ": share, "rest": rest}
     seconds = {"cycles": rendered - started, "ours": time.monotonic() - rendered}
     if dump is not None:
-        cells = {case.name: (stage.cell(ours, k), stage.cell(truth, k)) for k, case in enumerate(cases) if case.name in failed or len(cases) < 40}
-        np.savez(dump, **{f"{name}/{who}": cell for name, both in cells.items() for who, cell in zip(("ours", "cycles"), both, strict=True)})
+        cells = {
+            case.name: (stage.cell(ours, k), stage.cell(truth, k)) for k, case in enumerate(cases) if case.name in failed or len(cases) < 40
+        }
+        np.savez(
+            dump, **{f"{name}/{who}": cell for name, both in cells.items() for who, cell in zip(("ours", "cycles"), both, strict=True)}
+        )
     return {"total": len(cases), "passed": len(cases) - len(failed), "failed": failed, "warnings": warnings, "seconds": seconds}
 
 

@@ -68,7 +68,8 @@ def assemble(name: str, graph: Graph, statements: list[Statement], features: Fea
             order.append(("label", None))
     code.emit(order)
     words, constants = code.finish()
-    wants, wants_instances = set(), set()
+    wants: set[int] = set()
+    wants_instances: set[int] = set()
     for index in homes:
         instruction = graph.instructions[index]
         if _uses_generated(instruction):

@@ -138,8 +138,9 @@ class Compiler:
         else:
             fraction = self.graph.one("ClampUnit", a=self.value(node.inputs[0], feed.groups))
             factors = [self.graph.one("OneMinus", a=fraction), fraction]
-        sockets = [socket for socket in node.inputs if socket.type == "SHADER"]
-        found = [(self._shader_feed(socket, feed.groups), factor) for socket, factor in zip(sockets, factors, strict=True) if factor != ZERO]
+        sockets = (socket for socket in node.inputs if socket.type == "SHADER")
+        used = [(socket, factor) for socket, factor in zip(sockets, factors, strict=True) if factor != ZERO]
+        found = [(self._shader_feed(socket, feed.groups), factor) for socket, factor in used]
         return [(part, factor) for part, factor in found if part is not None]
 
     def _shader_feed(self, socket: Any, groups: Groups) -> Feed | None:
@@ -292,7 +293,8 @@ class Compiler:
         """False for nodes that give nothing: links from them count as not there."""
         entry = NODES.get(feed.node.type)
         if feed.socket.type == "SHADER":
-            self.around.report.warn(f"{self.owner.name}, node '{label(feed.node)}': a shader is linked to a value; that link counts as not there")
+            said = "a shader is linked to a value; that link counts as not there"
+            self.around.report.warn(f"{self.owner.name}, node '{label(feed.node)}': {said}")
             return False
         if entry is not None and entry.compile is not None and entry.kind != "shader":
             return True

@@ -55,9 +55,11 @@ def _mix_color(n: Node, factor: Value, a: Value, b: Value, clamp_factor: bool, c
 def map_range(n: Node) -> Outputs:
     node = n.node
     modes = {"interpolation_type": node.interpolation_type, "clamp": bool(node.clamp)}
-    names = ("From {}", "To {}")
+    ends: dict[str, Value] = {}
     if node.data_type == "FLOAT":
-        ends = {f"{end}_{m}": n.number(name.format(m.title())) for end, name in zip(("from", "to"), names, strict=True) for m in ("min", "max")}
+        for end in ("From", "To"):
+            for limit in ("Min", "Max"):
+                ends[f"{end}_{limit}".lower()] = n.number(f"{end} {limit}")
         return {"Result": n.graph.one("MapRange", value=n.number("Value"), steps=n.number("Steps", 4.0), **ends, **modes)}
     ends = {f"{end}_{m}": n.vector(f"{end.title()}_{m.title()}_FLOAT3") for end in ("from", "to") for m in ("min", "max")}
     steps = n.vector("Steps_FLOAT3", (4.0, 4.0, 4.0))

@@ -27,7 +27,7 @@ def parse(text: str) -> tuple[float, ...]:
 
     Intensities are candela times WATTS_PER_CANDELA.
     """
-    head, mark, rest = text.partition("TILT=")
+    _, mark, rest = text.partition("TILT=")
     if not mark:
         raise ValueError("no TILT line")
     lines = rest.split("\n", 1)

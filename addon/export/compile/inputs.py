@@ -129,7 +129,7 @@ def property_value(owners: list[Any], path: str) -> tuple[float, float, float, f
             continue
         value = None
         try:
-            value = owner[path] if path in owner else owner.path_resolve(path)  # noqa: SIM401 (IDs have no default)
+            value = owner[path] if path in owner else owner.path_resolve(path)
         except (KeyError, TypeError, ValueError, AttributeError):
             continue
         try:

@@ -244,5 +244,3 @@ def from_value(n: Node, weight: Value, color: Value) -> Made:
 def unknown(n: Node, weight: Value) -> Made:
     n.unsupported("is not a shader that is known; left out, which is black")
     return [], Feature(0)
-
-

@@ -81,7 +81,9 @@ def environment(n: Node) -> Outputs:
 
 def noise(n: Node) -> Outputs:
     node = n.node
-    numbers = _numbers(n, w="W", scale="Scale", detail="Detail", roughness="Roughness", lacunarity="Lacunarity", offset="Offset", gain="Gain")
+    numbers = _numbers(
+        n, w="W", scale="Scale", detail="Detail", roughness="Roughness", lacunarity="Lacunarity", offset="Offset", gain="Gain"
+    )
     modes = {name: getattr(node, name) for name in ("noise_dimensions", "noise_type", "normalize")}
     found = n.graph.add("NoiseTexture", vector=coordinates(n), distortion=n.number("Distortion"), **numbers, **_dimensional(modes))
     return {"Fac": found["fac"], "Color": found["color"]}
