@@ -48,17 +48,23 @@ bool PhotonTracer::shade(Path& path, const Surface& hit, const PhotonStart& star
 bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const PhotonStart& start, uint64_t index, uint32_t seed,
                                       const KeyFilter& visible, Vec3& origin, Vec3& direction,
                                       std::vector<Photon>& photons) const {
-  Bsdf bsdf(Transport::kFlux, -direction, hit.ng, hit.ns, hit.back);
   RayInfo ray;
-  ray.kind = path.kind;
+  ray.kind = path.bounces == 0 ? RayInfo::kDiffuse : path.kind;  // as what lies ahead would look back at it
   ray.depth = path.bounces;
   ray.transparent_depth = path.passed;
+  Bsdf bsdf(Transport::kFlux, -direction, hit.ng, hit.ns, hit.back);
   scene_.shade(hit, -direction, ray, bsdf);
+  Rgb transparency = bsdf.transparency();
+  if (path.bounces == 0 && scene_.may_be_transparent(hit)) {  // direct light passes where shadow rays do
+    ray.kind = RayInfo::kShadow;
+    Bsdf shadow(Transport::kRadiance, -direction, hit.ng, hit.ns, hit.back);
+    scene_.shade(hit, -direction, ray, shadow);
+    transparency = shadow.transparency();
+  }
   const bool accepted = path.bounces > 0 || start.accepts(hit.position, path.travelled + hit.distance);
   if (accepted) store(path, hit, direction, visible, photons);
 
   const float epsilon = ray_epsilon(hit.position, hit.distance);
-  const Rgb transparency = bsdf.transparency();
   const float mean = average(transparency);
   if (mean > 0) {  // straight on, as if nothing had been hit, or not
     const float scattered = bsdf.scatters() ? std::max(average(bsdf.albedo()), 0.05f) : 0;

@@ -72,7 +72,7 @@ class PhotonTracer {
     uint16_t bounces = 0, passed = 0;  // lobes; transparent surfaces
     float travelled = 0;               // before the present ray, since the last bounce
     float caustic = 1;                 // share of caustic light
-    RayInfo::Kind kind = RayInfo::kShadow;  // of the ray: from the light, it is what direct light sends as a shadow ray
+    RayInfo::Kind kind = RayInfo::kDiffuse;  // of the ray
   };
   struct Chunk {
     std::vector<Photon> photons;
