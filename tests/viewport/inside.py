@@ -140,8 +140,9 @@ def orbit() -> Iterator[float]:
     """Turns the view; counts pictures and photons."""
     view = space().region_3d
     view.view_distance, view.view_location = 3.2, (0.0, 0.0, 1.0) if "cornell" in SCENE else (0.0, 0.0, 0.0)
-    yield 0.2
+    yield 1.0
     yield from until(settled, "the refined picture")
+    yield 0.2
     traced, first = live().controller.counts.photon_paths, number()
     turn = 0.02
     began, angle, draws = time.monotonic(), 0.0, []
@@ -373,7 +374,9 @@ def hunt() -> Iterator[float]:
         elif name == "shading":
             space().shading.type = chance.choice(("SOLID", "RENDERED", "RENDERED"))
         elif name == "undo":
-            in_window(chance.choice((bpy.ops.ed.undo_push, bpy.ops.ed.undo)))
+            operator = chance.choice((bpy.ops.ed.undo_push, bpy.ops.ed.undo))
+            if in_window(operator.poll):
+                in_window(operator)
         elif name == "mode" and ob and not ob.hide_viewport and not ob.hide_get():
             bpy.context.view_layer.objects.active = ob
             in_window(bpy.ops.object.mode_set, mode="EDIT")
