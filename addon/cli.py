@@ -74,6 +74,7 @@ def parser() -> argparse.ArgumentParser:
     r.add_argument("--point-spacing", type=_number(float, 0, 1), metavar="X", help="of visible points, in kernel radii; 0 = one per sample")
     r.add_argument("--no-boundary-correction", dest="boundary_correction", action="store_const", const=False)
     r.add_argument("--denoise", action="store_const", const=True, help="run Open Image Denoise on the finished picture")
+    r.add_argument("--no-adaptive-radius", dest="adaptive_radius", action="store_const", const=False, help="one law for all pixels")
     r.add_argument("--stats", type=Path, metavar="FILE.json", help="write what the render did as JSON")
     r.add_argument("--verbose", action="store_true", help="let Blender's own messages through")
     return top
@@ -92,6 +93,7 @@ def _settings(options: argparse.Namespace) -> Callable[[RenderSettings], RenderS
             "point_spacing",
             "boundary_correction",
             "denoise",
+            "adaptive_radius",
             "passes",
         )
         if getattr(options, name) is not None

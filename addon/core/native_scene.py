@@ -60,6 +60,7 @@ def fill_renderer(renderer: Renderer, scene: Scene, settings: RenderSettings) ->
         boundary_correction=settings.boundary_correction,
         caustics=settings.caustics,
         seed=settings.seed & 0xFFFFFFFF,
+        adaptive_radius=settings.adaptive_radius,
     )
 
 

@@ -30,6 +30,7 @@ class RenderSettings:
     boundary_correction  divide by the kernel mass M(x) at patch boundaries
     caustics             photons of their own, aimed and with narrow kernels, for light through sharp lobes; False: in with the others
     denoise              run Open Image Denoise on the finished picture
+    adaptive_radius      radii per pixel, from how discs of two sizes have differed in earlier passes
     threads              0 = all of the machine
     point_spacing        visible points are this many kernel radii apart; 0 = one point per camera sample
     """
@@ -43,6 +44,7 @@ class RenderSettings:
     boundary_correction: bool = True
     caustics: bool = True
     denoise: bool = False
+    adaptive_radius: bool = True
     backend: Backend = Backend.AUTO
     seed: int = 0
     threads: int = 0

@@ -1,5 +1,7 @@
 #include "error_estimate.h"
 
+#include "pixel_blur.h"
+
 namespace photon_splat {
 namespace {
 
@@ -9,34 +11,6 @@ constexpr float kLent = 4;               // statistics of how many pixels one ha
 constexpr int kSlopes = 9;               // a = 1, 1.25, ... 3
 constexpr float kSlopeStep = 0.25f, kUsualSlope = 1.3f, kSlopeSpread = 0.35f;
 constexpr float kBiasPerDetail = 2;      // bias ~ h^2: discs of h and h/sqrt(2) differ by half of it
-
-// Means over the square of 2r + 1 pixels around each one, cut off at the picture's border.
-void blur(const std::vector<float>& in, int width, int height, int r, std::vector<float>& out) {
-  std::vector<float> rows(in.size());
-  for (int y = 0; y < height; ++y) {
-    const float* from = &in[static_cast<size_t>(y) * width];
-    float* to = &rows[static_cast<size_t>(y) * width];
-    double sum = 0;
-    for (int x = 0; x < std::min(r, width); ++x) sum += from[x];
-    for (int x = 0; x < width; ++x) {
-      if (x + r < width) sum += from[x + r];
-      if (x - r > 0) sum -= from[x - r - 1];
-      to[x] = static_cast<float>(sum / (std::min(width - 1, x + r) - std::max(0, x - r) + 1));
-    }
-  }
-  out.resize(in.size());
-  std::vector<double> sums(width);
-  const auto add_row = [&](int y, double sign) {
-    for (int x = 0; x < width; ++x) sums[x] += sign * rows[static_cast<size_t>(y) * width + x];
-  };
-  for (int y = 0; y < std::min(r, height); ++y) add_row(y, 1);
-  for (int y = 0; y < height; ++y) {
-    if (y + r < height) add_row(y + r, 1);
-    if (y - r > 0) add_row(y - r - 1, -1);
-    const double weight = 1.0 / (std::min(height - 1, y + r) - std::max(0, y - r) + 1);
-    for (int x = 0; x < width; ++x) out[static_cast<size_t>(y) * width + x] = static_cast<float>(std::max(0.0, sums[x] * weight));
-  }
-}
 
 double mean_of(const std::vector<float>& values) {
   double sum = 0;

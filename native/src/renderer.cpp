@@ -38,9 +38,14 @@ void Renderer::build() {
   lights_ = std::make_unique<Lights>(scene, lamps);
   camera_tracer_ = std::make_unique<CameraTracer>(scene, *lights_, *camera_, hash_combine(options.seed, 2));
   make_layers();
+  reset_film();
+}
+
+void Renderer::reset_film() {
   film_.reset(camera_settings.region_width, camera_settings.region_height);
   pass_film_.reset(film_.width, film_.height);
   errors_.reset(film_.width, film_.height);
+  for (const auto& layer : layers_) layer->choice.reset(film_.width, film_.height);
 }
 
 void Renderer::make_layers() {
@@ -85,6 +90,7 @@ void Renderer::make_points(uint32_t pass) {
     s.paths_per_pass = static_cast<double>(std::max<uint64_t>(1, layer.paths_per_pass));
     s.radius_factor = options.radius_scale * static_cast<float>(std::pow(pass + 1.0, kShrinkExponent));
     s.spacing = options.point_spacing;
+    if (options.adaptive_radius) s.pixel_factors = layer.choice.factors().data();
     layer.points.build(scene, *records_, *layer.radii, s, pass, layer.seed, cancel_);
   }
   if (options.boundary_correction) {
@@ -129,7 +135,7 @@ void Renderer::resolve() {
   finish_pass();
 }
 
-void Renderer::add_irradiance(const Layer& layer) {
+void Renderer::add_irradiance(Layer& layer) {
   const std::vector<Record>& records = *records_;
   const std::vector<PointBlock>& blocks = layer.points.blocks();
   const std::vector<size_t>& ranges = camera_tracer_->tile_ranges();
@@ -142,11 +148,16 @@ void Renderer::add_irradiance(const Layer& layer) {
       const Rgb light = records[i].throughput * irradiance;
       indirect_of(pixel, records[i].part) += light;
       const float wide = luminance(irradiance);
-      if (wide > 0) pixel.detail += luminance(light) * (1 - block.narrow[lane] * block.narrow_scale[lane] / wide);
+      if (wide > 0) {
+        const float detail = luminance(light) * (1 - block.narrow[lane] * block.narrow_scale[lane] / wide);
+        pixel.detail += detail;
+        layer.choice.detail()[records[i].pixel] += detail;
+      }
       // Photons per square metre: the kernel disc holds `count` of them.
       pixel.photon_density += block.count[lane] * block.inverse_h2[lane] / kPi;
     }
   });
+  layer.choice.end_pass(scene.pool());
 }
 
 void Renderer::finish_pass() {

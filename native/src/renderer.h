@@ -8,6 +8,7 @@
 
 #include "error_estimate.h"
 #include "photon_store.h"
+#include "radius_choice.h"
 #include "splatter.h"
 #include "visible_points.h"
 
@@ -20,6 +21,7 @@ struct RenderOptions {
   float point_spacing = 1.0f / 3.0f;
   bool boundary_correction = true;
   bool caustics = true;  // photons of their own for caustics, where the scene can make them; else in with the others
+  bool adaptive_radius = true;
   uint32_t seed = 0;
   std::string kernel;  // of the splatter; empty: the fastest
 };
@@ -39,6 +41,7 @@ struct Layer {
   PhotonCounts pilot{};
   std::unique_ptr<Splatter> splatter{};
   VisiblePoints points{};
+  RadiusChoice choice{};
   std::optional<PhotonStore> store{};
 };
 
@@ -113,7 +116,8 @@ class Renderer {
   void add_layer(PhotonStream stream, double photons_per_disc, uint64_t paths_per_pass);
   void make_layers();
   void learn(Layer& layer);
-  void add_irradiance(const Layer& layer);
+  void add_irradiance(Layer& layer);
+  void reset_film();
 
   CancelFlag cancel_;
   std::unique_ptr<Lights> lights_;

@@ -14,9 +14,7 @@ constexpr double kStorePhotons = 1 << 17;
 void Renderer::set_view() {
   selected();
   *camera_ = Camera(camera_settings);
-  film_.reset(camera_settings.region_width, camera_settings.region_height);
-  pass_film_.reset(film_.width, film_.height);
-  errors_.reset(film_.width, film_.height);
+  reset_film();
   records_ = nullptr;
   for (const auto& layer : layers_) layer->radii.reset();
 }

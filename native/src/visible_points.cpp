@@ -1,7 +1,10 @@
 #include "visible_points.h"
 
 #include <bit>
+#include <bit>
 #include <numeric>
+
+#include "occlusion.h"
 
 namespace photon_splat {
 namespace {
@@ -11,7 +14,10 @@ constexpr size_t kShards = 64;
 constexpr float kTrustedMass = 0.2f;      // of a curved patch
 constexpr int kMostHalvings = 8;
 constexpr float kLeastOfDensityRadius = 0.2f;  // curvature takes no more than this: 1/25 of the photons remain
-constexpr float kFootprintFloor = 2.0f;   // a kernel narrower than this many camera samples shows nothing more
+constexpr float kClearOfWall = 0.9f;      // of the distance to it
+constexpr float kLeastOfWalledRadius = 0.25f;
+constexpr float kLeastUnhidden = 0.1f;    // of a kernel's mass, whatever the probes say
+constexpr float kFootprintFloor = 2.0f;   // of a kernel's radius in camera samples, in the first pass
 
 size_t chunks_of(size_t count) { return (count + kChunk - 1) / kChunk; }
 
@@ -47,8 +53,9 @@ void VisiblePoints::find_cells(Scene& scene, const std::vector<Record>& records,
     const size_t end = std::min(records.size(), (c + 1) * kChunk);
     for (size_t i = c * kChunk; i < end; ++i) {
       const Record& r = records[i];
-      float h = s.radius_factor * radii.radius(r.key, r.position, s.photons_per_disc, s.paths_per_pass);
-      h = std::min(std::max(h, kFootprintFloor * r.footprint), radii.largest());
+      const float factor = s.radius_factor * (s.pixel_factors ? s.pixel_factors[r.pixel] : 1.0f);
+      float h = factor * radii.radius(r.key, r.position, s.photons_per_disc, s.paths_per_pass);
+      h = std::min(std::max(h, kFootprintFloor * std::min(factor, 1.0f) * r.footprint), radii.largest());
       // Where the surface bends a disc blurs over its normals; where photons are few that is the lesser evil.
       h = std::max(std::min(h, curvature_radius_limit(scene, r.instance, r.triangle)), kLeastOfDensityRadius * h);
       h = quantized(std::max(h, smallest));
@@ -207,6 +214,15 @@ void VisiblePoints::correct_boundaries(Scene& scene, const CancelFlag& cancel) {
         h *= 0.5f;
         m = kernel_mass(scene, instance, triangle, x, n, h);
       }
+      const uint32_t seed = hash_combine(std::bit_cast<uint32_t>(x.x), hash_combine(std::bit_cast<uint32_t>(x.y), std::bit_cast<uint32_t>(x.z)));
+      DiscOcclusion inside = disc_occlusion(scene, instance, triangle, block.key[lane], x, n, h, seed);
+      if (inside.clear < h) {
+        h = std::max(kClearOfWall * inside.clear, kLeastOfWalledRadius * h);
+        m = kernel_mass(scene, instance, triangle, x, n, h);
+        inside = disc_occlusion(scene, instance, triangle, block.key[lane], x, n, h, seed);
+      }
+      m.mass = std::max(m.mass - inside.hidden, kLeastUnhidden * m.mass);
+      m.narrow = std::max(m.narrow - inside.narrow_hidden, kLeastUnhidden * m.narrow);
       if (!m.exact) {
         m.mass = std::max(m.mass, kTrustedMass);
         m.narrow = std::max(m.narrow, kTrustedMass);

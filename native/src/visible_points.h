@@ -15,6 +15,7 @@ struct PointSettings {
   float radius_factor = 1;       // user's scale times the shrinking over passes
   float spacing = 1.0f / 3.0f;   // of points, in kernel radii; 0: a point per record
   bool boundary_correction = true;
+  const float* pixel_factors = nullptr;  // on the radius, by the record's pixel; none: 1
   bool steady = false;           // the record next to the middle of its cell gives the point, whatever the camera: no flicker
 };
 

@@ -1,0 +1,18 @@
+// What stands inside a kernel disc: things on the surface hide part of it from photons, walls cut it in two.
+#pragma once
+
+#include "scene.h"
+
+namespace photon_splat {
+
+// Found by rays that graze the surface from x to the rim of its disc; only where one meets something is the surface beyond
+// looked at; bent patches are taken for unobstructed. `hidden` and `narrow_hidden`: the parts of the kernels of radius h and kNarrow * h that lie on the patch of x
+// inside of closed things (a ray along the normal meets a back), where no photon lands: the kernel mass without them is
+// M minus these. `clear`: how far the disc may reach before it takes in surface on the other side of a wall, at most h.
+struct DiscOcclusion {
+  float hidden = 0, narrow_hidden = 0, clear = 0;
+};
+DiscOcclusion disc_occlusion(const Scene& scene, uint32_t instance, uint32_t triangle, uint32_t key, const Vec3& x,
+                             const Vec3& normal, float h, uint32_t seed);
+
+}  // namespace photon_splat
