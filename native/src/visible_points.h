@@ -25,8 +25,15 @@ class VisiblePoints {
   void build(Scene& scene, const std::vector<Record>& records, const RadiusMap& radii, const PointSettings& settings,
              uint32_t pass, uint32_t seed, const CancelFlag& cancel);
 
-  // Kernel masses of all points (the seed's boundary term), kept apart so that it can be timed.
-  void correct_boundaries(Scene& scene, const CancelFlag& cancel);
+  // Kernel masses of all points (the seed's boundary term), kept apart so that it can be timed. `occlusion`: less what
+  // things that stand on the surface hide, and discs that do not reach past walls.
+  void correct_boundaries(Scene& scene, bool occlusion, const CancelFlag& cancel);
+
+  // What correct_boundaries() has met, over all calls.
+  struct Counts {
+    uint64_t points = 0, cut = 0, obstructed = 0;  // all; with an edge in the disc; with a thing or wall in it
+  };
+  const Counts& counts() const { return counts_; }
 
   size_t size() const { return points_.size(); }
   std::vector<PointBlock>& blocks() { return blocks_; }
@@ -58,6 +65,7 @@ class VisiblePoints {
   std::vector<PointBlock> blocks_;
   std::vector<Bounds> bounds_;
   KeyFilter keys_;
+  Counts counts_;
 };
 
 }  // namespace photon_splat

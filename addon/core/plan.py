@@ -1,0 +1,87 @@
+"""The scene plan: what a scene needs, in plain words. Only what is provably absent is left out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from .scene import NO_TEXTURE, Scene, Side
+from .settings import Integrator, RenderSettings
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """sentences: for the user. flags: component → whether it runs; what is off costs nothing."""
+
+    sentences: list[str] = field(default_factory=list)
+    flags: dict[str, bool] = field(default_factory=dict)
+
+    def applied_to(self, settings: RenderSettings) -> RenderSettings:
+        """`settings` without what the plan leaves out."""
+        if self.flags["photons"] and self.flags["occlusion"]:
+            return settings
+        photons = settings.photons_per_pass if self.flags["photons"] else 0
+        return replace(settings, photons_per_pass=photons, occlusion=self.flags["occlusion"])
+
+
+def make_plan(scene: Scene, settings: RenderSettings) -> Plan:
+    """Decides from the scene alone, before anything is rendered."""
+    used = np.unique(scene.instances.material_set)
+    materials = [scene.materials[m] for m in sorted({int(m) for s in used for m in scene.material_sets[int(s)]})]
+    sides = [side for material in materials for side in (material.front, material.back)]
+    lamps = [light for light in scene.lights if any(light.strength)]
+    world = any(scene.world)
+    shining = any(_shines(side) for side in sides)
+    white = any(any(side.base_color) for side in sides)
+    textures = any(t != NO_TEXTURE for side in sides for t in (side.base_color_texture, side.emission_texture))
+    splat = settings.integrator is Integrator.SPLAT
+    reasons = {
+        "Nothing shines: the picture is black, no photons are traced.": not (lamps or world or shining),
+        "No surface reflects light: no photons are traced.": not white,
+        "Only direct light is asked for: no photons are traced.": settings.max_bounces == 0,
+        "Photons are switched off.": settings.photons_per_pass == 0,
+    }
+    why_not = next((sentence for sentence, applies in reasons.items() if applies), "")
+    flags = {
+        "photons": splat and not why_not,
+        "world": world,
+        "textures": textures,
+        "boundary": splat and settings.boundary_correction,
+        "occlusion": splat and settings.boundary_correction and settings.occlusion and len(scene.instances.mesh) > 0,
+        "adaptive_radius": splat and settings.adaptive_radius,
+    }
+    sentences = []
+    if not splat:
+        sentences.append("The path tracer does everything: no photons.")
+    elif why_not:
+        sentences.append(why_not)
+    if not world:
+        sentences.append("The world is black: no light comes from it.")
+    if not textures:
+        sentences.append("No textures: nothing is looked up.")
+    if splat and not settings.boundary_correction:
+        sentences.append("The boundary correction is switched off: edges and corners will be dark.")
+    elif splat and not settings.occlusion:
+        sentences.append("The occlusion test is switched off: contacts will be dark.")
+    if splat and not settings.adaptive_radius:
+        sentences.append("Adaptive radii are switched off.")
+    return Plan(sentences, flags)
+
+
+def _shines(side: Side) -> bool:
+    return any(side.emission)
+
+
+def pilot_sentences(statistics: dict[str, Any]) -> list[str]:
+    """What the pilot and the passes have found, from the native statistics."""
+    sentences = []
+    if statistics["photons"]["guided"]:
+        sentences.append("Few photons end in view: emission is guided to those that do.")
+    discs = statistics["discs"]
+    if discs["points"]:
+        cut, obstructed = (100 * discs[name] / discs["points"] for name in ("cut", "obstructed"))
+        sentences.append(f"Surface edges cut {cut:.0f} % of the discs." if discs["cut"] else "No surface edge comes near a disc.")
+        sentences.append(f"Things or walls stand in {obstructed:.0f} % of the discs." if discs["obstructed"] else "Nothing stands in a disc.")
+    return sentences
