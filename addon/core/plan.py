@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from .scene import NO_TEXTURE, Scene, Side
+from .scene import NO_PROGRAM, NO_TEXTURE, Scene
 from .settings import Integrator, RenderSettings
 
 
@@ -32,10 +32,11 @@ def make_plan(scene: Scene, settings: RenderSettings) -> Plan:
     materials = [scene.materials[m] for m in sorted({int(m) for s in used for m in scene.material_sets[int(s)]})]
     sides = [side for material in materials for side in (material.front, material.back)]
     lamps = [light for light in scene.lights if any(light.strength)]
-    world = any(scene.world)
-    shining = any(_shines(side) for side in sides)
-    white = any(any(side.base_color) for side in sides)
-    textures = any(t != NO_TEXTURE for side in sides for t in (side.base_color_texture, side.emission_texture))
+    programs = any(material.program != NO_PROGRAM for material in materials)  # may do anything
+    world = any(scene.world) or bool(scene.sun_discs) or scene.world_program != NO_PROGRAM
+    shining = programs or any(any(side.emission) for side in sides)
+    white = programs or any(any(side.base_color) for side in sides)
+    textures = programs or any(t != NO_TEXTURE for side in sides for t in (side.base_color_texture, side.emission_texture))
     splat = settings.integrator is Integrator.SPLAT
     reasons = {
         "Nothing shines: the picture is black, no photons are traced.": not (lamps or world or shining),
@@ -70,18 +71,16 @@ def make_plan(scene: Scene, settings: RenderSettings) -> Plan:
     return Plan(sentences, flags)
 
 
-def _shines(side: Side) -> bool:
-    return any(side.emission)
-
-
 def pilot_sentences(statistics: dict[str, Any]) -> list[str]:
     """What the pilot and the passes have found, from the native statistics."""
     sentences = []
-    if statistics["photons"]["guided"]:
+    photons, discs = statistics["photons"], statistics["discs"]
+    if photons["traced"] and "caustic" not in photons:
+        sentences.append("No mirror, gloss or glass: no caustic photons.")
+    if any(part.get("guided") for part in photons.values() if isinstance(part, dict)):
         sentences.append("Few photons end in view: emission is guided to those that do.")
-    discs = statistics["discs"]
     if discs["points"]:
-        cut, obstructed = (100 * discs[name] / discs["points"] for name in ("cut", "obstructed"))
-        sentences.append(f"Surface edges cut {cut:.0f} % of the discs." if discs["cut"] else "No surface edge comes near a disc.")
-        sentences.append(f"Things or walls stand in {obstructed:.0f} % of the discs." if discs["obstructed"] else "Nothing stands in a disc.")
+        cut, things = (f"{100 * discs[name] / discs['points']:.2g} %" for name in ("cut", "obstructed"))
+        sentences.append(f"Surface edges cut {cut} of the discs." if discs["cut"] else "No surface edge comes near a disc.")
+        sentences.append(f"Things or walls stand in {things} of the discs." if discs["obstructed"] else "Nothing stands in a disc.")
     return sentences

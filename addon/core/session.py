@@ -13,6 +13,7 @@ from .gpu.choice import choose_splatter
 from .memory import peak_memory_bytes
 from .native import load
 from .native_scene import fill_renderer
+from .plan import make_plan, pilot_sentences
 from .result import Passes, Progress, RenderResult, black_passes, passes_from_film
 from .scene import Scene
 from .settings import Backend, Integrator, RenderSettings
@@ -171,7 +172,7 @@ def render(
     MemoryError from native code.
     """
     renderer = load().Renderer(settings.threads)
-    fill_renderer(renderer, scene, settings)
+    fill_renderer(renderer, scene, make_plan(scene, settings).applied_to(settings))
     worker = _Worker(renderer, settings, started, want_interim)
     worker.start()
     try:
@@ -227,6 +228,8 @@ def _statistics(renderer: Renderer, worker: _Worker, scene: Scene, started: floa
         "peak_memory_bytes": peak_memory_bytes(),
         "warnings": [*scene.warnings, *worker.warnings],
     } | worker.splatter.statistics()
+    plan = make_plan(scene, worker.settings)
+    statistics["plan"] = {"sentences": plan.sentences + pilot_sentences(statistics), "flags": plan.flags}
     if statistics["bad_samples"]:
         statistics["warnings"].append(f"{statistics['bad_samples']} camera samples were not finite and have been left out.")
     return statistics

@@ -30,6 +30,7 @@ class RenderSettings:
     boundary_correction  divide by the kernel mass M(x) at patch boundaries
     caustics             photons of their own, aimed and with narrow kernels, for light through sharp lobes; False: in with the others
     denoise              run Open Image Denoise on the finished picture
+    occlusion            look for things that stand inside of the discs, and for walls; part of boundary_correction
     adaptive_radius      radii per pixel, from how discs of two sizes have differed in earlier passes
     threads              0 = all of the machine
     point_spacing        visible points are this many kernel radii apart; 0 = one point per camera sample
@@ -44,6 +45,7 @@ class RenderSettings:
     boundary_correction: bool = True
     caustics: bool = True
     denoise: bool = False
+    occlusion: bool = True
     adaptive_radius: bool = True
     backend: Backend = Backend.AUTO
     seed: int = 0

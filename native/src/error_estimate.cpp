@@ -10,6 +10,7 @@ constexpr float kFarShare = 0.1f;        // what the wide one counts at first: n
 constexpr float kLent = 4;               // statistics of how many pixels one has, its near neighbours' included
 constexpr int kSlopes = 9;               // a = 1, 1.25, ... 3
 constexpr float kSlopeStep = 0.25f, kUsualSlope = 1.3f, kSlopeSpread = 0.35f;
+constexpr float kMost = 1e37f;
 constexpr float kBiasPerDetail = 2;      // bias ~ h^2: discs of h and h/sqrt(2) differ by half of it
 
 double mean_of(const std::vector<float>& values) {
@@ -139,7 +140,12 @@ void ErrorEstimate::update(ThreadPool& pool) {
   estimated_ = passes_;
   estimate_variance(pool);
   estimate_bias(pool);
-  for (size_t i = 0; i < error_.size(); ++i) error_[i] = std::sqrt(variance_[i] + squared_bias_[i]);
+  for (size_t i = 0; i < error_.size(); ++i) {
+    // Squares of what is barely a float are none any more.
+    for (float* square : {&variance_[i], &squared_bias_[i]})
+      if (!(*square < kMost)) *square = kMost;
+    error_[i] = std::sqrt(variance_[i] + squared_bias_[i]);
+  }
   const double mean = mean_of(luminance_) / passes_, variance = mean_of(variance_), bias = mean_of(squared_bias_);
   figures_ = {0, 0, 0, mean};
   if (mean > 0) figures_ = {std::sqrt(variance + bias) / mean, std::sqrt(variance) / mean, std::sqrt(bias) / mean, mean};

@@ -219,6 +219,7 @@ nb::dict statistics(Renderer& r) {
   seconds["boundary"] = r.seconds().boundary;
   seconds["error"] = r.seconds().error;
   uint64_t traced = 0, stored = 0, pilot = 0;
+  VisiblePoints::Counts discs_sum;
   for (size_t i = 0; i < r.layer_count(); ++i) {
     const Layer& layer = r.layer(i);
     const PhotonCounts counts = r.photon_counts(layer);
@@ -229,6 +230,10 @@ nb::dict statistics(Renderer& r) {
     part["traced"] = counts.traced;
     part["stored"] = counts.stored;
     part["guided"] = layer.tracer->guided();
+    const VisiblePoints::Counts& met = layer.points.counts();
+    discs_sum.points += met.points;
+    discs_sum.cut += met.cut;
+    discs_sum.obstructed += met.obstructed;
     photons[layer.stream == PhotonStream::kCaustic ? "caustic" : "indirect"] = part;
   }
   photons["traced"] = traced;
@@ -247,6 +252,11 @@ nb::dict statistics(Renderer& r) {
   error["standard_error"] = figures.standard_error;
   error["bias"] = figures.bias;
   out["error"] = error;
+  nb::dict discs;
+  discs["points"] = discs_sum.points;
+  discs["cut"] = discs_sum.cut;
+  discs["obstructed"] = discs_sum.obstructed;
+  out["discs"] = discs;
   return out;
 }
 
@@ -347,10 +357,12 @@ NB_MODULE(photon_splat_native, m) {
         r.camera_settings.aperture = {radius, focus, blades, rotation, ratio};
       }, "radius"_a, "focus"_a, "blades"_a, "rotation"_a, "ratio"_a, "After set_camera: a lens of finite size.")
       .def("set_options", [](Renderer& r, uint64_t photons_per_pass, int max_bounces, float radius_scale, float point_spacing,
-                             bool boundary_correction, bool caustics, uint32_t seed, const std::string& kernel, bool adaptive_radius) {
-        r.options = {photons_per_pass, max_bounces, radius_scale, point_spacing, boundary_correction, caustics, adaptive_radius, seed, kernel};
+                             bool boundary_correction, bool caustics, uint32_t seed, const std::string& kernel, bool adaptive_radius,
+                             bool occlusion) {
+        r.options = {photons_per_pass, max_bounces, radius_scale, point_spacing, boundary_correction, caustics, adaptive_radius, occlusion,
+                     seed, kernel};
       }, "photons_per_pass"_a, "max_bounces"_a, "radius_scale"_a, "point_spacing"_a, "boundary_correction"_a, "caustics"_a,
-           "seed"_a, "kernel"_a = "", "adaptive_radius"_a = true)
+           "seed"_a, "kernel"_a = "", "adaptive_radius"_a = true, "occlusion"_a = true)
       .def("build", &Renderer::build, released)
       .def_prop_ro("layers", &Renderer::layer_count, "Kinds of photons: indirect light, and caustics where something can make them.")
       .def("select_layer", &Renderer::select_layer, "layer"_a, "The one that points, photons and splats are about from now on; 0 at first.")

@@ -3,6 +3,9 @@
 #include <algorithm>
 
 namespace photon_splat {
+namespace {
+constexpr float kMost = 1e30f;
+}
 
 void blur(const std::vector<float>& in, int width, int height, int r, std::vector<float>& out) {
   std::vector<float> rows(in.size());
@@ -10,10 +13,11 @@ void blur(const std::vector<float>& in, int width, int height, int r, std::vecto
     const float* from = &in[static_cast<size_t>(y) * width];
     float* to = &rows[static_cast<size_t>(y) * width];
     double sum = 0;
-    for (int x = 0; x < std::min(r, width); ++x) sum += from[x];
+    const auto value = [from](int x) { return from[x] < kMost ? from[x] : kMost; };  // a sum that slides never gets rid of infinity
+    for (int x = 0; x < std::min(r, width); ++x) sum += value(x);
     for (int x = 0; x < width; ++x) {
-      if (x + r < width) sum += from[x + r];
-      if (x - r > 0) sum -= from[x - r - 1];
+      if (x + r < width) sum += value(x + r);
+      if (x - r > 0) sum -= value(x - r - 1);
       to[x] = static_cast<float>(sum / (std::min(width - 1, x + r) - std::max(0, x - r) + 1));
     }
   }

@@ -65,7 +65,7 @@ void RadiusChoice::choose(ThreadPool& pool) {
     const float noise2 = variances[i] / static_cast<float>(passes_);  // of the mean by the time of the next choice
     float step = 1;
     if (noise2 > 0 || bias2 > 0) step = std::clamp(std::pow(noise2 / std::max(2 * bias2, 1e-30f), 1.0f / 6), kLeastStep, kMostStep);
-    factors_[i] = std::clamp(factors_[i] * step, kLeast, kMost);
+    if (std::isfinite(step)) factors_[i] = std::clamp(factors_[i] * step, kLeast, kMost);
   }
   since_ = passes_;
 }

@@ -95,7 +95,7 @@ void Renderer::make_points(uint32_t pass) {
   }
   if (options.boundary_correction) {
     Timer timer(seconds_.boundary);
-    layer.points.correct_boundaries(scene, cancel_);
+    layer.points.correct_boundaries(scene, options.occlusion, cancel_);
   }
   Timer timer(seconds_.splat);
   layer.splatter->set_blocks(layer.points.block_bounds());

@@ -22,6 +22,7 @@ struct RenderOptions {
   bool boundary_correction = true;
   bool caustics = true;  // photons of their own for caustics, where the scene can make them; else in with the others
   bool adaptive_radius = true;
+  bool occlusion = true;  // inside of discs; part of the boundary correction
   uint32_t seed = 0;
   std::string kernel;  // of the splatter; empty: the fastest
 };

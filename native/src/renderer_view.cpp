@@ -52,7 +52,7 @@ void Renderer::draw_store() {
     s.spacing = options.point_spacing;
     s.steady = true;
     layer->points.build(scene, *records_, *store.radii(), s, 0, layer->seed, cancel_);
-    if (options.boundary_correction) layer->points.correct_boundaries(scene, cancel_);
+    if (options.boundary_correction) layer->points.correct_boundaries(scene, options.occlusion, cancel_);
     layer->splatter->set_blocks(layer->points.block_bounds());
     layer->splatter->splat(store.photons(), layer->points.blocks(), scene.pool(), cancel_);
     const float share = static_cast<float>(1.0 / paths);

@@ -1,6 +1,6 @@
 #include "visible_points.h"
 
-#include <bit>
+#include <atomic>
 #include <bit>
 #include <numeric>
 
@@ -14,6 +14,7 @@ constexpr size_t kShards = 64;
 constexpr float kTrustedMass = 0.2f;      // of a curved patch
 constexpr int kMostHalvings = 8;
 constexpr float kLeastOfDensityRadius = 0.2f;  // curvature takes no more than this: 1/25 of the photons remain
+constexpr float kWhole = 0.999f;          // mass of a disc that no edge cuts
 constexpr float kClearOfWall = 0.9f;      // of the distance to it
 constexpr float kLeastOfWalledRadius = 0.25f;
 constexpr float kLeastUnhidden = 0.1f;    // of a kernel's mass, whatever the probes say
@@ -201,7 +202,8 @@ void VisiblePoints::fill_blocks(Scene& scene, const std::vector<Record>& records
   });
 }
 
-void VisiblePoints::correct_boundaries(Scene& scene, const CancelFlag& cancel) {
+void VisiblePoints::correct_boundaries(Scene& scene, bool occlusion, const CancelFlag& cancel) {
+  std::atomic<uint64_t> cut{0}, obstructed{0};
   scene.pool().for_each(blocks_.size(), cancel, [&](size_t b, int) {
     PointBlock& block = blocks_[b];
     for (uint32_t lane = 0; lane < kBlockSize && b * kBlockSize + lane < places_.size(); ++lane) {
@@ -215,7 +217,10 @@ void VisiblePoints::correct_boundaries(Scene& scene, const CancelFlag& cancel) {
         m = kernel_mass(scene, instance, triangle, x, n, h);
       }
       const uint32_t seed = hash_combine(std::bit_cast<uint32_t>(x.x), hash_combine(std::bit_cast<uint32_t>(x.y), std::bit_cast<uint32_t>(x.z)));
-      DiscOcclusion inside = disc_occlusion(scene, instance, triangle, block.key[lane], x, n, h, seed);
+      DiscOcclusion inside{0, 0, h};
+      if (occlusion) inside = disc_occlusion(scene, instance, triangle, block.key[lane], x, n, h, seed);
+      cut.fetch_add(m.mass < kWhole, std::memory_order_relaxed);
+      obstructed.fetch_add(inside.hidden > 0 || inside.clear < h, std::memory_order_relaxed);
       if (inside.clear < h) {
         h = std::max(kClearOfWall * inside.clear, kLeastOfWalledRadius * h);
         m = kernel_mass(scene, instance, triangle, x, n, h);
@@ -232,6 +237,9 @@ void VisiblePoints::correct_boundaries(Scene& scene, const CancelFlag& cancel) {
       block.narrow_scale[lane] = 4 / (kPi * h * h * m.narrow);
     }
   });
+  counts_.points += points_.size();
+  counts_.cut += cut;
+  counts_.obstructed += obstructed;
 }
 
 }  // namespace photon_splat
