@@ -1,7 +1,7 @@
 """Tools with which the scripts here model: an empty file, Lambertian materials, boxes, lathes, lights and a camera.
 
 Metres, Z up. Every material is exactly Lambertian (Diffuse BSDF of roughness 0, or a Principled BSDF without specular),
-so that any engine that solves the rendering equation must arrive at the same picture.
+clear smooth glass or smooth metal, so that any engine that solves the rendering equation must arrive at the same picture.
 """
 
 from __future__ import annotations
@@ -113,6 +113,26 @@ def front_emission(name: str, color: Point, strength: float) -> bpy.types.Materi
     return material
 
 
+def glass(name: str, ior: float) -> bpy.types.Material:
+    """A clear, smooth Glass BSDF."""
+    material, tree, output = _node_material(name)
+    node = tree.nodes.new("ShaderNodeBsdfGlass")
+    node.inputs["Roughness"].default_value = 0.0
+    node.inputs["IOR"].default_value = ior
+    tree.links.new(node.outputs[0], output.inputs["Surface"])
+    return material
+
+
+def polished_metal(name: str, color: Point) -> bpy.types.Material:
+    """A smooth Glossy BSDF: reflects `color` at every angle."""
+    material, tree, output = _node_material(name)
+    node = tree.nodes.new("ShaderNodeBsdfAnisotropic")
+    node.inputs["Color"].default_value = (*color, 1.0)
+    node.inputs["Roughness"].default_value = 0.0
+    tree.links.new(node.outputs[0], output.inputs["Surface"])
+    return material
+
+
 def packed_image(name: str, pixels: np.ndarray) -> bpy.types.Image:
     """An image packed into the file. pixels: (height, width, 3) in 0..1, sRGB-encoded, row 0 at the bottom."""
     height, width = pixels.shape[:2]
@@ -197,6 +217,29 @@ def add_lathe(
         vertices += [(radius * cos(2 * pi * k / segments), radius * sin(2 * pi * k / segments), height) for k in range(count)]
     faces = []
     for lower, upper in pairwise(rings):
+        for k in range(segments):
+            face = [lower[k], lower[(k + 1) % segments], upper[(k + 1) % segments], upper[k]]
+            faces.append(list(dict.fromkeys(face)))
+    return add_mesh(name, vertices, faces, material, smooth=True, location=location)
+
+
+def add_turned(
+    name: str, profile: Sequence[tuple[float, float]], material: bpy.types.Material, location: Point, segments: int
+) -> bpy.types.Object:
+    """Like add_lathe, but every strip of the profile is smooth by itself, with hard edges between strips.
+
+    profile: (radius, height), so ordered that the outside is on the right of the way along it in the (radius, height) plane.
+    """
+    vertices: list[Point] = []
+    faces: list[Face] = []
+    turns = [2 * pi * k / segments for k in range(segments)]
+    for pair in pairwise(profile):
+        rings = []
+        for radius, height in pair:
+            count = segments if radius > 0.0 else 1
+            rings.append([len(vertices) + k % count for k in range(segments)])
+            vertices += [(radius * cos(turn), radius * sin(turn), height) for turn in turns[:count]]
+        lower, upper = rings
         for k in range(segments):
             face = [lower[k], lower[(k + 1) % segments], upper[(k + 1) % segments], upper[k]]
             faces.append(list(dict.fromkeys(face)))

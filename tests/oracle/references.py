@@ -1,7 +1,8 @@
 """Makes the Cycles references anew: `python -m tests.oracle.references [NAME ...]` (all cases without names).
 
 Two independent halves of each picture go to tests/oracle/references/NAME.npz as float16 (rounding of 0.05 % a pixel,
-far below the noise): half_1 and half_2, (height, width, 4) RGBA, row 0 at the bottom, only the border where there is one.
+far below the noise): half_1 and half_2, (height, width, 4) RGBA, row 0 at the bottom, only the border where there is one. Alpha is
+left out of the gallery's pictures that are opaque.
 """
 
 from __future__ import annotations
@@ -13,7 +14,8 @@ from pathlib import Path
 
 import numpy as np
 
-from tests.oracle.cases import CASE, CASES, NAMES, Case
+from tests.oracle.cases import CASES, Case
+from tests.oracle.gallery import ALL, BY_NAME
 
 FOLDER = Path(__file__).resolve().parent / "references"
 
@@ -75,7 +77,8 @@ def make(case: Case) -> None:
     halves = []
     for seed in (1, 2):
         stage.build(case)
-        halves.append(render_with_cycles(case.samples, seed))
+        picture = render_with_cycles(case.samples, seed)
+        halves.append(picture if case.alpha or case in CASES else picture[..., :3])
     FOLDER.mkdir(exist_ok=True)
     np.savez_compressed(FOLDER / f"{case.name}.npz", half_1=halves[0].astype(np.float16), half_2=halves[1].astype(np.float16))
 
@@ -87,14 +90,14 @@ def load(case: Case) -> np.ndarray:
 
 
 def main(names: list[str]) -> int:
-    unknown = [name for name in names if name not in CASE]
+    unknown = [name for name in names if name not in BY_NAME]
     if unknown:
-        print(f"no such case: {', '.join(unknown)}; there are {', '.join(NAMES)}", file=sys.stderr)
+        print(f"no such case: {', '.join(unknown)}; there are {', '.join(BY_NAME)}", file=sys.stderr)
         return 2
-    for name in names or [case.name for case in CASES if not case.reference]:
+    for name in names or [case.name for case in ALL if not case.reference]:
         started = time.monotonic()
-        make(CASE[name])
-        halves = load(CASE[name])
+        make(BY_NAME[name])
+        halves = load(BY_NAME[name])
         difference = float(np.abs(halves[0, ..., :3] - halves[1, ..., :3]).mean() / max(halves[..., :3].mean(), 1e-9))
         seconds = time.monotonic() - started
         print(f"{name:28} {seconds:6.1f} s  mean {halves[..., :3].mean():.4f}  noise {difference:.3f}", file=sys.stderr, flush=True)
