@@ -129,11 +129,14 @@ sanitize: $(VENV)/.packages ## C++ tests under the address, undefined behaviour 
 	$(VENV)/bin/cmake --build build/tsan
 	$(VENV)/bin/ctest --test-dir build/tsan --output-on-failure --timeout 600 --no-tests=error
 
-oracle: setup ## agreement with Cycles, against the committed references
-	$(PY) tools/run_tests.py --time-limit 1800 tests/oracle
+oracle: setup ## every case against the committed Cycles pictures: out/oracle/index.html
+	$(PY) -m tests.oracle.report
 
-references: setup ## the Cycles references of tests/oracle anew (long)
+references: setup ## what tests/oracle and tests/caustics compare with, anew (long)
 	$(PY) -m tests.oracle.references
+	$(PY) -m tests.oracle.sweep
+	$(PY) -m tests.caustics.truth
+	$(PY) -m tests.caustics.pictures
 
 # --- measurements ---------------------------------------------------------------------------------------------------
 

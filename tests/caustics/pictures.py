@@ -6,22 +6,23 @@ import sys
 
 import numpy as np
 
-from tests.caustics.truth import FILTER, FOLDER, PIXELS, VIEWS, View
+from tests.caustics.truth import FILTER, FOLDER, PIXELS, VIEWS
 
 
-def open_view(view: View, *, see_surface_only: bool = True) -> None:
-    """Open the scene and look straight down, through everything above the watched surface unless `see_surface_only` is off."""
+def open_view(name: str, *, surface_only: bool = True) -> None:
+    """Open the scene and look straight down, through everything above the watched surface unless `surface_only` is off."""
     import bpy
 
     from tests.oracle import stage
 
+    view = VIEWS[name]
     stage.open_scene(view.scene)
     scene = bpy.context.scene
     camera, render = scene.camera, scene.render
     height = 2.5
     camera.matrix_world = camera.matrix_world.Translation((*view.middle, height))
     camera.data.type, camera.data.ortho_scale, camera.data.sensor_fit = "ORTHO", view.size, "AUTO"
-    camera.data.clip_start = height - view.below if see_surface_only else 0.1
+    camera.data.clip_start = height - view.below if surface_only else 0.1
     render.resolution_x = render.resolution_y = PIXELS
     render.filter_size = FILTER
     bpy.context.view_layer.update()
@@ -35,7 +36,7 @@ def without_bent_light() -> None:
 
     halves = []
     for seed in (1, 2):
-        open_view(VIEWS["small_glass"])
+        open_view("small_glass")
         lamp = bpy.data.objects["Lamp"]
         lamp.visible_glossy = lamp.visible_transmission = False
         halves.append(render_with_cycles(1024, seed)[..., :3])

@@ -134,7 +134,10 @@ class Waves:
         z, dz = origin[:, 2], direction[:, 2]
         with np.errstate(divide="ignore", invalid="ignore"):
             enter, leave = np.sort(np.stack([(self.low - z) / dz, (self.high - z) / dz]), axis=0)
-            side = np.min([np.where(direction[:, a] > 0, self.half - origin[:, a], -self.half - origin[:, a]) / direction[:, a] for a in (0, 1)], axis=0)
+            side = np.min(
+                [np.where(direction[:, a] > 0, self.half - origin[:, a], -self.half - origin[:, a]) / direction[:, a] for a in (0, 1)],
+                axis=0,
+            )
         start = np.maximum(np.nan_to_num(enter), 1e-6)
         end = np.minimum(np.nan_to_num(leave, posinf=1e3), np.nan_to_num(side, nan=1e3, posinf=1e3))
         found = np.full(len(z), np.inf)

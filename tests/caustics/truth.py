@@ -9,6 +9,7 @@ import sys
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -49,7 +50,7 @@ def _glass_surfaces() -> list[Surface]:
 
 def _ring_surfaces() -> list[Surface]:
     way = [(Ring.OUTER, 0.0), (Ring.OUTER, Ring.HEIGHT), (Ring.INNER, Ring.HEIGHT), (Ring.INNER, 0.0)]
-    ring = [Surface(Strip(a, b), "mirror", Ring.COLOR) for a, b in zip(way[:-1], way[1:], strict=True)]
+    ring = [Surface(Strip(a, b), "mirror", Ring.COLOR) for a, b in pairwise(way)]
     return [_floor(Ring.TABLE_HALF, Ring.TABLE_ALBEDO), *ring]
 
 
@@ -64,12 +65,14 @@ def _pool_surfaces() -> list[Surface]:
 def _small_surfaces() -> list[Surface]:
     """The tumbler on its table. Only photons that went through the glass are kept, so the room does not matter."""
     profile = SmallGlass.PROFILE
-    strips = [Strip(a, b, SmallGlass.PLACE) for a, b in zip(profile[:-1], profile[1:], strict=True)]
+    strips = [Strip(a, b, SmallGlass.PLACE) for a, b in pairwise(profile)]
     table = _floor(SmallGlass.TABLE_HALF, SmallGlass.TABLE_ALBEDO, SmallGlass.TABLE_HEIGHT)
     return [table, *(Surface(strip, "glass", ior=SmallGlass.IOR) for strip in strips)]
 
 
-def _lamp_photons(place: tuple[float, ...], size: float, power: float, aim: tuple[Array, Array], count: int, rng: np.random.Generator) -> Photons:
+def _lamp_photons(
+    place: tuple[float, ...], size: float, power: float, aim: tuple[Array, Array], count: int, rng: np.random.Generator
+) -> Photons:
     """From a square lamp that faces down to points spread evenly over the rectangle `aim` (low, high corner)."""
     low, high = aim
     start = np.asarray(place) + np.concatenate([(rng.random((count, 2)) - 0.5) * size, np.zeros((count, 1))], -1)
@@ -83,7 +86,9 @@ def _lamp_photons(place: tuple[float, ...], size: float, power: float, aim: tupl
     return start, direction, np.repeat(flux[:, None], 3, -1)
 
 
-def _near_and_far(photons: Callable[[tuple[Array, Array], int], Photons], inner: Sequence[Sequence[float]], half: float, count: int) -> Photons:
+def _near_and_far(
+    photons: Callable[[tuple[Array, Array], int], Photons], inner: Sequence[Sequence[float]], half: float, count: int
+) -> Photons:
     """Most photons aimed at the `inner` corners' rectangle of a table, the others at the rest of the table."""
     low, high = (np.array([*corner, 0.0]) for corner in inner)
     near = photons((low, high), count * 4 // 5)
@@ -101,7 +106,9 @@ def _glass_photons(count: int, rng: np.random.Generator) -> Photons:
     return _near_and_far(photons, ((-0.45, -0.6), (0.75, 0.45)), Glass.TABLE_HALF, count)
 
 
-def _sun_photons(towards: tuple[float, ...], angle: float, strength: float, aim: tuple[Array, Array], count: int, rng: np.random.Generator) -> Photons:
+def _sun_photons(
+    towards: tuple[float, ...], angle: float, strength: float, aim: tuple[Array, Array], count: int, rng: np.random.Generator
+) -> Photons:
     """Through points spread evenly over a horizontal rectangle, from far away."""
     middle = np.asarray(towards) / np.linalg.norm(towards)
     x = np.cross(middle, [0.0, 0.0, 1.0])
@@ -135,7 +142,7 @@ def _pool_photons(count: int, rng: np.random.Generator) -> Photons:
 def _small_photons(count: int, rng: np.random.Generator) -> Photons:
     """To the shadow of the tumbler's bounding ball on the table, generously."""
     place, lamp = np.asarray(SmallGlass.PLACE), np.asarray(SmallGlass.LAMP)
-    middle = place + [0.0, 0.0, 0.025]
+    middle = place + np.array([0.0, 0.0, 0.025])
     stretch = (lamp[2] - place[2]) / (lamp[2] - middle[2])
     shadow = lamp + (middle - lamp) * stretch
     shadow[2] = SmallGlass.TABLE_HEIGHT
@@ -148,7 +155,15 @@ VIEWS = {
     "ring": View("caustic_ring", (0.0, 0.0), 1.0, 0.001, Ring.TABLE_ALBEDO, _ring_surfaces, _ring_photons, 24),
     "pool": View("caustic_pool", (0.0, 0.0), 1.6, 0.3, Pool.FLOOR_ALBEDO, _pool_surfaces, _pool_photons, 8),
     "small_glass": View(
-        "small_glass", (0.12, -0.07), 0.16, SmallGlass.TABLE_HEIGHT + 0.0003, SmallGlass.TABLE_ALBEDO, _small_surfaces, _small_photons, 20, True
+        "small_glass",
+        (0.12, -0.07),
+        0.16,
+        SmallGlass.TABLE_HEIGHT + 0.0003,
+        SmallGlass.TABLE_ALBEDO,
+        _small_surfaces,
+        _small_photons,
+        20,
+        True,
     ),
 }
 
@@ -194,7 +209,7 @@ def seen_by_pixels(fine: Array) -> Array:
 
 
 def seen_through_water(floor: Array, view: View) -> Array:
-    """What a camera straight above the pool sees of the floor's radiance `floor` (cells): refracted by the waves, less what they reflect."""
+    """What a camera straight above the pool sees of the floor's radiance `floor` (cells): refracted, less what is reflected."""
     cells = PIXELS * FINE
     y, x = (np.mgrid[:cells, :cells] + 0.5) / cells * view.size - view.size / 2
     slope_x, slope_y = Pool.slope(x, y)

@@ -195,6 +195,7 @@ def _normals() -> dict[str, Spec]:
 
 
 WIDTH, HEIGHT = 40, 32
+_SUBSURFACE = {"mean_tolerance": 0.05, "block_bias": 0.15, "reference_bias": 0.15}
 
 
 def _case(name: str, material: Spec, *, second: str = "slab", segments: int = 96, **more: Any) -> Case:
@@ -230,8 +231,8 @@ def _cases() -> tuple[Case, ...]:
         _case("holdout", node("Holdout"), alpha=True),
         _case("holdout_mix", mix(0.5, node("Holdout"), diffuse()), alpha=True),
         # Scattering under the surface is rendered as diffuse, and said so; these two may differ by more.
-        _case("subsurface_thin", principled(Subsurface_Weight=1.0, Subsurface_Scale=0.01), mean_tolerance=0.05, block_bias=0.15, reference_bias=0.15),
-        _case("subsurface_half", principled(Subsurface_Weight=0.5, Subsurface_Scale=0.05), mean_tolerance=0.05, block_bias=0.15, reference_bias=0.15),
+        _case("subsurface_thin", principled(Subsurface_Weight=1.0, Subsurface_Scale=0.01), **_SUBSURFACE),
+        _case("subsurface_half", principled(Subsurface_Weight=0.5, Subsurface_Scale=0.05), **_SUBSURFACE),
     ]
     return tuple(cases)
 

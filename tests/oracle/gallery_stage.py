@@ -20,7 +20,7 @@ AIR_IN_GLASS = WATER | {"inputs": {"IOR": 1.0 / 1.5}}
 
 
 def material_case(material: dict[str, Any], second: str, segments: int) -> None:
-    """material: a tree of gallery.node. second: slab, sheet, turned_sheet, floor, glass_in_water, bubble or filled; segments of the ball."""
+    """material: a tree of gallery.node. second: a key of SECOND; segments of the ball."""
     m.new_scene(48, 48)
     subject = build_material("Subject", material)
     ground = subject if second == "floor" else m.diffuse("Floor", (0.62, 0.58, 0.5))
@@ -108,7 +108,15 @@ def _filled(material: bpy.types.Material) -> None:
     m.add_sphere("Core", 0.25, m.diffuse("Core", (0.8, 0.3, 0.2)), (0.62, 0.15, 0.38), 48)
 
 
-SECOND = {"slab": _slab, "sheet": _sheet, "turned_sheet": _turned_sheet, "floor": _block, "glass_in_water": _glass_in_water, "bubble": _bubble, "filled": _filled}
+SECOND = {
+    "slab": _slab,
+    "sheet": _sheet,
+    "turned_sheet": _turned_sheet,
+    "floor": _block,
+    "glass_in_water": _glass_in_water,
+    "bubble": _bubble,
+    "filled": _filled,
+}
 
 
 # Materials -----------------------------------------------------------------------------------------------------------

@@ -17,7 +17,8 @@ import pytest
 
 from tests.compare import Blocks, block_test, mean_ratio, save_pictures, within_known_bias
 from tests.oracle.cases import CASE, SCENES, Case
-from tests.oracle.test_oracle import DARK, FAILURES
+from tests.oracle.test_oracle import FAILURES
+from tests.oracle.verdict import DARK
 from tests.oracle.worker import Worker
 
 SHARED = Path(os.environ.get("PHOTON_SPLAT_SCENES", Path(__file__).resolve().parents[3] / "shared" / "scenes"))

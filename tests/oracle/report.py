@@ -1,0 +1,140 @@
+"""Renders every case with both integrators, compares with Cycles and writes out/oracle/index.html, worst first.
+
+`python -m tests.oracle.report [--without-sweep] [NAME ...]`. Prints how many pass; the status is 1 if fewer than PASSING do (a
+case passes if both integrators agree with Cycles). A file's own Cycles bounce limits and clamps are not honoured: Cycles
+was told to solve the rendering equation, see references.py.
+"""
+
+from __future__ import annotations
+
+import argparse
+import html
+import sys
+import tempfile
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+from tests.compare import save_pictures
+from tests.oracle import sweep
+from tests.oracle.cases import Case
+from tests.oracle.gallery import ALL, BY_NAME, STEPS, SWEEPS
+from tests.oracle.verdict import INTEGRATORS, Verdict, judge, render
+from tests.oracle.worker import Worker
+
+PASSING = 0
+"""How many of all cases and sweeps passed when this was last raised. Never lower it to let a change through."""
+OUT = Path(__file__).resolve().parents[2] / "out" / "oracle"
+
+# What `make test` renders of the gallery.
+TELLING = (
+    "diffuse_1",
+    "glossy_ggx_0.3",
+    "glass_multi_0.4",
+    "glass_sharp_ior_1.5",
+    "metallic_gold_0.2",
+    "sheet_translucent",
+    "sheen_microfiber_0.3",
+    "mix_fresnel",
+    "sheet_alpha_image",
+    "principled_roughness_0.25",
+    "principled_transmission_0.5_rough",
+    "principled_coat_tint",
+    "principled_film",
+    "principled_everything",
+    "normal_map_diffuse",
+)
+
+
+@dataclass
+class Row:
+    """One case or sweep under one integrator."""
+
+    name: str
+    integrator: str
+    excess: float
+    said: str
+    failures: list[str]
+    pictures: bool = False
+
+
+def case_row(worker: Worker, case: Case, integrator: str) -> Row:
+    try:
+        verdict: Verdict = judge(case, integrator, render(worker, case, integrator))
+    except (RuntimeError, ValueError, OSError) as error:
+        return Row(case.name, integrator, float("inf"), "", [str(error)])
+    save_pictures(OUT, f"{case.name}.{integrator}", verdict.ours, verdict.reference)
+    said = f"mean {verdict.ratio:.4f} ± {verdict.error:.4f}"
+    return Row(case.name, integrator, verdict.excess, said, verdict.failures, True)
+
+
+def sweep_row(worker: Worker, kind: str, integrator: str) -> Row:
+    try:
+        ratios, failures = sweep.compare(kind, sweep.measure(worker, kind, integrator), sweep.load()[kind])
+    except (RuntimeError, OSError) as error:
+        return Row(f"sweep_{kind}", integrator, float("inf"), "", [str(error)])
+    worst = max(abs(ratio - 1) for ratio in ratios)
+    said = "middle at roughness " + ", ".join(f"{r:g}: {ratio:.3f}" for r, ratio in zip(STEPS, ratios, strict=True))
+    return Row(f"sweep_{kind}", integrator, worst / sweep.TOLERANCE, said, failures)
+
+
+def page(rows: list[Row], summary: str) -> str:
+    parts = [
+        "<!doctype html><meta charset=utf-8><title>Photon Splat and Cycles</title>",
+        "<style>body{font:14px sans-serif;background:#222;color:#ddd}img{width:240px;image-rendering:pixelated}"
+        "td{vertical-align:top;padding:4px}.bad{color:#f88}.good{color:#8d8}</style>",
+        f"<h1>{html.escape(summary)}</h1><p>Worst first. Per case: Photon Splat, Cycles, and five times the difference "
+        "(red: brighter than Cycles, blue: darker). The files' own bounce limits and clamps are not honoured.</p><table>",
+    ]
+    for row in sorted(rows, key=lambda row: -row.excess):
+        kind = "bad" if row.failures else "good"
+        said = "<br>".join(html.escape(text) for text in [row.said, *row.failures] if text)
+        parts.append(f"<tr><td><b class={kind}>{row.name}</b><br>{row.integrator}<br>{said}</td>")
+        if row.pictures:
+            parts += [f"<td><img src='{row.name}.{row.integrator}.{kind}.png'></td>" for kind in ("ours", "reference", "difference")]
+        parts.append("</tr>")
+    return "\n".join([*parts, "</table>"])
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description="Compare with Cycles' pictures.")
+    parser.add_argument("names", nargs="*", help="cases (default: all, and the roughness sweeps)")
+    parser.add_argument("--without-sweep", action="store_true")
+    options = parser.parse_args()
+    unknown = [name for name in options.names if name not in BY_NAME]
+    if unknown:
+        parser.error(f"no such case: {', '.join(unknown)}")
+    cases = [BY_NAME[name] for name in options.names] or list(ALL)
+    sweeps = () if options.names or options.without_sweep else SWEEPS
+    OUT.mkdir(parents=True, exist_ok=True)
+    rows: list[Row] = []
+    started = time.monotonic()
+    with tempfile.TemporaryDirectory(prefix="photon_splat_oracle_") as scratch:
+        worker = Worker(Path(scratch))
+        for case in cases:
+            for integrator in INTEGRATORS if case.splat else INTEGRATORS[1:]:
+                rows.append(case_row(worker, case, integrator))
+                _tell(rows[-1])
+        for kind in sweeps:
+            for integrator in INTEGRATORS:
+                rows.append(sweep_row(worker, kind, integrator))
+                _tell(rows[-1])
+        worker.stop()
+    names = {row.name for row in rows}
+    passed = names - {row.name for row in rows if row.failures}
+    summary = f"{len(passed)} of {len(names)} pass"
+    (OUT / "index.html").write_text(page(rows, summary))
+    print(f"{summary} ({time.monotonic() - started:.0f} s). Pictures: out/oracle/index.html")
+    whole = not options.names and not options.without_sweep
+    if whole and len(passed) < PASSING:
+        print(f"That is fewer than the {PASSING} that passed before: {', '.join(sorted(names - passed))}", file=sys.stderr)
+        return 1
+    return 0
+
+
+def _tell(row: Row) -> None:
+    print(f"{'FAILED' if row.failures else 'ok':7}{row.name:36}{row.integrator:10} {row.said[:200]} {'; '.join(row.failures)}", flush=True)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,25 @@
+"""A telling part of the gallery, one case per family, by both integrators. `make oracle` renders it whole."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.oracle.gallery import BY_NAME, GALLERY
+from tests.oracle.references import FOLDER
+from tests.oracle.report import TELLING
+from tests.oracle.test_oracle import compare
+from tests.oracle.verdict import INTEGRATORS, render
+from tests.oracle.worker import Worker
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+@pytest.mark.parametrize("name", TELLING)
+def test_material(worker: Worker, name: str, integrator: str) -> None:
+    case = BY_NAME[name]
+    compare(case, integrator, render(worker, case, integrator))
+
+
+def test_every_case_has_its_reference() -> None:
+    missing = [case.name for case in GALLERY if not (FOLDER / f"{case.name}.npz").is_file()]
+    assert not missing, f"no Cycles reference of {', '.join(missing)}: run `make references`"
+    assert len(BY_NAME) >= 150

@@ -1,0 +1,74 @@
+"""Whether a picture agrees with Cycles': the whole picture's mean, and every 8x8 block by z-test with both variances.
+
+Both integrators are held to it. The path tracer must agree within `reference_bias` (shading normals and float texture
+lookups differ a little between any two renderers); the splat may show its kernel's bias, `block_bias`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tests.compare import Blocks, block_test, mean_ratio, within_known_bias
+from tests.oracle.cases import SCENES, Case
+from tests.oracle.gallery import ALL
+from tests.oracle.references import load
+from tests.oracle.worker import Worker
+
+FAMILY_LEVEL = 0.01 / len(ALL)
+"""Chance that a picture of equal expectation fails; over the whole table one per cent."""
+DARK = 0.002
+"""Deviation allowed to a block beside the relative one, in units of the picture's mean."""
+INTEGRATORS = ("splat", "reference")
+
+
+@dataclass
+class Verdict:
+    """`ratio` of the means, its standard error, and how far the case is beyond what is allowed (1: at the limit)."""
+
+    ours: np.ndarray
+    reference: np.ndarray
+    ratio: float
+    error: float
+    excess: float
+    failures: list[str]
+
+
+def judge(case: Case, integrator: str, ours: np.ndarray) -> Verdict:
+    """ours: (K, height, width, 4)."""
+    reference = load(case)
+    if ours.shape[1:3] != reference.shape[1:3]:
+        raise ValueError(f"{case.name} came out {ours.shape[1:3]} instead of {reference.shape[1:3]}")
+    channels = slice(0, 4) if case.alpha else slice(0, 3)
+    ours, reference = ours[..., channels], reference[..., channels]
+    if not np.isfinite(ours).all():
+        count = int((~np.isfinite(ours)).sum())
+        return Verdict(np.nan_to_num(ours).mean(0), reference.mean(0), np.nan, np.nan, np.inf, [f"{count} values are not finite"])
+    splat = integrator == "splat"
+    blocks = Blocks.of(reference, independent_pixels=True)
+    result = block_test(
+        Blocks.of(ours, independent_pixels=not splat),
+        blocks,
+        relative=case.block_bias if splat else case.reference_bias,
+        absolute=DARK * float(reference.mean()),
+        family_level=FAMILY_LEVEL,
+    )
+    ratio, error = mean_ratio(ours, reference)
+    tolerance = case.mean_tolerance if splat else case.mean_tolerance / 2
+    failures = []
+    if abs(ratio - 1) > tolerance:
+        failures.append(f"mean is {ratio:.4f} +- {error:.4f} of Cycles'")
+    if not result.passed and not (splat and case.name in SCENES and within_known_bias(result, blocks)):
+        failures.append(str(result))
+    beyond = float(np.log(max(result.p_values.min(), 1e-300)) / np.log(result.level))
+    excess = max(abs(ratio - 1) / tolerance, min(beyond, 50.0) if failures else min(beyond, 1.0))
+    return Verdict(ours.mean(0), reference.mean(0), ratio, error, excess, failures)
+
+
+def render(worker: Worker, case: Case, integrator: str) -> np.ndarray:
+    """(K, height, width, 4): six splats, or two path-traced pictures."""
+    if integrator == "splat":
+        seeds = list(range(6))
+        return worker.render(case, "splat", seeds, passes=case.passes, photons_per_pass=case.photons_per_pass, max_bounces=64)[0]
+    return worker.render(case, "reference", [11, 12], passes=96 if case.name in SCENES else 256, max_bounces=64)[0]
