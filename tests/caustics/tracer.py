@@ -252,5 +252,5 @@ def trace(
         power = flux.max(-1)
         survive = np.where(scattered > 1, np.minimum(power / np.maximum(power.mean(), 1e-300), 1.0), 1.0)
         alive = (rng.random(len(power)) < survive) & (scattered <= diffuse_bounces)
-        flux = flux / survive[:, None]
+        flux = flux / np.maximum(survive, 1e-300)[:, None]
         origin, direction, flux, scattered, bent = (x[alive] for x in (point, direction, flux, scattered, bent))

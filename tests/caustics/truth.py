@@ -168,9 +168,8 @@ VIEWS = {
 }
 
 
-def irradiance(view: View, photons: int, seed: int) -> Array:
-    """(PIXELS * FINE, PIXELS * FINE, 3) irradiance in W/m^2 of the view's cells, row 0 at low y."""
-    cells = PIXELS * FINE
+def irradiance(view: View, photons: int, seed: int, cells: int = PIXELS * FINE) -> Array:
+    """(cells, cells, 3) irradiance in W/m^2 of the view's cells, row 0 at low y."""
     low = np.asarray(view.middle) - view.size / 2
     total = np.zeros((cells * cells, 3))
     rng = np.random.default_rng(seed)

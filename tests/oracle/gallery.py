@@ -200,7 +200,9 @@ _SUBSURFACE = {"mean_tolerance": 0.05, "block_bias": 0.15, "reference_bias": 0.1
 
 def _case(name: str, material: Spec, *, second: str = "slab", segments: int = 96, **more: Any) -> Case:
     options = {"material": material, "second": second, "segments": segments}
-    return Case(name, "material_case", options, **({"width": WIDTH, "height": HEIGHT, "block_bias": 0.04, "samples": 1024} | more))
+    clear = any(word in name for word in ("glass", "transmission", "dielectric", "bubble", "refraction", "metal", "glossy"))
+    usual = {"width": WIDTH, "height": HEIGHT, "block_bias": 0.04, "samples": 1024 if clear else 384}
+    return Case(name, "material_case", options, **(usual | more))
 
 
 def _cases() -> tuple[Case, ...]:
@@ -252,7 +254,7 @@ def sweep_case(kind: str, roughness: float) -> Case:
         "glass": glass("MULTI_GGX", roughness),
         "metal": principled(STEEL, Metallic=1.0, Roughness=roughness),
     }[kind]
-    case = _case(f"sweep_{kind}_{roughness:.2f}", material, samples=768)
+    case = _case(f"sweep_{kind}_{roughness:.2f}", material, samples=512)
     if kind == "floor":
         case.options["second"] = "floor"
     return case
