@@ -121,9 +121,8 @@ def main() -> int:
     shown = np.where(seen[..., None], truth.mean(0), 0.0)
     save_pictures(OUT, "small_glass", ours, shown)
     save_pictures(OUT, "small_glass_cycles", cycles, shown)
-    print(
-        f"{int(part.sum())} pixels of caustic, {SmallGlass.PROFILE[2][0] * 2 * 100:.0f} cm of glass; mean radiance {truth[:, part].mean():.3f}"
-    )
+    width = SmallGlass.PROFILE[2][0] * 200
+    print(f"{int(part.sum())} pixels of caustic of a glass {width:.0f} cm wide; mean radiance {truth[:, part].mean():.3f}")
     for name, picture in (("Photon Splat", ours), ("Cycles", cycles)):
         ratio = picture[part].mean() / truth[:, part].mean()
         print(f"{name:13} relative error {relative_error(picture, truth, part):.3f}, mean {ratio:.3f} of the truth's")
