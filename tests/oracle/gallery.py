@@ -79,7 +79,8 @@ def painted(output: str = "Color") -> Spec:
 
 BACKFACING = node("NewGeometry", "Backfacing")
 GOLD = {"IOR": (0.17, 0.42, 1.37), "Extinction": (3.1, 2.35, 1.77)}
-WAVES = node("Bump", Strength=0.6, Distance=0.03, Height=node("TexNoise", "Factor", Scale=6.0, Detail=1.0))
+_HILLS = node("TexNoise", "Factor", Vector=node("TexCoord", "Object"), Scale=4.0, Detail=0.0)
+WAVES = node("Bump", Strength=0.7, Distance=0.1, Height=_HILLS)
 CARVED = node("NormalMap", Strength=1.0, Color=node("TexImage", "Color", {"image": "normals"}))
 UV_TANGENT = node("Tangent", modes={"direction_type": "UV_MAP"})
 
