@@ -202,7 +202,7 @@ _SUBSURFACE = {"mean_tolerance": 0.05, "block_bias": 0.15, "reference_bias": 0.1
 def _case(name: str, material: Spec, *, second: str = "slab", segments: int = 96, **more: Any) -> Case:
     options = {"material": material, "second": second, "segments": segments}
     clear = any(word in name for word in ("glass", "transmission", "dielectric", "bubble", "refraction", "metal", "glossy"))
-    usual = {"width": WIDTH, "height": HEIGHT, "block_bias": 0.04, "samples": 1024 if clear else 384}
+    usual = {"width": WIDTH, "height": HEIGHT, "block_bias": 0.04, "samples": 1024 if clear else 384, "photons_per_pass": 10_000}
     return Case(name, "material_case", options, **(usual | more))
 
 
