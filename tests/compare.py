@@ -115,10 +115,13 @@ def within_known_bias(result: BlockTest, reference: Blocks) -> bool:
     return float(differing.mean()) <= KNOWN_BIAS_SHARE and bool((size[differing] <= KNOWN_BIAS_SIZE).all())
 
 
-def block_test(ours: Blocks, reference: Blocks, *, relative: float = 0.0, absolute: float = 0.0, family_level: float = 0.01) -> BlockTest:
+def block_test(
+    ours: Blocks, reference: Blocks, *, relative: float = 0.0, absolute: float | Array = 0.0, family_level: float = 0.01
+) -> BlockTest:
     """Welch's t-test on every block mean, Bonferroni-corrected to `family_level` for the picture.
 
-    A bias of up to relative * reference + absolute is allowed: it is taken off the difference before the test.
+    A bias of up to relative * reference + absolute is allowed: it is taken off the difference before the test. `absolute` may be
+    an array per block and channel.
     """
     difference = ours.mean - reference.mean
     allowed = relative * np.abs(reference.mean) + absolute

@@ -22,7 +22,7 @@ from tests.oracle.worker import Worker
 
 OUT = Path(__file__).resolve().parents[2] / "out" / "caustics"
 WIDTH, HEIGHT = 640, 360
-CELLS, PHOTONS, REST = 320, 60_000_000, 128
+CELLS, PHOTONS, REST = 320, 30_000_000, 128
 """Cells of the truth along the view's 16 cm, photons, and pixels of the other light."""
 
 
