@@ -9,11 +9,16 @@ from __future__ import annotations
 
 import argparse
 import html
+import os
+import queue
 import sys
 import tempfile
 import time
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from tests.compare import save_pictures
 from tests.oracle import sweep
@@ -58,9 +63,12 @@ class Row:
     pictures: bool = False
 
 
+Task = tuple[Callable[[Worker, Any, str], Row], Any, str]
+
+
 def case_row(worker: Worker, case: Case, integrator: str) -> Row:
     try:
-        verdict: Verdict = judge(case, integrator, render(worker, case, integrator))
+        verdict: Verdict = judge(case, integrator, render(worker, case, integrator, threads=1))
     except (RuntimeError, ValueError, OSError) as error:
         return Row(case.name, integrator, float("inf"), "", [str(error)])
     save_pictures(OUT, f"{case.name}.{integrator}", verdict.ours, verdict.reference)
@@ -76,6 +84,33 @@ def sweep_row(worker: Worker, kind: str, integrator: str) -> Row:
     worst = max(abs(ratio - 1) for ratio in ratios)
     said = "middle at roughness " + ", ".join(f"{r:g}: {ratio:.3f}" for r, ratio in zip(STEPS, ratios, strict=True))
     return Row(f"sweep_{kind}", integrator, worst / sweep.TOLERANCE, said, failures)
+
+
+def render_all(tasks: list[Task], jobs: int) -> list[Row]:
+    """Small pictures gain little from threads: each of `jobs` Blender processes renders with one."""
+    workers: queue.SimpleQueue[Worker] = queue.SimpleQueue()
+
+    def one(task: Task) -> Row:
+        make, subject, integrator = task
+        worker = workers.get()
+        try:
+            row = make(worker, subject, integrator)
+        finally:
+            workers.put(worker)
+        state = "FAILED" if row.failures else "ok"
+        print(f"{state:7}{row.name:36}{row.integrator:10} {row.said[:200]} {'; '.join(row.failures)}", flush=True)
+        return row
+
+    with tempfile.TemporaryDirectory(prefix="photon_splat_oracle_") as scratch:
+        made = [Worker(Path(scratch, str(k))) for k in range(jobs)]
+        for worker in made:
+            worker.scratch.mkdir()
+            workers.put(worker)
+        with ThreadPoolExecutor(jobs) as pool:
+            rows = list(pool.map(one, tasks))
+        for worker in made:
+            worker.stop()
+    return rows
 
 
 def page(rows: list[Row], summary: str) -> str:
@@ -100,6 +135,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description="Compare with Cycles' pictures.")
     parser.add_argument("names", nargs="*", help="cases (default: all, and the roughness sweeps)")
     parser.add_argument("--without-sweep", action="store_true")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="Blender processes at a time (default: one per core)")
     options = parser.parse_args()
     unknown = [name for name in options.names if name not in BY_NAME]
     if unknown:
@@ -107,19 +143,10 @@ def main() -> int:
     cases = [BY_NAME[name] for name in options.names] or list(ALL)
     sweeps = () if options.names or options.without_sweep else SWEEPS
     OUT.mkdir(parents=True, exist_ok=True)
-    rows: list[Row] = []
     started = time.monotonic()
-    with tempfile.TemporaryDirectory(prefix="photon_splat_oracle_") as scratch:
-        worker = Worker(Path(scratch))
-        for case in cases:
-            for integrator in INTEGRATORS if case.splat else INTEGRATORS[1:]:
-                rows.append(case_row(worker, case, integrator))
-                _tell(rows[-1])
-        for kind in sweeps:
-            for integrator in INTEGRATORS:
-                rows.append(sweep_row(worker, kind, integrator))
-                _tell(rows[-1])
-        worker.stop()
+    tasks: list[Task] = [(case_row, case, by) for case in cases for by in (INTEGRATORS if case.splat else INTEGRATORS[1:])]
+    tasks += [(sweep_row, kind, by) for kind in sweeps for by in INTEGRATORS]
+    rows = render_all(tasks, options.jobs)
     names = {row.name for row in rows}
     passed = names - {row.name for row in rows if row.failures}
     summary = f"{len(passed)} of {len(names)} pass"
@@ -130,10 +157,6 @@ def main() -> int:
         print(f"That is fewer than the {PASSING} that passed before: {', '.join(sorted(names - passed))}", file=sys.stderr)
         return 1
     return 0
-
-
-def _tell(row: Row) -> None:
-    print(f"{'FAILED' if row.failures else 'ok':7}{row.name:36}{row.integrator:10} {row.said[:200]} {'; '.join(row.failures)}", flush=True)
 
 
 if __name__ == "__main__":

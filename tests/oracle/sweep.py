@@ -47,7 +47,8 @@ def measure(worker: Worker, kind: str, integrator: str) -> list[list[float]]:
     for roughness in STEPS:
         case = sweep_case(kind, roughness)
         seeds, passes = (list(range(4)), 32) if integrator == "splat" else ([11, 12], 192)
-        steps.append(means(worker.render(case, integrator, seeds, passes=passes, photons_per_pass=20_000, max_bounces=64)[0]))
+        settings = {"passes": passes, "photons_per_pass": 20_000, "max_bounces": 64, "threads": 1}
+        steps.append(means(worker.render(case, integrator, seeds, **settings)[0]))
     return steps
 
 

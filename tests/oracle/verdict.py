@@ -66,9 +66,11 @@ def judge(case: Case, integrator: str, ours: np.ndarray) -> Verdict:
     return Verdict(ours.mean(0), reference.mean(0), ratio, error, excess, failures)
 
 
-def render(worker: Worker, case: Case, integrator: str) -> np.ndarray:
-    """(K, height, width, 4): six splats, or two path-traced pictures."""
+def render(worker: Worker, case: Case, integrator: str, threads: int = 0) -> np.ndarray:
+    """(K, height, width, 4): six splats, or two path-traced pictures. 0 threads: all of the machine's."""
     if integrator == "splat":
-        seeds = list(range(6))
-        return worker.render(case, "splat", seeds, passes=case.passes, photons_per_pass=case.photons_per_pass, max_bounces=64)[0]
-    return worker.render(case, "reference", [11, 12], passes=96 if case.name in SCENES else 256, max_bounces=64)[0]
+        settings: dict[str, int] = {"passes": case.passes, "photons_per_pass": case.photons_per_pass}
+    else:
+        settings = {"passes": 96 if case.name in SCENES else 256}
+    seeds = list(range(6)) if integrator == "splat" else [11, 12]
+    return worker.render(case, integrator, seeds, max_bounces=64, threads=threads, **settings)[0]
