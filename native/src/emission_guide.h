@@ -20,7 +20,8 @@ struct EmissionPrimary {
 // there), which minimises the variance, mixed with the unguided density so that none is ever left out.
 class EmissionGuide {
  public:
-  // How an emitter's 4096 cells divide place and way, per axis: 8 x 8 each, or all of them for the one that matters.
+  // How an emitter's cells divide place and way, per axis: 4096 as 8 x 8 each, or all of them for the one that matters. All
+  // emitters have equally many.
   struct Division {
     int place = 8, way = 8;
   };
@@ -33,13 +34,13 @@ class EmissionGuide {
   void warp(EmissionPrimary& sample, const Vec2& u) const;
 
  private:
-  static constexpr int kCells = 4096;
   static constexpr double kUnguided = 0.2;  // share of the unguided density
 
   int cell_of(uint32_t emitter, const Vec2& place, const Vec2& way) const;
 
   std::vector<double> powers_;
   double all_power_ = 0;
+  int cells_ = 1;
   std::vector<Division> divisions_;
   std::vector<float> useful_, paths_;     // per emitter and cell
   std::vector<double> emitter_cdf_;

@@ -23,12 +23,50 @@ Lights::Lights(Scene& scene, const std::vector<LampSettings>& lamps) : scene_(sc
   for (const LampSettings& lamp : lamps) add_lamp(lamp);
   add_emissive_instances();
   double sum = 0;
-  for (const Emitter& e : emitters_) choice_cdf_.push_back(sum += e.power);
+  for (const Emitter& e : emitters_) power_cdf_.push_back(sum += e.power);
   // All directions times the disc that the scene shows.
   const double r = scene_disc();
   world_power_ = average(environment_.mean()) * 4.0 * kPi * kPi * r * r;
-  power_cdf_ = choice_cdf_;
   power_cdf_.push_back(total_power_ = sum + world_power_);
+  if (emitters_.size() > kFewEmitters) build_tree();
+  for (uint32_t i = 0; i < emitters_.size(); ++i)
+    if (emitters_[i].lamp >= 0 && lamps_[emitters_[i].lamp].s.camera_visible) visible_lamps_.push_back(i);
+}
+
+void Lights::build_tree() {
+  std::vector<LightTree::Item> items;
+  tree_item_.assign(emitters_.size(), -1);
+  for (uint32_t i = 0; i < emitters_.size(); ++i) {
+    const Emitter& e = emitters_[i];
+    const Lamp* lamp = e.lamp >= 0 ? &lamps_[e.lamp] : nullptr;
+    if (lamp && lamp->s.kind == LampKind::kSun) {
+      suns_.push_back(i);
+      continue;
+    }
+    LightTree::Item item;
+    item.bounds = e.bounds;
+    item.energy = e.importance;
+    if (lamp && lamp->s.kind != LampKind::kPoint) {
+      item.axis = lamp->forward;
+      item.spread = 0;
+      if (lamp->s.kind == LampKind::kArea) {
+        item.emission = lamp->normalize_spread > 0 ? std::atan(lamp->tan_half_spread) : 0.5f * kPi;
+      } else {  // a cone, widened by the scale
+        const float half = std::acos(std::clamp(lamp->cos_half, 0.0f, 1.0f));
+        item.emission = std::atan2(std::sin(half) * std::max(lamp->scale_x, lamp->scale_y), std::cos(half) * lamp->scale_z);
+      }
+      item.emission += 1e-3f;
+    }
+    if (!lamp || lamp->s.kind == LampKind::kArea) {
+      const float r = 2 * e.radius;
+      item.reach.add(e.center - Vec3{r, r, r});
+      item.reach.add(e.center + Vec3{r, r, r});
+    }
+    tree_item_[i] = static_cast<int32_t>(items.size());
+    tree_emitters_.push_back(i);
+    items.push_back(item);
+  }
+  tree_.build(items);
 }
 
 float Lights::spot_attenuation(const Lamp& lamp, const Vec3& from_lamp) const {
@@ -72,14 +110,19 @@ bool Lights::shares_with_rays(const Emitter& e, const Receiver& to) const {
 
 bool Lights::wants_bsdf_ray(const Receiver& to) const {
   if (!environment_.black()) return true;
+  if (to.sharp) return !emitters_.empty();
+  if (!tree_.empty()) return tree_.reached(to.x);
   for (const Emitter& e : emitters_)
     if (shares_with_rays(e, to)) return true;
   return false;
 }
 
 float Lights::emitters_weight(const Receiver& to) const {
-  if (emitters_.size() > kFewEmitters) return environment_.irradiance(to.n);
   float sum = 0;
+  if (emitters_.size() > kFewEmitters) {
+    for (uint32_t sun : suns_) sum += emitter_weight(emitters_[sun], to);
+    return sum + tree_.importance(to.x, to.n);
+  }
   for (const Emitter& e : emitters_) sum += emitter_weight(e, to);
   return sum;
 }
@@ -93,8 +136,11 @@ float Lights::world_probability(const Receiver& to, float emitters) const {
 
 float Lights::choice_probability(uint32_t emitter, const Receiver& to) const {
   if (emitters_.size() > kFewEmitters) {
-    const float others = 1 - world_probability(to, emitters_weight(to));
-    return others * static_cast<float>(emitters_[emitter].power / choice_cdf_.back());
+    const float all = emitters_weight(to);
+    if (!(all > 0)) return 0;
+    const float others = 1 - world_probability(to, all);
+    if (tree_item_[emitter] < 0) return others * emitter_weight(emitters_[emitter], to) / all;
+    return others * tree_.importance(to.x, to.n) / all * tree_.probability(tree_item_[emitter], to.x, to.n);
   }
   float sum = 0, chosen = 0;
   for (uint32_t i = 0; i < emitters_.size(); ++i) {
@@ -103,6 +149,27 @@ float Lights::choice_probability(uint32_t emitter, const Receiver& to) const {
     if (i == emitter) chosen = w;
   }
   return sum > 0 ? chosen / sum * (1 - world_probability(to, sum)) : 0;
+}
+
+// weight: of all emitters.
+std::optional<Lights::Pick> Lights::pick_of_many(const Receiver& to, float weight, float choice) const {
+  float target = choice * weight;
+  const float near_by = tree_.importance(to.x, to.n);
+  if (target < near_by) {
+    const auto c = tree_.pick(to.x, to.n, std::min(target / near_by, 0x1.fffffep-1f));
+    if (!c) return std::nullopt;
+    return Pick{tree_emitters_[c->item], c->probability * near_by / weight};
+  }
+  target -= near_by;
+  std::optional<Pick> last;
+  for (uint32_t sun : suns_) {
+    const float w = emitter_weight(emitters_[sun], to);
+    if (!(w > 0)) continue;
+    last = Pick{sun, w / weight};
+    if (target < w) break;
+    target -= w;
+  }
+  return last;
 }
 
 std::optional<LightSample> Lights::sample(const Receiver& to, float choice, const Vec2& u) const {
@@ -133,9 +200,10 @@ std::optional<LightSample> Lights::sample(const Receiver& to, float choice, cons
     if (!(weight[chosen] > 0)) return std::nullopt;
     probability *= weight[chosen] / sum;
   } else {
-    chosen = std::upper_bound(choice_cdf_.begin(), choice_cdf_.end(), choice * choice_cdf_.back()) - choice_cdf_.begin();
-    chosen = std::min(chosen, emitters_.size() - 1);
-    probability *= static_cast<float>(emitters_[chosen].power / choice_cdf_.back());
+    const auto pick = pick_of_many(to, sum, choice);
+    if (!pick) return std::nullopt;
+    chosen = pick->emitter;
+    probability *= pick->probability;
   }
   const Emitter& e = emitters_[chosen];
   if (!(e.lamp >= 0 ? sample_lamp(e, to.x, u, out) : sample_mesh(e, to.x, u, out))) return std::nullopt;
@@ -317,25 +385,40 @@ Rgb Lights::world_met(const Receiver& to, const Vec3& direction, float bsdf_pdf)
   return radiance * power_heuristic(bsdf_pdf, world_probability(to, emitters_weight(to)) * environment_.pdf(direction));
 }
 
+Rgb Lights::lamp_met(uint32_t emitter, const Receiver& to, const Vec3& direction, float near, float far, float bsdf_pdf) const {
+  const Emitter& e = emitters_[emitter];
+  if (e.lamp < 0 || !shares_with_rays(e, to)) return {};
+  float pdf;
+  const Rgb radiance = lamp_radiance_met(lamps_[e.lamp], to.x, direction, near, far, pdf);
+  if (!(pdf > 0) || !(bsdf_pdf < INFINITY)) return pdf > 0 ? radiance : Rgb{};
+  return radiance * power_heuristic(bsdf_pdf, pdf * choice_probability(emitter, to));
+}
+
 Rgb Lights::lamps_met(const Receiver& to, const Vec3& direction, float near, float far, float bsdf_pdf) const {
   Rgb sum{};
-  for (uint32_t i = 0; i < emitters_.size(); ++i) {
-    const Emitter& e = emitters_[i];
-    if (e.lamp < 0 || !shares_with_rays(e, to)) continue;
-    float pdf;
-    const Rgb radiance = lamp_radiance_met(lamps_[e.lamp], to.x, direction, near, far, pdf);
-    if (!(pdf > 0)) continue;
-    sum += bsdf_pdf < INFINITY ? radiance * power_heuristic(bsdf_pdf, pdf * choice_probability(i, to)) : radiance;
+  const auto add = [&](uint32_t emitter) { sum += lamp_met(emitter, to, direction, near, far, bsdf_pdf); };
+  if (emitters_.size() > kFewEmitters) {
+    tree_.along(to.x, direction, far, [&](uint32_t item) { add(tree_emitters_[item]); });
+    for (uint32_t sun : suns_) add(sun);
+  } else {
+    for (uint32_t i = 0; i < emitters_.size(); ++i) add(i);
   }
   return sum;
 }
 
 Rgb Lights::lamps_seen(const Vec3& origin, const Vec3& direction, float near, float far) const {
   Rgb sum{};
-  for (const Lamp& lamp : lamps_) {
-    float pdf;
+  const auto add = [&](uint32_t emitter) {
+    const Lamp& lamp = lamps_[emitters_[emitter].lamp];
     const bool inside = lamp.s.kind != LampKind::kSun && length2(lamp.center - origin) < lamp.s.radius * lamp.s.radius;
+    float pdf;
     if (lamp.s.camera_visible && !inside) sum += lamp_radiance_met(lamp, origin, direction, near, far, pdf);
+  };
+  if (visible_lamps_.size() > kFewEmitters) {
+    tree_.along(origin, direction, far, [&](uint32_t item) { if (emitters_[tree_emitters_[item]].lamp >= 0) add(tree_emitters_[item]); });
+    for (uint32_t sun : suns_) add(sun);
+  } else {
+    for (uint32_t emitter : visible_lamps_) add(emitter);
   }
   return sum;
 }

@@ -6,6 +6,7 @@
 #include "emission_guide.h"
 #include "emission_targets.h"
 #include "environment.h"
+#include "light_tree.h"
 
 namespace photon_splat {
 
@@ -123,6 +124,7 @@ class Lights {
     uint32_t instance = 0;
     Vec3 center;
     float radius = 0;                       // bounding sphere
+    Bounds bounds;
     float importance = 0;
     double power = 0;
     std::vector<uint32_t> triangles;
@@ -160,6 +162,13 @@ class Lights {
   void add_emissive_triangles(uint32_t instance, Emitter& emitter, Bounds& bounds, double& sum) const;
   float emitter_weight(const Emitter& e, const Receiver& to) const;
   bool shares_with_rays(const Emitter& e, const Receiver& to) const;
+  struct Pick {
+    uint32_t emitter;
+    float probability;
+  };
+  std::optional<Pick> pick_of_many(const Receiver& to, float weight, float choice) const;
+  void build_tree();
+  Rgb lamp_met(uint32_t emitter, const Receiver& to, const Vec3& direction, float near, float far, float bsdf_pdf) const;
   float choice_probability(uint32_t emitter, const Receiver& to) const;  // of an emitter among themselves
   float emitters_weight(const Receiver& to) const;                         // of all together
   float world_probability(const Receiver& to, float emitters_weight) const;
@@ -192,7 +201,10 @@ class Lights {
   std::vector<Lamp> lamps_;
   std::vector<Emitter> emitters_;
   std::vector<int32_t> emitter_of_instance_;  // -1: none
-  std::vector<double> choice_cdf_;            // over emitters by power, for scenes with many lights
+  LightTree tree_;                            // of many emitters all but suns; of few: empty
+  std::vector<uint32_t> tree_emitters_, suns_;  // emitters of the tree's items; suns among many emitters
+  std::vector<int32_t> tree_item_;            // of an emitter; -1: a sun
+  std::vector<uint32_t> visible_lamps_;       // emitters that the camera may see
   std::vector<double> power_cdf_;             // over emitters and, last, the world
   double world_power_ = 0, total_power_ = 0;
 };

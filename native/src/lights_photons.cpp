@@ -7,6 +7,7 @@
 namespace photon_splat {
 namespace {
 
+constexpr size_t kGuideCells = 1 << 20;
 constexpr float kSmallestSpread = 0.1f * kPi / 180;
 
 Vec3 around_axis(const Vec3& x, const Vec3& y, const Vec3& z, float cosine, float turn) {
@@ -103,6 +104,10 @@ void Lights::add_lamp(const LampSettings& settings) {
     }
   }
   if (!(e.power > 0)) return;
+  const bool flat = settings.kind == LampKind::kArea;
+  for (const float i : {-1.0f, 1.0f})
+    for (const float j : {-1.0f, 1.0f})
+      e.bounds.add(lamp.center + (flat ? lamp.axis_x * (i * lamp.half_x) + lamp.axis_y * (j * lamp.half_y) : Vec3{1, 1, 1} * (i * e.radius)));
   lamps_.push_back(std::move(lamp));
   emitters_.push_back(std::move(e));
 }
@@ -153,6 +158,7 @@ void Lights::add_emissive_instances() {
     }
     e.center = bounds.center();
     e.radius = 0.5f * bounds.diagonal();
+    e.bounds = bounds;
     e.importance = static_cast<float>(sum);
     e.power = sum * kPi;
     emitter_of_instance_[i] = static_cast<int32_t>(emitters_.size());
@@ -338,17 +344,21 @@ PhotonStart Lights::emit(const EmissionPrimary& p) const {
 }
 
 EmissionGuide Lights::make_guide() const {
+  // Of many emitters each gets fewer cells: 4096, 256, 16 or 1.
+  int fine = 8;
+  while (fine > 1 && emitters_.size() * fine * fine * fine * fine > kGuideCells) fine /= 2;
+  const auto divided = [fine](bool by_place, bool by_way) {
+    return EmissionGuide::Division{by_place ? fine * fine : by_way ? 1 : fine, by_way ? fine * fine : by_place ? 1 : fine};
+  };
   std::vector<double> powers;
   std::vector<EmissionGuide::Division> divisions;
   for (const Emitter& e : emitters_) {
     powers.push_back(e.power);
     const LampKind kind = e.lamp >= 0 ? lamps_[e.lamp].s.kind : LampKind::kArea;
-    if (kind == LampKind::kSun) divisions.push_back({64, 1});
-    else if (kind == LampKind::kArea) divisions.push_back({8, 8});
-    else divisions.push_back({1, 64});
+    divisions.push_back(divided(kind == LampKind::kSun, kind == LampKind::kPoint || kind == LampKind::kSpot));
   }
   powers.push_back(world_power_);
-  divisions.push_back({8, 8});
+  divisions.push_back(divided(false, false));
   return EmissionGuide(std::move(powers), std::move(divisions));
 }
 
