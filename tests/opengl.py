@@ -62,8 +62,16 @@ def expect_agreement(cpu: dict[str, np.ndarray], gpu: dict[str, np.ndarray]) -> 
 
 
 def compare(scene: Scene, **settings: object) -> None:
+    """Every layer of the scene's first pass by both splatters."""
     renderer = prepared(scene, **settings)
-    renderer.splat()
-    cpu = renderer.points()
-    assert cpu["irradiance"].any(), "the scene is dark"
-    expect_agreement(cpu, splat_on_gpu(renderer)[0])
+    dark = True
+    for layer in range(renderer.layers):
+        if layer:
+            renderer.select_layer(layer)
+            renderer.make_points(0)
+            renderer.trace_photons(0, 0, renderer.paths_per_pass)
+        renderer.splat()
+        cpu = renderer.points()
+        dark = dark and not cpu["irradiance"].any()
+        expect_agreement(cpu, splat_on_gpu(renderer)[0])
+    assert not dark, "the scene is dark"
