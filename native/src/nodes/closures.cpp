@@ -67,20 +67,29 @@ void closure(Frame& f, Op op, const uint32_t* w) {
   const float weight = f.number(w[0]);
   if (weight == 0) return;
   const auto colored = [&] { return bounded(f.vector(w[1]) * weight, kMostScattered); };
+  const auto color = [&] { return bounded(f.vector(w[1]), kMostScattered); };  // tints light scattered more than once
   switch (op) {
     case Op::Emission: f.out.add_emission(bounded(f.vector(w[1]) * weight, kMostEmitted)); break;
     case Op::Transparent: f.out.add_transparent(colored()); break;
     case Op::Holdout: f.out.add_holdout(bounded(weight, 1)); break;
-    case Op::Diffuse: f.out.add_diffuse(colored(), front_normal(f, w[2]), f.number(w[3])); break;
+    case Op::Diffuse: {
+      const Rgb tint = color();
+      f.out.add_diffuse(colored(), front_normal(f, w[2]), f.number(w[3]), &tint);
+      break;
+    }
     case Op::Translucent: f.out.add_translucent(colored(), front_normal(f, w[2])); break;
-    case Op::Glossy:
+    case Op::Glossy: {
+      const Rgb tint = color();
       f.out.add_glossy(colored(), front_normal(f, w[2]), distribution(w[7]), f.number(w[3]), f.number(w[4]), f.number(w[5]),
-                       f.vector(w[6]));
+                       f.vector(w[6]), &tint);
       break;
-    case Op::Glass:
+    }
+    case Op::Glass: {
+      const Rgb tint = color();
       f.out.add_glass(colored(), front_normal(f, w[2]), distribution(w[7]), f.number(w[3]), f.number(w[4]), f.number(w[5]),
-                      f.number(w[6]));
+                      f.number(w[6]), &tint);
       break;
+    }
     case Op::Refraction:
       f.out.add_refraction(colored(), front_normal(f, w[2]), distribution(w[5]), f.number(w[3]), f.number(w[4]));
       break;
