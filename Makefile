@@ -22,7 +22,7 @@ NATIVE_SOURCES := $(shell find native -path native/.cache -prune -o -path native
 # What is built in the virtual environment must find its tools there: cmake and ninja.
 IN_VENV = PATH="$(CURDIR)/$(@D)/bin:$$PATH"
 
-.PHONY: help setup setup-old render test lint test-native test-python test-old extension extension-test viewport-test bench bench-viewport bench-gpu chart calibration references scenes oracle sanitize wheel clean
+.PHONY: help setup setup-old render test lint test-native test-python test-old extension extension-test viewport-test bench bench-viewport bench-gpu chart calibration references scenes oracle nodes node-list sanitize wheel clean
 
 help:
 	@sed -n 's/^\([a-z-]*\):.*## /  make \1\t/p' $(MAKEFILE_LIST) | expand -t 20
@@ -131,6 +131,12 @@ sanitize: $(VENV)/.packages ## C++ tests under the address, undefined behaviour 
 
 oracle: setup ## every case against the committed Cycles pictures: out/oracle/index.html
 	$(PY) -m tests.oracle.report
+
+nodes: setup ## node trees against Cycles (NODE_OPTIONS: see python -m tests.nodes.oracle --help)
+	$(PY) -m tests.nodes.oracle $(NODE_OPTIONS)
+
+node-list: setup ## the README's list of nodes, from the exporter's own table
+	@$(PY) -m photon_splat.export.compile.table
 
 references: setup ## what tests/oracle and tests/caustics compare with, anew (long)
 	$(PY) -m tests.oracle.references

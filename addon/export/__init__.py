@@ -51,7 +51,7 @@ def export_contents(
     objects = Objects(materials, textures, report, kept)
     objects.collect(depsgraph, visible)
     objects.collect_shading(depsgraph, shading.around.wants, *shading.wanted)
-    export_world(getattr(view_layer, "world_override", None) or scene.world, textures, report, exported)
+    export_world(getattr(view_layer, "world_override", None) or scene.world, shading, exported)
     exported.meshes, exported.instances = objects.meshes, objects.instances()
     exported.material_sets, exported.lights = objects.material_sets, objects.lights
     exported.materials, exported.textures, exported.programs = materials.list, textures.list, shading.programs

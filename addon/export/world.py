@@ -8,33 +8,29 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.scene import Extension, Interpolation, Rgb, Scene, SunDisc, Texture, WorldMap
-from ..core.sky import SkyModel, SkySettings, sky
+from ..core.scene import NO_TEXTURE, Rgb, Scene, SunDisc, WorldMap
 from ..report import Report
-from .images import Textures
+from .compile.node import Owner
+from .compile.reduce import lambertian
+from .materials import Shading
 from .nodes import Source, default_value, label, output_node, source, uses_nodes
 from .shading import Reducer
+from .sky import export_sky
 
 Matrix = NDArray[np.float64]
 DIRECTION_OUTPUTS = {"TEX_COORD": {"Generated", "Object"}, "NEW_GEOMETRY": {"Position"}}
 """Outputs that are the direction itself in a world."""
-SKY_MODELS = {
-    "SINGLE_SCATTERING": SkyModel.SINGLE_SCATTERING,
-    "NISHITA": SkyModel.SINGLE_SCATTERING,
-    "MULTIPLE_SCATTERING": SkyModel.MULTIPLE_SCATTERING,
-    "PREETHAM": SkyModel.PREETHAM,
-    "HOSEK_WILKIE": SkyModel.PREETHAM,
-}
 
 
-def export_world(world: Any, textures: Textures, report: Report, scene: Scene) -> None:
-    """Sets `scene`'s world from a bpy.types.World; None is black. What cannot be expressed is reported and averaged."""
+def export_world(world: Any, shading: Shading, scene: Scene) -> None:
+    """Sets `scene`'s world from a bpy.types.World; None is black. What cannot be expressed is reported."""
+    report = shading.around.report
     if world is None:
         scene.world = (0.0, 0.0, 0.0)
         return
     owner = f"World '{world.name}'"
     if uses_nodes(world):
-        _World(owner, textures, report, scene).read(world.node_tree)
+        _World(owner, shading, scene).read(world)
     else:
         scene.world = _radiance(np.asarray(world.color, np.float64), owner, report)
     visibility = getattr(world, "cycles_visibility", None)
@@ -44,12 +40,13 @@ def export_world(world: Any, textures: Textures, report: Report, scene: Scene) -
 
 
 class _World:
-    def __init__(self, owner: str, textures: Textures, report: Report, scene: Scene) -> None:
-        self.owner, self.textures, self.report, self.scene = owner, textures, report, scene
-        self.reducer = Reducer(owner, textures, report)
+    def __init__(self, owner: str, shading: Shading, scene: Scene) -> None:
+        self.owner, self.shading, self.scene = owner, shading, scene
+        self.textures, self.report = shading.around.textures, shading.around.report
+        self.reducer = Reducer(owner, self.textures, self.report)
 
-    def read(self, tree: Any) -> None:
-        output = output_node(tree)
+    def read(self, world: Any) -> None:
+        output = output_node(world.node_tree)
         if output is None:
             return
         volume = source(output.inputs["Volume"])
@@ -57,7 +54,16 @@ class _World:
             self.report.warn(f"{self.owner}, node '{volume.node.name}': Volume not supported; left out")
         surface = source(output.inputs["Surface"])
         if not (surface.node is not None and surface.node.type in {"BACKGROUND", "EMISSION"} and self._image(surface)):
-            self.scene.world = _radiance(self.reducer.shader(surface).emission.mean(self.textures), self.owner, self.report)
+            self._program(world, output.inputs["Surface"])
+
+    def _program(self, world: Any, surface: Any) -> None:
+        """Any other tree: a constant where it comes to that."""
+        compiled = self.shading.compile(Owner(self.owner, world, of_world=True), surface)
+        constant = lambertian(compiled)
+        if constant is not None and constant[1][1] == NO_TEXTURE:
+            self.scene.world = _radiance(np.array(constant[1][0]), self.owner, self.report)
+        else:
+            self.scene.world_program = self.shading.add(compiled.program(world.name))
 
     def _image(self, surface: Source) -> bool:
         """Takes an image or a sky that feeds a Background; False if it is something else."""
@@ -101,52 +107,20 @@ class _World:
         return matrix
 
     def _sky(self, node: Any, to_lookup: Matrix) -> None:
-        model = SKY_MODELS.get(node.sky_type)
-        if model is None or node.sky_type == "HOSEK_WILKIE":
-            self.report.warn(f"{self.owner}, node '{label(node)}': the sky model {node.sky_type} is not supported; taken as Preetham's")
-            model = SkyModel.PREETHAM
         strength = self.scene.world
-        if model is SkyModel.PREETHAM:
-            sun = np.asarray(node.sun_direction, np.float64)
-            sun = sun / max(float(np.linalg.norm(sun)), 1e-9)
-            settings = SkySettings(model, math.asin(min(max(sun[2], -1.0), 1.0)), turbidity=float(node.turbidity))
-            longitude = math.atan2(sun[1], sun[0])
-        else:
-            elevation, rotation = _wrapped(float(node.sun_elevation), float(node.sun_rotation))
-            settings = SkySettings(
-                model,
-                elevation,
-                float(node.altitude),
-                float(node.air_density),
-                float(getattr(node, "aerosol_density", getattr(node, "dust_density", 1.0))),
-                float(node.ozone_density),
-                sun_size=float(node.sun_size),
-            )
-            longitude = math.pi / 2.0 - rotation
-        made = sky(settings)
-        texture = self.textures.add(Texture("sky", made.pixels, False, Interpolation.LINEAR, Extension.EXTEND))
-        c, s = math.cos(longitude), math.sin(longitude)
-        turn = np.eye(4)
-        turn[:2, :2] = [[c, s], [-s, c]]  # the sun of the image stands above +X
-        matrix = turn @ to_lookup
-        self.scene.world_map = WorldMap(texture, matrix[:3])
-        if model is SkyModel.PREETHAM or not node.sun_disc:
+        found = export_sky(node, self.textures, self.owner, self.report)
+        matrix = found.turn @ to_lookup
+        self.scene.world_map = WorldMap(found.texture, matrix[:3])
+        if not found.has_disc:
             return
-        intensity = float(node.sun_intensity)
-        direction = np.linalg.pinv(matrix[:3, :3]) @ [math.cos(settings.sun_elevation), 0.0, math.sin(settings.sun_elevation)]
+        intensity, elevation = float(node.sun_intensity), found.settings.sun_elevation
+        direction = np.linalg.pinv(matrix[:3, :3]) @ [math.cos(elevation), 0.0, math.sin(elevation)]
         if not np.isfinite(direction).all() or not np.linalg.norm(direction) > 0.0:
             return
         x, y, z = direction / np.linalg.norm(direction)
-        bottom, top = (_scaled(color, strength, intensity) for color in (made.sun_bottom, made.sun_top))
-        self.scene.sun_discs = [SunDisc((float(x), float(y), float(z)), settings.sun_size / 2.0, bottom, top, made.horizon)]
-
-
-def _wrapped(elevation: float, rotation: float) -> tuple[float, float]:
-    """A sun that has passed the zenith comes down on the other side."""
-    elevation = math.remainder(elevation, 2.0 * math.pi)
-    if abs(elevation) > math.pi / 2.0:
-        return math.copysign(math.pi, elevation) - elevation, rotation + math.pi
-    return elevation, rotation
+        bottom, top = (_scaled(color, strength, intensity) for color in (found.made.sun_bottom, found.made.sun_top))
+        half = found.settings.sun_size / 2.0
+        self.scene.sun_discs = [SunDisc((float(x), float(y), float(z)), half, bottom, top, found.made.horizon)]
 
 
 def _mapping(kind: str, location: Any, rotation: Any, scale: Any) -> Matrix:

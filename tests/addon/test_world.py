@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from photon_splat.core.shading import Feature
 
 from tests.addon import stage
 from tests.addon.blender import in_blender
@@ -58,12 +59,69 @@ def test_an_environment_image_and_its_rotation() -> None:
 
 
 @in_blender
-def test_what_an_image_cannot_be_looked_up_by_is_named() -> None:
+def test_any_other_tree_is_a_program() -> None:
     tree, background = _tree()
     _mapped(tree, _image(tree, background), "Window")
     what = stage.exported()
     assert what.world_map is None
-    assert any("environment image approximated by its mean colour" in warning for warning in what.warnings)
+    assert what.programs[what.world_program].features == Feature.EMITS
+    assert what.warnings == []
+
+
+@in_blender
+def test_a_tree_that_comes_to_a_constant_is_one() -> None:
+    tree, background = _tree()
+    color = tree.nodes.new("ShaderNodeMix")
+    color.data_type = "RGBA"
+    for name, value in (("Factor_Float", 0.5), ("A_Color", (0, 0, 1, 1)), ("B_Color", (1, 0, 0, 1))):
+        next(socket for socket in color.inputs if socket.identifier == name).default_value = value
+    tree.links.new(next(socket for socket in color.outputs if socket.identifier == "Result_Color"), background.inputs["Color"])
+    background.inputs["Strength"].default_value = 2.0
+    what = stage.exported()
+    assert (what.world, what.world_program) == ((1, 0, 1), -1)
+
+
+@in_blender
+def test_a_mixed_sky_is_looked_up_as_the_sky_alone() -> None:
+    """The same sky as the world's only colour, and through a node that does nothing."""
+    from photon_splat.core import native
+    from photon_splat.core.native_scene import fill_renderer
+    from photon_splat.core.settings import RenderSettings
+
+    tree, background = _tree()
+    sky, gamma = tree.nodes.new("ShaderNodeTexSky"), tree.nodes.new("ShaderNodeGamma")
+    sky.sun_disc = False
+    sky.sun_rotation = 0.7
+    tree.links.new(sky.outputs[0], gamma.inputs["Color"])
+    tree.links.new(gamma.outputs[0], background.inputs["Color"])
+    what = stage.exported()
+    renderer = native.load().Renderer(1)
+    fill_renderer(renderer, what, RenderSettings())
+    renderer.build()
+    angles = np.linspace(0.1, 6.0, 40)
+    directions = np.stack([np.cos(angles), np.sin(angles), np.sin(3 * angles)], axis=1).astype(np.float32)
+    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    found = renderer.shade_rays(np.zeros_like(directions), directions)["emission"]
+    tree.links.new(sky.outputs[0], background.inputs["Color"])
+    alone = stage.exported()
+    pixels = alone.textures[alone.world_map.texture].pixels
+    looked_up = directions.astype(np.float64) @ alone.world_map.to_lookup[:, :3].T
+    u = (np.arctan2(looked_up[:, 1], looked_up[:, 0]) - pi) / (-2 * pi)
+    v = np.arcsin(np.clip(looked_up[:, 2], -1, 1)) / pi + 0.5
+    row, column = (v * pixels.shape[0]).astype(int), (u * pixels.shape[1]).astype(int) % pixels.shape[1]
+    expected = pixels[np.minimum(row, pixels.shape[0] - 1), column, :3]
+    # The nearest pixel stands for the interpolated ones: at the horizon that is not close.
+    assert np.isclose(found, expected, rtol=0.05, atol=0.02).all(axis=1).mean() >= 0.9
+
+
+@in_blender
+def test_light_path_of_a_world_is_named() -> None:
+    tree, background = _tree()
+    path = tree.nodes.new("ShaderNodeLightPath")
+    tree.links.new(path.outputs["Is Diffuse Ray"], background.inputs["Strength"])
+    what = stage.exported()
+    assert np.allclose(what.world, background.inputs["Color"].default_value[0])
+    assert "Light Path in a world" in stage.the_one_warning(what)
 
 
 @pytest.mark.parametrize("model", ["SINGLE_SCATTERING", "MULTIPLE_SCATTERING"])
@@ -106,7 +164,7 @@ def test_a_sky_model_that_is_not_there_is_named() -> None:
 
 @in_blender
 def test_a_sun_past_the_zenith_comes_down_on_the_other_side() -> None:
-    from photon_splat.export.world import _wrapped
+    from photon_splat.export.sky import _wrapped
 
     assert _wrapped(2.0, 0.1) == pytest.approx((pi - 2.0, 0.1 + pi))
     assert _wrapped(-2.0, 0.1) == pytest.approx((2.0 - pi, 0.1 + pi))

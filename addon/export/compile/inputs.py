@@ -153,6 +153,10 @@ def camera_data(n: Node) -> Outputs:
 
 
 def light_path(n: Node) -> Outputs:
+    if n.owner.of_world:
+        n.warn("Light Path in a world is that of a diffuse ray, for all rays")
+        ones = {"Is Diffuse Ray", "Is Reflection Ray", "Ray Depth", "Diffuse Depth"}
+        return {socket.identifier: ONE if socket.identifier in ones else ZERO for socket in n.node.outputs}
     return {name: n.graph.one("LightPath", what=name.upper().replace(" ", "_")) for name in LIGHT_PATH} | {"Portal Depth": ZERO}
 
 

@@ -58,6 +58,7 @@ class Owner:
     backfacing: bool | None = None
     uv_map: str | None = None
     asked_uv_map: bool = False
+    of_world: bool = False
     normal: Value | None = None  # in place of the shading normal, where a displacement bends it
 
 

@@ -92,7 +92,9 @@ NODES: dict[str, Entry] = {
     "TEX_GRADIENT": Entry("texture", "Gradient Texture", t.gradient),
     "TEX_WHITE_NOISE": Entry("texture", "White Noise Texture", t.white_noise),
     "TEX_GABOR": Entry("texture", "Gabor Texture", t.gabor),
-    "TEX_SKY": Entry("texture", "Sky Texture", t.sky, "taken as grey-blue"),
+    "TEX_SKY": Entry(
+        "texture", "Sky Texture", t.sky, "without the sun's disc where it is not the world's only colour; Hosek-Wilkie is taken as Preetham"
+    ),
     "TEX_IES": Entry("texture", "IES Texture", t.ies),
     "TEX_POINTDENSITY": Entry("texture", "Point Density", t.no_density, "taken as empty"),
     # --- what the hit knows ---
@@ -104,7 +106,7 @@ NODES: dict[str, Entry] = {
     "OBJECT_INFO": Entry("input", "Object Info", i.object_info),
     "PARTICLE_INFO": Entry("input", "Particle Info", i.particle_info),
     "CAMERA": Entry("input", "Camera Data", i.camera_data),
-    "LIGHT_PATH": Entry("input", "Light Path", i.light_path),
+    "LIGHT_PATH": Entry("input", "Light Path", i.light_path, "in a world: that of a diffuse ray"),
     "LIGHT_FALLOFF": Entry("input", "Light Falloff", i.light_falloff),
     "FRESNEL": Entry("input", "Fresnel", i.fresnel),
     "LAYER_WEIGHT": Entry("input", "Layer Weight", i.layer_weight),
@@ -172,11 +174,10 @@ KINDS = {"shader": "Shaders", "texture": "Textures", "input": "Input", "vector":
 
 def markdown() -> str:
     """The README's list: nodes that do all they do in Cycles, then the others and what they do instead."""
-    lines = ["| | as in Cycles |", "|---|---|"]
+    lines = ["| nodes | what is done |", "|---|---|"]
     for kind, title in KINDS.items():
         whole = [entry.label for entry in NODES.values() if entry.kind == kind and not entry.instead]
-        lines.append(f"| {title} | {', '.join(sorted(whole))} |")
-    lines += ["", "| with a warning | what it does |", "|---|---|"]
+        lines.append(f"| {title}: {', '.join(sorted(whole))} | as in Cycles |")
     instead: dict[str, list[str]] = {}
     for entry in NODES.values():
         if entry.instead:

@@ -8,9 +8,10 @@ from typing import Any
 import bpy
 
 from ..images import is_associated
+from ..sky import export_sky
 from .inputs import uv
 from .node import Node, label
-from .values import ONE, ORIGIN, ZERO, Value, number, vector
+from .values import ONE, ORIGIN, ZERO, Value, number
 
 Outputs = dict[str, Value]
 
@@ -164,8 +165,13 @@ def gabor(n: Node) -> Outputs:
 
 
 def sky(n: Node) -> Outputs:
-    n.unsupported("is not supported here; taken as a grey-blue sky")
-    return {"Color": vector((0.3, 0.4, 0.6))}
+    found = export_sky(n.node, n.around.textures, n.owner.name, n.around.report)
+    if found.has_disc:
+        n.warn("the sun's disc is left out here; it is there where the sky alone is the colour of the world's Background")
+    matrix = tuple(float(v) for v in found.turn[:3].ravel())
+    where = n.graph.one("TransformPoint", point=coordinates(n), matrix=matrix)
+    looked_up = n.graph.add("EnvironmentTexture", vector=where, image=found.texture, projection="EQUIRECTANGULAR", unassociate=False)
+    return {"Color": looked_up["color"]}
 
 
 def ies(n: Node) -> Outputs:

@@ -1,0 +1,74 @@
+"""Sky Texture nodes -> images of the sky."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..core.scene import Extension, Interpolation, Texture
+from ..core.sky import Sky, SkyModel, SkySettings, sky
+from ..report import Report
+from .images import Textures
+from .nodes import label
+
+SKY_MODELS = {
+    "SINGLE_SCATTERING": SkyModel.SINGLE_SCATTERING,
+    "NISHITA": SkyModel.SINGLE_SCATTERING,
+    "MULTIPLE_SCATTERING": SkyModel.MULTIPLE_SCATTERING,
+    "PREETHAM": SkyModel.PREETHAM,
+    "HOSEK_WILKIE": SkyModel.PREETHAM,
+}
+
+
+@dataclass(slots=True)
+class ExportedSky:
+    """An equirectangular image, `texture`, in which the sun stands above +X; `turn` (4, 4) brings directions there."""
+
+    texture: int
+    turn: NDArray[np.float64]
+    settings: SkySettings
+    made: Sky
+    has_disc: bool
+
+
+def export_sky(node: Any, textures: Textures, owner: str, report: Report) -> ExportedSky:
+    """The sky of a Sky Texture node without the sun's disc; `owner` is what warnings name."""
+    model = SKY_MODELS.get(node.sky_type)
+    if model is None or node.sky_type == "HOSEK_WILKIE":
+        report.warn(f"{owner}, node '{label(node)}': the sky model {node.sky_type} is not supported; taken as Preetham's")
+        model = SkyModel.PREETHAM
+    if model is SkyModel.PREETHAM:
+        sun = np.asarray(node.sun_direction, np.float64)
+        sun = sun / max(float(np.linalg.norm(sun)), 1e-9)
+        settings = SkySettings(model, math.asin(min(max(sun[2], -1.0), 1.0)), turbidity=float(node.turbidity))
+        longitude = math.atan2(sun[1], sun[0])
+    else:
+        elevation, rotation = _wrapped(float(node.sun_elevation), float(node.sun_rotation))
+        settings = SkySettings(
+            model,
+            elevation,
+            float(node.altitude),
+            float(node.air_density),
+            float(getattr(node, "aerosol_density", getattr(node, "dust_density", 1.0))),
+            float(node.ozone_density),
+            sun_size=float(node.sun_size),
+        )
+        longitude = math.pi / 2.0 - rotation
+    made = sky(settings)
+    texture = textures.add(Texture("sky", made.pixels, False, Interpolation.LINEAR, Extension.EXTEND))
+    c, s = math.cos(longitude), math.sin(longitude)
+    turn = np.eye(4)
+    turn[:2, :2] = [[c, s], [-s, c]]
+    return ExportedSky(texture, turn, settings, made, model is not SkyModel.PREETHAM and bool(node.sun_disc))
+
+
+def _wrapped(elevation: float, rotation: float) -> tuple[float, float]:
+    """A sun that has passed the zenith comes down on the other side."""
+    elevation = math.remainder(elevation, 2.0 * math.pi)
+    if abs(elevation) > math.pi / 2.0:
+        return math.copysign(math.pi, elevation) - elevation, rotation + math.pi
+    return elevation, rotation
