@@ -103,7 +103,7 @@ FacetShape clean_shape(Distribution d, float roughness, float anisotropy, float 
 Rgb split_color(const Rgb& weight, const Rgb* color, Rgb* tint) {
   const Rgb w = clean_color(weight);
   *tint = min(color ? clean_color(*color) : w, kWhite);
-  const auto ratio = [](float a, float b) { return b > 0 ? a / b : 0.0f; };
+  const auto ratio = [](float a, float b) { return b > 0 ? std::min(a / b, 1e6f) : 0.0f; };
   return {ratio(w.x, tint->x), ratio(w.y, tint->y), ratio(w.z, tint->z)};
 }
 
