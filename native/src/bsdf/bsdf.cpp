@@ -90,7 +90,7 @@ FacetShape clean_shape(Distribution d, float roughness, float anisotropy, float 
   shape.beckmann = d == Distribution::kBeckmann;
   shape.preserve_energy = d == Distribution::kMultiGgx;
   shape.roughness = clean(roughness, 0, 1, 0.5f);
-  // The way of Blender's Glossy and Metallic nodes.
+  // The way of Blender's Glossy node.
   const float a = clean(anisotropy, -0.99f, 0.99f, 0);
   if (a > 0) shape.along = 1 - a, shape.across = 1 / (1 - a);
   if (a < 0) shape.along = 1 / (1 + a), shape.across = 1 + a;
@@ -215,7 +215,11 @@ void Bsdf::add_metallic(const Rgb& weight, const Vec3& normal, Distribution d, f
   }
   f.film_thickness = clean(film_thickness, 0, 1e5f, 0);
   f.film_ior = clean(film_ior, 1e-5f, 1e5f, 1.33f);
-  add(Facet{clean_color(weight), normal, clean_shape(d, roughness, anisotropy, rotation, tangent), f, false, true});
+  FacetShape shape = clean_shape(d, roughness, 0, rotation, tangent);
+  const float aspect = std::sqrt(1 - 0.9f * clean(anisotropy, -0.99f, 0.99f, 0));  // as Principled's (Burley 2012)
+  shape.along = 1 / aspect;
+  shape.across = aspect;
+  add(Facet{clean_color(weight), normal, shape, f, false, true});
 }
 
 void Bsdf::finish() {
