@@ -75,6 +75,7 @@ def parser() -> argparse.ArgumentParser:
     r.add_argument("--no-boundary-correction", dest="boundary_correction", action="store_const", const=False)
     r.add_argument("--denoise", action="store_const", const=True, help="run Open Image Denoise on the finished picture")
     r.add_argument("--no-adaptive-radius", dest="adaptive_radius", action="store_const", const=False, help="one law for all pixels")
+    r.add_argument("--no-adaptive-samples", dest="adaptive_samples", action="store_const", const=False, help="as many for all pixels")
     r.add_argument("--stats", type=Path, metavar="FILE.json", help="write what the render did as JSON")
     r.add_argument("--verbose", action="store_true", help="let Blender's own messages through")
     return top
@@ -94,6 +95,7 @@ def _settings(options: argparse.Namespace) -> Callable[[RenderSettings], RenderS
             "boundary_correction",
             "denoise",
             "adaptive_radius",
+            "adaptive_samples",
             "passes",
         )
         if getattr(options, name) is not None

@@ -61,6 +61,7 @@ def fill_renderer(renderer: Renderer, scene: Scene, settings: RenderSettings) ->
         caustics=settings.caustics,
         seed=settings.seed & 0xFFFFFFFF,
         adaptive_radius=settings.adaptive_radius,
+        adaptive_samples=settings.adaptive_samples,
         occlusion=settings.occlusion,
     )
 

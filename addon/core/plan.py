@@ -52,6 +52,7 @@ def make_plan(scene: Scene, settings: RenderSettings) -> Plan:
         "boundary": splat and settings.boundary_correction,
         "occlusion": splat and settings.boundary_correction and settings.occlusion and len(scene.instances.mesh) > 0,
         "adaptive_radius": splat and settings.adaptive_radius,
+        "adaptive_samples": splat and settings.adaptive_samples,
     }
     sentences = []
     if not splat:
@@ -68,6 +69,8 @@ def make_plan(scene: Scene, settings: RenderSettings) -> Plan:
         sentences.append("The occlusion test is switched off: contacts will be dark.")
     if splat and not settings.adaptive_radius:
         sentences.append("Adaptive radii are switched off.")
+    if splat and not settings.adaptive_samples:
+        sentences.append("Adaptive samples are switched off.")
     return Plan(sentences, flags)
 
 

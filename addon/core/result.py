@@ -68,9 +68,8 @@ class RenderResult:
 
 
 def passes_from_film(film: dict[str, Any]) -> Passes:
-    """Means over samples. Diffuse light is divided by the albedo, as Cycles divides it (0 where that is black); glossy and
+    """Diffuse light is divided by the albedo, as Cycles divides it (0 where that is black); glossy and
     transmitted light has its colour in it."""
-    samples = max(int(film["samples"]), 1)
     color = film["diffuse_color"]
 
     def per_albedo(light: NDArray[np.float32]) -> NDArray[np.float32]:
@@ -79,20 +78,19 @@ def passes_from_film(film: dict[str, Any]) -> Passes:
     combined = np.empty((*color.shape[:2], 4), np.float32)
     combined[..., :3] = sum(film[light] for light in LIGHT)
     combined[..., 3:] = film["alpha"]
-    combined /= samples
     return {
         "Combined": combined,
         "Depth": film["depth"],
-        "Normal": film["normal"] / samples,
+        "Normal": film["normal"],
         "Diffuse Direct": per_albedo(film["diffuse_direct"]),
         "Diffuse Indirect": per_albedo(film["diffuse_indirect"]),
-        "Diffuse Color": color / samples,
-        "Glossy Direct": film["glossy_direct"] / samples,
-        "Glossy Indirect": film["glossy_indirect"] / samples,
-        "Transmission Direct": film["transmission_direct"] / samples,
-        "Transmission Indirect": film["transmission_indirect"] / samples,
-        "Emission": film["emission"] / samples,
-        "Photon Density": film["photon_density"] / samples,
+        "Diffuse Color": color,
+        "Glossy Direct": film["glossy_direct"],
+        "Glossy Indirect": film["glossy_indirect"],
+        "Transmission Direct": film["transmission_direct"],
+        "Transmission Indirect": film["transmission_indirect"],
+        "Emission": film["emission"],
+        "Photon Density": film["photon_density"],
         "Surface ID": film["surface_id"],
         "Error": film["error"],
     }

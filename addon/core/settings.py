@@ -23,7 +23,7 @@ class RenderSettings:
 
     time_limit           seconds from `started` (0 = none)
     error_threshold      relative RMS error of the picture, as statistics["error"] estimates it (0 = none)
-    passes               camera samples per pixel, one per pass
+    passes               passes; in each one camera sample per pixel, more where noise is (adaptive_samples)
     photons_per_pass     photon paths that start in each pass
     max_bounces          surface bounces between light and camera; 0 = direct light only
     radius_scale         multiplies the automatic kernel radius
@@ -32,6 +32,7 @@ class RenderSettings:
     denoise              run Open Image Denoise on the finished picture
     occlusion            look for things that stand inside of the discs, and for walls; part of boundary_correction
     adaptive_radius      radii per pixel, from how discs of two sizes have differed in earlier passes
+    adaptive_samples     more camera samples where lamps, edges and direct light are noisier than the rest of the picture
     threads              0 = all of the machine
     point_spacing        visible points are this many kernel radii apart; 0 = one point per camera sample
     """
@@ -47,6 +48,7 @@ class RenderSettings:
     denoise: bool = False
     occlusion: bool = True
     adaptive_radius: bool = True
+    adaptive_samples: bool = True
     backend: Backend = Backend.AUTO
     seed: int = 0
     threads: int = 0

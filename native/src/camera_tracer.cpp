@@ -56,7 +56,14 @@ struct CameraTracer::Path {
   Vec2 numbers(Dimension pair) { return vertex == 0 ? sobol_2d(sample, pair, seed) : random.next2(); }
 };
 
-void CameraTracer::trace_tiles(uint32_t sample, int max_bounces, bool records, Film& film, const CancelFlag& cancel) {
+struct CameraTracer::Job {
+  uint32_t pass;
+  const SampleChoice* choice;  // none: one sample
+  int max_bounces;
+  bool records;
+};
+
+void CameraTracer::trace_tiles(const Job& job, Film& film, const CancelFlag& cancel) {
   const int across = (film.width + kTileSize - 1) / kTileSize, down = (film.height + kTileSize - 1) / kTileSize;
   tiles_.resize(static_cast<size_t>(across) * down);
   scene_.pool().for_each(tiles_.size(), cancel, [&](size_t t, int) {
@@ -66,29 +73,44 @@ void CameraTracer::trace_tiles(uint32_t sample, int max_bounces, bool records, F
     const int x_begin = static_cast<int>(t % across) * kTileSize, y_begin = static_cast<int>(t / across) * kTileSize;
     const int x_end = std::min(x_begin + kTileSize, film.width), y_end = std::min(y_begin + kTileSize, film.height);
     for (int y = y_begin; y < y_end; ++y)
-      for (int x = x_begin; x < x_end; ++x) {
-        const uint32_t index = static_cast<uint32_t>(y) * film.width + x;
-        const CameraSettings& c = camera_.settings();
-        // The place in the whole frame seeds a pixel, so that a border renders the same pixels.
-        const uint32_t frame_index = static_cast<uint32_t>(y + c.y0) * c.width + (x + c.x0);
-        const uint32_t seed = hash_combine(seed_, frame_index);
-        Pixel& pixel = film.pixels[index] = {};
-        pixel.depth = kBackgroundDepth;
-        const auto ray = camera_.ray(x, y, sobol_2d(sample, kFilterPair, seed), sobol_2d(sample, kLensPair, seed));
-        if (!ray) {  // outside the lens' image: black, not transparent
-          pixel.alpha = 1;
-          continue;
-        }
-        Path path(*ray, pixel, tile, index, sample, seed);
-        path.max_bounces = max_bounces;
-        path.records = records;
-        trace_path(path);
-      }
+      for (int x = x_begin; x < x_end; ++x) trace_pixel(job, x, y, film, film.pixels[static_cast<size_t>(y) * film.width + x], tile);
   });
   for (const Tile& tile : tiles_) {
     rays_ += tile.rays;
     bad_samples_ += tile.bad_samples;
   }
+}
+
+void CameraTracer::trace_pixel(const Job& job, int x, int y, const Film& film, Pixel& pixel, Tile& tile) const {
+  const uint32_t index = static_cast<uint32_t>(y) * film.width + x;
+  const CameraSettings& c = camera_.settings();
+  // The place in the whole frame seeds a pixel, so that a border renders the same pixels.
+  const uint32_t frame_index = static_cast<uint32_t>(y + c.y0) * c.width + (x + c.x0);
+  const uint32_t seed = hash_combine(seed_, frame_index);
+  const uint32_t first = job.choice ? job.choice->first(index, job.pass) : job.pass;
+  const uint32_t count = job.choice ? job.choice->count(index) : 1;
+  float depth = kBackgroundDepth, surface_id = 0;
+  pixel = {};
+  pixel.samples = static_cast<float>(count);
+  for (uint32_t sample = first; sample < first + count; ++sample) {
+    pixel.depth = kBackgroundDepth;
+    pixel.surface_id = 0;
+    const auto ray = camera_.ray(x, y, sobol_2d(sample, kFilterPair, seed), sobol_2d(sample, kLensPair, seed));
+    if (ray) {
+      Path path(*ray, pixel, tile, index, sample, seed);
+      path.max_bounces = job.max_bounces;
+      path.records = job.records;
+      trace_path(path);
+    } else {  // outside the lens' image: black, not transparent
+      pixel.alpha += 1;
+    }
+    if (sample == first) {
+      depth = pixel.depth;
+      surface_id = pixel.surface_id;
+    }
+  }
+  pixel.depth = depth;
+  pixel.surface_id = surface_id;
 }
 
 void CameraTracer::trace_path(Path& path) const {
@@ -275,8 +297,8 @@ bool CameraTracer::scatter(Path& path, const Surface& hit, const Bsdf& bsdf, con
   return true;
 }
 
-const std::vector<Record>& CameraTracer::trace(uint32_t sample, int max_bounces, Film& film, const CancelFlag& cancel) {
-  trace_tiles(sample, max_bounces, true, film, cancel);
+const std::vector<Record>& CameraTracer::trace(uint32_t pass, const SampleChoice& choice, int max_bounces, Film& film, const CancelFlag& cancel) {
+  trace_tiles({pass, &choice, max_bounces, true}, film, cancel);
   ranges_.assign(tiles_.size() + 1, 0);
   for (size_t t = 0; t < tiles_.size(); ++t) ranges_[t + 1] = ranges_[t] + tiles_[t].records.size();
   records_.resize(ranges_.back());
@@ -287,7 +309,7 @@ const std::vector<Record>& CameraTracer::trace(uint32_t sample, int max_bounces,
 }
 
 void CameraTracer::trace_reference(uint32_t sample, int max_bounces, Film& film, const CancelFlag& cancel) {
-  trace_tiles(sample, max_bounces, false, film, cancel);
+  trace_tiles({sample, nullptr, max_bounces, false}, film, cancel);
 }
 
 }  // namespace photon_splat

@@ -5,6 +5,7 @@
 #include "camera.h"
 #include "film.h"
 #include "lights.h"
+#include "sample_choice.h"
 
 namespace photon_splat {
 
@@ -26,9 +27,9 @@ class CameraTracer {
   CameraTracer(Scene& scene, const Lights& lights, const Camera& camera, uint32_t seed)
       : scene_(scene), lights_(lights), camera_(camera), seed_(seed) {}
 
-  // Camera sample number `sample` of every pixel, instead of what `film` held; returns the records in tile order.
-  // Paths go through at most `max_bounces` lobes.
-  const std::vector<Record>& trace(uint32_t sample, int max_bounces, Film& film, const CancelFlag& cancel);
+  // The camera samples of pass `pass`, as many as `choice` says, instead of what `film` held; returns the records in tile
+  // order. Paths go through at most `max_bounces` lobes.
+  const std::vector<Record>& trace(uint32_t pass, const SampleChoice& choice, int max_bounces, Film& film, const CancelFlag& cancel);
 
   // One sample per pixel of the unbiased path tracer, indirect light included; leaves no records.
   void trace_reference(uint32_t sample, int max_bounces, Film& film, const CancelFlag& cancel);
@@ -46,7 +47,9 @@ class CameraTracer {
   };
   struct Path;
   enum class Passing { kStays, kPasses, kAbsorbed };
-  void trace_tiles(uint32_t sample, int max_bounces, bool records, Film& film, const CancelFlag& cancel);
+  struct Job;
+  void trace_tiles(const Job& job, Film& film, const CancelFlag& cancel);
+  void trace_pixel(const Job& job, int x, int y, const Film& film, Pixel& pixel, Tile& tile) const;
   void trace_path(Path& path) const;
   void add_met(Path& path, const Rgb& radiance, Rgb& seen) const;
   void add_lamps(Path& path, float far) const;

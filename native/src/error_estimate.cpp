@@ -27,7 +27,7 @@ void ErrorEstimate::reset(int width, int height) {
   passes_ = estimated_ = 0;
   levels_.clear();
   const size_t pixels = static_cast<size_t>(width) * height;
-  for (auto* sum : {&luminance_, &detail_, &detail_squares_, &error_, &variance_, &squared_bias_}) sum->assign(pixels, 0.0f);
+  for (auto* sum : {&luminance_, &samples_, &detail_, &detail_squares_, &error_, &variance_, &squared_bias_}) sum->assign(pixels, 0.0f);
   figures_ = {};
 }
 
@@ -35,22 +35,31 @@ void ErrorEstimate::add(const Film& pass, ThreadPool& pool) {
   // Passes count in binary: each 1 that is carried is a block that has found its neighbour.
   uint32_t carried = 0;
   while (passes_ >> carried & 1) ++carried;
-  while (levels_.size() <= carried) levels_.push_back({std::vector<float>(luminance_.size()), std::vector<float>(luminance_.size()), 0});
+  while (levels_.size() <= carried) {
+    const std::vector<float> none(luminance_.size());
+    levels_.push_back({none, none, none, 0});
+  }
   for (uint32_t i = 0; i < carried; ++i) ++levels_[i].pairs;
   const CancelFlag never;
   pool.for_each(static_cast<size_t>(height_), never, [&](size_t row, int) {
     for (size_t i = row * width_; i < (row + 1) * width_; ++i) {
       const Pixel& pixel = pass.pixels[i];
-      float block = luminance(pixel.combined());
+      float block = luminance(pixel.combined()), samples = std::max(pixel.samples, 1.0f);
+      const float detail = pixel.detail / samples;
       luminance_[i] += block;
-      detail_[i] += pixel.detail;
-      detail_squares_[i] += pixel.detail * pixel.detail;
+      samples_[i] += samples;
+      detail_[i] += detail;
+      detail_squares_[i] += detail * detail;
       for (uint32_t k = 0; k < carried; ++k) {
-        const float difference = levels_[k].open[i] - block;
-        levels_[k].squares[i] += difference * difference;
-        block += levels_[k].open[i];
+        const float open = levels_[k].open[i], open_samples = levels_[k].open_samples[i];
+        const float difference = open / open_samples - block / samples;
+        const float harmonic = 2 * open_samples * samples / (open_samples + samples);
+        levels_[k].squares[i] += difference * difference * harmonic * static_cast<float>(1u << k);
+        block += open;
+        samples += open_samples;
       }
       levels_[carried].open[i] = block;
+      levels_[carried].open_samples[i] = samples;
     }
   });
   ++passes_;
@@ -81,7 +90,7 @@ void ErrorEstimate::estimate_variance(ThreadPool& pool) {
         }
     } else {
       const float scale = 0.5f / (used[i].weight * used[i].k * used[i].k);
-      for (size_t at = 0; at < own.size(); ++at) own[at] = levels_[i].squares[at] * scale;
+      for (size_t at = 0; at < own.size(); ++at) own[at] = levels_[i].squares[at] * scale * static_cast<float>(passes_) / samples_[at];
     }
     blur(own, width_, height_, kNear, near);
     blur(own, width_, height_, kFar, far);
@@ -146,7 +155,9 @@ void ErrorEstimate::update(ThreadPool& pool) {
       if (!(*square < kMost)) *square = kMost;
     error_[i] = std::sqrt(variance_[i] + squared_bias_[i]);
   }
-  const double mean = mean_of(luminance_) / passes_, variance = mean_of(variance_), bias = mean_of(squared_bias_);
+  std::vector<float> means(luminance_.size());
+  for (size_t i = 0; i < means.size(); ++i) means[i] = luminance_[i] / samples_[i];
+  const double mean = mean_of(means), variance = mean_of(variance_), bias = mean_of(squared_bias_);
   figures_ = {0, 0, 0, mean};
   if (mean > 0) figures_ = {std::sqrt(variance + bias) / mean, std::sqrt(variance) / mean, std::sqrt(bias) / mean, mean};
 }

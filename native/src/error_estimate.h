@@ -16,6 +16,7 @@ struct ErrorFigures {
 // of smooth edges up to eightfold. So passes are compared in aligned blocks of 1, 2, 4, ... of them, each a digital net of
 // its own. Neighbouring blocks of k passes, of variance V(k) = c k^-a, differ by D(k) = V(k) (2 - 2^(1-a)) (half the mean
 // squared difference; the two halves of a net are negatively correlated); a and c are fitted to the pixel's D at all k.
+// Pixels that get several samples a pass count as if their variance were in inverse proportion to that number.
 class ErrorEstimate {
  public:
   void reset(int width, int height);
@@ -35,14 +36,15 @@ class ErrorEstimate {
   void estimate_bias(ThreadPool& pool);
 
   struct Level {
-    std::vector<float> open;     // sum of the block that waits for its neighbour
-    std::vector<float> squares;  // of the differences of neighbouring blocks' sums
+    std::vector<float> open, open_samples;  // sum of the block that waits for its neighbour
+    std::vector<float> squares;  // of the differences of neighbouring blocks' sums, if each pass had one sample
     uint32_t pairs = 0;
   };
   int width_ = 0, height_ = 0;
   uint32_t passes_ = 0, estimated_ = 0;  // so far; at the last update()
   std::vector<Level> levels_;  // of blocks of 1, 2, 4, ... passes
-  std::vector<float> luminance_, detail_, detail_squares_;  // sums over passes
+  std::vector<float> luminance_, samples_;      // sums over samples
+  std::vector<float> detail_, detail_squares_;  // sums over passes, each its mean
   std::vector<float> error_, variance_, squared_bias_;
   ErrorFigures figures_;
 };

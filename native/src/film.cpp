@@ -4,13 +4,13 @@
 
 namespace photon_splat {
 
-void add_sample(Film& sum, const Film& sample, ThreadPool& pool) {
-  const bool first = sum.samples == 0;
+void add_pass(Film& sum, const Film& pass, ThreadPool& pool) {
+  const bool first = sum.passes == 0;
   const CancelFlag never;  // a sum is never left half done
   pool.for_each(static_cast<size_t>(sum.height), never, [&](size_t row, int) {
     for (size_t i = row * sum.width; i < (row + 1) * sum.width; ++i) {
       Pixel& to = sum.pixels[i];
-      const Pixel& from = sample.pixels[i];
+      const Pixel& from = pass.pixels[i];
       to.diffuse_direct += from.diffuse_direct;
       to.diffuse_indirect += from.diffuse_indirect;
       to.glossy_direct += from.glossy_direct;
@@ -23,13 +23,14 @@ void add_sample(Film& sum, const Film& sample, ThreadPool& pool) {
       to.normal += from.normal;
       to.alpha += from.alpha;
       to.photon_density += from.photon_density;
+      to.samples += from.samples;
       if (first) {
         to.depth = from.depth;
         to.surface_id = from.surface_id;
       }
     }
   });
-  ++sum.samples;
+  ++sum.passes;
 }
 
 }  // namespace photon_splat

@@ -1,4 +1,4 @@
-// Sums over camera samples, per pixel of the rendered region. Row 0 is the bottom row.
+// Sums over camera samples, per pixel of the rendered region; not all pixels get as many. Row 0 is the bottom row.
 #pragma once
 
 #include <vector>
@@ -12,9 +12,12 @@ struct Pixel {
   Rgb diffuse_direct, diffuse_indirect, glossy_direct, glossy_indirect, transmission_direct, transmission_indirect;
   Rgb diffuse_color, emission, environment, normal;
   float alpha = 0, photon_density = 0;
+  float samples = 0;                     // camera samples in the sums
   float detail = 0;                      // luminance that discs of half the area would take away
   float depth = 0, surface_id = 0;       // of the first sample
 
+  // What the sums are to be multiplied by for means.
+  float share() const { return samples > 0 ? 1 / samples : 0; }
   // All of the light.
   Rgb combined() const {
     return diffuse_direct + diffuse_indirect + glossy_direct + glossy_indirect + transmission_direct + transmission_indirect +
@@ -37,18 +40,18 @@ inline constexpr float kBackgroundDepth = 1e10f;
 
 struct Film {
   int width = 0, height = 0;
-  uint32_t samples = 0;  // camera samples per pixel so far
+  uint32_t passes = 0;  // in it so far
   std::vector<Pixel> pixels;
 
   void reset(int new_width, int new_height) {
     width = new_width;
     height = new_height;
-    samples = 0;
+    passes = 0;
     pixels.assign(static_cast<size_t>(width) * height, Pixel{});
   }
 };
 
-// Adds one sample's film to the sum; the first one gives depth and surface id.
-void add_sample(Film& sum, const Film& sample, class ThreadPool& pool);
+// Adds one pass' film to the sum; the first one gives depth and surface id.
+void add_pass(Film& sum, const Film& pass, class ThreadPool& pool);
 
 }  // namespace photon_splat

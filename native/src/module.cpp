@@ -191,22 +191,22 @@ nb::dict film_arrays(const Renderer& r) {
     out[name] = to_numpy(std::move(values), {height, width, channels});
   };
   const auto rgb = [](const Rgb& c, float* v) { v[0] = c.x; v[1] = c.y; v[2] = c.z; };
-  add("diffuse_direct", 3, [&](const Pixel& p, float* v) { rgb(p.diffuse_direct, v); });
-  add("diffuse_indirect", 3, [&](const Pixel& p, float* v) { rgb(p.diffuse_indirect, v); });
-  add("glossy_direct", 3, [&](const Pixel& p, float* v) { rgb(p.glossy_direct, v); });
-  add("glossy_indirect", 3, [&](const Pixel& p, float* v) { rgb(p.glossy_indirect, v); });
-  add("transmission_direct", 3, [&](const Pixel& p, float* v) { rgb(p.transmission_direct, v); });
-  add("transmission_indirect", 3, [&](const Pixel& p, float* v) { rgb(p.transmission_indirect, v); });
-  add("diffuse_color", 3, [&](const Pixel& p, float* v) { rgb(p.diffuse_color, v); });
-  add("emission", 3, [&](const Pixel& p, float* v) { rgb(p.emission, v); });
-  add("environment", 3, [&](const Pixel& p, float* v) { rgb(p.environment, v); });
-  add("normal", 3, [&](const Pixel& p, float* v) { rgb(p.normal, v); });
-  add("alpha", 1, [&](const Pixel& p, float* v) { *v = p.alpha; });
-  add("photon_density", 1, [&](const Pixel& p, float* v) { *v = p.photon_density; });
+  add("diffuse_direct", 3, [&](const Pixel& p, float* v) { rgb(p.diffuse_direct * p.share(), v); });
+  add("diffuse_indirect", 3, [&](const Pixel& p, float* v) { rgb(p.diffuse_indirect * p.share(), v); });
+  add("glossy_direct", 3, [&](const Pixel& p, float* v) { rgb(p.glossy_direct * p.share(), v); });
+  add("glossy_indirect", 3, [&](const Pixel& p, float* v) { rgb(p.glossy_indirect * p.share(), v); });
+  add("transmission_direct", 3, [&](const Pixel& p, float* v) { rgb(p.transmission_direct * p.share(), v); });
+  add("transmission_indirect", 3, [&](const Pixel& p, float* v) { rgb(p.transmission_indirect * p.share(), v); });
+  add("diffuse_color", 3, [&](const Pixel& p, float* v) { rgb(p.diffuse_color * p.share(), v); });
+  add("emission", 3, [&](const Pixel& p, float* v) { rgb(p.emission * p.share(), v); });
+  add("environment", 3, [&](const Pixel& p, float* v) { rgb(p.environment * p.share(), v); });
+  add("normal", 3, [&](const Pixel& p, float* v) { rgb(p.normal * p.share(), v); });
+  add("alpha", 1, [&](const Pixel& p, float* v) { *v = p.alpha * p.share(); });
+  add("photon_density", 1, [&](const Pixel& p, float* v) { *v = p.photon_density * p.share(); });
   add("depth", 1, [&](const Pixel& p, float* v) { *v = p.depth; });
   add("surface_id", 1, [&](const Pixel& p, float* v) { *v = p.surface_id; });
-  out["error"] = to_numpy(std::vector<float>(r.errors().error()), {height, width, 1});  // of the mean, not a sum
-  out["samples"] = film.samples;
+  add("samples", 1, [&](const Pixel& p, float* v) { *v = p.samples; });
+  out["error"] = to_numpy(std::vector<float>(r.errors().error()), {height, width, 1});
   return out;
 }
 
@@ -358,11 +358,11 @@ NB_MODULE(photon_splat_native, m) {
       }, "radius"_a, "focus"_a, "blades"_a, "rotation"_a, "ratio"_a, "After set_camera: a lens of finite size.")
       .def("set_options", [](Renderer& r, uint64_t photons_per_pass, int max_bounces, float radius_scale, float point_spacing,
                              bool boundary_correction, bool caustics, uint32_t seed, const std::string& kernel, bool adaptive_radius,
-                             bool occlusion) {
-        r.options = {photons_per_pass, max_bounces, radius_scale, point_spacing, boundary_correction, caustics, adaptive_radius, occlusion,
-                     seed, kernel};
+                             bool occlusion, bool adaptive_samples) {
+        r.options = {photons_per_pass, max_bounces, radius_scale, point_spacing, boundary_correction, caustics, adaptive_radius, adaptive_samples,
+                     occlusion, seed, kernel};
       }, "photons_per_pass"_a, "max_bounces"_a, "radius_scale"_a, "point_spacing"_a, "boundary_correction"_a, "caustics"_a,
-           "seed"_a, "kernel"_a = "", "adaptive_radius"_a = true, "occlusion"_a = true)
+           "seed"_a, "kernel"_a = "", "adaptive_radius"_a = true, "occlusion"_a = true, "adaptive_samples"_a = true)
       .def("build", &Renderer::build, released)
       .def_prop_ro("layers", &Renderer::layer_count, "Kinds of photons: indirect light, and caustics where something can make them.")
       .def("select_layer", &Renderer::select_layer, "layer"_a, "The one that points, photons and splats are about from now on; 0 at first.")

@@ -45,6 +45,7 @@ void Renderer::reset_film() {
   film_.reset(camera_settings.region_width, camera_settings.region_height);
   pass_film_.reset(film_.width, film_.height);
   errors_.reset(film_.width, film_.height);
+  samples_.reset(film_.width, film_.height);
   for (const auto& layer : layers_) layer->choice.reset(film_.width, film_.height);
 }
 
@@ -64,7 +65,7 @@ Layer& Renderer::selected() const {
 void Renderer::trace_camera(uint32_t pass) {
   selected();
   Timer timer(seconds_.camera);
-  records_ = &camera_tracer_->trace(pass, options.max_bounces, pass_film_, cancel_);
+  records_ = &camera_tracer_->trace(pass, samples_, options.max_bounces, pass_film_, cancel_);
 }
 
 // A pilot teaches where useful photons start and how dense they land.
@@ -130,8 +131,11 @@ void Renderer::set_photons(std::vector<Photon> photons) {
 
 void Renderer::resolve() {
   selected();
+  const bool adaptive = options.adaptive_samples;
   Timer timer(seconds_.splat);
+  if (adaptive) samples_.see_camera(pass_film_, scene.pool());
   for (const auto& layer : layers_) add_irradiance(*layer);
+  if (adaptive) samples_.end_pass(pass_film_, scene.pool());
   finish_pass();
 }
 
@@ -151,7 +155,7 @@ void Renderer::add_irradiance(Layer& layer) {
       if (wide > 0) {
         const float detail = luminance(light) * (1 - block.narrow[lane] * block.narrow_scale[lane] / wide);
         pixel.detail += detail;
-        layer.choice.detail()[records[i].pixel] += detail;
+        layer.choice.detail()[records[i].pixel] += detail * pixel.share();
       }
       // Photons per square metre: the kernel disc holds `count` of them.
       pixel.photon_density += block.count[lane] * block.inverse_h2[lane] / kPi;
@@ -161,7 +165,7 @@ void Renderer::add_irradiance(Layer& layer) {
 }
 
 void Renderer::finish_pass() {
-  add_sample(film_, pass_film_, scene.pool());
+  add_pass(film_, pass_film_, scene.pool());
   Timer timer(seconds_.error);
   errors_.add(pass_film_, scene.pool());
 }

@@ -9,6 +9,7 @@
 #include "error_estimate.h"
 #include "photon_store.h"
 #include "radius_choice.h"
+#include "sample_choice.h"
 #include "splatter.h"
 #include "visible_points.h"
 
@@ -22,6 +23,7 @@ struct RenderOptions {
   bool boundary_correction = true;
   bool caustics = true;  // photons of their own for caustics, where the scene can make them; else in with the others
   bool adaptive_radius = true;
+  bool adaptive_samples = true;
   bool occlusion = true;  // inside of discs; part of the boundary correction
   uint32_t seed = 0;
   std::string kernel;  // of the splatter; empty: the fastest
@@ -128,6 +130,7 @@ class Renderer {
   Layer* current_ = nullptr;
   VisiblePoints no_points_;
   Film film_, pass_film_;
+  SampleChoice samples_;
   ErrorEstimate errors_;
   const std::vector<Record>* records_ = nullptr;
   std::vector<Photon> given_photons_;

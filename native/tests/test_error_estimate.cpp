@@ -21,6 +21,7 @@ ErrorEstimate estimate(uint32_t passes, Sample&& sample) {
   for (uint32_t p = 0; p < passes; ++p) {
     for (uint32_t i = 0; i < film.pixels.size(); ++i) {
       film.pixels[i] = {};
+      film.pixels[i].samples = 1;
       sample(p, i, film.pixels[i]);
     }
     errors.add(film, pool);
@@ -36,6 +37,26 @@ double root_mean_square(const std::vector<float>& squares) {
 }
 
 }  // namespace
+
+TEST_CASE("pixels of several samples a pass: the standard error is sigma over the root of all samples") {
+  Random random(7, 9);
+  const auto e = estimate(24, [&](uint32_t pass, uint32_t pixel, Pixel& p) {
+    const int samples = pass && pixel % kWidth >= kWidth / 2 ? 16 : 1;
+    float sum = 0;
+    for (int s = 0; s < samples; ++s) sum += 1 + 0.5f * (2 * random.next() - 1);
+    p.emission = Rgb{1, 1, 1} * sum;
+    p.samples = static_cast<float>(samples);
+  });
+  const double sigma = 0.5 / std::sqrt(3.0);
+  double few = 0, many = 0;
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x) {
+      if (std::abs(x - kWidth / 2) < 12) continue;  // neighbours lend each other their statistics
+      (x < kWidth / 2 ? few : many) += e.variance()[static_cast<size_t>(y) * kWidth + x];
+    }
+  CHECK(std::sqrt(few / (8 * kHeight)) == doctest::Approx(sigma / std::sqrt(24.0)).epsilon(0.2));
+  CHECK(std::sqrt(many / (9 * kHeight)) == doctest::Approx(sigma / std::sqrt(1 + 23 * 16.0)).epsilon(0.2));
+}
 
 TEST_CASE("independent passes: the standard error is sigma over the root of their number") {
   const double sigma = 1 / std::sqrt(12.0);

@@ -47,8 +47,8 @@ void render_pass(Renderer& renderer, uint32_t pass) {
 
 double mean_radiance(const Film& film) {
   double sum = 0;
-  for (const Pixel& p : film.pixels) sum += average(p.diffuse_direct + p.diffuse_indirect + p.emission);
-  return sum / double(film.pixels.size()) / film.samples;
+  for (const Pixel& p : film.pixels) sum += average(p.diffuse_direct + p.diffuse_indirect + p.emission) * p.share();
+  return sum / double(film.pixels.size());
 }
 
 }  // namespace
@@ -58,7 +58,7 @@ TEST_CASE("a closed box of albedo 1/2 and emission 1 shows 2, by photons and by 
     Renderer renderer(2);
     fill_box(renderer, true);
     for (uint32_t pass = 0; pass < 16; ++pass) reference ? renderer.trace_reference(pass) : render_pass(renderer, pass);
-    CHECK(renderer.film().samples == 16);
+    CHECK(renderer.film().passes == 16);
     CHECK(mean_radiance(renderer.film()) == doctest::Approx(2).epsilon(0.02));
     CHECK(renderer.bad_samples() == 0);
   }

@@ -42,14 +42,14 @@ void fill_box(Renderer& renderer) {
 }
 
 bool same(const Film& a, const Film& b) {
-  return a.samples == b.samples && a.pixels.size() == b.pixels.size() &&
+  return a.passes == b.passes && a.pixels.size() == b.pixels.size() &&
          std::memcmp(a.pixels.data(), b.pixels.data(), a.pixels.size() * sizeof(Pixel)) == 0;
 }
 
 double mean_indirect(const Film& film) {
   double sum = 0;
-  for (const Pixel& p : film.pixels) sum += average(p.diffuse_indirect);
-  return sum / double(film.pixels.size()) / film.samples;
+  for (const Pixel& p : film.pixels) sum += average(p.diffuse_indirect) * p.share();
+  return sum / double(film.pixels.size());
 }
 
 void render_pass(Renderer& renderer, uint32_t pass) {
@@ -71,7 +71,7 @@ TEST_CASE("views from the store trace no photon, and the same view is the same b
     CHECK(renderer.layer(0).store->paths() == 30000);
     renderer.draw_store();
     const Film first = renderer.film();
-    CHECK(first.samples == 1);
+    CHECK(first.passes == 1);
     look_from(renderer, 0.3f);
     renderer.draw_store();
     CHECK(!same(renderer.film(), first));
@@ -112,7 +112,7 @@ TEST_CASE("another view begins passes anew, and the film is that of a renderer m
   look_from(moved, 0.3f);
   moved.camera_settings.width = moved.camera_settings.region_width = 17;
   moved.set_view();
-  CHECK(moved.film().samples == 0);
+  CHECK(moved.film().passes == 0);
   render_pass(moved, 0);
   fill_box(made);
   made.camera_settings = moved.camera_settings;
@@ -130,7 +130,7 @@ TEST_CASE("relight takes other lamps on the same geometry") {
   light(renderer, 20);
   renderer.relight();
   CHECK(!renderer.layer(0).store);
-  CHECK(renderer.film().samples == 0);
+  CHECK(renderer.film().passes == 0);
   renderer.trace_store(30000, budget);
   renderer.draw_store();
   CHECK(mean_indirect(renderer.film()) == doctest::Approx(2 * before).epsilon(1e-4));

@@ -52,13 +52,14 @@ def test_words_and_flags() -> None:
     assert "Things or walls stand in" in text
     assert plan["flags"] == {
         "photons": True, "world": False, "textures": False, "boundary": True, "occlusion": True, "adaptive_radius": True,
+        "adaptive_samples": True,
     }  # fmt: skip
 
 
 def test_components_can_be_forced_off() -> None:
     what = room(pixels=24)
     plain = c.shoot(what, passes=12, photons_per_pass=20_000)
-    for name in ("occlusion", "adaptive_radius", "boundary_correction"):
+    for name in ("occlusion", "adaptive_radius", "adaptive_samples", "boundary_correction"):
         without = c.shoot(what, passes=12, photons_per_pass=20_000, **{name: False})
         assert not np.array_equal(plain.passes["Combined"], without.passes["Combined"]), name
         assert len(without.statistics["plan"]["sentences"]) > 0

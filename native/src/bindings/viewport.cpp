@@ -12,10 +12,10 @@ nb::ndarray<nb::numpy, float> picture(Renderer& r) {
   std::vector<float> values(film.pixels.size() * 4);
   {
     nb::gil_scoped_release release;
-    const float share = 1.0f / static_cast<float>(std::max(film.samples, 1u));
     r.scene.pool().for_each(static_cast<size_t>(film.height), CancelFlag{}, [&](size_t row, int) {
       for (size_t i = row * film.width; i < (row + 1) * film.width; ++i) {
         const Pixel& p = film.pixels[i];
+        const float share = p.share();
         const Rgb c = p.combined() * share;
         const float out[4] = {c.x, c.y, c.z, p.alpha * share};
         std::copy(out, out + 4, &values[4 * i]);

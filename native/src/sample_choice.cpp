@@ -1,0 +1,99 @@
+#include "sample_choice.h"
+
+#include <bit>
+
+#include "pixel_blur.h"
+
+namespace photon_splat {
+namespace {
+
+constexpr int kNear = 1;        // half side of the window over which pixels lend their statistics
+constexpr float kMost = 64;     // samples of a pixel in one pass
+constexpr float kOutlier = 100; // times the mean deviation: more counts as that much
+
+}  // namespace
+
+void SampleChoice::Moments::reset(size_t pixels) {
+  sum.assign(pixels, 0.0f);
+  squares.assign(pixels, 0.0f);
+}
+
+void SampleChoice::Moments::add(size_t i, float mean, float samples) {
+  sum[i] += mean * samples;
+  squares[i] += mean * mean * samples;
+}
+
+float SampleChoice::Moments::variance(size_t i, float samples, float passes) const {
+  return std::max(0.0f, squares[i] - sum[i] * sum[i] / samples) / (passes - 1);
+}
+
+void SampleChoice::reset(int width, int height) {
+  width_ = width;
+  height_ = height;
+  passes_ = 0;
+  const size_t pixels = static_cast<size_t>(width) * height;
+  camera_.reset(pixels);
+  all_.reset(pixels);
+  samples_.assign(pixels, 0.0f);
+  extra_.assign(pixels, 0);
+  count_.assign(pixels, 1);
+}
+
+void SampleChoice::see(const Film& pass, Moments& moments, ThreadPool& pool) const {
+  const CancelFlag never;
+  pool.for_each(static_cast<size_t>(height_), never, [&](size_t row, int) {
+    for (size_t i = row * width_; i < (row + 1) * width_; ++i)
+      moments.add(i, luminance(pass.pixels[i].combined()) * pass.pixels[i].share(), pass.pixels[i].samples);
+  });
+}
+
+void SampleChoice::see_camera(const Film& pass, ThreadPool& pool) { see(pass, camera_, pool); }
+
+void SampleChoice::end_pass(const Film& pass, ThreadPool& pool) {
+  see(pass, all_, pool);
+  for (size_t i = 0; i < samples_.size(); ++i) {
+    samples_[i] += pass.pixels[i].samples;
+    extra_[i] += count_[i] - 1u;
+  }
+  if (std::has_single_bit(++passes_)) choose(pool);
+}
+
+// Of one sample; after one pass alone, from how neighbours differ.
+std::vector<float> SampleChoice::deviations(const Moments& moments, ThreadPool& pool) const {
+  std::vector<float> variance(samples_.size()), result;
+  const CancelFlag never;
+  pool.for_each(static_cast<size_t>(height_), never, [&](size_t row, int) {
+    for (int x = 0; x < width_; ++x) {
+      const size_t i = row * width_ + x;
+      if (passes_ > 1) {
+        variance[i] = moments.variance(i, std::max(samples_[i], 1.0f), static_cast<float>(passes_));
+        continue;
+      }
+      const float here = moments.sum[i];
+      const float right = x + 1 < width_ ? moments.sum[i + 1] : here;
+      const float up = row + 1 < static_cast<size_t>(height_) ? moments.sum[i + width_] : here;
+      variance[i] = 0.25f * ((here - right) * (here - right) + (here - up) * (here - up));
+    }
+  });
+  for (float& v : variance)
+    if (!(v < 1e30f)) v = 0;
+  blur(variance, width_, height_, kNear, result);
+  for (float& v : result) v = std::sqrt(v);
+  return result;
+}
+
+void SampleChoice::choose(ThreadPool& pool) {
+  const std::vector<float> camera = deviations(camera_, pool), all = deviations(all_, pool);
+  const auto mean_below = [&](double limit) {
+    double sum = 0;
+    for (const float d : all) sum += std::min<double>(d, limit);
+    return all.empty() ? 0 : sum / static_cast<double>(all.size());
+  };
+  const float mean = static_cast<float>(mean_below(kOutlier * mean_below(INFINITY)));
+  for (size_t i = 0; i < count_.size(); ++i) {
+    const float wanted = mean > 0 ? std::clamp(camera[i] / mean, 1.0f, kMost) : 1;
+    count_[i] = static_cast<uint8_t>(std::bit_floor(static_cast<uint32_t>(wanted)));
+  }
+}
+
+}  // namespace photon_splat

@@ -1,0 +1,47 @@
+// Camera samples where the noise is: how many each pixel gets in a pass, from what the passes before have shown.
+#pragma once
+
+#include <vector>
+
+#include "film.h"
+#include "parallel.h"
+
+namespace photon_splat {
+
+// A sum of squared errors falls fastest, for equal work, where samples go as the standard deviation of one of them (Neyman
+// allocation). Those pixels get more than one whose camera samples alone - lamps, emission, direct light - deviate more than
+// the picture does on average, photons' noise included: so at most as many are added as there are pixels. Choices are made
+// after pass 1, 2, 4, 8, ... and are for the passes that follow: samples never judge themselves.
+class SampleChoice {
+ public:
+  void reset(int width, int height);
+
+  // Of pixel i in pass `pass` of the film: numbers [first, first + count) of its sequence.
+  uint32_t first(size_t i, uint32_t pass) const { return pass + extra_[i]; }
+  uint32_t count(size_t i) const { return count_[i]; }
+
+  // The pass' film when it holds what camera paths found, and again when photons have been added.
+  void see_camera(const Film& pass, ThreadPool& pool);
+  void end_pass(const Film& pass, ThreadPool& pool);
+
+ private:
+  // Luminance of a pass' samples, weighted by their number.
+  struct Moments {
+    std::vector<float> sum, squares;
+    void reset(size_t pixels);
+    void add(size_t i, float mean, float samples);
+    float variance(size_t i, float samples, float passes) const;  // of one sample
+  };
+  void see(const Film& pass, Moments& moments, ThreadPool& pool) const;
+  std::vector<float> deviations(const Moments& moments, ThreadPool& pool) const;
+  void choose(ThreadPool& pool);
+
+  int width_ = 0, height_ = 0;
+  uint32_t passes_ = 0;
+  Moments camera_, all_;
+  std::vector<float> samples_;  // so far
+  std::vector<uint32_t> extra_;  // samples so far beyond one a pass
+  std::vector<uint8_t> count_;
+};
+
+}  // namespace photon_splat

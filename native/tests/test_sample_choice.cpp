@@ -1,0 +1,73 @@
+#include <doctest/doctest.h>
+
+#include "sample_choice.h"
+#include "sampling.h"
+
+using namespace photon_splat;
+
+namespace {
+
+constexpr int kWidth = 32, kHeight = 24;
+
+// After `passes` passes of a picture in which camera_noise(x) and photon_noise(x) are the deviations of one sample of each kind.
+template <class Camera, class Photons>
+SampleChoice after(uint32_t passes, Camera&& camera_noise, Photons&& photon_noise) {
+  ThreadPool pool(2);
+  SampleChoice choice;
+  choice.reset(kWidth, kHeight);
+  Film film;
+  film.reset(kWidth, kHeight);
+  Random random(3, 5);
+  const auto noise = [&](float deviation) { return deviation * std::sqrt(3.0f) * (2 * random.next() - 1); };
+  for (uint32_t pass = 0; pass < passes; ++pass) {
+    for (size_t i = 0; i < film.pixels.size(); ++i) {
+      Pixel& p = film.pixels[i] = {};
+      const int x = static_cast<int>(i % kWidth);
+      p.samples = static_cast<float>(choice.count(i));
+      for (uint32_t s = 0; s < choice.count(i); ++s) p.emission += Rgb{1, 1, 1} * (1 + noise(camera_noise(x)));
+    }
+    choice.see_camera(film, pool);
+    for (size_t i = 0; i < film.pixels.size(); ++i) {  // photons are those of the pass, for all its samples
+      Pixel& p = film.pixels[i];
+      p.diffuse_indirect += Rgb{1, 1, 1} * (p.samples * (1 + noise(photon_noise(static_cast<int>(i % kWidth)))));
+    }
+    choice.end_pass(film, pool);
+  }
+  return choice;
+}
+
+uint32_t total(const SampleChoice& choice) {
+  uint32_t sum = 0;
+  for (size_t i = 0; i < size_t(kWidth) * kHeight; ++i) sum += choice.count(i);
+  return sum;
+}
+
+constexpr size_t kMiddle = static_cast<size_t>(kHeight / 2) * kWidth;
+const auto nothing = [](int) { return 0.0f; };
+const auto stripe = [](int x) { return x == 20 ? 1.0f : 0.01f; };
+
+}  // namespace
+
+TEST_CASE("camera samples go where they deviate, at most as many more as there are pixels, and numbers are used once") {
+  for (uint32_t passes : {1u, 2u, 8u, 64u}) {
+    const SampleChoice choice = after(passes, stripe, nothing);
+    CHECK(choice.count(kMiddle + 20) >= 8);
+    CHECK(choice.count(kMiddle + 5) == 1);
+    CHECK(total(choice) <= 2 * kWidth * kHeight);
+    CHECK(choice.first(kMiddle + 5, passes) == passes);
+  }
+  const SampleChoice once = after(1, stripe, nothing), twice = after(2, stripe, nothing);
+  CHECK(once.first(kMiddle + 20, 1) == 1);
+  CHECK(twice.first(kMiddle + 20, 2) == 1 + once.count(kMiddle + 20));
+}
+
+TEST_CASE("even noise, and what only photons bring, asks for no more camera samples") {
+  CHECK(total(after(16, [](int) { return 0.3f; }, nothing)) == kWidth * kHeight);
+  CHECK(total(after(16, nothing, stripe)) == kWidth * kHeight);
+  CHECK(total(after(16, stripe, [](int) { return 5.0f; })) == kWidth * kHeight);
+}
+
+TEST_CASE("a black picture and light that is not finite ask for nothing") {
+  CHECK(total(after(4, nothing, nothing)) == kWidth * kHeight);
+  CHECK(total(after(4, [](int) { return INFINITY; }, nothing)) == kWidth * kHeight);
+}
