@@ -155,8 +155,8 @@ bench-viewport: setup ## seconds to the first picture after an edit, pictures a 
 bench-gpu: setup ## the GPU splatter on a graphics card (GPU_OPTIONS: see python -m tests.bench.gpu --help)
 	$(PY) -m tests.bench.gpu $(GPU_OPTIONS)
 
-chart: setup ## error against time, as a chart in out/
-	$(PY) -m tests.bench.chart
+chart: setup ## error against time, ours and Cycles': tests/chart (CHART_OPTIONS: see python -m tests.chart --help)
+	$(PY) -m tests.chart $(CHART_OPTIONS)
 
 calibration: setup ## error estimate against true error: tests/calibration/calibration.md and .png
 	$(PY) -m tests.calibration.run

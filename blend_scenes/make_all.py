@@ -3,7 +3,7 @@
 Run it with the oldest Blender that must open the files: newer ones read them, not the other way round.
 """
 
-from blend_scenes import caustic_glass, caustic_pool, caustic_ring, cornell_box, instances, interior, light_types, small_glass
+from blend_scenes import caustic_glass, caustic_pool, caustic_ring, cornell_box, instances, interior, light_types, many_lights, small_glass
 
 cornell_box.make("cornell_box", 0)
 cornell_box.make("cornell_box_1500", 3)
@@ -11,5 +11,6 @@ cornell_box.make("cornell_box_100k", 6)
 interior.make()
 instances.make()
 light_types.make()
+many_lights.make()
 for caustics in (caustic_glass, caustic_ring, caustic_pool, small_glass):
     caustics.make()

@@ -18,6 +18,10 @@ from .native import bpy_library
 LIBRARY = "libOpenImageDenoise.so.2"
 DEVICE_CPU = 1
 FLOAT3 = 3
+LUMINANCE = (0.2126, 0.7152, 0.0722)
+WINDOW = 2
+"""Half the side of the square over which pixels share what is known of noise and blur."""
+CAUTION = 8.0
 
 _MONITOR = ctypes.CFUNCTYPE(ctypes.c_bool, ctypes.c_void_p, ctypes.c_double)
 
@@ -65,6 +69,30 @@ def available() -> bool:
     except DenoiserMissing:
         return False
     return True
+
+
+def blend(noisy: NDArray[np.float32], denoised: NDArray[np.float32], variance: NDArray[np.float32], passes: int) -> NDArray[np.float32]:
+    """The mixture of both pictures (height, width, 3) of the least expected squared error: a denoiser blurs what it takes for noise, and
+    what it blurs stays wrong however long one renders. Where the two differ by more than the noise of the one explains, (noisy -
+    denoised)^2 = variance + blur^2 (as in Stein's estimate), the noisy one has the share blur^2 / (blur^2 + variance).
+
+    variance: of the noisy picture's luminance, (height, width), as estimated after `passes` passes; few passes are trusted less.
+    """
+    difference = (noisy - denoised) @ np.asarray(LUMINANCE, np.float32)
+    square, noise = _window_mean(difference**2), _window_mean(variance) * (1.0 + CAUTION / passes)
+    blur = np.maximum(square - noise, 0.0)
+    share = np.divide(blur, blur + noise, out=np.zeros_like(blur), where=blur > 0)[..., None]
+    return denoised + share * (noisy - denoised)
+
+
+def _window_mean(values: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Over (2 WINDOW + 1)^2 pixels; the border's are repeated."""
+    size = 2 * WINDOW + 1
+    padded = np.pad(values.astype(np.float64), ((WINDOW + 1, WINDOW), (WINDOW + 1, WINDOW)), mode="edge")
+    padded[0, :] = padded[:, 0] = 0.0
+    sums = padded.cumsum(0).cumsum(1)
+    boxes = sums[size:, size:] - sums[:-size, size:] - sums[size:, :-size] + sums[:-size, :-size]
+    return np.asarray(np.maximum(boxes, 0.0) / size**2, np.float32)
 
 
 def denoise(

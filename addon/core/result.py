@@ -60,11 +60,13 @@ class Progress:
 
 @dataclass(slots=True)
 class RenderResult:
-    """passes: name → (height, width, channels) float32, row 0 at the bottom. statistics: the --stats object."""
+    """passes: name → (height, width, channels) float32, row 0 at the bottom. statistics: the --stats object. noisy: the RGB of Combined
+    before it was denoised, if it was."""
 
     passes: Passes
     cancelled: bool
     statistics: dict[str, Any]
+    noisy: NDArray[np.float32] | None = None
 
 
 def passes_from_film(film: dict[str, Any]) -> Passes:

@@ -7,7 +7,9 @@ import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from .denoise import DenoiserMissing, denoise
+import numpy as np
+
+from .denoise import DenoiserMissing, blend, denoise
 from .gpu import context as gpu_context
 from .gpu.choice import choose_splatter
 from .memory import peak_memory_bytes
@@ -20,6 +22,7 @@ from .settings import Backend, Integrator, RenderSettings
 from .splatter import CpuSplatter, Splatter, SplatterFailed
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
     from photon_splat_native import Renderer
 
 PHOTONS_PER_BATCH = 1 << 17
@@ -56,6 +59,7 @@ class _Worker(threading.Thread):
         self.cancelled = False
         self.cancel_asked = threading.Event()
         self.pass_finished = threading.Event()
+        self.finished = False
         self.warnings: list[str] = []
         self.splatter: Splatter = CpuSplatter(renderer)
 
@@ -74,6 +78,7 @@ class _Worker(threading.Thread):
                 self.error = error
         finally:
             self.splatter.close()
+            self.finished = True
             self.pass_finished.set()
 
     def _render(self) -> None:
@@ -176,7 +181,7 @@ def render(
     worker = _Worker(renderer, settings, started, want_interim)
     worker.start()
     try:
-        while worker.is_alive():
+        while not worker.finished:
             worker.pass_finished.wait(POLL_SECONDS)
             worker.pass_finished.clear()
             if should_cancel is not None and should_cancel():
@@ -196,22 +201,26 @@ def render(
         on_progress(worker.progress())
     if worker.passes_done:
         renderer.make_error_estimate()
-    passes = passes_from_film(renderer.film()) if worker.passes_done else black_passes(width, height)
-    denoising = _denoise(passes, worker, should_cancel) if settings.denoise and worker.passes_done and not worker.cancelled else 0.0
+    film = renderer.film() if worker.passes_done else None
+    passes = passes_from_film(film) if film else black_passes(width, height)
+    denoising, noisy = 0.0, None
+    if settings.denoise and film and not worker.cancelled:
+        noisy = passes["Combined"][..., :3].copy()
+        denoising = _denoise(passes, film["variance"][..., 0], worker, should_cancel)
     statistics = _statistics(renderer, worker, scene, started, export_seconds)
     if settings.denoise:
         statistics["seconds"]["denoise"] = denoising
-    return RenderResult(passes, worker.cancelled, statistics)
+    return RenderResult(passes, worker.cancelled, statistics, noisy)
 
 
-def _denoise(passes: Passes, worker: _Worker, should_cancel: Callable[[], bool] | None) -> float:
-    """Takes the noise out of Combined; seconds it took. Where that cannot be done the picture stays and a warning says why."""
+def _denoise(passes: Passes, variance: NDArray[np.float32], worker: _Worker, should_cancel: Callable[[], bool] | None) -> float:
+    """Takes the noise out of Combined, whose luminance has `variance`; seconds it took. Where that cannot be done the picture stays
+    and a warning says why."""
     began = time.monotonic()
-    combined = passes["Combined"]
+    noisy = passes["Combined"][..., :3]
     try:
-        combined[..., :3] = denoise(
-            combined[..., :3], passes["Diffuse Color"], passes["Normal"], threads=worker.settings.threads, should_cancel=should_cancel
-        )
+        clean = denoise(noisy, passes["Diffuse Color"], passes["Normal"], threads=worker.settings.threads, should_cancel=should_cancel)
+        noisy[...] = blend(noisy, clean, variance, worker.passes_done)
     except (DenoiserMissing, RuntimeError) as error:
         worker.warnings.append(f"The picture has not been denoised: {error}.")
     return time.monotonic() - began

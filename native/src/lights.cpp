@@ -223,6 +223,15 @@ bool Lights::sample_lamp(const Emitter& e, const Vec3& x, const Vec2& u, LightSa
     out.weight = lamp.one_minus_cos > 0 ? lamp.radiance * (2 * kPi * lamp.one_minus_cos) : lamp.intensity;
     return true;
   }
+  if (CloseLamp close; lamp.s.kind == LampKind::kArea && see_close(e, x, close)) {
+    CloseLamp::Place place;
+    if (!close.sample(u, place) || dot(place.direction, lamp.forward) >= 0) return false;
+    out.direction = place.direction;
+    out.distance = place.distance;
+    out.pdf = 1 / close.total;
+    out.weight = lamp.radiance * close.total;
+    return !is_black(out.weight);
+  }
   if (lamp.s.kind == LampKind::kArea) {
     Vec3 point;
     const float area = sampled_area(lamp, x);
@@ -291,6 +300,21 @@ void Lights::triangle_corners(uint32_t instance, uint32_t triangle, Vec3 corner[
 }
 
 bool Lights::sample_mesh(const Emitter& e, const Vec3& x, const Vec2& u, LightSample& out) const {
+  const auto emitted = [&](size_t triangle, float b1, float b2, bool back) {
+    return scene_.emission(scene_.surface_at(e.instance, e.triangles[triangle], b1, b2, back), -out.direction, {});
+  };
+  if (CloseLamp close; see_close(e, x, close)) {
+    CloseLamp::Place place;
+    if (!close.sample(u, place)) return false;
+    out.direction = place.direction;
+    out.distance = place.distance;
+    out.pdf = 1 / close.total;
+    const Vec3 normal = scene_.instances[e.instance].mirrored ? -place.normal : place.normal;
+    const bool back = dot(out.direction, normal) > 0;
+    out.weight = emitted(place.triangle, place.u, place.v, back) * close.total;
+    out.normal = back ? -normal : normal;
+    return !is_black(out.weight);
+  }
   // The triangle is picked by the integer part of a stretched sample; the rest is used again.
   const float target = u.x * e.cdf.back();
   const size_t pick = e.triangle_at(target);
@@ -318,7 +342,7 @@ bool Lights::sample_mesh(const Emitter& e, const Vec3& x, const Vec2& u, LightSa
   const float pdf_area = share / e.cdf.back() / (0.5f * twice_area);
   out.pdf = pdf_area * d2 / cosine;
   const bool back = dot(out.direction, normal) > 0;
-  out.weight = scene_.emission(scene_.surface_at(e.instance, e.triangles[pick], b1, b2, back), -out.direction, {}) / out.pdf;
+  out.weight = emitted(pick, b1, b2, back) / out.pdf;
   out.normal = back ? -normal : normal;
   return !is_black(out.weight);
 }
@@ -329,6 +353,8 @@ float Lights::surface_mis_weight(const Receiver& receiver, const Surface& hit, f
   const Emitter& e = emitters_[index];
   if (!shares_with_rays(e, receiver)) return 0;
   if (!(bsdf_pdf < INFINITY)) return 1;
+  if (CloseLamp close; see_close(e, receiver.x, close))
+    return e.share_of(hit.triangle) > 0 ? power_heuristic(bsdf_pdf, choice_probability(index, receiver) / close.total) : 1;
   Vec3 corner[3];
   triangle_corners(hit.instance, hit.triangle, corner);
   const float area = 0.5f * length(cross(corner[1] - corner[0], corner[2] - corner[0]));
@@ -390,6 +416,7 @@ Rgb Lights::lamp_met(uint32_t emitter, const Receiver& to, const Vec3& direction
   if (e.lamp < 0 || !shares_with_rays(e, to)) return {};
   float pdf;
   const Rgb radiance = lamp_radiance_met(lamps_[e.lamp], to.x, direction, near, far, pdf);
+  if (CloseLamp close; pdf > 0 && bsdf_pdf < INFINITY && see_close(e, to.x, close)) pdf = 1 / close.total;
   if (!(pdf > 0) || !(bsdf_pdf < INFINITY)) return pdf > 0 ? radiance : Rgb{};
   return radiance * power_heuristic(bsdf_pdf, pdf * choice_probability(emitter, to));
 }

@@ -7,6 +7,7 @@
 #include "emission_targets.h"
 #include "environment.h"
 #include "light_tree.h"
+#include "spherical_triangle.h"
 
 namespace photon_splat {
 
@@ -194,6 +195,22 @@ class Lights {
   PhotonStart emit_parallel(const Vec3& direction, const Vec2& place) const;
   PhotonStart emit_world(const Vec2& place, const Vec2& way) const;
   float scene_disc() const { return scene_.radius() * 1.0001f; }  // radius of the disc that parallel light comes through
+  // A lamp of a few triangles, seen from a place: lights_close.cpp.
+  struct CloseLamp {
+    static constexpr int kMost = 4;
+    struct Place {
+      int triangle;
+      Vec3 direction, normal;
+      float distance, u, v;
+    };
+    int count = 0;
+    Vec3 corner[kMost][3];  // relative to the place
+    SphericalTriangle seen[kMost];
+    float total = 0;        // solid angle, sr; directions have the density 1 / total
+    bool sample(const Vec2& u, Place& out) const;
+  };
+  // False where the emitter is to be sampled by area.
+  bool see_close(const Emitter& e, const Vec3& x, CloseLamp& out) const;
   void triangle_corners(uint32_t instance, uint32_t triangle, Vec3 corner[3]) const;
 
   const Scene& scene_;

@@ -206,6 +206,7 @@ nb::dict film_arrays(const Renderer& r) {
   add("depth", 1, [&](const Pixel& p, float* v) { *v = p.depth; });
   add("surface_id", 1, [&](const Pixel& p, float* v) { *v = p.surface_id; });
   add("samples", 1, [&](const Pixel& p, float* v) { *v = p.samples; });
+  out["variance"] = to_numpy(std::vector<float>(r.errors().variance()), {height, width, 1});  // of luminance, of the mean
   out["error"] = to_numpy(std::vector<float>(r.errors().error()), {height, width, 1});
   return out;
 }

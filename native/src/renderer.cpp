@@ -135,7 +135,7 @@ void Renderer::resolve() {
   Timer timer(seconds_.splat);
   if (adaptive) samples_.see_camera(pass_film_, scene.pool());
   for (const auto& layer : layers_) add_irradiance(*layer);
-  if (adaptive) samples_.end_pass(pass_film_, scene.pool());
+  if (adaptive) samples_.end_pass(pass_film_, camera_work(), scene.pool());
   finish_pass();
 }
 
@@ -162,6 +162,20 @@ void Renderer::add_irradiance(Layer& layer) {
     }
   });
   layer.choice.end_pass(scene.pool());
+}
+
+// What one camera sample in each pixel costs, over what the pass' photons do, from the rays so far. In camera rays with their
+// shading: a photon's ray is about a third of one, a photon splatted two, a record that finds its point one.
+double Renderer::camera_work() const {
+  double samples = 0, photons = 0;
+  for (const Pixel& p : pass_film_.pixels) samples += p.samples;
+  for (const auto& layer : layers_) {
+    const PhotonCounts counts = layer->tracer->counts();
+    if (counts.traced) photons += (counts.rays / 3.0 + 2.0 * counts.stored) * layer->paths_per_pass / counts.traced;
+  }
+  const double rays = static_cast<double>(camera_tracer_->rays()) / (film_.passes + 1);
+  const double camera = (rays + static_cast<double>(records_ ? records_->size() : 0)) / std::max(samples, 1.0);
+  return photons > 0 ? camera * static_cast<double>(pass_film_.pixels.size()) / photons : 1;
 }
 
 void Renderer::finish_pass() {

@@ -115,6 +115,7 @@ class Renderer {
 
  private:
   void finish_pass();
+  double camera_work() const;
   Layer& selected() const;
   void add_layer(PhotonStream stream, double photons_per_disc, uint64_t paths_per_pass);
   void make_layers();

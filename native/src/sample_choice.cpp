@@ -7,9 +7,11 @@
 namespace photon_splat {
 namespace {
 
-constexpr int kNear = 1;        // half side of the window over which pixels lend their statistics
-constexpr float kMost = 64;     // samples of a pixel in one pass
-constexpr float kOutlier = 100; // times the mean deviation: more counts as that much
+constexpr int kNear = 1;            // half side of the window over which pixels lend their statistics
+constexpr double kMost = 64;        // samples of a pixel in one pass
+constexpr double kMostMean = 2;     // of all pixels: passes stay short
+constexpr double kOutlier = 100;    // times the mean deviation: more counts as that much
+constexpr double kLeastWork = 0.05;
 
 }  // namespace
 
@@ -49,13 +51,13 @@ void SampleChoice::see(const Film& pass, Moments& moments, ThreadPool& pool) con
 
 void SampleChoice::see_camera(const Film& pass, ThreadPool& pool) { see(pass, camera_, pool); }
 
-void SampleChoice::end_pass(const Film& pass, ThreadPool& pool) {
+void SampleChoice::end_pass(const Film& pass, double work, ThreadPool& pool) {
   see(pass, all_, pool);
   for (size_t i = 0; i < samples_.size(); ++i) {
     samples_[i] += pass.pixels[i].samples;
     extra_[i] += count_[i] - 1u;
   }
-  if (std::has_single_bit(++passes_)) choose(pool);
+  if (std::has_single_bit(++passes_)) choose(work, pool);
 }
 
 // Of one sample; after one pass alone, from how neighbours differ.
@@ -82,17 +84,25 @@ std::vector<float> SampleChoice::deviations(const Moments& moments, ThreadPool& 
   return result;
 }
 
-void SampleChoice::choose(ThreadPool& pool) {
+void SampleChoice::choose(double work, ThreadPool& pool) {
   const std::vector<float> camera = deviations(camera_, pool), all = deviations(all_, pool);
   const auto mean_below = [&](double limit) {
     double sum = 0;
     for (const float d : all) sum += std::min<double>(d, limit);
     return all.empty() ? 0 : sum / static_cast<double>(all.size());
   };
-  const float mean = static_cast<float>(mean_below(kOutlier * mean_below(INFINITY)));
+  const double limit = kOutlier * mean_below(INFINITY);
+  double photons = 0, wanted = 0;
+  for (size_t i = 0; i < all.size(); ++i) {
+    const double d = std::min<double>(all[i], limit), c = std::min<double>(camera[i], limit);
+    photons += std::max(0.0, d * d - c * c);
+    wanted += c;
+  }
+  const double pixels = static_cast<double>(all.size());
+  const double unit = std::max(std::sqrt(photons / pixels * std::max(work, kLeastWork)), wanted / pixels / kMostMean);
   for (size_t i = 0; i < count_.size(); ++i) {
-    const float wanted = mean > 0 ? std::clamp(camera[i] / mean, 1.0f, kMost) : 1;
-    count_[i] = static_cast<uint8_t>(std::bit_floor(static_cast<uint32_t>(wanted)));
+    const double samples = unit > 0 ? std::clamp(camera[i] / unit, 1.0, kMost) : 1;
+    count_[i] = static_cast<uint8_t>(std::bit_floor(static_cast<uint32_t>(samples * std::sqrt(2.0))));
   }
 }
 

@@ -9,9 +9,10 @@
 namespace photon_splat {
 
 // A sum of squared errors falls fastest, for equal work, where samples go as the standard deviation of one of them (Neyman
-// allocation). Those pixels get more than one whose camera samples alone - lamps, emission, direct light - deviate more than
-// the picture does on average, photons' noise included: so at most as many are added as there are pixels. Choices are made
-// after pass 1, 2, 4, 8, ... and are for the passes that follow: samples never judge themselves.
+// allocation). With s_i that of a pixel's camera samples alone - lamps, emission, direct light -, S the variance that photons
+// add, summed over pixels, and r the work of one camera sample in each of n pixels over that of a pass' photons,
+// (sum s_i^2/n_i + S) (r sum n_i / n + 1) is least for n_i = s_i sqrt(n / (r S)). Choices are made after pass 1, 2, 4, 8, ...
+// and are for the passes that follow: samples never judge themselves.
 class SampleChoice {
  public:
   void reset(int width, int height);
@@ -22,7 +23,8 @@ class SampleChoice {
 
   // The pass' film when it holds what camera paths found, and again when photons have been added.
   void see_camera(const Film& pass, ThreadPool& pool);
-  void end_pass(const Film& pass, ThreadPool& pool);
+  // `work`: r above.
+  void end_pass(const Film& pass, double work, ThreadPool& pool);
 
  private:
   // Luminance of a pass' samples, weighted by their number.
@@ -34,7 +36,7 @@ class SampleChoice {
   };
   void see(const Film& pass, Moments& moments, ThreadPool& pool) const;
   std::vector<float> deviations(const Moments& moments, ThreadPool& pool) const;
-  void choose(ThreadPool& pool);
+  void choose(double work, ThreadPool& pool);
 
   int width_ = 0, height_ = 0;
   uint32_t passes_ = 0;

@@ -31,7 +31,7 @@ SampleChoice after(uint32_t passes, Camera&& camera_noise, Photons&& photon_nois
       Pixel& p = film.pixels[i];
       p.diffuse_indirect += Rgb{1, 1, 1} * (p.samples * (1 + noise(photon_noise(static_cast<int>(i % kWidth)))));
     }
-    choice.end_pass(film, pool);
+    choice.end_pass(film, 1, pool);
   }
   return choice;
 }
@@ -44,27 +44,34 @@ uint32_t total(const SampleChoice& choice) {
 
 constexpr size_t kMiddle = static_cast<size_t>(kHeight / 2) * kWidth;
 const auto nothing = [](int) { return 0.0f; };
+const auto even = [](int) { return 0.05f; };
 const auto stripe = [](int x) { return x == 20 ? 1.0f : 0.01f; };
 
 }  // namespace
 
-TEST_CASE("camera samples go where they deviate, at most as many more as there are pixels, and numbers are used once") {
+TEST_CASE("camera samples go where they deviate, not many more than photons are worth, and numbers are used once") {
   for (uint32_t passes : {1u, 2u, 8u, 64u}) {
-    const SampleChoice choice = after(passes, stripe, nothing);
+    const SampleChoice choice = after(passes, stripe, even);
     CHECK(choice.count(kMiddle + 20) >= 8);
     CHECK(choice.count(kMiddle + 5) == 1);
-    CHECK(total(choice) <= 2 * kWidth * kHeight);
+    CHECK(total(choice) <= 5 * kWidth * kHeight);
     CHECK(choice.first(kMiddle + 5, passes) == passes);
   }
-  const SampleChoice once = after(1, stripe, nothing), twice = after(2, stripe, nothing);
+  const SampleChoice once = after(1, stripe, even), twice = after(2, stripe, even);
   CHECK(once.first(kMiddle + 20, 1) == 1);
   CHECK(twice.first(kMiddle + 20, 2) == 1 + once.count(kMiddle + 20));
 }
 
-TEST_CASE("even noise, and what only photons bring, asks for no more camera samples") {
-  CHECK(total(after(16, [](int) { return 0.3f; }, nothing)) == kWidth * kHeight);
+TEST_CASE("camera noise like the photons' and less, or none at all, asks for no more camera samples") {
+  CHECK(total(after(16, [](int) { return 0.1f; }, [](int) { return 0.12f; })) == kWidth * kHeight);
   CHECK(total(after(16, nothing, stripe)) == kWidth * kHeight);
   CHECK(total(after(16, stripe, [](int) { return 5.0f; })) == kWidth * kHeight);
+}
+
+TEST_CASE("camera noise without any of photons gets more samples everywhere, within bounds") {
+  const uint32_t all = total(after(16, [](int) { return 0.3f; }, nothing));
+  CHECK(all > kWidth * kHeight);
+  CHECK(all <= 4 * kWidth * kHeight);
 }
 
 TEST_CASE("a black picture and light that is not finite ask for nothing") {

@@ -1,0 +1,45 @@
+"""What is compared: scenes, methods, budgets of time, seeds."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+BUDGETS = (1.0, 3.0, 10.0, 30.0)
+"""Seconds of the render call that each method is given."""
+
+
+class Method(StrEnum):
+    """Cycles solves the same problem (no clamp, no end of paths before 64 bounces); DEFAULT is as Blender sets it up."""
+
+    SPLAT = "Photon Splat"
+    SPLAT_DENOISED = "Photon Splat, denoised"
+    CYCLES = "Cycles"
+    CYCLES_DENOISED = "Cycles, denoised"
+    CYCLES_DEFAULT = "Cycles, defaults"
+
+
+@dataclass(frozen=True)
+class Case:
+    """truth: "paths" = the unbiased path tracer of this module; "photons" = long renders by photons, where no path finds the light."""
+
+    scene: str
+    width: int
+    height: int
+    kind: str
+    truth: str = "paths"
+    truth_seconds: float = 75.0  # of each half
+
+
+CASES = (
+    Case("cornell_box", 512, 512, "diffuse"),
+    Case("interior", 400, 250, "interior"),
+    Case("many_lights", 400, 266, "many lights"),
+    Case("caustic_glass", 400, 300, "caustic", "photons"),
+    Case("caustic_pool", 400, 300, "pool", "photons"),
+)
+
+
+def seeds(seconds: float, most: int) -> range:
+    """Fewer of the long renders: their errors scatter less."""
+    return range(1, 1 + (most if seconds <= 3 else min(most, 3) if seconds <= 10 else 1))

@@ -1,0 +1,101 @@
+"""One render in a process of its own: `python -m tests.chart.shot METHOD SCENE.blend WIDTH HEIGHT SECONDS SEED OUT.npz`.
+
+METHOD is a Method or "truth-paths" / "truth-photons". Writes pictures (height, width, 3) float32 with the seconds of each: the
+render call alone, as Blender's user waits for it, export, start-up and denoising included; not Blender's own start.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import tempfile
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+from tests.chart.plan import Method
+from tests.oracle.references import cycles_settings
+
+ENDLESS = 1 << 20
+
+
+def main(arguments: list[str]) -> None:
+    method, blend, width, height, seconds, seed, output = arguments
+    bpy.ops.wm.open_mainfile(filepath=blend)
+    scene = bpy.context.scene
+    scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = int(width), int(height), 100
+    scene.render.use_border = False
+    if method in (Method.SPLAT, "truth-paths", "truth-photons"):
+        found = _photon_splat(method, float(seconds), int(seed))
+    else:
+        found = _cycles(Method(method), float(seconds), int(seed))
+    np.savez(output, **found)  # type: ignore[arg-type]
+
+
+def _photon_splat(method: str, seconds: float, seed: int) -> dict[str, object]:
+    """The picture, and denoised what the same render becomes a little later."""
+    import photon_splat
+    from photon_splat.core.result import RenderResult
+    from photon_splat.core.settings import Integrator, RenderSettings
+    from photon_splat.job import observer
+
+    photon_splat.register()
+    scene = bpy.context.scene
+    scene.render.engine = "PHOTON_SPLAT"
+
+    def settings(own: RenderSettings) -> RenderSettings:
+        given = replace(own, passes=ENDLESS, time_limit=seconds, error_threshold=0.0, seed=seed, denoise=method == Method.SPLAT)
+        return replace(given, integrator=Integrator.REFERENCE, max_bounces=64) if method == "truth-paths" else given
+
+    results: list[RenderResult] = []
+    observer.settings = settings
+    observer.on_result = lambda result, frame: results.append(result)
+    started = time.monotonic()
+    bpy.ops.render.render()
+    took = time.monotonic() - started
+    result = results[0]
+    combined = result.passes["Combined"][..., :3]
+    if result.noisy is None:
+        return {"picture": combined, "seconds": took}
+    before = took - result.statistics["seconds"]["denoise"]
+    return {"picture": result.noisy, "seconds": before, "denoised": combined, "denoised_seconds": took}
+
+
+def _cycles(method: Method, seconds: float, seed: int) -> dict[str, object]:
+    scene = bpy.context.scene
+    scene.render.engine = "CYCLES"
+    cycles = scene.cycles
+    if method == Method.CYCLES_DEFAULT:
+        cycles.seed = seed
+        cycles.device = "CPU"
+    else:
+        cycles_settings(ENDLESS, seed)
+        cycles.sampling_pattern = "AUTOMATIC"
+        cycles.use_denoising = method == Method.CYCLES_DENOISED
+        cycles.denoiser = "OPENIMAGEDENOISE"
+    cycles.time_limit = seconds
+    image = scene.render.image_settings
+    if hasattr(image, "media_type"):
+        image.media_type = "IMAGE"
+    image.file_format, image.color_depth, image.color_mode = "OPEN_EXR", "32", "RGBA"
+    started = time.monotonic()
+    bpy.ops.render.render()
+    took = time.monotonic() - started
+    with tempfile.TemporaryDirectory() as folder:
+        path = str(Path(folder, "picture.exr"))
+        bpy.data.images["Render Result"].save_render(path)
+        shown = bpy.data.images.load(path)
+        shown.colorspace_settings.name = "Non-Color"
+        pixels = np.empty(shown.size[0] * shown.size[1] * 4, np.float32)
+        shown.pixels.foreach_get(pixels)
+        picture = pixels.reshape(shown.size[1], shown.size[0], 4)[..., :3]
+    return {"picture": picture, "seconds": took}
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
+    sys.stdout.flush()
+    os._exit(0)  # Blender may hang or die at exit
