@@ -35,6 +35,8 @@ std::vector<BsdfCase> bsdf_cases() {
     add("ggx" + at, [=](Bsdf& b) { b.add_glossy(kWhite, kUp, D::kGgx, r, 0, 0, {}); }, true);
     add("multi-ggx" + at, [=](Bsdf& b) { b.add_glossy(kWhite, kUp, D::kMultiGgx, r, 0, 0, {}); }, false, 1);
     add("beckmann" + at, [=](Bsdf& b) { b.add_glossy(kWhite, kUp, D::kBeckmann, r, 0, 0, {}); }, true);
+    add("ashikhmin-shirley" + at, [=](Bsdf& b) { b.add_glossy(kWhite, kUp, D::kAshikhminShirley, r, 0, 0, {}); }, true);
+    add("anisotropic ashikhmin-shirley" + at, [=](Bsdf& b) { b.add_glossy(kGrey, kUp, D::kAshikhminShirley, r, 0.5f, 0.1f, {1, 0, 0}); }, true);
     add("anisotropic" + at, [=](Bsdf& b) { b.add_glossy(kGrey, kUp, D::kGgx, r, 0.6f, 0.15f, {1, 0, 0}); }, true);
     add("anisotropic across" + at, [=](Bsdf& b) { b.add_glossy(kGrey, kUp, D::kMultiGgx, r, -0.4f, 0, {0, 1, 0}); }, false);
     add("glass" + at, [=](Bsdf& b) { b.add_glass(kWhite, kUp, D::kGgx, r, 1.5f, 0, 1.33f); }, false);

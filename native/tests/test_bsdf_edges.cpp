@@ -194,6 +194,7 @@ TEST_CASE("numbers nobody should give neither break nor hang anything") {
           for (Distribution d : {Distribution::kGgx, Distribution::kMultiGgx, Distribution::kBeckmann}) {
             check([&](Bsdf& b) { b.add_glossy(color, n, d, x, x, x, n); });
             check([&](Bsdf& b) { b.add_glossy(color, n, d, 0.3f, x, 0.2f, {1, 0, 0}); });
+            check([&](Bsdf& b) { b.add_glossy(color, n, Distribution::kAshikhminShirley, x, x, x, n); });
             check([&](Bsdf& b) { b.add_glass(color, n, d, 0.5f, x, x, x); });
             check([&](Bsdf& b) { b.add_glass(kWhite, n, d, x, 1.5f, 300, x); });
             check([&](Bsdf& b) { b.add_refraction(color, n, d, x, x); });

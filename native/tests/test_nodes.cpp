@@ -128,6 +128,20 @@ TEST_CASE("the checker refuses what would read or write out of bounds, and says 
   CHECK(refusal(scene, program_of({end}, {}, 1u << 30)) == "the shader program of 'Wall' uses more registers than there are");
 }
 
+TEST_CASE("a program is known to ask for the kind of ray, or of shadow rays alone") {
+  using enum nodes::PathValue;
+  for (const auto what : {IS_CAMERA_RAY, RAY_LENGTH, IS_SHADOW_RAY, IS_DIFFUSE_RAY, IS_REFLECTION_RAY, IS_TRANSMISSION_RAY}) {
+    ProgramWriter w;
+    const uint32_t r = w.reg(1);
+    w.emit(Op::LightPath, {{"out", r}, {"what", word_of(what)}});
+    w.emit(Op::Transparent, {{"weight", r}, {"color", w.constant({1, 1, 1})}});
+    w.emit(Op::End, {});
+    look_at_light_path(w.program());
+    CHECK(w.program().asks_kind == (what != IS_CAMERA_RAY && what != RAY_LENGTH && what != IS_SHADOW_RAY));
+    CHECK(w.program().asks_shadow == (what != IS_CAMERA_RAY && what != RAY_LENGTH));
+  }
+}
+
 TEST_CASE("random words are refused or run") {
   Scene scene(1);
   fill_everything(scene, false);

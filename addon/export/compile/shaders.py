@@ -62,7 +62,7 @@ def _short(n: Node) -> str:
 
 def _distribution(n: Node) -> str:
     name = n.node.distribution
-    if name in {"GGX", "MULTI_GGX", "BECKMANN"}:
+    if name in {"GGX", "MULTI_GGX", "BECKMANN", "ASHIKHMIN_SHIRLEY"}:
         return name
     n.unsupported(f"with distribution {name.replace('_', '-').title()} is not supported; taken as GGX")
     return "GGX"

@@ -62,7 +62,7 @@ NODES: dict[str, Entry] = {
     "BACKGROUND": Entry("shader", "Background", s.emission),
     "BSDF_DIFFUSE": Entry("shader", "Diffuse BSDF", s.diffuse),
     "BSDF_PRINCIPLED": Entry("shader", "Principled BSDF", s.principled, "subsurface is taken as diffuse, Thin Wall as solid"),
-    "BSDF_GLOSSY": Entry("shader", "Glossy BSDF", s.glossy, "Ashikhmin-Shirley is taken as GGX"),
+    "BSDF_GLOSSY": Entry("shader", "Glossy BSDF", s.glossy),
     "BSDF_GLASS": Entry("shader", "Glass BSDF", s.glass),
     "BSDF_REFRACTION": Entry("shader", "Refraction BSDF", s.refraction),
     "BSDF_METALLIC": Entry("shader", "Metallic BSDF", s.metallic),

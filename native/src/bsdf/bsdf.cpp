@@ -45,6 +45,13 @@ struct Facet {
   }
 };
 
+struct AshikhminShirley {
+  Rgb weight;
+  Vec3 normal;
+  FacetShape shape;
+  void expand(const View& view, LobeList& out) const { out.add(ashikhmin_shirley_lobe(view, weight, view.turned(normal), shape)); }
+};
+
 struct Sheen {
   Rgb weight;
   Vec3 normal;
@@ -174,6 +181,10 @@ void Bsdf::add_toon(const Rgb& weight, const Vec3& normal, bool glossy, float si
 
 void Bsdf::add_glossy(const Rgb& weight, const Vec3& normal, Distribution d, float roughness, float anisotropy, float rotation,
                       const Vec3& tangent, const Rgb* color) {
+  if (d == Distribution::kAshikhminShirley) {
+    add(AshikhminShirley{clean_color(weight), normal, clean_shape(d, roughness, anisotropy, rotation, tangent)});
+    return;
+  }
   FresnelTerms f;
   const Rgb mix = split_color(weight, color, &f.reflect_tint);
   add(Facet{mix, normal, clean_shape(d, roughness, anisotropy, rotation, tangent), f, false, true});

@@ -11,7 +11,7 @@ namespace photon_splat {
 // refraction does not scale it. Flux: photons; the adjoint of the same scattering (Veach 1997, section 5).
 enum class Transport : uint8_t { kRadiance, kFlux };
 
-enum class Distribution : uint8_t { kGgx, kMultiGgx, kBeckmann };
+enum class Distribution : uint8_t { kGgx, kMultiGgx, kBeckmann, kAshikhminShirley };  // the last: glossy only
 
 struct PrincipledInputs {
   Rgb base_color{0.8f, 0.8f, 0.8f};
@@ -111,7 +111,7 @@ class Bsdf {
     void (*expand)(const void* closure, const View& view, LobeList& out);
     size_t size;
   };
-  static constexpr size_t kTapeBytes = 8192;
+  static constexpr size_t kTapeBytes = 16384;
 
   template <class Closure>
   void add(const Closure& closure);

@@ -168,6 +168,10 @@ FacetValue Lobe::evaluate(const View& view, const Vec3& wi) const {
       const float shadow = kind == LobeKind::kToonDiffuse ? bump_shadow(view, n, wi) : 1;
       return {weight * (toon_intensity(*this, std::acos(std::min(c, 1.0f))) * pdf * shadow), pdf};
     }
+    case LobeKind::kAshikhminShirley: {
+      if (!(side > 0 && cosine > 0) || !(dot(n, view.wo) > 0)) return {};
+      return evaluate_ashikhmin_shirley(*this, to_local(view.wo), to_local(wi));
+    }
     case LobeKind::kFacets: {
       if (facets.delta()) return {};
       if ((side < 0) != (cosine < 0)) return {};
@@ -205,6 +209,10 @@ bool Lobe::sample(const View& view, float choice, const Vec2& u, Vec3* wi) const
     case LobeKind::kToonGlossy:
       *wi = Basis(toon_axis(*this, view.wo)).to_world(sample_cone(u, p[2]));
       return dot(*wi, n) > 0;
+    case LobeKind::kAshikhminShirley:
+      w = sample_ashikhmin_shirley(*this, to_local(view.wo), u);
+      if (!(w.z > 0)) return false;
+      break;
     case LobeKind::kFacets:
       if (!sample_facets(facets, fresnel, to_local(view.wo), choice, u, &w)) return false;
       break;

@@ -8,7 +8,7 @@
 
 namespace photon_splat {
 
-enum class LobeKind : uint8_t { kLambert, kOrenNayar, kTranslucent, kFacets, kSheen, kVelvet, kToonDiffuse, kToonGlossy };
+enum class LobeKind : uint8_t { kLambert, kOrenNayar, kTranslucent, kFacets, kAshikhminShirley, kSheen, kVelvet, kToonDiffuse, kToonGlossy };
 
 // Where a surface is looked at. `ng`, `ns` on the side of wo; back: that side is the geometric back.
 struct View {
@@ -31,11 +31,12 @@ struct Lobe {
   Facets facets;       // kFacets
   FresnelTerms fresnel;
   Rgb scale, kept;     // kFacets: weight without energy compensation; albedo over that of facets that lose nothing
-  float p[3] = {};     // kOrenNayar: a, b, 1 - E(wo); kSheen: LTC a and b; kVelvet: 1/sigma^2; toon: size, smooth, pdf
+  float p[3] = {};     // kOrenNayar: a, b, 1 - E(wo); kSheen: LTC a and b; kVelvet: 1/sigma^2; toon: size, smooth, pdf;
+                       // kAshikhminShirley: exponents along t and b, roughness
   Rgb multiple;        // kOrenNayar: factor of the energy-preserving term
   Rgb gather;          // diffuse-like lobes: Lambertian albedo that photons estimate
 
-  bool diffuse() const { return kind != LobeKind::kFacets && kind != LobeKind::kToonGlossy; }
+  bool diffuse() const { return kind != LobeKind::kFacets && kind != LobeKind::kToonGlossy && kind != LobeKind::kAshikhminShirley; }
   bool delta() const { return kind == LobeKind::kFacets && facets.delta(); }
   float roughness() const;
   Vec3 to_local(const Vec3& v) const { return {dot(v, t), dot(v, b), dot(v, n)}; }
@@ -89,6 +90,10 @@ struct FacetShape {
   Vec3 tangent{};
 };
 Lobe facet_lobe(const View& view, const Rgb& weight, const Vec3& n, const FacetShape& shape, const FresnelTerms& fresnel);
+// Under a roughness of 0.01 or so it is the mirror that facet_lobe() makes.
+Lobe ashikhmin_shirley_lobe(const View& view, const Rgb& weight, const Vec3& n, const FacetShape& shape);
+FacetValue evaluate_ashikhmin_shirley(const Lobe& lobe, const Vec3& wo, const Vec3& wi);  // in the lobe's frame, both above
+Vec3 sample_ashikhmin_shirley(const Lobe& lobe, const Vec3& wo, const Vec2& u);           // may lie below
 
 // What a facet lobe of weight 1 reflects and refracts, about: attenuates what is under it. Without energy compensation it is taken
 // for as much as if no light were lost between facets, as Cycles does (measured).

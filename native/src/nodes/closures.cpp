@@ -8,6 +8,7 @@ Distribution distribution(uint32_t word) {
     case Microfacets::GGX: return Distribution::kGgx;
     case Microfacets::MULTI_GGX: return Distribution::kMultiGgx;
     case Microfacets::BECKMANN: return Distribution::kBeckmann;
+    case Microfacets::ASHIKHMIN_SHIRLEY: return Distribution::kAshikhminShirley;
   }
   return Distribution::kGgx;
 }
