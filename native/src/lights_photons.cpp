@@ -129,7 +129,7 @@ float mean_emission(const Scene& scene, const Material& m, uint32_t instance, ui
   float sum = 0;
   for (int i = 0; i < probes; ++i) {
     const Surface s = scene.surface_at(instance, triangle, kProbes[i][0], kProbes[i][1], back);
-    sum += average(scene.emission(s, s.ng, {}));
+    sum += average(scene.emission(s, s.ng, {RayInfo::kEmission}));
   }
   return std::isfinite(sum) ? std::max(sum, 0.0f) / static_cast<float>(probes) : 0;
 }
@@ -312,7 +312,7 @@ PhotonStart Lights::emit_mesh(const Emitter& e, float pick, const Vec2& place, c
   start.origin = p.position + normal * ray_epsilon(p.position, 0);
   start.direction = Basis(normal).to_world(sample_cosine_hemisphere(way));
   const Surface s = scene_.surface_at(e.instance, e.triangles[p.triangle], p.u, p.v, on_back);
-  start.power = scene_.emission(s, start.direction, {}) * (kPi / (p.pdf * (on_back ? 1 - front_share : front_share)));
+  start.power = scene_.emission(s, start.direction, {RayInfo::kEmission}) * (kPi / (p.pdf * (on_back ? 1 - front_share : front_share)));
   return start;
 }
 

@@ -7,12 +7,25 @@ namespace {
 constexpr uint64_t kPathsPerChunk = 512;  // their state stays in the cache
 constexpr int kMaxTransparent = 4096;      // layers that let a path through before it is given up
 constexpr double kUsefulShare = 0.3;       // of unguided paths, from which on they are left unguided
+
+// One of three kinds of ray, `first` half of the time; *chance: its probability.
+RayInfo::Kind guess_kind(Random& random, RayInfo::Kind first, float* chance) {
+  const float u = random.next();
+  *chance = u < 0.5f ? 0.5f : 0.25f;
+  return u < 0.5f ? first : u < 0.75f ? RayInfo::kGlossy : RayInfo::kTransmission;
 }
+
+RayInfo::Kind kind_of(const BsdfSample& s) {
+  return s.diffuse ? RayInfo::kDiffuse : s.transmitted ? RayInfo::kTransmission : RayInfo::kGlossy;
+}
+
+}  // namespace
 
 // What lands after a bounce is indirect light, or caustic light, or a share of each.
 void PhotonTracer::store(const Path& path, const Surface& hit, const Vec3& direction, const KeyFilter& visible,
                          std::vector<Photon>& photons) const {
   if (path.bounces == 0 || !visible.contains(hit.key)) return;
+  if (path.guessed && path.kind != RayInfo::kDiffuse) return;  // what is stored stands for a diffuse ray from here
   const float share = stream_ == PhotonStream::kAll ? 1 : stream_ == PhotonStream::kCaustic ? path.caustic : 1 - path.caustic;
   const float cos_shading = -dot(direction, hit.ns), cos_geometric = -dot(direction, hit.ng);
   if (!(share > 0) || cos_shading <= 0 || cos_geometric <= 0) return;
@@ -30,6 +43,7 @@ bool PhotonTracer::shade(Path& path, const Surface& hit, const PhotonStart& star
   const float cos_shading = -dot(direction, hit.ns), cos_geometric = -dot(direction, hit.ng);
   if (cos_shading <= 0 || cos_geometric <= 0) return false;
   if (path.bounces == max_bounces_ || stream_ == PhotonStream::kCaustic) return false;
+  if (path.guessed && path.kind != (path.bounces == 0 ? RayInfo::kShadow : RayInfo::kDiffuse)) return false;
   path.power *= scene_.albedo(hit) * (cos_shading / cos_geometric);
   const float survival = std::min(1.0f, max_component(path.power) / path.reference);
   if (!(survival > 0) || path.random.next() >= survival) return false;
@@ -41,25 +55,36 @@ bool PhotonTracer::shade(Path& path, const Surface& hit, const PhotonStart& star
   direction = Basis(hit.ng).to_world(local);
   ++path.bounces;
   path.caustic = 0;
-  path.kind = RayInfo::kDiffuse;
+  path.guessed = false;
   return true;
 }
 
+// A material may ask by what kind of ray it is seen (Light Path). On a camera path that is the ray from the photon's next vertex,
+// whose kind says by which lobe the photon will scatter there: not known yet. So it is guessed, and the next vertex then stores
+// photons for diffuse rays and scatters by lobes of that kind alone. What is passed on the way to the next vertex is seen by the
+// same ray; straight from the lamp by a shadow ray, which deltas do not send, or from a delta lobe.
 bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const PhotonStart& start, uint64_t index, uint32_t seed,
                                       const KeyFilter& visible, Vec3& origin, Vec3& direction,
                                       std::vector<Photon>& photons) const {
+  const bool direct = path.bounces == 0, asked = hit.program->asks_kind;
+  float chance = 1;
   RayInfo ray;
-  ray.kind = path.bounces == 0 ? RayInfo::kDiffuse : path.kind;  // as what lies ahead would look back at it
+  ray.kind = asked ? guess_kind(path.random, RayInfo::kDiffuse, &chance) : RayInfo::kDiffuse;
+  ray.singular = ray.kind != RayInfo::kDiffuse;
   ray.depth = path.bounces;
   ray.transparent_depth = path.passed;
   Bsdf bsdf(Transport::kFlux, -direction, hit.ng, hit.ns, hit.back);
   scene_.shade(hit, -direction, ray, bsdf);
   Rgb transparency = bsdf.transparency();
-  if (path.bounces == 0 && scene_.may_be_transparent(hit)) {  // direct light passes where shadow rays do
-    ray.kind = RayInfo::kShadow;
-    Bsdf shadow(Transport::kRadiance, -direction, hit.ng, hit.ns, hit.back);
-    scene_.shade(hit, -direction, ray, shadow);
-    transparency = shadow.transparency();
+  const bool passing_asked = scene_.may_be_transparent(hit) && (direct ? hit.program->asks_shadow : asked);
+  RayInfo passing_ray = ray;
+  float passing_chance = 1;
+  if (passing_asked) {
+    passing_ray.kind = path.kind;
+    if (!path.guessed) passing_ray.kind = guess_kind(path.random, direct ? RayInfo::kShadow : RayInfo::kDiffuse, &passing_chance);
+    Bsdf seen(Transport::kRadiance, -direction, hit.ng, hit.ns, hit.back);
+    scene_.shade(hit, -direction, passing_ray, seen);
+    transparency = seen.transparency();
   }
   const bool accepted = path.bounces > 0 || start.accepts(hit.position, path.travelled + hit.distance);
   if (accepted) store(path, hit, direction, visible, photons);
@@ -70,7 +95,8 @@ bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const Phot
     const float scattered = bsdf.scatters() ? std::max(average(bsdf.albedo()), 0.05f) : 0;
     const float passing = mean / (mean + scattered);
     if (scattered == 0 || path.random.next() < passing) {
-      path.power *= transparency / passing;
+      path.power *= transparency / (passing * passing_chance);
+      if (passing_asked) path.kind = passing_ray.kind, path.guessed = true;
       const float survival = std::min(1.0f, max_abs(path.power) / path.reference);
       if (++path.passed > kMaxTransparent || !(survival > 0) || path.random.next() >= survival) return false;
       path.power *= 1 / survival;
@@ -84,9 +110,13 @@ bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const Phot
   const float choice = path.random.next();
   const auto s = bsdf.sample(choice, path.bounces == 0 ? sobol_2d(static_cast<uint32_t>(index), 3, seed) : path.random.next2());
   if (!s) return false;
+  if (path.guessed) {
+    const bool delta = s->pdf <= 0;
+    if (path.kind == RayInfo::kShadow ? delta : (direct && !delta) || kind_of(*s) != path.kind) return false;
+  }
   path.caustic *= s->diffuse ? 0 : sharpness(s->roughness);
   if (stream_ == PhotonStream::kCaustic && !(path.caustic > 0)) return false;
-  path.power *= s->weight;
+  path.power *= s->weight / chance;
   // Refraction scales power by the square of the relative index and undoes it on the way out: no reason to end a path.
   if (s->transmitted) path.reference *= std::clamp(max_abs(s->weight), 0.1f, 10.0f);
   const float survival = std::min(1.0f, max_abs(path.power) / path.reference);
@@ -94,7 +124,8 @@ bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const Phot
   path.power *= 1 / survival;
   ++path.bounces;
   path.travelled = 0;
-  path.kind = s->diffuse ? RayInfo::kDiffuse : s->transmitted ? RayInfo::kTransmission : RayInfo::kGlossy;
+  path.kind = ray.kind;
+  path.guessed = asked;
   origin = hit.position + hit.ng * std::copysign(epsilon, dot(s->direction, hit.ng));
   direction = s->direction;
   return true;

@@ -72,7 +72,9 @@ class PhotonTracer {
     uint16_t bounces = 0, passed = 0;  // lobes; transparent surfaces
     float travelled = 0;               // before the present ray, since the last bounce
     float caustic = 1;                 // share of caustic light
-    RayInfo::Kind kind = RayInfo::kDiffuse;  // of the ray
+    // Kind of the camera path's ray that looks back along this one, where `guessed`: see scatter_by_program.
+    RayInfo::Kind kind = RayInfo::kDiffuse;
+    bool guessed = false;
   };
   struct Chunk {
     std::vector<Photon> photons;

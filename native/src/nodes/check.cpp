@@ -112,4 +112,21 @@ class Checker {
 
 void check_program(const Scene& scene, const Program& program) { Checker(scene, program).run(); }
 
+void look_at_light_path(Program& program) {
+  using enum nodes::PathValue;
+  program.asks_shadow = program.asks_kind = false;
+  for (size_t at = 0; at < program.code.size(); at += nodes::kWords[program.code[at]]) {
+    if (program.code[at] != static_cast<uint32_t>(nodes::Op::LightPath)) continue;
+    switch (static_cast<nodes::PathValue>(program.code[at + 2])) {
+      case IS_SHADOW_RAY: program.asks_shadow = true; break;
+      case IS_DIFFUSE_RAY:
+      case IS_GLOSSY_RAY:
+      case IS_SINGULAR_RAY:
+      case IS_REFLECTION_RAY:
+      case IS_TRANSMISSION_RAY: program.asks_shadow = program.asks_kind = true; break;
+      default: break;  // depths and lengths are guessed without choice
+    }
+  }
+}
+
 }  // namespace photon_splat

@@ -21,6 +21,7 @@ struct Program {
   std::vector<float> constants;
   uint32_t registers = 0;      // floats of scratch space
   uint32_t features = 0;       // ProgramFeature bits: what a run may produce
+  bool asks_shadow = false, asks_kind = false;  // whether shadow rays, and which others, see something else: look_at_light_path()
 };
 
 enum ProgramFeature : uint32_t {
@@ -31,7 +32,7 @@ enum ProgramFeature : uint32_t {
 
 // The ray that found the hit: the Light Path node's outputs.
 struct RayInfo {
-  enum Kind : uint8_t { kCamera, kShadow, kDiffuse, kGlossy, kTransmission, kPhoton };
+  enum Kind : uint8_t { kCamera, kShadow, kDiffuse, kGlossy, kTransmission, kEmission };  // kEmission: none, as an emitter is asked
   Kind kind = kCamera;
   bool singular = false;       // left a delta lobe
   float length = 0;
@@ -56,6 +57,9 @@ void run_program(const Scene& scene, const Program& program, const ShadingPoint&
 
 // What the registers hold after a run of `program`, which asks for nothing of a hit: for folding of constants.
 std::vector<float> run_constant_program(const Scene& scene, const Program& program);
+
+// Sets asks_shadow and asks_kind of a checked program.
+void look_at_light_path(Program& program);
 
 // Throws std::invalid_argument for a program that reads or writes outside its registers, constants or textures.
 void check_program(const Scene& scene, const Program& program);
