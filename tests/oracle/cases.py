@@ -28,6 +28,7 @@ class Case:
     reference: str = ""  # the case whose Cycles reference this one shares
     alpha: bool = False
     splat: bool = True  # False: only the path tracer is compared, as all that is new lies before the first hit
+    light_samples: bool = True  # False: Cycles finds lights by scattered rays alone, see references.py
     passes: int = 32
     photons_per_pass: int = 20_000
 

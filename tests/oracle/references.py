@@ -3,10 +3,15 @@
 Two independent halves of each picture go to tests/oracle/references/NAME.npz as float16 (rounding of 0.05 % a pixel,
 far below the noise): half_1 and half_2, (height, width, 4) RGBA, row 0 at the bottom, only the border where there is one. Alpha is
 left out of the gallery's pictures that are opaque.
+
+Rough glass is rendered without light samples (Case.light_samples), its lamp as a plane that rays find by chance: where Cycles
+samples a light through a rough refractive surface, it also counts pairs of directions that no facet can refract into each other,
+and so gets more light than by its own rays: `python -m tests.oracle.rough_glass` shows it.
 """
 
 from __future__ import annotations
 
+import math
 import sys
 import tempfile
 import time
@@ -71,12 +76,39 @@ def render_with_cycles(samples: int, seed: int) -> np.ndarray:
     return picture
 
 
+def without_light_samples() -> None:
+    """Makes every rectangular area lamp of the scene a plane that emits the same and hides nothing, found by scattered rays alone."""
+    import bpy
+    from mathutils import Vector
+
+    from blend_scenes import modelling as m
+    from tests.oracle.gallery import BACKFACING, add, mix, node, transparent
+    from tests.oracle.gallery_stage import build_material
+
+    scene = bpy.context.scene
+    scene.world.cycles.sampling_method = "NONE"
+    for lamp in [thing for thing in scene.objects if thing.type == "LIGHT"]:
+        data = lamp.data
+        if data.type != "AREA" or data.shape != "RECTANGLE" or data.spread < 3.14:
+            raise ValueError(f"the lamp {lamp.name!r} has no plane that emits the same")
+        half_x, half_y = data.size / 2, data.size_y / 2
+        corners = [Vector((x, y, 0)) for x, y in ((-half_x, half_y), (half_x, half_y), (half_x, -half_y), (-half_x, -half_y))]
+        front = node("Emission", Color=tuple(data.color), Strength=data.energy / (math.pi * data.size * data.size_y))
+        glow = build_material("Glow", add(mix(BACKFACING, front, node("Emission", Strength=0.0)), transparent()))
+        glow.cycles.emission_sampling = "NONE"
+        plane = m.add_mesh("Plane", [tuple(lamp.matrix_world @ corner) for corner in corners], [(0, 1, 2, 3)], glow)
+        plane.visible_camera, plane.visible_shadow = lamp.visible_camera, False
+        bpy.data.objects.remove(lamp)
+
+
 def make(case: Case) -> None:
     from tests.oracle import stage
 
     halves = []
     for seed in (1, 2):
         stage.build(case)
+        if not case.light_samples:
+            without_light_samples()
         picture = render_with_cycles(case.samples, seed)
         halves.append(picture if case.alpha or case in CASES else picture[..., :3])
     FOLDER.mkdir(exist_ok=True)

@@ -1,6 +1,6 @@
 """Roughness from 0 to 1 in 21 steps on a floor, on glass and on metal: brightness against Cycles'.
 
-`python -m tests.oracle.sweep` makes the Cycles means anew: sweep.json, [mean of the picture, of its middle, and the
+`python -m tests.oracle.sweep [KIND ...]` makes the Cycles means anew: sweep.json, [mean of the picture, of its middle, and the
 standard errors of both] per step. The middle is where the ball and the second thing are.
 """
 
@@ -58,16 +58,18 @@ def load() -> dict[str, list[list[float]]]:
 
 def main() -> int:
     from tests.oracle import stage
-    from tests.oracle.references import render_with_cycles
+    from tests.oracle.references import render_with_cycles, without_light_samples
 
-    said = {}
-    for kind in SWEEPS:
+    said = load() if FILE.is_file() else {}
+    for kind in sys.argv[1:] or SWEEPS:
         said[kind] = []
         for roughness in STEPS:
             case = sweep_case(kind, roughness)
             halves = []
             for seed in (1, 2):
                 stage.build(case)
+                if not case.light_samples:
+                    without_light_samples()
                 halves.append(render_with_cycles(case.samples, seed))
             said[kind].append([round(x, 6) for x in means(np.stack(halves))])
             print(case.name, said[kind][-1], file=sys.stderr, flush=True)

@@ -21,7 +21,7 @@ import numpy as np
 from tests.oracle.cases import Case
 
 ROOT = Path(__file__).resolve().parents[2]
-SECONDS = 240.0
+SECONDS = 900.0
 
 
 class Worker:
