@@ -91,5 +91,5 @@ def _report_unsupported(ob: Any, lamp: Any, cycles: Any, report: Report) -> None
         report.warn("Lights without shadow are not supported; these cast shadows: {}", ob.name)
     if getattr(cycles, "max_bounces", 1024) < 32:
         report.warn("A light's own number of bounces is not supported: {}", ob.name)
-    if not (ob.visible_diffuse and ob.visible_shadow):
+    if not (ob.visible_diffuse and ob.visible_glossy and ob.visible_transmission and ob.visible_shadow):
         report.warn("Ray visibility of lights other than Camera is not supported; ignored for: {}", ob.name)

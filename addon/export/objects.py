@@ -22,7 +22,7 @@ from .mesh import export_mesh, flattened
 
 Value = TypeVar("Value")
 UNSUPPORTED = {"CURVES": "hair curves", "VOLUME": "volumes", "POINTCLOUD": "point clouds", "GREASEPENCIL": "grease pencil objects"}
-RAYS = ("visible_camera", "visible_diffuse", "visible_shadow")
+RAYS = ("visible_camera", "visible_diffuse", "visible_glossy", "visible_transmission", "visible_shadow")
 
 
 class Objects:

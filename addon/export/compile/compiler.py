@@ -10,7 +10,7 @@ from ...core.shading import Feature, Program
 from .assemble import Statement, assemble, live_instructions
 from .inputs import bump_width
 from .node import Node, Owner, Surroundings, label
-from .shaders import from_value, unknown
+from .shaders import MOST_LOBES, from_value, lobe_count, unknown
 from .table import NODES
 from .trees import Feed, Groups
 from .values import HERE, ONE, ZERO, Folding, Graph, Place, Value
@@ -92,6 +92,10 @@ class Compiler:
             if produces & Feature.EMITS and not produces & Feature.CONSTANT_EMISSION:
                 constant_emission = False
             features |= produces
+        lobes = sum(lobe_count(made) for made in statements)
+        if lobes > MOST_LOBES:
+            said = f"its shaders may come to {lobes} lobes at one point; what is beyond {MOST_LOBES} there is left out"
+            self.around.report.warn(f"{self.owner.name}: {said}")
         if not constant_emission:
             features &= ~Feature.CONSTANT_EMISSION
         return Compiled(self.graph, statements, features)

@@ -100,6 +100,21 @@ class Node:
     def number(self, identifier: str, default: float = 0.0) -> Value:
         return self._get(identifier, number(default), 1)
 
+    def share(self, identifier: str, default: float = 0.0) -> Value:
+        """A number that native code takes into 0..1."""
+        return self._told(identifier, self.number(identifier, default), 0.0, 1.0)
+
+    def ior(self, identifier: str = "IOR", default: float = 1.5) -> Value:
+        """A refractive index; native code takes none below LEAST_IOR."""
+        return self._told(identifier, self.number(identifier, default), LEAST_IOR, math.inf)
+
+    def _told(self, identifier: str, value: Value, least: float, most: float) -> Value:
+        """`value`, and a warning if it is known to lie outside of its range."""
+        if value.is_constant and not least <= value.data[0] <= most:
+            taken = least if value.data[0] < least else most
+            self.warn(f"its {identifier} is {value.data[0]:g}, taken as {taken:g}")
+        return value
+
     def vector(self, identifier: str, default: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Value:
         return self._get(identifier, vector(default), 3)
 
@@ -147,6 +162,9 @@ class Node:
 
     def generated(self) -> Value:
         return self.graph.one("TextureCoordinate", what="GENERATED")
+
+
+LEAST_IOR = 1e-5
 
 
 def label(node: Any) -> str:

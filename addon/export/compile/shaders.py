@@ -20,6 +20,24 @@ def _roughness_features(*roughnesses: Value) -> Feature:
     return Feature.REST | (Feature.SHARP if sharp else Feature(0))
 
 
+MOST_LOBES = 48
+"""LobeList::kMax of native/src/bsdf/lobe.h."""
+
+
+def lobe_count(made: Statement) -> int:
+    """How many lobes a closure has at most."""
+    name = made.operation.name
+    if name != "Principled":
+        return 0 if name in {"Emission", "Transparent", "Holdout"} else 1
+    metallic, transmission = made.get("metallic"), made.get("transmission_weight")
+    lobes = sum(value != ZERO for value in (metallic, transmission, made.get("coat_weight"), made.get("sheen_weight")))
+    if ONE in (metallic, transmission):
+        return lobes
+    specular = made.get("specular_level") != ZERO or made.get("thin_film_thickness") != ZERO
+    both_diffuse = made.get("diffuse_roughness") != ZERO and made.get("subsurface_weight") != ZERO
+    return lobes + specular + (2 if both_diffuse else 1)
+
+
 def emission(n: Node, weight: Value) -> Made:
     color, strength = n.color("Color"), n.number("Strength", 1.0)
     return emitted(n, n.graph.multiply(weight, strength), color)
@@ -42,7 +60,7 @@ def holdout(n: Node, weight: Value) -> Made:
 
 
 def diffuse(n: Node, weight: Value) -> Made:
-    roughness = n.number("Roughness")
+    roughness = n.share("Roughness")
     made = statement("Diffuse", weight=weight, color=n.color("Color"), normal=n.closure_normal(), roughness=roughness)
     return [made], Feature.GATHERS if roughness == ZERO else Feature.GATHERS | Feature.REST
 
@@ -69,7 +87,7 @@ def _distribution(n: Node) -> str:
 
 
 def glossy(n: Node, weight: Value) -> Made:
-    roughness, anisotropy = n.number("Roughness"), n.number("Anisotropy")
+    roughness, anisotropy = n.share("Roughness"), n.number("Anisotropy")
     made = statement(
         "Glossy",
         weight=weight,
@@ -85,14 +103,14 @@ def glossy(n: Node, weight: Value) -> Made:
 
 
 def glass(n: Node, weight: Value) -> Made:
-    roughness = n.number("Roughness")
+    roughness = n.share("Roughness")
     made = statement(
         "Glass",
         weight=weight,
         color=n.color("Color"),
         normal=n.closure_normal(),
         roughness=roughness,
-        ior=n.number("IOR", 1.5),
+        ior=n.ior("IOR", 1.5),
         thin_film_thickness=n.number("Thin Film Thickness"),
         thin_film_ior=n.number("Thin Film IOR", 1.33),
         distribution=_distribution(n),
@@ -101,13 +119,13 @@ def glass(n: Node, weight: Value) -> Made:
 
 
 def refraction(n: Node, weight: Value) -> Made:
-    roughness = n.number("Roughness")
-    inputs = {"color": n.color("Color"), "normal": n.closure_normal(), "roughness": roughness, "ior": n.number("IOR", 1.45)}
+    roughness = n.share("Roughness")
+    inputs = {"color": n.color("Color"), "normal": n.closure_normal(), "roughness": roughness, "ior": n.ior("IOR", 1.45)}
     return [statement("Refraction", weight=weight, distribution=_distribution(n), **inputs)], _roughness_features(roughness)
 
 
 def metallic(n: Node, weight: Value) -> Made:
-    roughness, anisotropy = n.number("Roughness"), n.number("Anisotropy")
+    roughness, anisotropy = n.share("Roughness"), n.number("Anisotropy")
     physical = n.node.fresnel_type == "PHYSICAL_CONDUCTOR"
     made = statement(
         "Metallic",
@@ -128,7 +146,7 @@ def metallic(n: Node, weight: Value) -> Made:
 
 
 def sheen(n: Node, weight: Value) -> Made:
-    inputs = {"color": n.color("Color"), "normal": n.closure_normal(), "roughness": n.number("Roughness")}
+    inputs = {"color": n.color("Color"), "normal": n.closure_normal(), "roughness": n.share("Roughness")}
     return [statement("Sheen", weight=weight, distribution=n.node.distribution, **inputs)], Feature.GATHERS | Feature.REST
 
 
@@ -139,14 +157,16 @@ def toon(n: Node, weight: Value) -> Made:
 
 
 def principled(n: Node, weight: Value) -> Made:
-    weights = {name: n.number(name) for name in ("Subsurface Weight", "Transmission Weight", "Coat Weight", "Sheen Weight")}
+    weights = {name: n.share(name) for name in ("Subsurface Weight", "Transmission Weight", "Coat Weight")} | {
+        "Sheen Weight": n.number("Sheen Weight")
+    }
     if weights["Subsurface Weight"] != ZERO:
         n.around.report.warn("Subsurface Scattering is not supported yet; taken as diffuse: {}", f"{_short(n)}")
     if n.number("Thin Wall") != ZERO:
         n.warn("Thin Wall is not supported; taken as solid")
-    metal, roughness, coat_roughness = n.number("Metallic"), n.number("Roughness", 0.5), n.number("Coat Roughness", 0.03)
-    alpha, specular, anisotropic = n.number("Alpha", 1.0), n.number("Specular IOR Level", 0.5), n.number("Anisotropic")
-    ior = n.number("IOR", 1.5)
+    metal, roughness, coat_roughness = n.share("Metallic"), n.share("Roughness", 0.5), n.share("Coat Roughness", 0.03)
+    alpha, specular, anisotropic = n.share("Alpha", 1.0), n.number("Specular IOR Level", 0.5), n.number("Anisotropic")
+    ior = n.ior("IOR", 1.5)
     emission_color, emission_strength = n.color("Emission Color"), n.number("Emission Strength")
     layers = ("Transmission Weight", "Coat Weight", "Sheen Weight")
     if alpha == ONE and specular == ZERO and metal == ZERO and all(weights[name] == ZERO for name in layers):
@@ -160,7 +180,7 @@ def principled(n: Node, weight: Value) -> Made:
         ior=ior,
         alpha=alpha,
         normal=n.closure_normal(),
-        diffuse_roughness=n.number("Diffuse Roughness"),
+        diffuse_roughness=n.share("Diffuse Roughness"),
         subsurface_weight=weights["Subsurface Weight"],
         specular_level=specular,
         specular_tint=n.color("Specular Tint", (1.0, 1.0, 1.0)),
@@ -170,11 +190,11 @@ def principled(n: Node, weight: Value) -> Made:
         transmission_weight=weights["Transmission Weight"],
         coat_weight=weights["Coat Weight"],
         coat_roughness=coat_roughness,
-        coat_ior=n.number("Coat IOR", 1.5),
+        coat_ior=n.ior("Coat IOR", 1.5),
         coat_tint=n.color("Coat Tint", (1.0, 1.0, 1.0)),
         coat_normal=n.closure_normal("Coat Normal"),
         sheen_weight=weights["Sheen Weight"],
-        sheen_roughness=n.number("Sheen Roughness", 0.5),
+        sheen_roughness=n.share("Sheen Roughness", 0.5),
         sheen_tint=n.color("Sheen Tint", (1.0, 1.0, 1.0)),
         emission_color=emission_color,
         emission_strength=emission_strength,
@@ -199,14 +219,14 @@ def principled(n: Node, weight: Value) -> Made:
         features |= _roughness_features(roughness)
     if weights["Coat Weight"] != ZERO:
         features |= _roughness_features(coat_roughness)
-    if n.number("Diffuse Roughness") != ZERO:
+    if n.share("Diffuse Roughness") != ZERO:
         features |= Feature.REST
     return [made], features
 
 
 def _matte(n: Node, weight: Value, emission_color: Value, emission_strength: Value) -> Made:
     """A Principled BSDF that has nothing but its diffuse layer and emission."""
-    roughness = n.number("Diffuse Roughness")
+    roughness = n.share("Diffuse Roughness")
     made = statement("Diffuse", weight=weight, color=n.color("Base Color"), normal=n.closure_normal(), roughness=roughness)
     shining, features = emitted(n, n.graph.multiply(weight, emission_strength), emission_color)
     return [made, *shining], features | Feature.GATHERS | (Feature(0) if roughness == ZERO else Feature.REST)
