@@ -9,10 +9,11 @@ constexpr float kRoulette = 8;
 // What diffuse lobes keep of their chance where photons bring their light: rays share some direct light with light samples.
 constexpr float kDiffuseShared = 0.5f, kDiffuseLeast = 0.05f;
 constexpr int kSureBounces = 3;        // from here on at most with the throughput itself
+constexpr float kBrightest = 20;     // times the world's mean: a sighting counts at most as much
 constexpr int kMaxTransparent = 4096;  // layers that let a path through before it is given up
 
 // Dimensions of the camera's low-discrepancy sequence, in pairs.
-enum Dimension : uint32_t { kFilterPair, kChoicePair, kLightPair, kBsdfPair, kLobePair, kLensPair = 64 };
+enum Dimension : uint32_t { kFilterPair, kChoicePair, kLightPair, kBsdfPair, kLobePair, kSkyPair, kSkyChoicePair, kLensPair = 64 };
 
 void add_finite(Rgb& sum, const Rgb& value, uint64_t& bad) {
   if (is_finite(value)) sum += value;
@@ -32,6 +33,7 @@ struct CameraTracer::Path {
   Tile& tile;
   uint32_t pixel_index, sample, seed;
   int max_bounces = 0;
+  bool learns = false;   // what it sees of the world is noted
   bool records = false;  // photons bring the diffuse part of the light; else the path goes on for it
 
   Vec3 origin, direction;
@@ -60,7 +62,7 @@ struct CameraTracer::Job {
   uint32_t pass;
   const SampleChoice* choice;  // none: one sample
   int max_bounces;
-  bool records;
+  bool records, learns;
 };
 
 void CameraTracer::trace_tiles(const Job& job, Film& film, const CancelFlag& cancel) {
@@ -69,6 +71,7 @@ void CameraTracer::trace_tiles(const Job& job, Film& film, const CancelFlag& can
   scene_.pool().for_each(tiles_.size(), cancel, [&](size_t t, int) {
     Tile& tile = tiles_[t];
     tile.records.clear();
+    tile.sightings.clear();
     tile.rays = tile.bad_samples = 0;
     const int x_begin = static_cast<int>(t % across) * kTileSize, y_begin = static_cast<int>(t / across) * kTileSize;
     const int x_end = std::min(x_begin + kTileSize, film.width), y_end = std::min(y_begin + kTileSize, film.height);
@@ -100,6 +103,7 @@ void CameraTracer::trace_pixel(const Job& job, int x, int y, const Film& film, P
       Path path(*ray, pixel, tile, index, sample, seed);
       path.max_bounces = job.max_bounces;
       path.records = job.records;
+      path.learns = job.learns;
       trace_path(path);
     } else {  // outside the lens' image: black, not transparent
       pixel.alpha += 1;
@@ -119,6 +123,7 @@ void CameraTracer::trace_path(Path& path) const {
     ++path.tile.rays;
     const bool found = scene_.intersect(path.origin, path.direction, path.near, path.far, path.vertex == 0, hit);
     add_lamps(path, found ? hit.distance : path.far >= 1e30f ? INFINITY : path.far);
+    if (found && path.vertex == 1 && path.info.transparent_depth == 0) see_world(path, path.from, path.direction, {}, true);
     if (!found) {
       add_world(path);
       return;
@@ -181,7 +186,9 @@ void CameraTracer::add_world(Path& path) const {
     }
     path.pixel.alpha += 1;
   }
-  add_met(path, lights_.world_met(path.from, path.direction, path.pdf), path.pixel.environment);
+  const Rgb light = lights_.world_met(path.from, path.direction, path.pdf);
+  if (path.vertex == 1) see_world(path, path.from, path.direction, light / path.pdf, true);
+  add_met(path, light, path.pixel.environment);
 }
 
 void CameraTracer::add_emission(Path& path, const Surface& hit, const Rgb& emission) const {
@@ -210,18 +217,34 @@ CameraTracer::Passing CameraTracer::pass_through(Path& path, const Surface& hit,
 void CameraTracer::add_direct(Path& path, const Surface& hit, const Bsdf& bsdf, const Receiver& receiver) const {
   const Vec2 choice = path.numbers(kChoicePair), place = path.numbers(kLightPair);
   if (bsdf.only_delta()) return;
-  const auto light = lights_.sample(receiver, choice.x, place);
-  if (!light) return;
+  if (const auto light = lights_.sample(receiver, choice.x, place)) add_light(path, hit, bsdf, *light, false);
+  const Vec2 sky_choice = path.numbers(kSkyChoicePair), sky_place = path.numbers(kSkyPair);
+  if (const auto world = lights_.sample_world(receiver, sky_choice.x, sky_place)) add_light(path, hit, bsdf, *world, true);
+}
+
+// Something that was met on the way to the world or in its direction, for what learns from it.
+void CameraTracer::see_world(Path& path, const Receiver& from, const Vec3& direction, const Rgb& light, bool ray) const {
+  if (!path.learns || !(path.pdf < INFINITY || !ray)) return;
+  const float cosine = is_black(from.n) ? 1 : std::max(0.0f, dot(from.n, direction));
+  const float most = kBrightest * luminance(lights_.environment().mean()) * 4 * kPi;
+  path.tile.sightings.push_back({from.x, from.n, direction, std::min(luminance(light) * cosine, most), ray});
+}
+
+void CameraTracer::add_light(Path& path, const Surface& hit, const Bsdf& bsdf, const LightSample& light, bool world) const {
   float pdf = 0;
   Rgb diffuse{};
-  const Rgb scattered = bsdf.evaluate(light->direction, &pdf, nullptr, &diffuse);
+  const Rgb scattered = bsdf.evaluate(light.direction, &pdf, nullptr, &diffuse);
   if (!(max_abs(scattered) > 0)) return;
   ++path.tile.rays;
-  Rgb arriving = light->weight * light_through(*light, hit, path.info);
-  if (light->use_mis) arriving *= light->pdf * light->pdf / (light->pdf * light->pdf + pdf * pdf);
+  Rgb arriving = light.weight * light_through(light, hit, path.info);
+  if (light.use_mis) arriving *= light.pdf * light.pdf / (light.pdf * light.pdf + pdf * pdf);
+  if (world && path.vertex == 0) {
+    const Receiver from{hit.position, bsdf.transmits() ? Vec3{} : hit.ng, bsdf.has_rest()};
+    see_world(path, from, light.direction, arriving, false);
+  }
   arriving *= path.throughput;
   if (path.vertex == 0) {
-    const bool through = dot(light->direction, hit.ng) < 0;
+    const bool through = dot(light.direction, hit.ng) < 0;
     add_finite(path.pixel.diffuse_direct, arriving * diffuse, path.tile.bad_samples);
     add_finite(direct_of(path.pixel, through ? Part::kTransmission : Part::kGlossy), arriving * (scattered - diffuse), path.tile.bad_samples);
   } else {
@@ -297,8 +320,14 @@ bool CameraTracer::scatter(Path& path, const Surface& hit, const Bsdf& bsdf, con
   return true;
 }
 
-const std::vector<Record>& CameraTracer::trace(uint32_t pass, const SampleChoice& choice, int max_bounces, Film& film, const CancelFlag& cancel) {
-  trace_tiles({pass, &choice, max_bounces, true}, film, cancel);
+const std::vector<Record>& CameraTracer::trace(uint32_t pass, const SampleChoice& choice, SkyGuide& sky, int max_bounces, Film& film,
+                                                const CancelFlag& cancel) {
+  const bool learns = sky.learning() && !lights_.environment().black();
+  trace_tiles({pass, &choice, max_bounces, true, learns}, film, cancel);
+  if (learns) {
+    for (const Tile& tile : tiles_) sky.learn(tile.sightings);
+    sky.end_pass();
+  }
   ranges_.assign(tiles_.size() + 1, 0);
   for (size_t t = 0; t < tiles_.size(); ++t) ranges_[t + 1] = ranges_[t] + tiles_[t].records.size();
   records_.resize(ranges_.back());
@@ -309,7 +338,7 @@ const std::vector<Record>& CameraTracer::trace(uint32_t pass, const SampleChoice
 }
 
 void CameraTracer::trace_reference(uint32_t sample, int max_bounces, Film& film, const CancelFlag& cancel) {
-  trace_tiles({sample, nullptr, max_bounces, false}, film, cancel);
+  trace_tiles({sample, nullptr, max_bounces, false, false}, film, cancel);
 }
 
 }  // namespace photon_splat

@@ -29,7 +29,9 @@ class CameraTracer {
 
   // The camera samples of pass `pass`, as many as `choice` says, instead of what `film` held; returns the records in tile
   // order. Paths go through at most `max_bounces` lobes.
-  const std::vector<Record>& trace(uint32_t pass, const SampleChoice& choice, int max_bounces, Film& film, const CancelFlag& cancel);
+  // Tells `sky` what it has seen of the world, as long as that wants to learn.
+  const std::vector<Record>& trace(uint32_t pass, const SampleChoice& choice, SkyGuide& sky, int max_bounces, Film& film,
+                                   const CancelFlag& cancel);
 
   // One sample per pixel of the unbiased path tracer, indirect light included; leaves no records.
   void trace_reference(uint32_t sample, int max_bounces, Film& film, const CancelFlag& cancel);
@@ -43,6 +45,7 @@ class CameraTracer {
  private:
   struct Tile {
     std::vector<Record> records;
+    std::vector<SkyGuide::Sighting> sightings;
     uint64_t rays = 0, bad_samples = 0;
   };
   struct Path;
@@ -57,6 +60,8 @@ class CameraTracer {
   void add_emission(Path& path, const Surface& hit, const Rgb& emission) const;
   Passing pass_through(Path& path, const Surface& hit, const Bsdf& bsdf) const;
   void add_direct(Path& path, const Surface& hit, const Bsdf& bsdf, const Receiver& receiver) const;
+  void add_light(Path& path, const Surface& hit, const Bsdf& bsdf, const LightSample& light, bool world) const;
+  void see_world(Path& path, const Receiver& from, const Vec3& direction, const Rgb& light, bool ray) const;
   Rgb light_through(const LightSample& light, const Surface& hit, const RayInfo& ray) const;
   void leave_records(Path& path, const Surface& hit, const Bsdf& bsdf) const;
   bool scatter(Path& path, const Surface& hit, const Bsdf& bsdf, const Receiver& receiver) const;

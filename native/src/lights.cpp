@@ -5,6 +5,7 @@
 namespace photon_splat {
 namespace {
 
+constexpr float kGuided = 0.85f;  // of the world's samples, where there is a guide
 constexpr size_t kFewEmitters = 32;  // up to here every emitter is ranked at every point
 
 float smoothstep(float t) {
@@ -129,7 +130,7 @@ float Lights::emitters_weight(const Receiver& to) const {
 
 // The world is drawn from as far as that is better than leaving it to the rays that BSDFs draw.
 float Lights::world_probability(const Receiver& to, float emitters) const {
-  if (environment_.constant()) return 0;
+  if (environment_.constant() || guided(to)) return 0;
   const float world = environment_.irradiance(to.n) * environment_.contrast();
   return world > 0 ? world / (world + emitters) : 0;
 }
@@ -170,6 +171,27 @@ std::optional<Lights::Pick> Lights::pick_of_many(const Receiver& to, float weigh
     target -= w;
   }
   return last;
+}
+
+// Where the guide is wrong the world's own density, or an even one, makes up for it.
+float Lights::guided_pdf(const SkyGuide::Cell& cell, const Vec3& direction) const {
+  const float own = environment_.constant() ? 1 / (4 * kPi) : environment_.pdf(direction);
+  return kGuided * cell.pdf(direction) + (1 - kGuided) * own;
+}
+
+std::optional<LightSample> Lights::sample_world(const Receiver& to, float choice, const Vec2& u) const {
+  if (environment_.black()) return std::nullopt;
+  const SkyGuide::Cell* cell = guided(to);
+  if (!cell) return std::nullopt;
+  LightSample out{};
+  out.direction = choice < kGuided ? cell->sample(u) : environment_.constant() ? sample_sphere(u) : environment_.sample(u).direction;
+  out.distance = INFINITY;
+  out.pdf = guided_pdf(*cell, out.direction);
+  if (!(out.pdf > 0)) return std::nullopt;
+  out.weight = environment_.radiance(out.direction) / out.pdf;
+  out.use_mis = true;
+  if (is_black(out.weight)) return std::nullopt;
+  return out;
 }
 
 std::optional<LightSample> Lights::sample(const Receiver& to, float choice, const Vec2& u) const {
@@ -407,7 +429,9 @@ Rgb Lights::lamp_radiance_met(const Lamp& lamp, const Vec3& origin, const Vec3& 
 
 Rgb Lights::world_met(const Receiver& to, const Vec3& direction, float bsdf_pdf) const {
   const Rgb radiance = environment_.radiance(direction);
-  if (!(bsdf_pdf < INFINITY) || environment_.constant() || is_black(radiance)) return radiance;
+  if (!(bsdf_pdf < INFINITY) || is_black(radiance)) return radiance;
+  if (const SkyGuide::Cell* cell = guided(to)) return radiance * power_heuristic(bsdf_pdf, guided_pdf(*cell, direction));
+  if (environment_.constant()) return radiance;
   return radiance * power_heuristic(bsdf_pdf, world_probability(to, emitters_weight(to)) * environment_.pdf(direction));
 }
 

@@ -7,6 +7,7 @@
 #include "emission_targets.h"
 #include "environment.h"
 #include "light_tree.h"
+#include "sky_guide.h"
 #include "spherical_triangle.h"
 
 namespace photon_splat {
@@ -74,6 +75,11 @@ class Lights {
 
   // One light sample; nullopt when no light reaches the place.
   std::optional<LightSample> sample(const Receiver& to, float choice, const Vec2& u) const;
+
+  // One sample of the world, where the guide has learnt how to see it from there; `sample` then leaves the world out.
+  std::optional<LightSample> sample_world(const Receiver& to, float choice, const Vec2& u) const;
+  // Lives as long as it is used here; none at first.
+  void set_guide(const SkyGuide* guide) { guide_ = guide; }
 
   // True when a BSDF-sampled ray could add light that `sample` leaves to it (world, lights near by).
   bool wants_bsdf_ray(const Receiver& to) const;
@@ -173,6 +179,8 @@ class Lights {
   float choice_probability(uint32_t emitter, const Receiver& to) const;  // of an emitter among themselves
   float emitters_weight(const Receiver& to) const;                         // of all together
   float world_probability(const Receiver& to, float emitters_weight) const;
+  const SkyGuide::Cell* guided(const Receiver& to) const { return guide_ ? guide_->find(to.x, to.n) : nullptr; }
+  float guided_pdf(const SkyGuide::Cell& cell, const Vec3& direction) const;
   float spot_attenuation(const Lamp& lamp, const Vec3& from_lamp) const;
   float spread_attenuation(const Lamp& lamp, float tangent) const;  // of the angle to the lamp's axis
   bool inside_shape(const Lamp& lamp, const Vec3& from_center) const;
@@ -215,6 +223,7 @@ class Lights {
 
   const Scene& scene_;
   Environment environment_;
+  const SkyGuide* guide_ = nullptr;
   std::vector<Lamp> lamps_;
   std::vector<Emitter> emitters_;
   std::vector<int32_t> emitter_of_instance_;  // -1: none

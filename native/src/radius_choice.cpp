@@ -12,8 +12,8 @@ namespace {
 constexpr uint32_t kFirstChoice = 4;       // passes
 constexpr int kNear = 2, kFar = 12;        // half sides of the windows over which pixels lend their statistics
 constexpr float kSignificant = 2.5f;       // mean(d)^2 over the noise in it, from which the near window is believed
-constexpr float kLeastStep = 0.5f, kMostStep = 1.4f;  // of one choice
-constexpr float kLeast = 0.2f, kMost = 2.0f;          // of all together
+constexpr float kLeastStep = 0.35f, kMostStep = 1.4f;  // of one choice
+constexpr float kLeast = 0.1f, kMost = 2.0f;          // of all together
 
 }  // namespace
 

@@ -6,7 +6,7 @@ namespace photon_splat {
 namespace {
 
 constexpr uint64_t kPilotPaths = 65536;
-constexpr double kPhotonsPerDisc = 100;  // from one pass, before radii shrink
+constexpr double kPhotonsPerDisc = 200;  // from one pass, before radii shrink
 constexpr double kCausticPhotonsPerDisc = 25;
 constexpr double kShrinkExponent = -1.0 / 6.0;  // h ~ pass^(-1/6): variance and squared bias fall alike (Knaus & Zwicker 2011)
 
@@ -36,9 +36,15 @@ void Renderer::build() {
   choose_kernel(options.kernel);  // speaks up before work is done
   scene.build(cancel_);
   lights_ = std::make_unique<Lights>(scene, lamps);
+  learn_sky_anew();
   camera_tracer_ = std::make_unique<CameraTracer>(scene, *lights_, *camera_, hash_combine(options.seed, 2));
   make_layers();
   reset_film();
+}
+
+void Renderer::learn_sky_anew() {
+  sky_.reset();
+  lights_->set_guide(&sky_);
 }
 
 void Renderer::reset_film() {
@@ -65,7 +71,7 @@ Layer& Renderer::selected() const {
 void Renderer::trace_camera(uint32_t pass) {
   selected();
   Timer timer(seconds_.camera);
-  records_ = &camera_tracer_->trace(pass, samples_, options.max_bounces, pass_film_, cancel_);
+  records_ = &camera_tracer_->trace(pass, samples_, sky_, options.max_bounces, pass_film_, cancel_);
 }
 
 // A pilot teaches where useful photons start and how dense they land.

@@ -122,6 +122,7 @@ class Renderer {
   void learn(Layer& layer);
   void add_irradiance(Layer& layer);
   void reset_film();
+  void learn_sky_anew();
 
   CancelFlag cancel_;
   std::unique_ptr<Lights> lights_;
@@ -132,6 +133,7 @@ class Renderer {
   VisiblePoints no_points_;
   Film film_, pass_film_;
   SampleChoice samples_;
+  SkyGuide sky_;
   ErrorEstimate errors_;
   const std::vector<Record>* records_ = nullptr;
   std::vector<Photon> given_photons_;

@@ -23,6 +23,7 @@ void Renderer::relight() {
   selected();
   scene.update_features();
   lights_ = std::make_unique<Lights>(scene, lamps);
+  learn_sky_anew();
   camera_tracer_ = std::make_unique<CameraTracer>(scene, *lights_, *camera_, hash_combine(options.seed, 2));
   photons_ = &given_photons_;
   make_layers();
