@@ -63,6 +63,7 @@ def fill_renderer(renderer: Renderer, scene: Scene, settings: RenderSettings) ->
         adaptive_radius=settings.adaptive_radius,
         adaptive_samples=settings.adaptive_samples,
         occlusion=settings.occlusion,
+        fallback=settings.fallback,
     )
 
 

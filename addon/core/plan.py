@@ -53,6 +53,7 @@ def make_plan(scene: Scene, settings: RenderSettings) -> Plan:
         "occlusion": splat and settings.boundary_correction and settings.occlusion and len(scene.instances.mesh) > 0,
         "adaptive_radius": splat and settings.adaptive_radius,
         "adaptive_samples": splat and settings.adaptive_samples,
+        "fallback": splat and settings.fallback and not why_not,
     }
     sentences = []
     if not splat:
@@ -86,4 +87,7 @@ def pilot_sentences(statistics: dict[str, Any]) -> list[str]:
         cut, things = (f"{100 * discs[name] / discs['points']:.2g} %" for name in ("cut", "obstructed"))
         sentences.append(f"Surface edges cut {cut} of the discs." if discs["cut"] else "No surface edge comes near a disc.")
         sentences.append(f"Things or walls stand in {things} of the discs." if discs["obstructed"] else "Nothing stands in a disc.")
+    share = statistics["fallback"]["share"]
+    if share:
+        sentences.append(f"Too few photons reach {100 * share:.2g} % of the visible places: paths from the camera go on there.")
     return sentences

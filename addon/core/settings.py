@@ -31,6 +31,7 @@ class RenderSettings:
     caustics             photons of their own, aimed and with narrow kernels, for light through sharp lobes; False: in with the others
     denoise              run Open Image Denoise on the finished picture
     occlusion            look for things that stand inside of the discs, and for walls; part of boundary_correction
+    fallback             camera paths go on for indirect light where surfaces are too small, too bent or too dark for photons
     adaptive_radius      radii per pixel, from how discs of two sizes have differed in earlier passes
     adaptive_samples     more camera samples where lamps, edges and direct light are noisier than the rest of the picture
     threads              0 = all of the machine
@@ -47,6 +48,7 @@ class RenderSettings:
     caustics: bool = True
     denoise: bool = False
     occlusion: bool = True
+    fallback: bool = True
     adaptive_radius: bool = True
     adaptive_samples: bool = True
     backend: Backend = Backend.AUTO

@@ -34,6 +34,7 @@ struct CameraTracer::Path {
   uint32_t pixel_index, sample, seed;
   int max_bounces = 0;
   bool learns = false;   // what it sees of the world is noted
+  bool wandered = false; // went on for light that photons were to bring
   bool records = false;  // photons bring the diffuse part of the light; else the path goes on for it
 
   Vec3 origin, direction;
@@ -44,6 +45,7 @@ struct CameraTracer::Path {
   Rgb throughput{1, 1, 1};           // of light that leaves the next vertex, emission excepted
   Rgb emission_throughput{1, 1, 1};  // of its emission
   Rgb diffuse_emission{};            // the part of that which the diffuse lobes of vertex 0 sent on
+  Rgb brought{};                     // of throughput: what photons bring of light that meets nothing but sharp lobes from here on
   Part part = Part::kDiffuse;
   Receiver from{{}, {}, true};       // the last vertex
   float pdf = INFINITY;              // of the direction, by its BSDF
@@ -53,6 +55,7 @@ struct CameraTracer::Path {
     throughput *= factor;
     emission_throughput *= factor;
     diffuse_emission *= factor;
+    brought *= factor;
   }
   // Numbers for the next vertex: the low-discrepancy sequence at the first one.
   Vec2 numbers(Dimension pair) { return vertex == 0 ? sobol_2d(sample, pair, seed) : random.next2(); }
@@ -72,7 +75,7 @@ void CameraTracer::trace_tiles(const Job& job, Film& film, const CancelFlag& can
     Tile& tile = tiles_[t];
     tile.records.clear();
     tile.sightings.clear();
-    tile.rays = tile.bad_samples = 0;
+    tile.rays = tile.bad_samples = tile.places = tile.fallbacks = 0;
     const int x_begin = static_cast<int>(t % across) * kTileSize, y_begin = static_cast<int>(t / across) * kTileSize;
     const int x_end = std::min(x_begin + kTileSize, film.width), y_end = std::min(y_begin + kTileSize, film.height);
     for (int y = y_begin; y < y_end; ++y)
@@ -81,6 +84,8 @@ void CameraTracer::trace_tiles(const Job& job, Film& film, const CancelFlag& can
   for (const Tile& tile : tiles_) {
     rays_ += tile.rays;
     bad_samples_ += tile.bad_samples;
+    places_ += tile.places;
+    fallbacks_ += tile.fallbacks;
   }
 }
 
@@ -148,13 +153,14 @@ void CameraTracer::trace_path(Path& path) const {
     }
     if (!bsdf.scatters() || !(max_abs(path.throughput) > 0)) return;
     const Receiver receiver{hit.position, bsdf.transmits() ? Vec3{} : hit.ng, bsdf.has_rest()};
-    if (path.records && bsdf.has_rest()) {
+    const bool gathers = path.records && path.vertex < path.max_bounces, fallback = gathers && falls_back(path, hit, bsdf);
+    if (path.records && bsdf.has_rest() && !fallback) {
       const bool shares_diffuse = lights_.wants_bsdf_ray({receiver.x, receiver.n, false});
       bsdf.prefer_rest(shares_diffuse ? kDiffuseShared : kDiffuseLeast);
     }
     add_direct(path, hit, bsdf, receiver);
-    if (path.vertex < path.max_bounces && path.records) leave_records(path, hit, bsdf);
-    if (!scatter(path, hit, bsdf, receiver)) return;
+    if (gathers && (!fallback || caustic_photons_)) leave_records(path, hit, bsdf, fallback);
+    if (!scatter(path, hit, bsdf, receiver, fallback)) return;
   }
 }
 
@@ -231,9 +237,10 @@ void CameraTracer::see_world(Path& path, const Receiver& from, const Vec3& direc
 }
 
 void CameraTracer::add_light(Path& path, const Surface& hit, const Bsdf& bsdf, const LightSample& light, bool world) const {
-  float pdf = 0;
+  float pdf = 0, sharp = 0;
   Rgb diffuse{};
-  const Rgb scattered = bsdf.evaluate(light.direction, &pdf, nullptr, &diffuse);
+  const bool brought = !is_black(path.brought);
+  const Rgb scattered = bsdf.evaluate(light.direction, &pdf, nullptr, &diffuse, brought ? &sharp : nullptr);
   if (!(max_abs(scattered) > 0)) return;
   ++path.tile.rays;
   Rgb arriving = light.weight * light_through(light, hit, path.info);
@@ -242,7 +249,7 @@ void CameraTracer::add_light(Path& path, const Surface& hit, const Bsdf& bsdf, c
     const Receiver from{hit.position, bsdf.transmits() ? Vec3{} : hit.ng, bsdf.has_rest()};
     see_world(path, from, light.direction, arriving, false);
   }
-  arriving *= path.throughput;
+  arriving *= path.throughput - path.brought * sharp;
   if (path.vertex == 0) {
     const bool through = dot(light.direction, hit.ng) < 0;
     add_finite(path.pixel.diffuse_direct, arriving * diffuse, path.tile.bad_samples);
@@ -264,22 +271,32 @@ Rgb CameraTracer::light_through(const LightSample& light, const Surface& hit, co
   return distance > 0 ? scene_.transmittance(origin, way / distance, distance * (1 - 1e-5f), ray) : Rgb{1, 1, 1};
 }
 
-void CameraTracer::leave_records(Path& path, const Surface& hit, const Bsdf& bsdf) const {
+bool CameraTracer::falls_back(Path& path, const Surface& hit, const Bsdf& bsdf) const {
+  const bool here = !is_black(bsdf.gather());
+  if (!here && is_black(bsdf.gather_through())) return false;
+  ++path.tile.places;
+  if (!fallback_ || !fallback_->at(here ? hit.key : hit.key ^ 1u, hit.position, hit.instance, hit.triangle, radius_factor_)) return false;
+  ++path.tile.fallbacks;
+  return true;
+}
+
+void CameraTracer::leave_records(Path& path, const Surface& hit, const Bsdf& bsdf, bool caustics_only) const {
   const float footprint = camera_.footprint_at(path.ray, path.travelled + hit.distance);
   const auto leave = [&](const Rgb& albedo, uint32_t key, const Vec3& ng) {
     const Rgb throughput = path.throughput * albedo * (1 / kPi);
     if (is_black(throughput)) return;
     if (!is_finite(throughput)) ++path.tile.bad_samples;
-    else path.tile.records.push_back({hit.position, key, ng, footprint, throughput, path.pixel_index, hit.instance, hit.triangle, path.part});
+    else path.tile.records.push_back({hit.position, key, ng, footprint, throughput, path.pixel_index, hit.instance, hit.triangle,
+                                       path.part, caustics_only, path.wandered});
   };
   leave(bsdf.gather(), hit.key, hit.ng);
   leave(bsdf.gather_through(), hit.key ^ 1u, -hit.ng);
 }
 
 // Sends the path on for light that records do not bring; false where it ends.
-bool CameraTracer::scatter(Path& path, const Surface& hit, const Bsdf& bsdf, const Receiver& receiver) const {
-  const bool last = path.vertex >= path.max_bounces;
-  const bool goes_on = !last && (!path.records || bsdf.has_rest());
+bool CameraTracer::scatter(Path& path, const Surface& hit, const Bsdf& bsdf, const Receiver& receiver, bool fallback) const {
+  const bool last = path.vertex >= path.max_bounces, whole = !path.records || fallback;
+  const bool goes_on = !last && (whole || bsdf.has_rest());
   if (!goes_on && !bsdf.has_rest() && !lights_.wants_bsdf_ray(receiver)) return false;
   const Vec2 lobe = path.numbers(kLobePair), way = path.numbers(kBsdfPair);
   const auto s = bsdf.sample(lobe.x, way);
@@ -291,8 +308,12 @@ bool CameraTracer::scatter(Path& path, const Surface& hit, const Bsdf& bsdf, con
     diffuse = diffuse / s->pdf;
   }
   const Rgb before = path.throughput;
-  path.throughput = !goes_on ? Rgb{} : path.records ? before * s->rest : before * s->weight;
-  path.emission_throughput = before * s->weight;
+  path.throughput = !goes_on ? Rgb{} : whole ? before * s->weight : before * s->rest;
+  const Rgb still_brought = s->diffuse ? Rgb{} : path.brought * s->weight * sharpness(s->roughness);
+  path.emission_throughput = before * s->weight - still_brought;
+  path.brought = still_brought;
+  path.wandered |= fallback;
+  if (fallback && caustic_photons_) path.brought += before * (s->weight - s->rest);
   path.diffuse_emission = before * diffuse;
   if (!is_finite(path.emission_throughput) || !is_finite(path.throughput) || !is_finite(path.diffuse_emission)) {
     ++path.tile.bad_samples;

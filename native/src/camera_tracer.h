@@ -3,6 +3,7 @@
 #pragma once
 
 #include "camera.h"
+#include "fallback.h"
 #include "film.h"
 #include "lights.h"
 #include "sample_choice.h"
@@ -20,6 +21,8 @@ struct Record {
   uint32_t pixel;
   uint32_t instance, triangle;
   Part part;
+  bool caustics_only = false;  // indirect light comes by the camera path itself
+  bool wandered = false;       // the path has gone on from such a place
 };
 
 class CameraTracer {
@@ -33,12 +36,23 @@ class CameraTracer {
   const std::vector<Record>& trace(uint32_t pass, const SampleChoice& choice, SkyGuide& sky, int max_bounces, Film& film,
                                    const CancelFlag& cancel);
 
+  // From now on paths go on for the indirect light where `fallback` says so (nullptr: nowhere); with `caustics` photons bring
+  // caustics there all the same. `radius_factor`: of the pass to come, on all radii.
+  void set_fallback(const Fallback* fallback, bool caustics, float radius_factor) {
+    fallback_ = fallback;
+    caustic_photons_ = caustics;
+    radius_factor_ = radius_factor;
+  }
+
   // One sample per pixel of the unbiased path tracer, indirect light included; leaves no records.
   void trace_reference(uint32_t sample, int max_bounces, Film& film, const CancelFlag& cancel);
 
   uint64_t rays() const { return rays_; }
   // Samples whose light was not finite and was left out: 0 unless something is wrong.
   uint64_t bad_samples() const { return bad_samples_; }
+  // Places where indirect light was wanted, over all calls of trace(), and those of them where paths went on for it.
+  uint64_t places() const { return places_; }
+  uint64_t fallbacks() const { return fallbacks_; }
   // Records of tile t are [tile_ranges()[t], tile_ranges()[t + 1]); no two tiles share a pixel.
   const std::vector<size_t>& tile_ranges() const { return ranges_; }
 
@@ -46,7 +60,7 @@ class CameraTracer {
   struct Tile {
     std::vector<Record> records;
     std::vector<SkyGuide::Sighting> sightings;
-    uint64_t rays = 0, bad_samples = 0;
+    uint64_t rays = 0, bad_samples = 0, places = 0, fallbacks = 0;
   };
   struct Path;
   enum class Passing { kStays, kPasses, kAbsorbed };
@@ -63,8 +77,9 @@ class CameraTracer {
   void add_light(Path& path, const Surface& hit, const Bsdf& bsdf, const LightSample& light, bool world) const;
   void see_world(Path& path, const Receiver& from, const Vec3& direction, const Rgb& light, bool ray) const;
   Rgb light_through(const LightSample& light, const Surface& hit, const RayInfo& ray) const;
-  void leave_records(Path& path, const Surface& hit, const Bsdf& bsdf) const;
-  bool scatter(Path& path, const Surface& hit, const Bsdf& bsdf, const Receiver& receiver) const;
+  bool falls_back(Path& path, const Surface& hit, const Bsdf& bsdf) const;
+  void leave_records(Path& path, const Surface& hit, const Bsdf& bsdf, bool caustics_only) const;
+  bool scatter(Path& path, const Surface& hit, const Bsdf& bsdf, const Receiver& receiver, bool fallback) const;
 
   Scene& scene_;
   const Lights& lights_;
@@ -73,7 +88,10 @@ class CameraTracer {
   std::vector<Tile> tiles_;
   std::vector<Record> records_;
   std::vector<size_t> ranges_;
-  uint64_t rays_ = 0, bad_samples_ = 0;
+  uint64_t rays_ = 0, bad_samples_ = 0, places_ = 0, fallbacks_ = 0;
+  const Fallback* fallback_ = nullptr;
+  bool caustic_photons_ = false;
+  float radius_factor_ = 1;
 };
 
 }  // namespace photon_splat

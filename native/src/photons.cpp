@@ -220,6 +220,8 @@ const std::vector<Photon>& PhotonTracer::trace(uint64_t first, uint64_t count, d
 }
 
 void PhotonTracer::learn_emission(uint64_t paths, uint32_t seed, const KeyFilter& visible, const CancelFlag& cancel) {
+  guide_.reset();
+  targets_.reset();
   if (lights_.total_power() <= 0 || max_bounces_ < 1) return;
   if (stream_ == PhotonStream::kCaustic) {
     targets_ = lights_.aim_at(caustic_targets(scene_));

@@ -38,11 +38,6 @@ struct PhotonCounts {
 // over a range of roughness: caustic photons carry this share of the path's power, indirect ones the rest.
 enum class PhotonStream : uint8_t { kAll, kIndirect, kCaustic };
 
-inline float sharpness(float roughness) {
-  const float t = std::clamp((roughness - 0.1f) / 0.4f, 0.0f, 1.0f);
-  return 1 - t * t * (3 - 2 * t);
-}
-
 // Traces photon paths first .. first + count - 1 of the stream `seed` and returns what they left on surfaces of
 // `visible`. Powers are those of a set of `total` paths. Their order follows the index, not the thread.
 class PhotonTracer {

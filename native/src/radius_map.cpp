@@ -8,6 +8,7 @@ RadiusMap::RadiusMap(const Scene& scene, const std::vector<Photon>& pilot, doubl
   corner_ = scene.center() - Vec3{r, r, r};
   size_ = 2 * r;
   largest_ = 0.25f * r;
+  for (const Photon& p : pilot) ++on_surface_[p.key];
   std::vector<uint32_t> inside(pilot.size());
   for (uint32_t i = 0; i < inside.size(); ++i) inside[i] = i;
   // Level by level, photons in cells that hold few of them drop out.

@@ -16,6 +16,11 @@ class RadiusMap {
   // Radius of the disc around x on surface `key` that about `photons` of a set of `paths` paths are to fall in.
   float radius(uint32_t key, const Vec3& x, double photons, double paths) const;
   float largest() const { return largest_; }
+  // How many of a set of `paths` paths come to lie on the surface, anywhere on it.
+  double photons_on(uint32_t key, double paths) const {
+    const auto it = on_surface_.find(key);
+    return it == on_surface_.end() ? 0 : it->second * paths / pilot_paths_;
+  }
 
  private:
   static constexpr int kLevels = 11;
@@ -27,6 +32,7 @@ class RadiusMap {
   float size_, largest_;
   double pilot_paths_;
   std::unordered_map<uint64_t, uint32_t> counts_;
+  std::unordered_map<uint32_t, uint32_t> on_surface_;  // photons, by key
 };
 
 }  // namespace photon_splat

@@ -53,6 +53,7 @@ void Renderer::reset_film() {
   errors_.reset(film_.width, film_.height);
   samples_.reset(film_.width, film_.height);
   for (const auto& layer : layers_) layer->choice.reset(film_.width, film_.height);
+  fallback_.reset();  // of other records
 }
 
 void Renderer::make_layers() {
@@ -68,17 +69,50 @@ Layer& Renderer::selected() const {
   return *current_;
 }
 
-void Renderer::trace_camera(uint32_t pass) {
-  selected();
+float Renderer::radius_factor(uint32_t pass) const {
+  return options.radius_scale * static_cast<float>(std::pow(pass + 1.0, kShrinkExponent));
+}
+
+void Renderer::trace_records(uint32_t pass) {
   Timer timer(seconds_.camera);
+  camera_tracer_->set_fallback(fallback_ ? &*fallback_ : nullptr, layers_.size() > 1, radius_factor(pass));
   records_ = &camera_tracer_->trace(pass, samples_, sky_, options.max_bounces, pass_film_, cancel_);
+}
+
+void Renderer::trace_camera(uint32_t pass) {
+  Layer& indirect = (selected(), *layers_.front());
+  const bool first = !indirect.radii;
+  trace_records(pass);
+  if (!first || !options.fallback || indirect.paths_per_pass == 0) return;
+  learn_fallback(pass);
+}
+
+// Needs records of places that have not fallen back, and replaces them. What paths meet that go on from there is learnt of as well.
+void Renderer::learn_fallback(uint32_t pass) {
+  Layer& indirect = *layers_.front();
+  const auto make = [&] {
+    learn(indirect);
+    fallback_.emplace(scene, *indirect.radii, indirect.photons_per_disc, static_cast<double>(indirect.paths_per_pass));
+  };
+  make();
+  const float factor = radius_factor(pass);
+  const bool wanted = std::any_of(records_->begin(), records_->end(), [&](const Record& r) {
+    return fallback_->at(r.key, r.position, r.instance, r.triangle, factor);
+  });
+  if (!wanted) {
+    fallback_.reset();
+    return;
+  }
+  trace_records(pass);
+  make();
 }
 
 // A pilot teaches where useful photons start and how dense they land.
 void Renderer::learn(Layer& layer) {
   Timer timer(seconds_.photons);
   KeyFilter keys;
-  for (const Record& r : *records_) keys.add(r.key);
+  for (const Record& r : *records_)
+    if (!r.caustics_only || layer.stream == PhotonStream::kCaustic) keys.add(r.key);
   const uint64_t paths = std::max<uint64_t>(1, std::min(layer.paths_per_pass, kPilotPaths));
   layer.tracer->learn_emission(paths, hash_combine(layer.seed, 4), keys, cancel_);
   const auto& pilot = layer.tracer->trace(0, paths, static_cast<double>(paths), hash_combine(layer.seed, 3), keys, cancel_);
@@ -95,7 +129,8 @@ void Renderer::make_points(uint32_t pass) {
     PointSettings s;
     s.photons_per_disc = layer.photons_per_disc;
     s.paths_per_pass = static_cast<double>(std::max<uint64_t>(1, layer.paths_per_pass));
-    s.radius_factor = options.radius_scale * static_cast<float>(std::pow(pass + 1.0, kShrinkExponent));
+    s.radius_factor = radius_factor(pass);
+    s.caustics = layer.stream == PhotonStream::kCaustic;
     s.spacing = options.point_spacing;
     if (options.adaptive_radius) s.pixel_factors = layer.choice.factors().data();
     layer.points.build(scene, *records_, *layer.radii, s, pass, layer.seed, cancel_);
@@ -139,19 +174,26 @@ void Renderer::resolve() {
   selected();
   const bool adaptive = options.adaptive_samples;
   Timer timer(seconds_.splat);
+  if (fallback_)
+    for (const auto& layer : layers_) add_irradiance(*layer, true);
   if (adaptive) samples_.see_camera(pass_film_, scene.pool());
-  for (const auto& layer : layers_) add_irradiance(*layer);
+  for (const auto& layer : layers_) {
+    add_irradiance(*layer, false);
+    layer->choice.end_pass(scene.pool());
+  }
   if (adaptive) samples_.end_pass(pass_film_, camera_work(), scene.pool());
   finish_pass();
 }
 
-void Renderer::add_irradiance(Layer& layer) {
+// Of records that camera paths have left behind a fallback, whose noise is the camera's; or of all others.
+void Renderer::add_irradiance(Layer& layer, bool wandered) {
   const std::vector<Record>& records = *records_;
   const std::vector<PointBlock>& blocks = layer.points.blocks();
   const std::vector<size_t>& ranges = camera_tracer_->tile_ranges();
   scene.pool().for_each(ranges.size() - 1, cancel_, [&](size_t tile, int) {
     for (size_t i = ranges[tile]; i < ranges[tile + 1]; ++i) {
       const uint32_t point = layer.points.point_of_record(i), lane = point % kBlockSize;
+      if (point == VisiblePoints::kNone || records[i].wandered != wandered) continue;
       const PointBlock& block = blocks[point / kBlockSize];
       const Rgb irradiance = Rgb{block.r[lane], block.g[lane], block.b[lane]} * block.scale[lane];
       Pixel& pixel = pass_film_.pixels[records[i].pixel];
@@ -161,13 +203,12 @@ void Renderer::add_irradiance(Layer& layer) {
       if (wide > 0) {
         const float detail = luminance(light) * (1 - block.narrow[lane] * block.narrow_scale[lane] / wide);
         pixel.detail += detail;
-        layer.choice.detail()[records[i].pixel] += detail * pixel.share();
+        if (!wandered) layer.choice.detail()[records[i].pixel] += detail * pixel.share();
       }
       // Photons per square metre: the kernel disc holds `count` of them.
       pixel.photon_density += block.count[lane] * block.inverse_h2[lane] / kPi;
     }
   });
-  layer.choice.end_pass(scene.pool());
 }
 
 // What one camera sample in each pixel costs, over what the pass' photons do, from the rays so far. In camera rays with their

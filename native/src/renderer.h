@@ -25,6 +25,7 @@ struct RenderOptions {
   bool adaptive_radius = true;
   bool adaptive_samples = true;
   bool occlusion = true;  // inside of discs; part of the boundary correction
+  bool fallback = true;   // camera paths go on for indirect light where photons serve badly
   uint32_t seed = 0;
   std::string kernel;  // of the splatter; empty: the fastest
 };
@@ -109,6 +110,9 @@ class Renderer {
   // Of one layer, without its pilot, whose photons only choose radii; rays are all rays.
   PhotonCounts photon_counts(const Layer& layer) const;
   uint64_t rays() const;
+  // Places where indirect light was wanted, and those where camera paths went on for it.
+  uint64_t places() const { return camera_tracer_ ? camera_tracer_->places() : 0; }
+  uint64_t fallbacks() const { return camera_tracer_ ? camera_tracer_->fallbacks() : 0; }
   uint64_t bad_samples() const { return camera_tracer_ ? camera_tracer_->bad_samples() : 0; }
   std::string kernel_name() const { return current_ ? current_->splatter->kernel_name() : ""; }
   int threads() { return scene.pool().size(); }
@@ -120,7 +124,10 @@ class Renderer {
   void add_layer(PhotonStream stream, double photons_per_disc, uint64_t paths_per_pass);
   void make_layers();
   void learn(Layer& layer);
-  void add_irradiance(Layer& layer);
+  void trace_records(uint32_t pass);
+  void learn_fallback(uint32_t pass);
+  float radius_factor(uint32_t pass) const;
+  void add_irradiance(Layer& layer, bool wandered);
   void reset_film();
   void learn_sky_anew();
 
@@ -129,6 +136,7 @@ class Renderer {
   std::unique_ptr<Camera> camera_;
   std::unique_ptr<CameraTracer> camera_tracer_;
   std::vector<std::unique_ptr<Layer>> layers_;
+  std::optional<Fallback> fallback_;
   Layer* current_ = nullptr;
   VisiblePoints no_points_;
   Film film_, pass_film_;

@@ -42,7 +42,7 @@ void Renderer::draw_store() {
   for (const auto& layer : layers_)
     if (!layer->store || !layer->store->radii()) throw std::logic_error("trace_store() comes before draw_store()");
   set_view();
-  trace_camera(0);
+  trace_records(0);
   for (const auto& layer : layers_) {
     const PhotonStore& store = *layer->store;
     PointSettings s;
@@ -51,6 +51,7 @@ void Renderer::draw_store() {
     s.paths_per_pass = paths * std::min(1.0, kStorePhotons / std::max(photons, 1.0));
     s.radius_factor = options.radius_scale;
     s.spacing = options.point_spacing;
+    s.caustics = layer->stream == PhotonStream::kCaustic;
     s.steady = true;
     layer->points.build(scene, *records_, *store.radii(), s, 0, layer->seed, cancel_);
     if (options.boundary_correction) layer->points.correct_boundaries(scene, options.occlusion, cancel_);

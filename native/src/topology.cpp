@@ -185,6 +185,9 @@ Topology build_topology(const std::vector<Vec3>& positions, const std::vector<Tr
   for (uint32_t t = 0; t < count && !all_planar; ++t)
     out.patch_curvature[out.patch[t]] = std::max(out.patch_curvature[out.patch[t]], out.curvature[t]);
 
+  out.patch_area.assign(patches, 0.0f);
+  for (uint32_t t = 0; t < count; ++t) out.patch_area[out.patch[t]] += area[t];
+
   sample_patches(positions, triangles, normal, area, out);
 
   // A crease between triangles that are joined some other way round is no end: photons beyond it count.
@@ -196,13 +199,15 @@ Topology build_topology(const std::vector<Vec3>& positions, const std::vector<Tr
     if (is_boundary(h)) ++out.first_edge[out.patch[h / 3] + 1];
   std::partial_sum(out.first_edge.begin(), out.first_edge.end(), out.first_edge.begin());
   out.edges.resize(out.first_edge.back());
+  out.patch_rim.assign(patches, 0.0f);
   std::vector<uint32_t> next(out.first_edge.begin(), out.first_edge.end() - 1);
   for (uint32_t h = 0; h < 3 * count; ++h) {
     check_now_and_then(h, cancel);
     if (!is_boundary(h)) continue;
     const Triangle& t = triangles[h / 3];
     const uint32_t patch = out.patch[h / 3];
-    out.edges[next[patch]++] = {positions[t[h % 3]], positions[t[(h + 1) % 3]], normal[h / 3], patch};
+    const BoundaryEdge& edge = out.edges[next[patch]++] = {positions[t[h % 3]], positions[t[(h + 1) % 3]], normal[h / 3], patch};
+    out.patch_rim[patch] += length(edge.b - edge.a);
   }
   return out;
 }

@@ -32,6 +32,7 @@ struct Topology {
   std::vector<uint8_t> planar;           // per patch
   std::vector<float> curvature;          // 1/m in mesh coordinates per triangle; empty when all patches are planar
   std::vector<float> patch_curvature;    // the largest of each patch
+  std::vector<float> patch_area, patch_rim;  // m^2; length of its boundary, m: in mesh coordinates
   // Points spread evenly over bent patches of many triangles, to integrate over them without visiting each one.
   static constexpr uint32_t kManyTriangles = 256, kSamplesPerPatch = 1024;
   std::vector<PatchSample> samples;      // sorted by patch

@@ -54,7 +54,11 @@ void VisiblePoints::find_cells(Scene& scene, const std::vector<Record>& records,
     const size_t end = std::min(records.size(), (c + 1) * kChunk);
     for (size_t i = c * kChunk; i < end; ++i) {
       const Record& r = records[i];
-      const float factor = s.radius_factor * (s.pixel_factors ? s.pixel_factors[r.pixel] : 1.0f);
+      if (r.caustics_only && !s.caustics) {
+        cells_[i] = {};
+        continue;
+      }
+      const float factor = s.radius_factor * (s.pixel_factors && !r.wandered ? s.pixel_factors[r.pixel] : 1.0f);
       float h = factor * radii.radius(r.key, r.position, s.photons_per_disc, s.paths_per_pass);
       h = std::min(std::max(h, kFootprintFloor * std::min(factor, 1.0f) * r.footprint), radii.largest());
       // Where the surface bends a disc blurs over its normals; where photons are few that is the lesser evil.
@@ -88,7 +92,8 @@ void VisiblePoints::pick_points(Scene& scene, const CancelFlag& cancel) {
   std::vector<uint32_t> dealt(chunk_count * kShards);
   const auto shard_of = [](uint64_t hash) { return hash >> 58; };
   scene.pool().for_each(chunk_count, cancel, [&](size_t c, int) {
-    for (size_t i = c * kChunk; i < std::min(count, (c + 1) * kChunk); ++i) ++dealt[c * kShards + shard_of(cells_[i].hash)];
+    for (size_t i = c * kChunk; i < std::min(count, (c + 1) * kChunk); ++i)
+      if (cells_[i].h > 0) ++dealt[c * kShards + shard_of(cells_[i].hash)];
   });
   std::vector<uint32_t> first(kShards + 1);
   uint32_t at = 0;
@@ -101,13 +106,13 @@ void VisiblePoints::pick_points(Scene& scene, const CancelFlag& cancel) {
     }
   }
   first[kShards] = at;
-  std::vector<uint32_t> order(count);
+  std::vector<uint32_t> order(at);
   scene.pool().for_each(chunk_count, cancel, [&](size_t c, int) {
     for (size_t i = c * kChunk; i < std::min(count, (c + 1) * kChunk); ++i)
-      order[dealt[c * kShards + shard_of(cells_[i].hash)]++] = static_cast<uint32_t>(i);
+      if (cells_[i].h > 0) order[dealt[c * kShards + shard_of(cells_[i].hash)]++] = static_cast<uint32_t>(i);
   });
 
-  point_of_record_.resize(count);
+  point_of_record_.assign(count, kNone);
   std::vector<std::vector<Point>> shard_points(kShards);
   scene.pool().for_each(kShards, cancel, [&](size_t shard, int) {
     const uint32_t begin = first[shard], end = first[shard + 1];
@@ -159,7 +164,7 @@ void VisiblePoints::fill_blocks(Scene& scene, const std::vector<Record>& records
   for (uint32_t i = 0; i < order.size(); ++i) place[order[i].second] = i;
   scene.pool().for_each(chunks_of(point_of_record_.size()), cancel, [&](size_t c, int) {
     for (size_t i = c * kChunk; i < std::min(point_of_record_.size(), (c + 1) * kChunk); ++i)
-      point_of_record_[i] = place[point_of_record_[i]];
+      if (point_of_record_[i] != kNone) point_of_record_[i] = place[point_of_record_[i]];
   });
 
   const size_t block_count = (points_.size() + kBlockSize - 1) / kBlockSize;

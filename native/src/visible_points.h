@@ -16,6 +16,7 @@ struct PointSettings {
   float spacing = 1.0f / 3.0f;   // of points, in kernel radii; 0: a point per record
   bool boundary_correction = true;
   const float* pixel_factors = nullptr;  // on the radius, by the record's pixel; none: 1
+  bool caustics = false;         // these points are for caustics: records that want nothing else count
   bool steady = false;           // the record next to the middle of its cell gives the point, whatever the camera: no flicker
 };
 
@@ -40,6 +41,7 @@ class VisiblePoints {
   const std::vector<PointBlock>& blocks() const { return blocks_; }
   const std::vector<Bounds>& block_bounds() const { return bounds_; }  // grown by the kernel radii
   const KeyFilter& keys() const { return keys_; }
+  static constexpr uint32_t kNone = ~0u;  // of a record that wants none of this light
   uint32_t point_of_record(size_t record) const { return point_of_record_[record]; }
 
  private:
@@ -50,7 +52,7 @@ class VisiblePoints {
   struct Cell {
     uint64_t hash;
     uint32_t record;
-    float h;
+    float h;        // 0: none
     uint32_t rank;  // the lowest of a cell gives the point
   };
   void find_cells(Scene& scene, const std::vector<Record>& records, const RadiusMap& radii, const PointSettings& s,

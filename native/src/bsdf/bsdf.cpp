@@ -319,19 +319,21 @@ Rgb Bsdf::adjoint(const Vec3& wi, Rgb* rest, Rgb* diffuse) const {
   return sum * scale;
 }
 
-Rgb Bsdf::evaluate(const Vec3& wi, float* pdf, Rgb* rest, Rgb* diffuse) const {
+Rgb Bsdf::evaluate(const Vec3& wi, float* pdf, Rgb* rest, Rgb* diffuse, float* sharp) const {
   const bool radiance = transport_ == Transport::kRadiance;
   Rgb sum{}, soft{};
-  float density = 0;
+  float density = 0, sharp_density = 0;
   for (const Lobe& lobe : lobes_) {
     if (lobe.pick <= 0) continue;
     const FacetValue value = lobe.evaluate(view_, wi);
     density += lobe.pick * value.pdf;
+    if (sharp && !lobe.diffuse()) sharp_density += lobe.pick * value.pdf * sharpness(lobe.roughness());
     if (!radiance) continue;
     sum += value.f;
     if (lobe.diffuse()) soft += value.f;
   }
   if (pdf) *pdf = density;
+  if (sharp) *sharp = density > 0 ? sharp_density / density : 0;
   if (!radiance) return adjoint(wi, rest, diffuse);
   if (rest) *rest = rest_ ? sum - gathered(view_, wi, gather_, gather_through_) : Rgb{};
   if (diffuse) *diffuse = soft;

@@ -34,6 +34,12 @@ struct PrincipledInputs {
   Distribution distribution = Distribution::kMultiGgx;
 };
 
+// Share of a lobe in what can focus light, by its roughness: no threshold shows along a sweep.
+inline float sharpness(float roughness) {
+  const float t = std::clamp((roughness - 0.1f) / 0.4f, 0.0f, 1.0f);
+  return 1 - t * t * (3 - 2 * t);
+}
+
 struct BsdfSample {
   Vec3 direction;     // unit, away from the surface
   Rgb weight;         // f |cos| / pdf of the whole BSDF (of the chosen lobe where it is a delta)
@@ -98,9 +104,10 @@ class Bsdf {
   Rgb diffuse_albedo() const; // of diffuse-like lobes: Blender's Diffuse Color pass
 
   // f |cos(wi)| of everything but deltas; `pdf` of sample() for wi; `rest` (optional) without what is gathered;
-  // `diffuse` (optional): the part of diffuse-like lobes (passes). wi on the wrong side of ng for its lobe: 0.
+  // `diffuse` (optional): the part of diffuse-like lobes (passes). `sharp` (optional): the mean sharpness of the lobes that
+  // sample() would find wi by, 0 for diffuse-like ones. wi on the wrong side of ng for its lobe: 0.
   // Flux: cosines and adjoint factors for shading normals included, so that power * evaluate / pdf is the new power.
-  Rgb evaluate(const Vec3& wi, float* pdf, Rgb* rest = nullptr, Rgb* diffuse = nullptr) const;
+  Rgb evaluate(const Vec3& wi, float* pdf, Rgb* rest = nullptr, Rgb* diffuse = nullptr, float* sharp = nullptr) const;
 
   // Draws a direction in proportion to the lobes. Transparency and emission are not lobes. nullopt: absorbed.
   std::optional<BsdfSample> sample(float choice, const Vec2& u) const;
