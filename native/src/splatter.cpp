@@ -11,8 +11,19 @@ namespace photon_splat {
 namespace {
 
 constexpr size_t kFanout = 4;
-constexpr size_t kChunk = 4096;
-constexpr double kMostPairs = 8e6;  // in memory at once, as long as one chunk does not exceed it
+constexpr size_t kChunk = 4096;      // photons that one thread looks up at a time
+constexpr size_t kGroup = 16;        // photons that search together
+constexpr size_t kRun = 1 << 20;     // photons sorted at once
+constexpr int kCurveBits = 10;       // of each axis
+
+// Puts two zeros before each of the lowest 10 bits.
+uint64_t spread_bits(uint32_t x) {
+  uint64_t v = x & 0x3ff;
+  v = (v | v << 16) & 0x070000ff0000ffull;
+  v = (v | v << 8) & 0x0700f00f00f00full;
+  v = (v | v << 4) & 0x10c30c30c30c30c3ull;
+  return (v | v << 2) & 0x1249249249249249ull;
+}
 
 }  // namespace
 
@@ -44,19 +55,19 @@ Splatter::Node Splatter::make_node(const std::vector<Bounds>& bounds, size_t fir
   return node;
 }
 
-// Bit k tells whether child k holds p.
-unsigned Splatter::holding(const Node& n, const Vec3& p) {
+// Bit k tells whether child k meets the bounds.
+unsigned Splatter::meeting(const Node& n, const Bounds& b) {
 #if defined(__SSE2__)
-  const __m128 x = _mm_set1_ps(p.x), y = _mm_set1_ps(p.y), z = _mm_set1_ps(p.z);
-  const __m128 in_x = _mm_and_ps(_mm_cmpge_ps(x, _mm_load_ps(n.lower_x)), _mm_cmple_ps(x, _mm_load_ps(n.upper_x)));
-  const __m128 in_y = _mm_and_ps(_mm_cmpge_ps(y, _mm_load_ps(n.lower_y)), _mm_cmple_ps(y, _mm_load_ps(n.upper_y)));
-  const __m128 in_z = _mm_and_ps(_mm_cmpge_ps(z, _mm_load_ps(n.lower_z)), _mm_cmple_ps(z, _mm_load_ps(n.upper_z)));
-  return static_cast<unsigned>(_mm_movemask_ps(_mm_and_ps(in_x, _mm_and_ps(in_y, in_z))));
+  const auto overlap = [](const float* lower, const float* upper, float from, float to) {
+    return _mm_and_ps(_mm_cmpge_ps(_mm_set1_ps(to), _mm_load_ps(lower)), _mm_cmple_ps(_mm_set1_ps(from), _mm_load_ps(upper)));
+  };
+  const __m128 x = overlap(n.lower_x, n.upper_x, b.lower.x, b.upper.x), y = overlap(n.lower_y, n.upper_y, b.lower.y, b.upper.y);
+  return static_cast<unsigned>(_mm_movemask_ps(_mm_and_ps(_mm_and_ps(x, y), overlap(n.lower_z, n.upper_z, b.lower.z, b.upper.z))));
 #else
   unsigned mask = 0;
   for (unsigned k = 0; k < kFanout; ++k)
-    mask |= unsigned((p.x >= n.lower_x[k]) & (p.x <= n.upper_x[k]) & (p.y >= n.lower_y[k]) & (p.y <= n.upper_y[k]) &
-                     (p.z >= n.lower_z[k]) & (p.z <= n.upper_z[k])) << k;
+    mask |= unsigned((b.upper.x >= n.lower_x[k]) & (b.lower.x <= n.upper_x[k]) & (b.upper.y >= n.lower_y[k]) &
+                     (b.lower.y <= n.upper_y[k]) & (b.upper.z >= n.lower_z[k]) & (b.lower.z <= n.upper_z[k])) << k;
   return mask;
 #endif
 }
@@ -74,7 +85,7 @@ void Splatter::set_blocks(const std::vector<Bounds>& bounds) {
   } while (below.size() > 1);
 }
 
-void Splatter::find_blocks(const Vec3& p, uint32_t photon, std::vector<Pair>& out) const {
+void Splatter::find_blocks(const Bounds& bounds, uint32_t index, std::vector<Pair>& out) const {
   struct Entry {
     uint32_t level, node;
   };
@@ -83,9 +94,9 @@ void Splatter::find_blocks(const Vec3& p, uint32_t photon, std::vector<Pair>& ou
   stack[top++] = {static_cast<uint32_t>(levels_.size()) - 1, 0};
   while (top) {
     const Entry e = stack[--top];
-    for (unsigned mask = holding(levels_[e.level][e.node], p); mask; mask &= mask - 1) {
+    for (unsigned mask = meeting(levels_[e.level][e.node], bounds); mask; mask &= mask - 1) {
       const uint32_t child = e.node * kFanout + static_cast<uint32_t>(std::countr_zero(mask));
-      if (e.level == 0) out.push_back({child, photon});
+      if (e.level == 0) out.push_back({child, index});
       else stack[top++] = {e.level - 1, child};
     }
   }
@@ -99,10 +110,14 @@ void Splatter::find_pairs(const Photon* photons, size_t count, size_t block_coun
     std::vector<Pair>& pairs = chunk_pairs_[c];
     pairs.clear();
     const size_t end = std::min(count, (c + 1) * kChunk);
-    for (size_t i = c * kChunk; i < end; ++i) find_blocks(photons[i].position, static_cast<uint32_t>(i), pairs);
+    for (size_t i = c * kChunk; i < end; ++i) find_blocks({photons[i].position, photons[i].position}, static_cast<uint32_t>(i), pairs);
   });
 
-  // Deals the pairs to their blocks, photons staying in order.
+  deal_pairs(chunk_count, block_count);
+}
+
+// Deals the pairs to their blocks, photons staying in order.
+void Splatter::deal_pairs(size_t chunk_count, size_t block_count) {
   first_.assign(block_count + 1, 0);
   for (size_t c = 0; c < chunk_count; ++c)
     for (const Pair& pair : chunk_pairs_[c]) ++first_[pair.block + 1];
@@ -111,38 +126,73 @@ void Splatter::find_pairs(const Photon* photons, size_t count, size_t block_coun
   pairs_ += order_.size();
   std::vector<uint32_t> next(first_.begin(), first_.end() - 1);
   for (size_t c = 0; c < chunk_count; ++c)
-    for (const Pair& pair : chunk_pairs_[c]) order_[next[pair.block]++] = pair.photon;
+    for (const Pair& pair : chunk_pairs_[c]) order_[next[pair.block]++] = pair.index;
+}
+
+// Along a Morton curve through the bounds of all photons, equal places in the order given; with the bounds of each group.
+void Splatter::sort_photons(const Photon* photons, size_t count, ThreadPool& pool) {
+  Bounds all;
+  for (size_t i = 0; i < count; ++i) all.add(photons[i].position);
+  const Vec3 size = all.upper - all.lower;
+  const float scale = static_cast<float>((1 << kCurveBits) - 1) / std::max(max_component(size), 1e-30f);
+  curve_.resize(count);
+  curve_scratch_.resize(count);
+  sorted_.resize(count);
+  groups_.assign((count + kGroup - 1) / kGroup, Bounds{});
+  const CancelFlag never;
+  const size_t chunk_count = (count + kChunk - 1) / kChunk;
+  pool.for_each(chunk_count, never, [&](size_t c, int) {
+    for (size_t i = c * kChunk; i < std::min(count, (c + 1) * kChunk); ++i) {
+      const Vec3 cell = (photons[i].position - all.lower) * scale;
+      const uint64_t place = spread_bits(static_cast<uint32_t>(cell.x)) | spread_bits(static_cast<uint32_t>(cell.y)) << 1 |
+                             spread_bits(static_cast<uint32_t>(cell.z)) << 2;
+      curve_[i] = place << 32 | static_cast<uint32_t>(i);
+    }
+  });
+  for (int shift = 32; shift < 32 + 3 * kCurveBits; shift += kCurveBits) {  // radix sort, stable
+    uint32_t start[(1 << kCurveBits) + 1] = {};
+    constexpr uint64_t kMask = (1 << kCurveBits) - 1;
+    for (const uint64_t value : curve_) ++start[(value >> shift & kMask) + 1];
+    for (size_t k = 0; k < kMask; ++k) start[k + 1] += start[k];
+    for (const uint64_t value : curve_) curve_scratch_[start[value >> shift & kMask]++] = value;
+    curve_.swap(curve_scratch_);
+  }
+  pool.for_each(chunk_count, never, [&](size_t c, int) {
+    for (size_t i = c * kChunk; i < std::min(count, (c + 1) * kChunk); ++i) {
+      const Photon& p = photons[static_cast<uint32_t>(curve_[i])];
+      const Vec3 n = decode_direction(p.normal);
+      sorted_[i] = {p.position.x, p.position.y, p.position.z, p.key, n.x, n.y, n.z, p.power.x, p.power.y, p.power.z, luminance(p.power)};
+      groups_[i / kGroup].add(p.position);
+    }
+  });
 }
 
 void Splatter::splat(const std::vector<Photon>& photons, std::vector<PointBlock>& blocks, ThreadPool& pool,
                      const CancelFlag& cancel) {
   if (blocks.empty()) return;
-  // In runs whose pairs fit a bounded memory; how many photons that are is learnt from the run before.
-  for (size_t first = 0; first < photons.size();) {
-    const size_t fitting = static_cast<size_t>(kMostPairs / std::max(pairs_per_photon_, 1.0));
-    const size_t count = std::min(photons.size() - first, std::max(kChunk, fitting));
-    find_pairs(photons.data() + first, count, blocks.size(), pool, cancel);
-    pairs_per_photon_ = std::max(1.0, static_cast<double>(order_.size()) / static_cast<double>(count));
-    splat_pairs(photons.data() + first, blocks, pool, cancel);
-    first += count;
-  }
-}
-
-void Splatter::splat_pairs(const Photon* photons, std::vector<PointBlock>& blocks, ThreadPool& pool,
-                           const CancelFlag& cancel) const {
-  pool.for_each(blocks.size(), cancel, [&](size_t b, int) {
-    constexpr uint32_t kBatch = 512;
-    SplatPhoton batch[kBatch];
-    for (uint32_t begin = first_[b]; begin < first_[b + 1]; begin += kBatch) {
-      const uint32_t count = std::min(kBatch, first_[b + 1] - begin);
-      for (uint32_t i = 0; i < count; ++i) {
-        const Photon& p = photons[order_[begin + i]];
-        const Vec3 n = decode_direction(p.normal);
-        batch[i] = {p.position.x, p.position.y, p.position.z, p.key, n.x, n.y, n.z, p.power.x, p.power.y, p.power.z, luminance(p.power)};
+  static_assert(kChunk % kGroup == 0);
+  constexpr size_t kGroupsPerChunk = kChunk / kGroup;
+  for (size_t first = 0; first < photons.size(); first += kRun) {
+    const size_t count = std::min(photons.size() - first, kRun);
+    sort_photons(photons.data() + first, count, pool);
+    const size_t chunk_count = (groups_.size() + kGroupsPerChunk - 1) / kGroupsPerChunk;
+    if (chunk_pairs_.size() < chunk_count) chunk_pairs_.resize(chunk_count);
+    pool.for_each(chunk_count, cancel, [&](size_t c, int) {
+      chunk_pairs_[c].clear();
+      for (size_t g = c * kGroupsPerChunk; g < std::min(groups_.size(), (c + 1) * kGroupsPerChunk); ++g)
+        find_blocks(groups_[g], static_cast<uint32_t>(g), chunk_pairs_[c]);
+    });
+    deal_pairs(chunk_count, blocks.size());
+    pool.for_each(blocks.size(), cancel, [&](size_t b, int) {
+      for (uint32_t k = first_[b]; k < first_[b + 1];) {  // groups that follow each other go together
+        const uint32_t begin = order_[k];
+        uint32_t end = begin + 1;
+        while (++k < first_[b + 1] && order_[k] == end) ++end;
+        const size_t from = begin * kGroup, to = std::min(end * kGroup, count);
+        kernel_(blocks[b], &sorted_[from], static_cast<uint32_t>(to - from));
       }
-      kernel_(blocks[b], batch, count);
-    }
-  });
+    });
+  }
 }
 
 }  // namespace photon_splat

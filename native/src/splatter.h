@@ -19,8 +19,8 @@ class Splatter {
   // Makes the search tree over block bounds (grown by kernel radii). Call after the points changed.
   void set_blocks(const std::vector<Bounds>& bounds);
 
-  // Adds photons to the sums of all blocks they may reach. Each block takes its photons in the order given, so that
-  // the sums are the same for any number of threads.
+  // Adds photons to the sums of all blocks they may reach. They are sorted along a space-filling curve first, and search
+  // together in groups of neighbours; each block takes them in that order, so that the sums are the same for any number of threads.
   void splat(const std::vector<Photon>& photons, std::vector<PointBlock>& blocks, ThreadPool& pool, const CancelFlag& cancel);
 
   // Which photons each block may catch, for a splatter elsewhere: block b those of order()[first()[b] .. first()[b + 1]),
@@ -34,24 +34,27 @@ class Splatter {
 
  private:
   struct Pair {
-    uint32_t block, photon;
+    uint32_t block, index;  // of a photon or a group of them
   };
   // Four neighbours of one level: which of them hold a point is one vector comparison.
   struct alignas(16) Node {
     float lower_x[4], lower_y[4], lower_z[4], upper_x[4], upper_y[4], upper_z[4];
   };
   static Node make_node(const std::vector<Bounds>& bounds, size_t first);
-  static unsigned holding(const Node& node, const Vec3& p);
-  void splat_pairs(const Photon* photons, std::vector<PointBlock>& blocks, ThreadPool& pool, const CancelFlag& cancel) const;
-  void find_blocks(const Vec3& p, uint32_t photon, std::vector<Pair>& out) const;
+  static unsigned meeting(const Node& node, const Bounds& bounds);
+  void sort_photons(const Photon* photons, size_t count, ThreadPool& pool);
+  void deal_pairs(size_t chunk_count, size_t block_count);
+  void find_blocks(const Bounds& bounds, uint32_t index, std::vector<Pair>& out) const;
 
   std::string kernel_name_;
   SplatKernel kernel_;
   std::vector<std::vector<Node>> levels_;  // level 0: the blocks by fours; each further level the nodes of the one below
   std::vector<std::vector<Pair>> chunk_pairs_;
   std::vector<uint32_t> first_, order_;
+  std::vector<uint64_t> curve_, curve_scratch_;  // place on the curve and index of each photon
+  std::vector<SplatPhoton> sorted_;
+  std::vector<Bounds> groups_;
   uint64_t pairs_ = 0;
-  double pairs_per_photon_ = 64;  // of the last run; the first one is careful
 };
 
 }  // namespace photon_splat
