@@ -1,4 +1,6 @@
 // Python's view of the renderer. Arrays come in and go out as numpy; the GIL is released while stages run.
+#include <functional>
+#include <list>
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
@@ -180,32 +182,47 @@ void set_panorama(Renderer& r, const std::string& kind, std::array<float, 2> lon
   r.camera_settings.panorama = p;
 }
 
-nb::dict film_arrays(const Renderer& r) {
-  // One array per sum; the session divides. Rows from the bottom up.
+nb::dict film_arrays(Renderer& r) {
+  // One array per mean over samples. Rows from the bottom up.
   const Film& film = r.film();
   const size_t width = film.width, height = film.height;
-  nb::dict out;
+  struct Values {
+    const char* name;
+    size_t channels;
+    std::vector<float> values;
+    std::function<void(size_t row)> fill;
+  };
+  std::list<Values> all;
   const auto add = [&](const char* name, size_t channels, auto&& get) {
-    std::vector<float> values(width * height * channels);
-    for (size_t i = 0; i < width * height; ++i) get(film.pixels[i], &values[i * channels]);
-    out[name] = to_numpy(std::move(values), {height, width, channels});
+    Values& made = all.emplace_back(Values{name, channels, std::vector<float>(width * height * channels), {}});
+    made.fill = [&made, &film, width, channels, get](size_t row) {
+      for (size_t i = row * width; i < (row + 1) * width; ++i) get(film.pixels[i], &made.values[i * channels]);
+    };
   };
   const auto rgb = [](const Rgb& c, float* v) { v[0] = c.x; v[1] = c.y; v[2] = c.z; };
-  add("diffuse_direct", 3, [&](const Pixel& p, float* v) { rgb(p.diffuse_direct * p.share(), v); });
-  add("diffuse_indirect", 3, [&](const Pixel& p, float* v) { rgb(p.diffuse_indirect * p.share(), v); });
-  add("glossy_direct", 3, [&](const Pixel& p, float* v) { rgb(p.glossy_direct * p.share(), v); });
-  add("glossy_indirect", 3, [&](const Pixel& p, float* v) { rgb(p.glossy_indirect * p.share(), v); });
-  add("transmission_direct", 3, [&](const Pixel& p, float* v) { rgb(p.transmission_direct * p.share(), v); });
-  add("transmission_indirect", 3, [&](const Pixel& p, float* v) { rgb(p.transmission_indirect * p.share(), v); });
-  add("diffuse_color", 3, [&](const Pixel& p, float* v) { rgb(p.diffuse_color * p.share(), v); });
-  add("emission", 3, [&](const Pixel& p, float* v) { rgb(p.emission * p.share(), v); });
-  add("environment", 3, [&](const Pixel& p, float* v) { rgb(p.environment * p.share(), v); });
-  add("normal", 3, [&](const Pixel& p, float* v) { rgb(p.normal * p.share(), v); });
-  add("alpha", 1, [&](const Pixel& p, float* v) { *v = p.alpha * p.share(); });
-  add("photon_density", 1, [&](const Pixel& p, float* v) { *v = p.photon_density * p.share(); });
-  add("depth", 1, [&](const Pixel& p, float* v) { *v = p.depth; });
-  add("surface_id", 1, [&](const Pixel& p, float* v) { *v = p.surface_id; });
-  add("samples", 1, [&](const Pixel& p, float* v) { *v = p.samples; });
+  add("diffuse_direct", 3, [=](const Pixel& p, float* v) { rgb(p.diffuse_direct * p.share(), v); });
+  add("diffuse_indirect", 3, [=](const Pixel& p, float* v) { rgb(p.diffuse_indirect * p.share(), v); });
+  add("glossy_direct", 3, [=](const Pixel& p, float* v) { rgb(p.glossy_direct * p.share(), v); });
+  add("glossy_indirect", 3, [=](const Pixel& p, float* v) { rgb(p.glossy_indirect * p.share(), v); });
+  add("transmission_direct", 3, [=](const Pixel& p, float* v) { rgb(p.transmission_direct * p.share(), v); });
+  add("transmission_indirect", 3, [=](const Pixel& p, float* v) { rgb(p.transmission_indirect * p.share(), v); });
+  add("diffuse_color", 3, [=](const Pixel& p, float* v) { rgb(p.diffuse_color * p.share(), v); });
+  add("emission", 3, [=](const Pixel& p, float* v) { rgb(p.emission * p.share(), v); });
+  add("environment", 3, [=](const Pixel& p, float* v) { rgb(p.environment * p.share(), v); });
+  add("normal", 3, [=](const Pixel& p, float* v) { rgb(p.normal * p.share(), v); });
+  add("alpha", 1, [](const Pixel& p, float* v) { *v = p.alpha * p.share(); });
+  add("photon_density", 1, [](const Pixel& p, float* v) { *v = p.photon_density * p.share(); });
+  add("depth", 1, [](const Pixel& p, float* v) { *v = p.depth; });
+  add("surface_id", 1, [](const Pixel& p, float* v) { *v = p.surface_id; });
+  add("samples", 1, [](const Pixel& p, float* v) { *v = p.samples; });
+  {
+    nb::gil_scoped_release release;
+    r.scene.pool().for_each(height, CancelFlag(), [&](size_t row, int) {
+      for (const Values& made : all) made.fill(row);
+    });
+  }
+  nb::dict out;
+  for (Values& made : all) out[made.name] = to_numpy(std::move(made.values), {height, width, made.channels});
   out["variance"] = to_numpy(std::vector<float>(r.errors().variance()), {height, width, 1});  // of luminance, of the mean
   out["error"] = to_numpy(std::vector<float>(r.errors().error()), {height, width, 1});
   return out;
