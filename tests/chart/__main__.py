@@ -41,10 +41,12 @@ def ratios(found: dict[Method, list[figures.Point]]) -> list[str]:
     for p in ours:
         times = figures.seconds_to(cycles, p.rmse) / p.seconds
         lines.append(f"   our error {p.rmse:.5f} after {p.seconds:.2f} s: Cycles {times:.0f} times as long")
-    for i, theirs in enumerate(found[Method.CYCLES_DENOISED]):
-        best = min(found[Method.SPLAT][i].rel_mse, found[Method.SPLAT_DENOISED][i].rel_mse)
+    for theirs in found[Method.CYCLES_DENOISED]:
+        best = min(figures.rel_mse_at(found[method], theirs.seconds) for method in (Method.SPLAT, Method.SPLAT_DENOISED))
         times = theirs.rel_mse / best
-        lines.append(f"   equal time {theirs.budget:g} s: relMSE of Cycles, denoised {theirs.rel_mse:.2e}, ours {best:.2e}: {times:.2f}x")
+        lines.append(
+            f"   equal time {theirs.seconds:.1f} s: relMSE of Cycles, denoised {theirs.rel_mse:.2e}, ours {best:.2e}: {times:.2f}x"
+        )
     return lines
 
 

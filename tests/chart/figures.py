@@ -74,3 +74,10 @@ def seconds_to(points: list[Point], error: float) -> float:
             share = np.log(before.rmse / error) / np.log(before.rmse / after.rmse)
             return float(before.seconds * (after.seconds / before.seconds) ** share)
     return float(points[-1].seconds * (points[-1].rmse / error) ** 2)
+
+
+def rel_mse_at(points: list[Point], seconds: float) -> float:
+    """From the lines between a method's points; before the first one infinite, after the last one as that."""
+    if seconds < points[0].seconds:
+        return float("inf")
+    return float(np.exp(np.interp(np.log(seconds), np.log([p.seconds for p in points]), np.log([max(p.rel_mse, 1e-12) for p in points]))))
