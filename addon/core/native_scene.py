@@ -105,6 +105,7 @@ def _add_lights(renderer: Renderer, scene: Scene) -> None:
                 spread=light.spread,
                 normalize=light.normalize,
                 camera_visible=light.camera_visible,
+                program=light.program,
             )
     renderer.set_world(_rgb(scene.world))
     if scene.world_map is not None:

@@ -143,6 +143,7 @@ class Light:
     spread        full angle of an area light's emission; pi = Lambertian
     normalize     area, point, spot: `strength` is total power (True), or does not depend on the emitter's area (False)
     camera_visible  seen directly by camera rays
+    program       index into Scene.programs: what it emits, per place and direction, is a factor of `strength`
     """
 
     name: str
@@ -159,6 +160,7 @@ class Light:
     spread: float = np.pi
     normalize: bool = True
     camera_visible: bool = False
+    program: int = NO_PROGRAM
 
 
 @dataclass(slots=True)

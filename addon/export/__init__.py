@@ -48,7 +48,7 @@ def export_contents(
     textures = Textures(report, kept)
     shading = Shading(textures, report, depsgraph)
     materials = Materials(shading)
-    objects = Objects(materials, textures, report, kept)
+    objects = Objects(materials, shading, kept)
     objects.collect(depsgraph, visible)
     objects.collect_shading(depsgraph, shading.around.wants, *shading.wanted)
     export_world(getattr(view_layer, "world_override", None) or scene.world, shading, exported)

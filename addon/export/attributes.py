@@ -12,6 +12,7 @@ from ..report import Report
 from .arrays import read, read_copy
 from .compile.inputs import property_value
 from .compile.node import Want
+from .compile.random_numbers import name_random, number_random
 from .mesh import Triangles, sound_triangles
 
 NUMBERS = {"FLOAT", "INT", "INT8", "BOOLEAN"}
@@ -156,7 +157,7 @@ def _info(instance: Any, ob: Any, name: str) -> Any:
     if name == "index":
         return float(ob.pass_index)
     if name == "random":
-        return (instance.random_id & 0xFFFFFFFF) / 0xFFFFFFFF if instance.is_instance else _hash_unit(_hash_name(ob.name))
+        return (instance.random_id & 0xFFFFFFFF) / 0xFFFFFFFF if instance.is_instance else name_random(ob.name)
     if not instance.is_instance:
         return 0.0
     if name == "generated":
@@ -167,7 +168,7 @@ def _info(instance: Any, ob: Any, name: str) -> Any:
 def _particle(instance: Any, name: str, depsgraph: Any) -> Any:
     system = instance.particle_system
     if system is None:
-        return _hash_unit(0) if name == "Random" else 0.0
+        return number_random(0) if name == "Random" else 0.0
     index = instance.persistent_id[0]
     if not 0 <= index < len(system.particles):
         return 0.0
@@ -177,32 +178,7 @@ def _particle(instance: Any, name: str, depsgraph: Any) -> Any:
     if name == "Index":
         return float(index)
     if name == "Random":
-        return _hash_unit(index)
+        return number_random(index)
     if name == "Age":
         return depsgraph.scene.frame_current_final - particle.birth_time
     return particle.lifetime if name == "Lifetime" else particle.size
-
-
-def _hash_name(name: str) -> int:
-    value = 0
-    for byte in name.encode():
-        value = (value * 37 + byte) & 0xFFFFFFFF
-    return value
-
-
-def _hash_unit(value: int) -> float:
-    """Bob Jenkins' lookup3 (public domain) of (value, 0), scaled to 0..1."""
-
-    def turn(x: int, k: int) -> int:
-        return ((x << k) | (x >> (32 - k))) & 0xFFFFFFFF
-
-    start = (0xDEADBEEF + (2 << 2) + 13) & 0xFFFFFFFF
-    a, b, c = (start + value) & 0xFFFFFFFF, start, start
-    c = ((c ^ b) - turn(b, 14)) & 0xFFFFFFFF
-    a = ((a ^ c) - turn(c, 11)) & 0xFFFFFFFF
-    b = ((b ^ a) - turn(a, 25)) & 0xFFFFFFFF
-    c = ((c ^ b) - turn(b, 16)) & 0xFFFFFFFF
-    a = ((a ^ c) - turn(c, 4)) & 0xFFFFFFFF
-    b = ((b ^ a) - turn(a, 14)) & 0xFFFFFFFF
-    c = ((c ^ b) - turn(b, 24)) & 0xFFFFFFFF
-    return c / 0xFFFFFFFF

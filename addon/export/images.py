@@ -52,23 +52,10 @@ class Textures:
         key = ("image", identity(image), path, changed, owner, *reading)
         return self._kept.get(key, (identity(image),), self._report, lambda report: _read(image, path, owner, report))
 
-    def mean(self, index: int) -> NDArray[np.float64]:
-        """Mean linear RGB of a texture."""
-        return linear_rgb(self.list[index]).reshape(-1, 3).mean(axis=0, dtype=np.float64)
-
 
 def is_associated(image: Any) -> bool:
     """True if the colours of its texture are times their alpha (which they are not meant to be where a tree asks for the alpha)."""
     return image is not None and image.alpha_mode in {"STRAIGHT", "PREMUL"} and not _is_data(image)
-
-
-def linear_rgb(texture: Texture) -> NDArray[np.float32]:
-    """(height, width, 3) linear RGB as a renderer sees the texture's pixels."""
-    rgb = texture.pixels[..., :3]
-    if rgb.dtype == np.uint8:
-        table = np.arange(256, dtype=np.float64) / 255.0
-        return (srgb_to_linear(table) if texture.srgb else table).astype(np.float32)[rgb]
-    return srgb_to_linear(rgb) if texture.srgb else rgb
 
 
 def srgb_to_linear(encoded: NDArray) -> NDArray:

@@ -8,18 +8,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.scene import Light, LightKind
+from ..core.scene import NO_PROGRAM, NO_TEXTURE, Light, LightKind
 from ..report import Report
-from .images import Textures
-from .nodes import output_node, source, uses_nodes
-from .shading import Reducer
+from .compile.node import Owner
+from .compile.reduce import lambertian
+from .materials import Shading
+from .nodes import output_node, uses_nodes
 
 KINDS = {"POINT": LightKind.POINT, "SPOT": LightKind.SPOT, "SUN": LightKind.SUN, "AREA": LightKind.AREA}
 
 
-def export_light(ob: Any, matrix: NDArray[np.float64], textures: Textures, report: Report) -> Light | None:
+def export_light(ob: Any, matrix: NDArray[np.float64], shading: Shading) -> Light | None:
     """A lamp object placed by `matrix`, or None if it sheds no light or cannot be rendered (which is reported)."""
     lamp = ob.data
+    report = shading.around.report
     if lamp.type not in KINDS:
         report.warn(f"Light {{}}: lights of type {lamp.type} are not supported; left out", ob.name)
         return None
@@ -30,7 +32,7 @@ def export_light(ob: Any, matrix: NDArray[np.float64], textures: Textures, repor
     if lamp.type == "AREA" and getattr(cycles, "is_portal", False):
         report.warn("Light portals are not supported; left out: {}", ob.name)
         return None
-    strength = _strength(lamp, ob.name, textures, report)
+    strength, program = _strength(lamp, ob, shading)
     if not np.isfinite(strength).all() or (strength < 0.0).any():
         report.warn("Lights whose strength is negative or not a finite number are left out: {}", ob.name)
         return None
@@ -38,7 +40,7 @@ def export_light(ob: Any, matrix: NDArray[np.float64], textures: Textures, repor
         return None
     _report_unsupported(ob, lamp, cycles, report)
     r, g, b = (float(v) for v in strength)
-    light = Light(ob.name, KINDS[lamp.type], matrix, (r, g, b), camera_visible=bool(ob.visible_camera))
+    light = Light(ob.name, KINDS[lamp.type], matrix, (r, g, b), camera_visible=bool(ob.visible_camera), program=program)
     light.normalize = bool(getattr(lamp, "normalize", True))
     if lamp.type in {"POINT", "SPOT"}:
         light.radius = float(lamp.shadow_soft_size)
@@ -59,19 +61,24 @@ def export_light(ob: Any, matrix: NDArray[np.float64], textures: Textures, repor
     return light
 
 
-def _strength(lamp: Any, name: str, textures: Textures, report: Report) -> NDArray[np.float64]:
-    """energy * colour * temperature * 2^exposure * what the light's nodes emit."""
+def _strength(lamp: Any, ob: Any, shading: Shading) -> tuple[NDArray[np.float64], int]:
+    """energy * colour * temperature * 2^exposure * what the light's nodes emit; where that is no constant, their program."""
     strength = np.asarray(lamp.color, np.float64) * float(lamp.energy)
     if getattr(lamp, "use_temperature", False):
         strength = strength * np.asarray(lamp.temperature_color, np.float64)
     strength = strength * 2.0 ** float(getattr(lamp, "exposure", 0.0))
     if not uses_nodes(lamp):
-        return strength
+        return strength, NO_PROGRAM
     output = output_node(lamp.node_tree)
     if output is None:
-        return np.zeros(3)
-    closure = Reducer(f"Light '{name}'", textures, report).shader(source(output.inputs["Surface"]))
-    return strength * closure.emission.mean(textures)
+        return np.zeros(3), NO_PROGRAM
+    owner = Owner(f"Light '{ob.name}'", lamp, lamp=ob)
+    compiled = shading.compile(owner, output.inputs["Surface"])
+    compiled.statements = [made for made in compiled.statements if made.operation.name == "Emission"]
+    constant = lambertian(compiled)
+    if constant is not None and constant[1][1] == NO_TEXTURE:
+        return strength * constant[1][0], NO_PROGRAM
+    return strength, shading.add(compiled.program(ob.name))
 
 
 def _normalize_sun(light: Light) -> None:

@@ -14,10 +14,9 @@ from ..core.shading import InstanceAttribute, MeshShading
 from ..report import Report
 from .attributes import instance_value, mesh_shading, width_of
 from .compile.node import Want, Wants
-from .images import Textures
 from .kept import Kept, identity
 from .lights import export_light
-from .materials import Materials
+from .materials import Materials, Shading
 from .mesh import export_mesh, flattened
 
 Value = TypeVar("Value")
@@ -28,11 +27,11 @@ RAYS = ("visible_camera", "visible_diffuse", "visible_glossy", "visible_transmis
 class Objects:
     """Walks the instances of a dependency graph and collects meshes, instances, material sets and lamps."""
 
-    def __init__(self, materials: Materials, textures: Textures, report: Report, kept: Kept) -> None:
+    def __init__(self, materials: Materials, shading: Shading, kept: Kept) -> None:
         self.meshes: list[Mesh] = []
         self.material_sets: list[NDArray[np.int32]] = []
         self.lights: list[Light] = []
-        self._materials, self._textures, self._report, self._kept = materials, textures, report, kept
+        self._materials, self._shading, self._report, self._kept = materials, shading, shading.around.report, kept
         self._mesh_of: dict[int, int | None] = {}
         self._set_of: dict[tuple[int, int], int] = {}
         self._sets: dict[tuple[int, ...], int] = {}
@@ -61,7 +60,7 @@ class Objects:
                         self._row_of[place] = before
             elif kind == "LIGHT":
                 if instance.show_self:
-                    light = export_light(ob, np.array(instance.matrix_world, np.float64), self._textures, self._report)
+                    light = export_light(ob, np.array(instance.matrix_world, np.float64), self._shading)
                     if light is not None:
                         self.lights.append(light)
             elif kind in UNSUPPORTED and instance.show_self:
@@ -84,12 +83,12 @@ class Objects:
             if mesh_wants and index not in done:
                 done.add(index)
                 ob = instance.object
-                self.meshes[index] = replace(self.meshes[index], shading=self._shading(ob, mesh_wants, self._flat.get(index)))
+                self.meshes[index] = replace(self.meshes[index], shading=self._mesh_shading(ob, mesh_wants, self._flat.get(index)))
             for number, want in instance_wants.items():
                 values[number][row] = instance_value(instance, want, depsgraph)
         self._attributes = [InstanceAttribute(number, found) for number, found in values.items()]
 
-    def _shading(self, ob: Any, wants: dict[int, Want], left: NDArray[np.bool_] | None) -> MeshShading:
+    def _mesh_shading(self, ob: Any, wants: dict[int, Want], left: NDArray[np.bool_] | None) -> MeshShading:
         def make(report: Report) -> MeshShading:
             return _with_mesh(ob, lambda mesh: mesh_shading(mesh, ob.name, wants, left, report))
 

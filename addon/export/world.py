@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 
 from ..core.scene import NO_TEXTURE, Rgb, Scene, SunDisc, WorldMap
 from ..report import Report
+from .compile.compiler import Compiler
 from .compile.node import Owner
 from .compile.reduce import lambertian
 from .materials import Shading
 from .nodes import Source, default_value, label, output_node, source, uses_nodes
-from .shading import Reducer
 from .sky import export_sky
 
 Matrix = NDArray[np.float64]
@@ -43,7 +43,6 @@ class _World:
     def __init__(self, owner: str, shading: Shading, scene: Scene) -> None:
         self.owner, self.shading, self.scene = owner, shading, scene
         self.textures, self.report = shading.around.textures, shading.around.report
-        self.reducer = Reducer(owner, self.textures, self.report)
 
     def read(self, world: Any) -> None:
         output = output_node(world.node_tree)
@@ -73,7 +72,9 @@ class _World:
         to_lookup = self._coordinates(color)
         if to_lookup is None:
             return False
-        strength = self.reducer.number(surface.input("Strength"))
+        strength = self._strength(surface)
+        if strength is None:
+            return False
         self.scene.world = _radiance(np.full(3, strength), self.owner, self.report)
         if color.node.type == "TEX_SKY":
             self._sky(color.node, to_lookup)
@@ -81,6 +82,12 @@ class _World:
             texture = self.textures.of_node(color.node, f"{self.owner}, node '{label(color.node)}'")
             self.scene.world_map = WorldMap(texture, to_lookup[:3], color.node.projection == "MIRROR_BALL")
         return True
+
+    def _strength(self, surface: Source) -> float | None:
+        """None where it depends on the direction."""
+        compiler = Compiler(Owner(self.owner, of_world=True), self.shading.around, self.shading.folding)
+        value = compiler.value(surface.node.inputs["Strength"], surface.groups)
+        return float(value.data[0]) if value.is_constant else None
 
     def _coordinates(self, texture: Source) -> Matrix | None:
         """(4, 4) from a direction to what the texture looks up; None if that is no affine map of it."""

@@ -58,6 +58,14 @@ class Environment {
 };
 
 // Where an equirectangular image shows the direction d, as Blender maps it: u runs against the longitude, v from -Z up.
+// Longitude and latitude from -Y on, of a point around the origin.
+inline Vec2 sphere_uv(const Vec3& p) {
+  const float l = length(p);
+  if (!(l > 0)) return {};
+  const float u = p.x == 0 && p.y == 0 ? 0 : 0.5f - std::atan2(p.x, p.y) / (2 * kPi);
+  return {u, 1 - std::acos(std::clamp(p.z / l, -1.0f, 1.0f)) / kPi};
+}
+
 inline Vec2 equirectangular_uv(const Vec3& d) {
   return {0.5f - std::atan2(d.y, d.x) / (2 * kPi), 0.5f + std::atan2(d.z, std::hypot(d.x, d.y)) / kPi};
 }

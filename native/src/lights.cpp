@@ -243,7 +243,8 @@ bool Lights::sample_lamp(const Emitter& e, const Vec3& x, const Vec2& u, LightSa
     out.pdf = lamp.one_minus_cos > 0 ? 1 / (2 * kPi * lamp.one_minus_cos) : 0;
     // Radiance over the cone's pdf is its flux per area; the cosine belongs to the receiver.
     out.weight = lamp.one_minus_cos > 0 ? lamp.radiance * (2 * kPi * lamp.one_minus_cos) : lamp.intensity;
-    return true;
+    if (lamp.s.program >= 0) out.weight *= shade(lamp, {}, -out.direction, INFINITY);
+    return !is_black(out.weight);
   }
   if (CloseLamp close; lamp.s.kind == LampKind::kArea && see_close(e, x, close)) {
     CloseLamp::Place place;
@@ -252,6 +253,7 @@ bool Lights::sample_lamp(const Emitter& e, const Vec3& x, const Vec2& u, LightSa
     out.distance = place.distance;
     out.pdf = 1 / close.total;
     out.weight = lamp.radiance * close.total;
+    if (lamp.s.program >= 0) out.weight *= shade(lamp, x + out.direction * out.distance, -out.direction, out.distance);
     return !is_black(out.weight);
   }
   if (lamp.s.kind == LampKind::kArea) {
@@ -277,6 +279,7 @@ bool Lights::sample_lamp(const Emitter& e, const Vec3& x, const Vec2& u, LightSa
     out.pdf = d2 / (cosine * area);
     const float along = dot(to, lamp.forward);
     out.weight = lamp.radiance * (spread_attenuation(lamp, length(to - lamp.forward * along) / -along) / out.pdf);
+    if (lamp.s.program >= 0) out.weight *= shade(lamp, point, -out.direction, out.distance);
     return !is_black(out.weight);
   }
   const Vec3 to = lamp.center - x;
@@ -309,9 +312,11 @@ bool Lights::sample_lamp(const Emitter& e, const Vec3& x, const Vec2& u, LightSa
     out.distance = along + std::sqrt(std::max(0.0f, along * along - d2 + r * r));
     out.pdf = 1 / (4 * kPi);
     out.weight = lamp.radiance / out.pdf;
-    return true;
+    if (lamp.s.program >= 0) out.weight *= shade(lamp, x + out.direction * out.distance, -out.direction, out.distance);
+    return !is_black(out.weight);
   }
   if (lamp.s.kind == LampKind::kSpot) out.weight *= spot_attenuation(lamp, -out.direction);
+  if (lamp.s.program >= 0) out.weight *= shade(lamp, x + out.direction * out.distance, -out.direction, out.distance);
   return !is_black(out.weight);
 }
 
@@ -389,6 +394,10 @@ float Lights::surface_mis_weight(const Receiver& receiver, const Surface& hit, f
 Rgb Lights::lamp_radiance_met(const Lamp& lamp, const Vec3& origin, const Vec3& direction, float near, float far,
                               float& pdf) const {
   pdf = 0;
+  const auto shaded = [&](float distance) {
+    if (lamp.s.program < 0) return Rgb{1, 1, 1};
+    return shade(lamp, std::isfinite(distance) ? origin + direction * distance : Vec3{}, -direction, distance);
+  };
   if (lamp.s.kind == LampKind::kArea) {
     const float cosine = -dot(direction, lamp.forward);
     if (cosine <= 0) return {};
@@ -397,34 +406,37 @@ Rgb Lights::lamp_radiance_met(const Lamp& lamp, const Vec3& origin, const Vec3& 
     if (!(t > near) || t > far) return {};
     if (!inside_shape(lamp, direction * t - to)) return {};
     pdf = t * t / (cosine * sampled_area(lamp, origin));
-    return lamp.radiance * spread_attenuation(lamp, length(cross(direction, lamp.forward)) / cosine);
+    return lamp.radiance * spread_attenuation(lamp, length(cross(direction, lamp.forward)) / cosine) * shaded(t);
   }
   if (lamp.s.kind == LampKind::kSun) {
     if (std::isfinite(far) || lamp.one_minus_cos <= 0 || length2(direction + lamp.forward) > 2 * lamp.one_minus_cos) return {};
     pdf = 1 / (2 * kPi * lamp.one_minus_cos);
-    return lamp.radiance;
+    return lamp.radiance * shaded(INFINITY);
   }
   const Vec3 to = lamp.center - origin;
   const float along = dot(to, direction), d2 = length2(to), r2 = lamp.s.radius * lamp.s.radius;
   const float miss2 = d2 - along * along;
   if (r2 <= 0 || miss2 > r2) return {};
-  float one_minus_cos;
+  float one_minus_cos, distance;
   if (lamp.s.soft_falloff) {
     if (along <= near || along > far || miss2 * (d2 + r2) > r2 * d2) return {};
     one_minus_cos = (r2 / (d2 + r2)) / (1 + std::sqrt(d2 / (d2 + r2)));
+    distance = d2 / along;
   } else if (d2 > r2) {
     const float entry = along - std::sqrt(r2 - miss2);
     if (entry <= near || entry > far) return {};
+    distance = entry;
     const float sin2 = r2 / d2;
     one_minus_cos = sin2 / (1 + std::sqrt(1 - sin2));
   } else {  // from inside
     const float exit = along + std::sqrt(r2 - miss2);
     if (exit <= near || exit > far) return {};
     pdf = 1 / (4 * kPi);
-    return lamp.radiance;
+    return lamp.radiance * shaded(exit);
   }
   pdf = 1 / (2 * kPi * one_minus_cos);
-  return lamp.s.kind == LampKind::kSpot ? lamp.radiance * spot_attenuation(lamp, -direction) : lamp.radiance;
+  const Rgb radiance = lamp.radiance * shaded(distance);
+  return lamp.s.kind == LampKind::kSpot ? radiance * spot_attenuation(lamp, -direction) : radiance;
 }
 
 Rgb Lights::world_met(const Receiver& to, const Vec3& direction, float bsdf_pdf) const {

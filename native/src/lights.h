@@ -29,6 +29,7 @@ struct LampSettings {
   float spread = kPi;
   bool normalize = true;
   bool camera_visible = false;
+  int program = -1;  // into Scene::programs: its emission is a factor of `strength`
 };
 
 // Where light is wanted.
@@ -56,6 +57,7 @@ struct PhotonStart {
   float soft_radius2 = -1;
   float first_hit_from = 0, first_hit_to = INFINITY;  // distances at which the first surface is lit by this photon
   int32_t aim = -1;            // pair of EmissionTargets; -1: natural emission
+  int32_t shaded_by = -1;      // a lamp with a program: `power` lacks Lights::first_hit_factor(), which needs the distance
 
   // A disc of radius r that faces a receiver at distance d shows it only rays that pass the centre closer than
   // r d / sqrt(d^2 + r^2); the lines themselves are those of a sphere of radius r.
@@ -101,6 +103,8 @@ class Lights {
   // Photon number `index` of the stream `seed` starts in proportion to power, or where `guide` sends it.
   EmissionPrimary primary(uint64_t index, uint32_t seed, const EmissionGuide* guide) const;
   PhotonStart emit(const EmissionPrimary& primary) const;
+  // What the program of the photon's lamp makes of its power at the first surface that scatters it, `distance` away at `receiver`.
+  Rgb first_hit_factor(const PhotonStart& start, const Vec3& receiver, float distance) const;
   // A guide for these emitters that has learnt nothing yet.
   EmissionGuide make_guide() const;
 
@@ -124,6 +128,7 @@ class Lights {
     std::vector<float> angle_cdf;          // of the photon's direction: spots and narrow areas, see lights_photons.cpp
     float angle_low = 0;                   // lower end of the tabled variable; the upper end is 1 (spot) or in angle_high
     float angle_high = 1;
+    LampPlace place;                       // of those with a program
   };
   // Something that emits: a lamp or an emissive instance. `importance` over squared distance ranks them.
   struct Emitter {
@@ -181,6 +186,11 @@ class Lights {
   float world_probability(const Receiver& to, float emitters_weight) const;
   const SkyGuide::Cell* guided(const Receiver& to) const { return guide_ ? guide_->find(to.x, to.n) : nullptr; }
   float guided_pdf(const SkyGuide::Cell& cell, const Vec3& direction) const;
+  // lights_shaded.cpp: the factor of the lamp's radiance by its program, at `position` (of a sun: anything) seen from `distance`
+  // along -wo. White for lamps without one.
+  Rgb shade(const Lamp& lamp, const Vec3& position, const Vec3& wo, float distance) const;
+  Vec2 lamp_uv(const Lamp& lamp, const Vec3& position, const Vec3& normal, const Vec3& wo) const;
+  float mean_shade(const Lamp& lamp) const;
   float spot_attenuation(const Lamp& lamp, const Vec3& from_lamp) const;
   float spread_attenuation(const Lamp& lamp, float tangent) const;  // of the angle to the lamp's axis
   bool inside_shape(const Lamp& lamp, const Vec3& from_center) const;

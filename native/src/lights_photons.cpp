@@ -31,6 +31,7 @@ void Lights::add_lamp(const LampSettings& settings) {
   lamp.axis_y = y / lamp.scale_y;
   lamp.forward = z / -lamp.scale_z;
   if (is_black(settings.strength)) return;
+  if (settings.program >= 0) lamp.place = {m, inverse(m)};
 
   Emitter e;
   e.lamp = static_cast<int>(lamps_.size());
@@ -102,6 +103,11 @@ void Lights::add_lamp(const LampSettings& settings) {
       e.power = average(lamp.radiance) * double(lamp.area) * kPi * share;
       break;
     }
+  }
+  if (settings.program >= 0) {
+    const float mean = mean_shade(lamp);
+    e.importance *= mean;
+    e.power *= mean;
   }
   if (!(e.power > 0)) return;
   const bool flat = settings.kind == LampKind::kArea;
@@ -337,6 +343,7 @@ PhotonStart Lights::emit(const EmissionPrimary& p) const {
   } else {
     const Emitter& e = emitters_[p.emitter];
     start = e.lamp >= 0 ? emit_lamp(lamps_[e.lamp], p.pick.y, p.place, p.way) : emit_mesh(e, p.pick.y, p.place, p.way);
+    if (e.lamp >= 0 && lamps_[e.lamp].s.program >= 0) start.shaded_by = e.lamp;
     power = e.power;
   }
   start.power *= static_cast<float>(total_power_ / std::max(power, 1e-300)) * p.weight;

@@ -113,7 +113,7 @@ MaterialSide make_side(const Renderer& r, const nb::tuple& t) {
 
 void add_lamp(Renderer& r, const std::string& kind, Matrix matrix, Rgb3 strength, float radius, bool soft_falloff,
               float spot_size, float spot_blend, float angle, std::array<float, 2> size, bool ellipse, float spread,
-              bool normalize, bool camera_visible) {
+              bool normalize, bool camera_visible, int program) {
   LampSettings s;
   s.kind = named<LampKind>(kind, {{"point", LampKind::kPoint}, {"spot", LampKind::kSpot}, {"sun", LampKind::kSun},
                                   {"area", LampKind::kArea}}, "lamp kind");
@@ -130,6 +130,8 @@ void add_lamp(Renderer& r, const std::string& kind, Matrix matrix, Rgb3 strength
   s.spread = spread;
   s.normalize = normalize;
   s.camera_visible = camera_visible;
+  s.program = program;
+  if (program < -1 || program >= static_cast<int>(r.scene.programs.size())) throw std::invalid_argument("a lamp names a program that does not exist");
   bool finite = is_finite(s.strength);
   for (float f : s.to_world.m) finite &= std::isfinite(f);
   for (float f : {radius, spot_size, spot_blend, angle, size[0], size[1], spread}) finite &= std::isfinite(f);
@@ -370,7 +372,7 @@ NB_MODULE(photon_splat_native, m) {
         r.scene.add_instance(mesh, rows, materials);
       }, "mesh"_a, "matrix"_a, "materials"_a)
       .def("add_lamp", &add_lamp, "kind"_a, "matrix"_a, "strength"_a, "radius"_a, "soft_falloff"_a, "spot_size"_a,
-           "spot_blend"_a, "angle"_a, "size"_a, "ellipse"_a, "spread"_a, "normalize"_a, "camera_visible"_a)
+           "spot_blend"_a, "angle"_a, "size"_a, "ellipse"_a, "spread"_a, "normalize"_a, "camera_visible"_a, "program"_a = -1)
       .def("set_camera", &set_camera, "matrix"_a, "screen"_a, "orthographic"_a, "clip_start"_a, "clip_end"_a, "frame"_a,
            "region"_a, "transparent"_a, "pixel_filter"_a, "filter_width"_a)
       .def("set_panorama", &set_panorama, "kind"_a, "longitude"_a, "latitude"_a, "fov"_a, "focal_length"_a, "sensor"_a,

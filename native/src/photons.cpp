@@ -34,12 +34,22 @@ void PhotonTracer::store(const Path& path, const Surface& hit, const Vec3& direc
   photons.push_back({hit.position, hit.key, encode_direction(hit.ng), encode_direction(-direction), power});
 }
 
+// Where a path scatters first, its power is known if its lamp has a program; false where that is nothing.
+bool PhotonTracer::light_up(Path& path, const Surface& hit, const PhotonStart& start) const {
+  if (path.bounces > 0 || start.shaded_by < 0) return true;
+  const Rgb factor = lights_.first_hit_factor(start, hit.position, path.travelled + hit.distance);
+  path.power *= factor;
+  path.reference *= max_component(factor);
+  return path.reference > 0;
+}
+
 // Stores a photon where one belongs and sends the path on; false where it ends.
 bool PhotonTracer::shade(Path& path, const Surface& hit, const PhotonStart& start, uint64_t index, uint32_t seed,
                          const KeyFilter& visible, Vec3& origin, Vec3& direction, std::vector<Photon>& photons) const {
   if (hit.program) return scatter_by_program(path, hit, start, index, seed, visible, origin, direction, photons);
   if (path.bounces == 0 && !start.accepts(hit.position, path.travelled + hit.distance)) return false;
   store(path, hit, direction, visible, photons);
+  if (!light_up(path, hit, start)) return false;
   const float cos_shading = -dot(direction, hit.ns), cos_geometric = -dot(direction, hit.ng);
   if (cos_shading <= 0 || cos_geometric <= 0) return false;
   if (path.bounces == max_bounces_ || stream_ == PhotonStream::kCaustic) return false;
@@ -106,7 +116,7 @@ bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const Phot
     }
     path.power *= 1 / (1 - passing);
   }
-  if (!accepted || path.bounces == max_bounces_ || !bsdf.scatters()) return false;
+  if (!accepted || path.bounces == max_bounces_ || !bsdf.scatters() || !light_up(path, hit, start)) return false;
   const float choice = path.random.next();
   const auto s = bsdf.sample(choice, path.bounces == 0 ? sobol_2d(static_cast<uint32_t>(index), 3, seed) : path.random.next2());
   if (!s) return false;

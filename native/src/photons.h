@@ -85,6 +85,7 @@ class PhotonTracer {
   bool shade(Path& path, const Surface& hit, const PhotonStart& start, uint64_t index, uint32_t seed, const KeyFilter& visible,
              Vec3& origin, Vec3& direction, std::vector<Photon>& photons) const;
   void store(const Path& path, const Surface& hit, const Vec3& direction, const KeyFilter& visible, std::vector<Photon>& photons) const;
+  bool light_up(Path& path, const Surface& hit, const PhotonStart& start) const;
   bool scatter_by_program(Path& path, const Surface& hit, const PhotonStart& start, uint64_t index, uint32_t seed,
                           const KeyFilter& visible, Vec3& origin, Vec3& direction, std::vector<Photon>& photons) const;
 

@@ -10,18 +10,11 @@ from __future__ import annotations
 from typing import Any
 
 from tests.oracle.cases import CASES, Case
+from tests.oracle.lamp_trees import LAMP_TREES
+from tests.oracle.specs import Spec, node
 
-Spec = dict[str, Any]
 ORANGE, STEEL, GREENISH = (0.75, 0.42, 0.18), (0.8, 0.82, 0.85), (0.55, 0.9, 0.6)
 DISTRIBUTIONS = {"ggx": "GGX", "multi": "MULTI_GGX", "beckmann": "BECKMANN"}
-
-
-def node(kind: str, output: int | str = 0, modes: dict[str, Any] | None = None, **inputs: Any) -> Spec:
-    """The node ShaderNode`kind`. inputs: socket names with `_` for spaces (or i0, i1, ... by index) and their values or nodes.
-
-    modes: properties of the node; output: which of its outputs is used.
-    """
-    return {"kind": kind, "output": output, "modes": modes or {}, "inputs": {key.replace("_", " "): value for key, value in inputs.items()}}
 
 
 def mix(factor: Any, first: Spec, second: Spec) -> Spec:
@@ -252,7 +245,7 @@ def _cases() -> tuple[Case, ...]:
 
 
 GALLERY: tuple[Case, ...] = _cases()
-ALL: tuple[Case, ...] = CASES + GALLERY
+ALL: tuple[Case, ...] = CASES + LAMP_TREES + GALLERY
 BY_NAME = {case.name: case for case in ALL}
 
 # The roughness sweep: these materials in 21 steps; only the pictures' means are kept.

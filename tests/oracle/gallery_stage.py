@@ -124,15 +124,17 @@ SECOND = {
 
 def build_material(name: str, spec: dict[str, Any]) -> bpy.types.Material:
     material, tree, output = m._node_material(name)
-    tree.links.new(_node(tree, spec), output.inputs["Surface"])
+    tree.links.new(add_nodes(tree, spec), output.inputs["Surface"])
     return material
 
 
-def _node(tree: bpy.types.NodeTree, spec: dict[str, Any]) -> bpy.types.NodeSocket:
+def add_nodes(tree: bpy.types.NodeTree, spec: dict[str, Any]) -> bpy.types.NodeSocket:
     """Make the node and all that feeds it; its chosen output."""
     made = tree.nodes.new(f"ShaderNode{spec['kind']}")
     for key, value in spec["modes"].items():
-        if key != "image":
+        if key == "ies":
+            made.mode, made.ies = "INTERNAL", _beam()
+        elif key != "image":
             setattr(made, key, value)
     if spec["kind"] == "TexImage":
         made.image = _normals_image() if spec["modes"].get("image") == "normals" else _holes_image()
@@ -140,12 +142,25 @@ def _node(tree: bpy.types.NodeTree, spec: dict[str, Any]) -> bpy.types.NodeSocke
     for key, value in spec["inputs"].items():
         socket = made.inputs[int(key[1:])] if key[1:].isdigit() else made.inputs[key]
         if isinstance(value, dict):
-            tree.links.new(_node(tree, value), socket)
+            tree.links.new(add_nodes(tree, value), socket)
         elif isinstance(value, (list, tuple)):
             socket.default_value = (*value, 1.0) if socket.type == "RGBA" else tuple(value)
         else:
             socket.default_value = value
     return made.outputs[spec["output"]]
+
+
+def _beam() -> bpy.types.Text:
+    """A photometric profile that is not round: wide across, narrow along, and a little light upwards."""
+    vertical, horizontal = range(0, 181, 15), range(0, 361, 45)
+    rows = []
+    for turn in horizontal:
+        width = 35.0 + 25.0 * abs(np.sin(radians(turn))) + 0.03 * turn * (turn < 360)
+        rows.append(" ".join(f"{1000.0 * np.exp(-((angle / width) ** 2)) + 0.4 * angle:.1f}" for angle in vertical))
+    text = bpy.data.texts.new("beam")
+    head = f"IESNA:LM-63-2002\nTILT=NONE\n1 1000 1 {len(vertical)} {len(horizontal)} 1 2 0 0 0\n1 1 100\n"
+    text.write(head + " ".join(map(str, vertical)) + "\n" + " ".join(map(str, horizontal)) + "\n" + "\n".join(rows) + "\n")
+    return text
 
 
 def _holes_image() -> bpy.types.Image:

@@ -97,6 +97,21 @@ def lamp_on_stage(kind: str, energy: float, **options: Any) -> None:
     _lamp(kind, energy, **options)
 
 
+def shaded_lamp(kind: str, energy: float, tree: dict[str, Any], tint: Sequence[float] | None = None, **options: Any) -> None:
+    """A lamp with a node tree, see lamp_trees.py. tint: the object's colour."""
+    from tests.oracle import gallery_stage
+
+    _stage()
+    lamp = _lamp(kind, energy, **options)
+    if tint is not None:
+        lamp.color = (*tint, 1.0)
+    lamp.data.use_nodes = True
+    nodes = lamp.data.node_tree
+    nodes.nodes.clear()
+    output = nodes.nodes.new("ShaderNodeOutputLight")
+    nodes.links.new(gallery_stage.add_nodes(nodes, tree), output.inputs["Surface"])
+
+
 def many_lamps() -> None:
     """Lamps of very different power, two of them with colours that exclude each other."""
     _stage()

@@ -7,6 +7,7 @@ from typing import Any
 import bpy
 
 from .node import Node
+from .random_numbers import name_random
 from .values import NONE, ONE, ORIGIN, ZERO, Value, number, vector
 
 Outputs = dict[str, Value]
@@ -79,6 +80,16 @@ def geometry(n: Node) -> Outputs:
 
 
 def object_info(n: Node) -> Outputs:
+    lamp = n.owner.lamp
+    if lamp is not None:
+        return {
+            "Location": n.graph.one("ObjectLocation"),
+            "Color": vector(lamp.color[:3]),
+            "Alpha": number(lamp.color[3]),
+            "Object Index": number(lamp.pass_index),
+            "Material Index": ZERO,
+            "Random": number(name_random(lamp.name)),
+        }
     color = instance_value(n, "info", "color")
     return {
         "Location": n.graph.one("ObjectLocation"),
@@ -153,6 +164,8 @@ def camera_data(n: Node) -> Outputs:
 
 
 def light_path(n: Node) -> Outputs:
+    if n.owner.lamp is not None:  # a lamp that is looked at knows how far away that is
+        return {socket.identifier: ZERO for socket in n.node.outputs} | {"Ray Length": n.graph.one("LightPath", what="RAY_LENGTH")}
     if n.owner.of_world:
         n.warn("Light Path in a world is that of a diffuse ray, for all rays")
         ones = {"Is Diffuse Ray", "Is Reflection Ray", "Ray Depth", "Diffuse Depth"}

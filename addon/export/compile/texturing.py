@@ -184,8 +184,11 @@ def ies(n: Node) -> Outputs:
     except (OSError, ValueError) as error:
         n.unsupported(f"has no profile that can be read ({error}); shines evenly")
         return {"Fac": strength}
-    # Unlike other textures: the direction is that in the light's own coordinates where nothing is linked.
-    where = n.values.get("Vector") or n.graph.one("TextureCoordinate", what="NORMAL")
+    # Unlike other textures: where nothing is linked, the direction it is seen from, in the light's own coordinates.
+    seen_from = n.graph.one("Geometry", what="INCOMING")
+    where = n.values.get("Vector") or n.graph.one(
+        "VectorTransform", vector=seen_from, vector_type="NORMAL", convert_from="WORLD", convert_to="OBJECT"
+    )
     return {"Fac": n.graph.one("IesTexture", vector=where, strength=strength, profile=profile)}
 
 

@@ -47,7 +47,8 @@ struct Frame {
   static bool on(uint32_t word) { return word == static_cast<uint32_t>(Switch::ON); }
 
   // surface.cpp: what the hit knows
-  bool is_background() const { return point.instance == ShadingPoint::kNoInstance; }
+  bool is_on_mesh() const { return point.instance != ShadingPoint::kNoInstance; }
+  bool is_background() const { return !is_on_mesh() && !point.lamp; }
   Vec3 normal() const { return is_background() ? point.wo : point.ns; }
   Vec3 position() const;            // absolute, shifted; background: the direction
   Vec3 object_position() const;     // in the object's coordinates, shifted

@@ -1,4 +1,5 @@
 // Image, Environment and IES textures.
+#include "../environment.h"
 #include "frame.h"
 
 namespace photon_splat::nodes {
@@ -9,13 +10,6 @@ using Color = std::array<float, 4>;
 Color look_up(const Frame& f, uint32_t texture, const Vec2& uv, bool unassociate) {
   if (texture == kNone) return {1, 0, 1, 1};
   return f.scene.textures[texture].lookup_rgba(uv, unassociate);
-}
-
-Vec2 on_sphere(const Vec3& p) {
-  const float l = length(p);
-  if (!(l > 0)) return {};
-  const float u = p.x == 0 && p.y == 0 ? 0 : 0.5f - std::atan2(p.x, p.y) / (2 * kPi);
-  return {u, 1 - std::acos(std::clamp(p.z / l, -1.0f, 1.0f)) / kPi};
 }
 
 Vec2 on_tube(const Vec3& p) {
@@ -117,7 +111,7 @@ void image_texture(Frame& f, const uint32_t* w) {
   switch (f.mode<Projection>(w[4])) {
     case Projection::FLAT: return set(f, w, look_up(f, w[3], {p.x, p.y}, unassociate));
     case Projection::BOX: return set(f, w, box(f, w[3], p, f.number(w[5]), unassociate));
-    case Projection::SPHERE: return set(f, w, look_up(f, w[3], on_sphere(centered), unassociate));
+    case Projection::SPHERE: return set(f, w, look_up(f, w[3], sphere_uv(centered), unassociate));
     case Projection::TUBE: return set(f, w, look_up(f, w[3], on_tube(centered), unassociate));
   }
 }

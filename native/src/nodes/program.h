@@ -39,7 +39,13 @@ struct RayInfo {
   uint16_t depth = 0, diffuse_depth = 0, glossy_depth = 0, transmission_depth = 0, transparent_depth = 0;
 };
 
-// Where a program runs. World programs: `position` and wi = -direction, no instance.
+// Where a lamp stands, in coordinates relative to the scene's origin.
+struct LampPlace {
+  Affine to_world, to_local;
+};
+
+// Where a program runs. World programs: `position` and wi = -direction, no instance. Those of lamps: `lamp`, no instance; (1 - u - v, u)
+// are the lamp's own coordinates, from 0 to 1 over it.
 struct ShadingPoint {
   static constexpr uint32_t kNoInstance = ~0u;
   Vec3 position;               // m, relative to the scene's origin
@@ -50,6 +56,7 @@ struct ShadingPoint {
   float u = 0, v = 0;          // barycentric
   float footprint = 0;         // width of a pixel here, m: how far apart Bump looks; 0: not known
   RayInfo ray;
+  const LampPlace* lamp = nullptr;
 };
 
 // Runs `program` at `point` and adds its closures to `out` (not finished). Never fails, never yields NaN or infinity.

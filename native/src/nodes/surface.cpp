@@ -10,7 +10,7 @@ Vec3 origin_of(const Scene& scene) {
 
 // The shading normal at the shifted point, on the side that is looked at.
 Vec3 shifted_normal(const Frame& f) {
-  if (f.is_background() || (f.shift_u == 0 && f.shift_v == 0) || f.mesh().corner_normals.empty()) return f.normal();
+  if (!f.is_on_mesh() || (f.shift_u == 0 && f.shift_v == 0) || f.mesh().corner_normals.empty()) return f.normal();
   const Vec3* n = &f.mesh().corner_normals[3 * static_cast<size_t>(f.point.triangle)];
   const float u = f.point.u + f.shift_u, v = f.point.v + f.shift_v;
   Vec3 world = n[0] * (1 - u - v) + n[1] * u + n[2] * v;
@@ -92,10 +92,12 @@ void set_attribute(Frame& f, const uint32_t* w, const std::array<float, 4>& a, u
 
 const Affine& Frame::world_to_object() const {
   static const Affine identity;
+  if (point.lamp) return point.lamp->to_local;
   return point.instance < scene.world_to_object.size() ? scene.world_to_object[point.instance] : identity;
 }
 
 Affine Frame::object_to_world() const {
+  if (point.lamp) return point.lamp->to_world;
   Affine m;
   const auto& exact = scene.instances[point.instance].exact;
   for (size_t i = 0; i < 12; ++i) m.m[i] = static_cast<float>(exact[i]);
@@ -119,7 +121,7 @@ Vec3 Frame::normal_from_object(const Vec3& n) const {
 }
 
 bool Frame::attribute(uint32_t id, std::array<float, 4>& value, uint32_t& components) const {
-  const MeshAttribute* found = id == kNone || is_background() ? nullptr : mesh().attribute(id);
+  const MeshAttribute* found = id == kNone || !is_on_mesh() ? nullptr : mesh().attribute(id);
   if (!found) return false;
   value = found->at(mesh().triangles[point.triangle], point.triangle, point.u + shift_u, point.v + shift_v);
   components = found->components;
@@ -127,7 +129,7 @@ bool Frame::attribute(uint32_t id, std::array<float, 4>& value, uint32_t& compon
 }
 
 Vec3 Frame::generated() const {
-  if (is_background()) return point.position;
+  if (!is_on_mesh()) return object_position();
   std::array<float, 4> own;
   uint32_t components;
   if (attribute(kGeneratedAttribute, own, components)) return {own[0], own[1], own[2]};
@@ -136,7 +138,8 @@ Vec3 Frame::generated() const {
 }
 
 Vec3 Frame::uv(uint32_t id) const {
-  if (is_background()) return {};
+  if (point.lamp && id == kNone) return {1 - point.u - point.v, point.u, 0};
+  if (!is_on_mesh()) return {};
   std::array<float, 4> value{};
   uint32_t components;
   if (id == kNone) {
@@ -152,7 +155,7 @@ void geometry(Frame& f, const uint32_t* w) {
   switch (f.mode<GeometryVector>(w[1])) {
     case GeometryVector::POSITION: v = f.position(); break;
     case GeometryVector::NORMAL: v = f.normal(); break;
-    case GeometryVector::TANGENT: v = tangent_around_z(f); break;
+    case GeometryVector::TANGENT: v = f.point.lamp ? Vec3{} : tangent_around_z(f); break;
     case GeometryVector::TRUE_NORMAL: v = f.is_background() ? f.point.wo : f.point.ng; break;
     case GeometryVector::INCOMING: v = f.point.wo; break;
     case GeometryVector::PARAMETRIC: {
@@ -190,7 +193,7 @@ void instance_attribute(Frame& f, const uint32_t* w) {
   std::array<float, 4> value{};
   uint32_t components = 0;
   for (const InstanceAttribute& a : f.scene.instance_attributes) {
-    if (a.id != w[3] || f.is_background() || (f.point.instance + 1ull) * a.components > a.values.size()) continue;
+    if (a.id != w[3] || !f.is_on_mesh() || (f.point.instance + 1ull) * a.components > a.values.size()) continue;
     components = a.components;
     std::copy_n(&a.values[static_cast<size_t>(f.point.instance) * components], components, value.begin());
     break;
@@ -245,7 +248,7 @@ void light_falloff(Frame& f, const uint32_t* w) {
 }
 
 void wireframe(Frame& f, const uint32_t* w) {
-  if (f.is_background()) return f.set(w[0], 0.0f);
+  if (!f.is_on_mesh()) return f.set(w[0], 0.0f);
   Vec3 corner[3];
   f.corners(corner);
   float width = 0.5f * f.number(w[1]);
