@@ -81,12 +81,14 @@ void CameraTracer::trace_tiles(const Job& job, Film& film, const CancelFlag& can
     for (int y = y_begin; y < y_end; ++y)
       for (int x = x_begin; x < x_end; ++x) trace_pixel(job, x, y, film, film.pixels[static_cast<size_t>(y) * film.width + x], tile);
   });
+  last_rays_ = 0;
   for (const Tile& tile : tiles_) {
-    rays_ += tile.rays;
+    last_rays_ += tile.rays;
     bad_samples_ += tile.bad_samples;
     places_ += tile.places;
     fallbacks_ += tile.fallbacks;
   }
+  rays_ += last_rays_;
 }
 
 void CameraTracer::trace_pixel(const Job& job, int x, int y, const Film& film, Pixel& pixel, Tile& tile) const {

@@ -48,6 +48,7 @@ class CameraTracer {
   void trace_reference(uint32_t sample, int max_bounces, Film& film, const CancelFlag& cancel);
 
   uint64_t rays() const { return rays_; }
+  uint64_t last_rays() const { return last_rays_; }  // of the last pass
   // Samples whose light was not finite and was left out: 0 unless something is wrong.
   uint64_t bad_samples() const { return bad_samples_; }
   // Places where indirect light was wanted, over all calls of trace(), and those of them where paths went on for it.
@@ -88,7 +89,7 @@ class CameraTracer {
   std::vector<Tile> tiles_;
   std::vector<Record> records_;
   std::vector<size_t> ranges_;
-  uint64_t rays_ = 0, bad_samples_ = 0, places_ = 0, fallbacks_ = 0;
+  uint64_t rays_ = 0, last_rays_ = 0, bad_samples_ = 0, places_ = 0, fallbacks_ = 0;
   const Fallback* fallback_ = nullptr;
   bool caustic_photons_ = false;
   float radius_factor_ = 1;

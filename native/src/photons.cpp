@@ -215,17 +215,18 @@ const std::vector<Photon>& PhotonTracer::trace(uint64_t first, uint64_t count, d
     trace_chunk(first + begin, std::min(kPathsPerChunk, count - begin), total, seed, visible, chunks_[c]);
   });
   std::vector<size_t> offset(chunk_count + 1);
+  uint64_t rays = 0;
   for (size_t c = 0; c < chunk_count; ++c) {
     offset[c + 1] = offset[c] + chunks_[c].photons.size();
-    counts_.rays += chunks_[c].rays;
+    rays += chunks_[c].rays;
     if (ray_log) ray_log->insert(ray_log->end(), chunks_[c].ray_log.begin(), chunks_[c].ray_log.end());
   }
   photons_.resize(offset.back());
   scene_.pool().for_each(chunk_count, cancel, [&](size_t c, int) {
     std::copy(chunks_[c].photons.begin(), chunks_[c].photons.end(), photons_.begin() + offset[c]);
   });
-  counts_.traced += count;
-  counts_.stored += photons_.size();
+  last_counts_ = {count, photons_.size(), rays};
+  counts_ = {counts_.traced + count, counts_.stored + photons_.size(), counts_.rays + rays};
   return photons_;
 }
 

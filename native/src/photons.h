@@ -48,6 +48,7 @@ class PhotonTracer {
   const std::vector<Photon>& trace(uint64_t first, uint64_t count, double total, uint32_t seed,
                                    const KeyFilter& visible, const CancelFlag& cancel);
   const PhotonCounts& counts() const { return counts_; }
+  const PhotonCounts& last_counts() const { return last_counts_; }  // of the last trace()
 
   // Traces a pilot and learns from it where photons that end on visible surfaces start. Guided emission is taken up
   // only where few unguided paths are of use. Caustic photons are aimed at what can focus light instead.
@@ -97,7 +98,7 @@ class PhotonTracer {
   std::optional<EmissionTargets> targets_;
   std::vector<Chunk> chunks_;
   std::vector<Photon> photons_;
-  PhotonCounts counts_;
+  PhotonCounts counts_, last_counts_;
 };
 
 }  // namespace photon_splat

@@ -211,17 +211,16 @@ void Renderer::add_irradiance(Layer& layer, bool wandered) {
   });
 }
 
-// What one camera sample in each pixel costs, over what the pass' photons do, from the rays so far. In camera rays with their
+// What one camera sample in each pixel costs, over what the pass' photons do, from the rays of both. In camera rays with their
 // shading: a photon's ray is about a third of one, a photon splatted two, a record that finds its point one.
 double Renderer::camera_work() const {
   double samples = 0, photons = 0;
   for (const Pixel& p : pass_film_.pixels) samples += p.samples;
   for (const auto& layer : layers_) {
-    const PhotonCounts counts = layer->tracer->counts();
+    const PhotonCounts counts = layer->tracer->last_counts();
     if (counts.traced) photons += (counts.rays / 3.0 + 2.0 * counts.stored) * layer->paths_per_pass / counts.traced;
   }
-  const double rays = static_cast<double>(camera_tracer_->rays()) / (film_.passes + 1);
-  const double camera = (rays + static_cast<double>(records_ ? records_->size() : 0)) / std::max(samples, 1.0);
+  const double camera = (static_cast<double>(camera_tracer_->last_rays()) + static_cast<double>(records_ ? records_->size() : 0)) / std::max(samples, 1.0);
   return photons > 0 ? camera * static_cast<double>(pass_film_.pixels.size()) / photons : 1;
 }
 

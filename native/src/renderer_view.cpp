@@ -14,6 +14,7 @@ constexpr double kStorePhotons = 1 << 17;
 void Renderer::set_view() {
   selected();
   *camera_ = Camera(camera_settings);
+  sky_.reset();
   reset_film();
   records_ = nullptr;
   for (const auto& layer : layers_) layer->radii.reset();

@@ -239,7 +239,20 @@ def test_interrupting_writes_nothing(number: signal.Signals, scenes: Path, tmp_p
 
 @pytest.mark.smoke
 def test_picture_and_statistics(scenes: Path, tmp_path: Path) -> None:
-    status, errors = _render(tmp_path, scenes / "room.blend", "-o", "out.exr", "--stats", "stats.json", "--passes", "3", "--threads", "2")
+    status, errors = _render(
+        tmp_path,
+        scenes / "room.blend",
+        "-o",
+        "out.exr",
+        "--stats",
+        "stats.json",
+        "--passes",
+        "3",
+        "--threads",
+        "2",
+        "--photons-per-pass",
+        "60000",
+    )
     assert status == 0, errors
     assert "100 %" in errors
     assert _left(tmp_path) == ["out.exr", "stats.json"]
@@ -259,8 +272,8 @@ def test_picture_and_statistics(scenes: Path, tmp_path: Path) -> None:
     said = json.loads((tmp_path / "stats.json").read_text())
     assert set(said["seconds"]) >= {"export", "acceleration", "camera", "photons", "splat", "boundary", "total"}
     assert set(said) >= {"photons", "rays", "peak_memory_bytes", "passes", "threads", "backend", "warnings", "startup_seconds"}
-    assert said["photons"]["traced"] == 3 * 3000
-    assert 0 < said["photons"]["stored"] < 10 * 9000
+    assert said["photons"]["traced"] == 3 * 60_000
+    assert 0 < said["photons"]["stored"] < 10 * 180_000
     assert said["rays"] > 9000
     assert said["passes"] == 3
     assert said["threads"] == 2

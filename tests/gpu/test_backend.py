@@ -12,7 +12,7 @@ from photon_splat.core.settings import Integrator
 from tests import corescene as c
 from tests.gpu import scenes
 
-SMALL = {"passes": 1, "photons_per_pass": 1000}
+SMALL = {"passes": 1, "photons_per_pass": 1000, "fallback": False}
 CARD = "NVIDIA GeForce RTX 4090/PCIe/SSE2"
 
 
