@@ -179,6 +179,13 @@ float curvature_radius_limit(const Scene& scene, uint32_t instance, uint32_t tri
   return curvature > 0 ? kRadiusOverCurvature * placed.scale / curvature : INFINITY;
 }
 
+float patch_width(const Scene& scene, uint32_t instance, uint32_t triangle) {
+  const Instance& placed = scene.instances[instance];
+  const Topology& topology = scene.meshes[placed.mesh].topology;
+  const uint32_t patch = topology.patch[triangle];
+  return topology.patch_rim[patch] > 0 ? 2 * topology.patch_area[patch] / topology.patch_rim[patch] * placed.scale : INFINITY;
+}
+
 KernelMass kernel_mass(const Scene& scene, uint32_t instance, uint32_t triangle, const Vec3& x, const Vec3& normal, float h) {
   const Instance& placed = scene.instances[instance];
   const Mesh& mesh = scene.meshes[placed.mesh];

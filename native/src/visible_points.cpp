@@ -13,6 +13,7 @@ constexpr size_t kChunk = 4096;
 constexpr size_t kShards = 64;
 constexpr float kTrustedMass = 0.2f;      // of a curved patch
 constexpr int kMostHalvings = 8;
+constexpr float kLeastOnStrips = 0.5f;         // likewise: a quarter remains
 constexpr float kLeastOfDensityRadius = 0.2f;  // curvature takes no more than this: 1/25 of the photons remain
 constexpr float kWhole = 0.999f;          // mass of a disc that no edge cuts
 constexpr float kClearOfWall = 0.9f;      // of the distance to it
@@ -63,6 +64,8 @@ void VisiblePoints::find_cells(Scene& scene, const std::vector<Record>& records,
       h = std::min(std::max(h, kFootprintFloor * std::min(factor, 1.0f) * r.footprint), radii.largest());
       // Where the surface bends a disc blurs over its normals; where photons are few that is the lesser evil.
       h = std::max(std::min(h, curvature_radius_limit(scene, r.instance, r.triangle)), kLeastOfDensityRadius * h);
+      // So it is on strips: light that comes from things of a strip's width changes along it within about that width.
+      h = std::max(std::min(h, patch_width(scene, r.instance, r.triangle)), kLeastOnStrips * h);
       h = quantized(std::max(h, smallest));
       uint64_t hash = i;
       uint32_t rank = hash_combine(static_cast<uint32_t>(i), pass);
