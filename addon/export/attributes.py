@@ -36,6 +36,8 @@ def mesh_shading(mesh: Any, name: str, wants: dict[int, Want], left: NDArray[np.
             shading.generated, found = _generated(mesh)
         elif want.kind == "tangent":
             found = _tangents(mesh, want.name, name, triangles, report)
+        elif want.kind == "island":
+            found = Domain.FACE, island_randoms(mesh)[triangles.vertices[:, 0], None]
         elif want.kind == "color":
             found = _values(mesh, _color_attribute(mesh, want.name), triangles, left)
         else:
@@ -93,6 +95,34 @@ def _values(mesh: Any, attribute: Any, triangles: Triangles, left: NDArray[np.bo
     if attribute.domain == "EDGE":
         return Domain.POINT, _at_vertices(mesh, values.astype(np.float32))
     return None
+
+
+def island_randoms(mesh: Any) -> NDArray[np.float32]:
+    """A random number for each vertex, the same within what edges join: that of the vertex which stands for the island.
+
+    Which one that is follows Cycles: sets are joined edge by edge, the one of lower rank to the other (union by rank).
+    """
+    count = len(mesh.vertices)
+    parents, ranks = list(range(count)), [0] * count
+
+    def root(vertex: int) -> int:
+        while parents[vertex] != vertex:
+            parents[vertex] = vertex = parents[parents[vertex]]
+        return vertex
+
+    for first, second in read_copy(mesh.edges, "vertices", np.int32, 2).tolist():
+        a, b = root(first), root(second)
+        if a == b:
+            continue
+        if ranks[a] < ranks[b]:
+            a, b = b, a
+        parents[b] = a
+        ranks[a] += ranks[a] == ranks[b]
+    roots = np.array([root(vertex) for vertex in range(count)], np.int64)
+    standing = np.unique(roots)
+    values = np.zeros(count, np.float32)
+    values[standing] = [number_random(int(vertex), 1) for vertex in standing]
+    return values[roots]
 
 
 def _at_vertices(mesh: Any, values: NDArray[np.float32]) -> NDArray[np.float32]:

@@ -14,6 +14,7 @@ from ..report import Report
 from .kept import Kept, identity
 
 BLENDER_5 = bpy.app.version >= (5, 0, 0)
+FIRST_TILE = 1001
 MISSING_RGBA = (255, 0, 255, 255)  # what Cycles shows in place of an image that cannot be read
 LINEAR_SPACES = {"Linear Rec.709", "Linear", "Raw", "Non-Color", "Generic Data"}
 INTERPOLATIONS = {"Closest": Interpolation.CLOSEST, "Cubic": Interpolation.CUBIC, "Smart": Interpolation.CUBIC}
@@ -27,26 +28,33 @@ class Textures:
         self.list: list[Texture] = []
         self._report, self._kept = report, kept
         self._known: dict[tuple[Any, ...], int] = {}
+        self._read: dict[tuple[int, str, int], tuple[NDArray, bool]] = {}  # however many ways it is read in
 
     def add(self, texture: Texture) -> int:
         self.list.append(texture)
         return len(self.list) - 1
 
-    def of_node(self, node: Any, owner: str) -> int:
-        """Index of the texture that an Image (or Environment) Texture node reads; `owner` is what warnings name."""
+    def of_node(self, node: Any, owner: str, tile: int = FIRST_TILE) -> int:
+        """Index of the texture that an Image (or Environment) Texture node reads, or one of its UDIM tiles; warnings name `owner`."""
         image = node.image
         interpolation = INTERPOLATIONS.get(node.interpolation, Interpolation.LINEAR)
         extension = EXTENSIONS.get(getattr(node, "extension", "REPEAT"), Extension.REPEAT)
-        path = _path(image, node) if image else ""
-        key = (image.as_pointer() if image else 0, path, interpolation, extension)
+        path = _path(image, node, tile) if image else ""
+        key = (image.as_pointer() if image else 0, path, tile, interpolation, extension)
         if key not in self._known:
-            pixels, srgb = self._pixels(image, path, owner)
+            pixels, srgb = self._once(image, path, owner, tile)
             self._known[key] = self.add(Texture(image.name if image else "(none)", pixels, srgb, interpolation, extension))
         return self._known[key]
 
-    def _pixels(self, image: Any, path: str, owner: str) -> tuple[NDArray, bool]:
-        if image is None or image.is_dirty or image.source == "MOVIE":
-            return _read(image, path, owner, self._report)
+    def _once(self, image: Any, path: str, owner: str, tile: int) -> tuple[NDArray, bool]:
+        key = (image.as_pointer() if image else 0, path, tile)
+        if key not in self._read:
+            self._read[key] = self._pixels(image, path, owner, tile)
+        return self._read[key]
+
+    def _pixels(self, image: Any, path: str, owner: str, tile: int) -> tuple[NDArray, bool]:
+        if image is None or image.is_dirty or image.source == "MOVIE" or tile != FIRST_TILE:
+            return _read(image, path, owner, self._report, tile)
         changed = os.stat(path).st_mtime_ns if os.path.isfile(path) else 0
         reading = (image.colorspace_settings.name, image.alpha_mode, image.source)
         key = ("image", identity(image), path, changed, owner, *reading)
@@ -62,21 +70,22 @@ def srgb_to_linear(encoded: NDArray) -> NDArray:
     return np.where(encoded <= 0.04045, encoded / 12.92, ((np.maximum(encoded, 0.04045) + 0.055) / 1.055) ** 2.4).astype(encoded.dtype)
 
 
-def _read(image: Any, path: str, owner: str, report: Report) -> tuple[NDArray, bool]:
+def _read(image: Any, path: str, owner: str, report: Report, tile: int = FIRST_TILE) -> tuple[NDArray, bool]:
     """Pixels, colour times alpha as Cycles has them, and whether they are sRGB-encoded; pink where there is no image."""
     if image is None:
         report.warn(f"{owner}: an image texture has no image; shown in pink")
         return _pink(), True
     named = f"image '{image.name}'"
-    if image.source == "TILED":
-        report.warn(f"{owner}: {named}: UDIM tiles are not supported; the first tile is used for all")
     if image.source == "MOVIE":
         report.warn(f"{owner}: {named}: movies are not supported; one frame is used")
-    raw = _from_file(path) if image.source in {"FILE", "SEQUENCE"} and not image.packed_file and not image.is_dirty else None
+    raw = _from_file(path) if image.source in {"FILE", "SEQUENCE", "TILED"} and not image.packed_file and not image.is_dirty else None
     from_file = raw is not None
-    pixels = raw if raw is not None else _from_blender(image)
+    first = image.source != "TILED" or tile == image.tiles[0].number  # Blender's own buffer is that of the first tile
+    pixels = raw if raw is not None or not first else _from_blender(image)
     if pixels is None:
-        report.warn(f"{owner}: {named}: {path or 'its file'} cannot be read; shown in pink")
+        report.warn(
+            f"{owner}: {named}: {path or (f'tile {tile}' if image.source == 'TILED' else 'its file')} cannot be read; shown in pink"
+        )
         return _pink(), True
     srgb, is_data = _color_space(image, owner, report)
     if image.alpha_mode == "NONE":
@@ -100,14 +109,17 @@ def _read(image: Any, path: str, owner: str, report: Report) -> tuple[NDArray, b
     return pixels, srgb
 
 
-def _path(image: Any, node: Any) -> str:
-    """The image's file for the current frame, absolute, or "" if it has none."""
+def _path(image: Any, node: Any, tile: int) -> str:
+    """The image's file for the current frame, or of a UDIM tile; absolute, or "" if it has none."""
     if image.source not in {"FILE", "SEQUENCE", "TILED", "MOVIE"}:
         return ""
     try:
         path = image.filepath_from_user(image_user=node.image_user)
     except (AttributeError, RuntimeError, TypeError):
         path = image.filepath
+    if image.source == "TILED":
+        row, column = divmod(tile - FIRST_TILE, 10)
+        path = image.filepath.replace("<UDIM>", str(tile)).replace("<UVTILE>", f"u{column + 1}_v{row + 1}")
     return bpy.path.abspath(path, library=image.library) if path else ""
 
 

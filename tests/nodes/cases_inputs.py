@@ -22,7 +22,10 @@ def _outputs(node: str, outputs: tuple[str, ...], things: tuple[str, ...] = THIN
 
 def _hits() -> list[Case]:
     found = _outputs("ShaderNodeTexCoord", ("Generated", "Normal", "UV", "Object", "Camera", "Window", "Reflection"))
-    found += _outputs("ShaderNodeNewGeometry", ("Position", "Normal", "Tangent", "True Normal", "Incoming", "Parametric", "Backfacing"))
+    found += _outputs(
+        "ShaderNodeNewGeometry",
+        ("Position", "Normal", "Tangent", "True Normal", "Incoming", "Parametric", "Backfacing", "Random Per Island"),
+    )
     found += _outputs("ShaderNodeObjectInfo", ("Location", "Color", "Alpha", "Object Index", "Material Index", "Random"))
     found += _outputs("ShaderNodeCameraData", ("View Vector", "View Z Depth", "View Distance"))
     path = ("Is Camera Ray", "Is Shadow Ray", "Is Diffuse Ray", "Is Glossy Ray", "Is Singular Ray", "Is Reflection Ray")

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import tempfile
 from typing import Any
 
 import numpy as np
 
-from tests.nodes.cases import Case, enum, exists
+from tests.nodes.cases import Case, Sources, enum, exists
 
 
 def cases() -> list[Case]:
     found = [*_noises(), *_voronois(), *_waves(), *_patterns(), *_images(), *_environments()]
+    found += [Case(f"image tiles {thing}", "ShaderNodeTexImage", "Color", build=_tiled, thing=thing) for thing in ("plane", "sphere")]
     return found + (_gabors() if exists("ShaderNodeTexGabor") else [])
 
 
@@ -212,3 +214,30 @@ def _environments() -> list[Case]:
                 name = f"environment {projection} {thing} {interpolation}"
                 found.append(Case(name, node, "Color", properties, vector, setup=_image(name="opaque", alpha=False), thing=thing))
     return found
+
+
+def _tiled(tree: Any) -> Any:
+    """UDIM tiles 1001, 1002 and 1011 over three by three; the others are not there."""
+    import bpy
+
+    folder = tempfile.mkdtemp(prefix="photon_splat_tiles_")
+    rows, columns = np.mgrid[:8, :8] / 8.0
+    for number in (1001, 1002, 1011):
+        one = bpy.data.images.new("tile", 8, 8)
+        one.pixels.foreach_set(
+            np.stack([columns, rows, np.full((8, 8), (number % 7) / 7.0), np.ones((8, 8))], -1).astype(np.float32).ravel()
+        )
+        one.filepath_raw, one.file_format = f"{folder}/tile.{number}.png", "PNG"
+        one.save()
+    image = bpy.data.images.load(f"{folder}/tile.1001.png")
+    image.source, image.filepath = "TILED", f"{folder}/tile.<UDIM>.png"
+    for number in (1002, 1011):
+        if number not in [tile.number for tile in image.tiles]:
+            image.tiles.new(number)
+    scaled = tree.nodes.new("ShaderNodeMapping")
+    scaled.inputs["Scale"].default_value = (2.9, 2.9, 1.0)
+    tree.links.new(Sources(tree).get("uv"), scaled.inputs["Vector"])
+    node = tree.nodes.new("ShaderNodeTexImage")
+    node.image, node.interpolation = image, "Closest"
+    tree.links.new(scaled.outputs[0], node.inputs["Vector"])
+    return node.outputs["Color"]

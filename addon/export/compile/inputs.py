@@ -74,8 +74,7 @@ def geometry(n: Node) -> Outputs:
         n.warn("Pointiness is not supported; taken as 0.5, which is flat")
         found["Pointiness"] = number(0.5)
     if n.wanted("Random Per Island"):
-        n.warn("Random Per Island is not supported; taken as the object's Random")
-        found["Random Per Island"] = instance_value(n, "info", "random")["factor"]
+        found["Random Per Island"] = n.graph.add("Attribute", attribute=n.around.wants.id("island"))["factor"]
     return found
 
 

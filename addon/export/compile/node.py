@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Want:
-    """Something that programs read. Of a mesh: kind "uv", "attribute", "color", "tangent" or "generated", of the layer `name`
+    """Something that programs read. Of a mesh: kind "uv", "attribute", "color", "tangent", "island" or "generated", of the layer `name`
     ("": the active one). Of instances: "object" or "instancer" for a property `name`, "particle" or "info" for what nodes name.
     """
 

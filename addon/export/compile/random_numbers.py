@@ -11,13 +11,13 @@ def name_random(name: str) -> float:
     return number_random(value)
 
 
-def number_random(value: int) -> float:
-    """Bob Jenkins' lookup3 (public domain) of (value, 0), scaled to 0..1."""
+def number_random(value: int, words: int = 2) -> float:
+    """Bob Jenkins' lookup3 (public domain) of (value, 0), or of value alone, scaled to 0..1."""
 
     def turn(x: int, k: int) -> int:
         return ((x << k) | (x >> (32 - k))) & 0xFFFFFFFF
 
-    start = (0xDEADBEEF + (2 << 2) + 13) & 0xFFFFFFFF
+    start = (0xDEADBEEF + (words << 2) + 13) & 0xFFFFFFFF
     a, b, c = (start + value) & 0xFFFFFFFF, start, start
     c = ((c ^ b) - turn(b, 14)) & 0xFFFFFFFF
     a = ((a ^ c) - turn(c, 11)) & 0xFFFFFFFF

@@ -81,7 +81,7 @@ NODES: dict[str, Entry] = {
     "VOLUME_COEFFICIENTS": Entry("shader", "Volume Coefficients", s.volume, "left out"),
     "PRINCIPLED_VOLUME": Entry("shader", "Principled Volume", s.volume, "left out"),
     # --- textures ---
-    "TEX_IMAGE": Entry("texture", "Image Texture", t.image, "of UDIM tiles the first is used for all, of movies one frame"),
+    "TEX_IMAGE": Entry("texture", "Image Texture", t.image, "of movies one frame"),
     "TEX_ENVIRONMENT": Entry("texture", "Environment Texture", t.environment),
     "TEX_NOISE": Entry("texture", "Noise Texture", t.noise),
     "TEX_VORONOI": Entry("texture", "Voronoi Texture", t.voronoi),
@@ -102,7 +102,7 @@ NODES: dict[str, Entry] = {
     "UVMAP": Entry("input", "UV Map", i.uv_map),
     "ATTRIBUTE": Entry("input", "Attribute", i.attribute),
     "VERTEX_COLOR": Entry("input", "Color Attribute", i.color_attribute),
-    "NEW_GEOMETRY": Entry("input", "Geometry", i.geometry, "Pointiness is 0.5, Random Per Island the object's Random"),
+    "NEW_GEOMETRY": Entry("input", "Geometry", i.geometry, "Pointiness is 0.5"),
     "OBJECT_INFO": Entry("input", "Object Info", i.object_info),
     "PARTICLE_INFO": Entry("input", "Particle Info", i.particle_info),
     "CAMERA": Entry("input", "Camera Data", i.camera_data),

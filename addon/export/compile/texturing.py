@@ -11,7 +11,7 @@ from ..images import is_associated
 from ..sky import export_sky
 from .inputs import uv
 from .node import Node, label
-from .values import ONE, ORIGIN, ZERO, Value, number
+from .values import ONE, ORIGIN, ZERO, Value, number, vector
 
 Outputs = dict[str, Value]
 
@@ -59,8 +59,37 @@ def texture_matrix(mapping: Any) -> tuple[float, ...] | None:
     return tuple(float(whole[row][column]) for row in range(3) for column in range(4))
 
 
+def _tiles(n: Node) -> Outputs:
+    """A UDIM image: each tile where it lies, pink where there is none, as in Cycles. Every tile costs a look-up."""
+    node, graph = n.node, n.graph
+    where = coordinates(n, uv(n, ""))
+    whole, rest = (
+        graph.add("VectorMath", a=where, b=ORIGIN, c=ORIGIN, scale=ONE, operation=kind)["vector"] for kind in ("FLOOR", "FRACTION")
+    )
+    color, alpha = vector((1.0, 0.0, 1.0)), ONE
+    for tile in node.image.tiles:
+        at = divmod(tile.number - 1001, 10)
+        inside = ONE
+        for axis, place in enumerate(reversed(at)):
+            same = graph.one("Math", a=whole.component(axis), b=number(float(place)), c=number(0.5), operation="COMPARE", use_clamp=False)
+            inside = graph.multiply(inside, same)
+        found = graph.add(
+            "ImageTexture",
+            vector=rest,
+            image=n.around.textures.of_node(node, f"{n.owner.name}, node '{label(node)}'", tile.number),
+            projection="FLAT",
+            projection_blend=ZERO,
+            unassociate=n.wanted("Alpha") and is_associated(node.image),
+        )
+        color = graph.one("MixVector", factor=inside, a=color, b=found["color"], clamp_factor=False)
+        alpha = graph.one("MixFloat", factor=inside, a=alpha, b=found["alpha"], clamp_factor=False)
+    return {"Color": color, "Alpha": alpha}
+
+
 def image(n: Node) -> Outputs:
     node = n.node
+    if node.image is not None and node.image.source == "TILED" and node.projection == "FLAT":
+        return _tiles(n)
     index = n.around.textures.of_node(node, f"{n.owner.name}, node '{label(node)}'")
     found = n.graph.add(
         "ImageTexture",
