@@ -9,6 +9,7 @@ constexpr uint32_t kFewEdges = 48;         // planar patches up to here are summ
 constexpr float kGentle = 0.3f;               // h times curvature up to which the ball's mass is good to 0.3 %
 constexpr float kRadiusOverCurvature = 0.7f;
 constexpr uint32_t kMostTriangles = Topology::kManyTriangles;  // summed one by one
+constexpr double kSmall2 = 0.04;  // squared edges of small triangles, in squared radii
 constexpr float kFewestSamples = 100;         // of a patch that a flat disc would hold, from which its mass is estimated
 
 struct EdgeInPlane {
@@ -90,19 +91,50 @@ struct TriangleSum {
     // A patch has one side towards the viewer; `normal` is on it, so that the triangles' fronts all agree or all disagree.
     const float weight = std::clamp(kNormalWeightSlope * side * dot(front, normal), 0.0f, 1.0f);
     const float height = dot(x - corner[0], front), relative = height / h;
+    if (weight <= 0) return;
+    // Wholly within a ball the kernel is a polynomial: the mean of d^2 over a triangle is (sum of the corners' + |sum of corners|^2)/12.
+    double squares[3], most = 0, sum_of_squares = 0;
+    for (int i = 0; i < 3; ++i) {
+      squares[i] = length2(corner[i] - x);
+      most = std::max(most, squares[i]);
+      sum_of_squares += squares[i];
+    }
+    const double h2 = double(h) * h, narrow2 = h2 * kNarrow * kNarrow;
+    const double mean = (sum_of_squares + length2(corner[0] + corner[1] + corner[2] - x * 3.0f)) / 12;
+    const double area = 0.5 * len;
+    const bool wide_done = most <= h2, narrow_done = most <= narrow2;
+    if (wide_done) mass.wide += weight * area * 2 / (M_PI * h2) * (1 - mean / h2);
+    if (narrow_done) mass.narrow += weight * area * 2 / (M_PI * narrow2) * (1 - mean / narrow2);
+    if (wide_done && narrow_done) return;
+    if (std::max({length2(corner[1] - corner[0]), length2(corner[2] - corner[1]), length2(corner[0] - corner[2])}) < kSmall2 * h2) {
+      // Small ones on the rim, where the kernel fades to 0: seven points (corners 1/20, middles of edges 2/15, centre 9/20).
+      double wide = 0, narrow = 0;
+      const auto at = [&](double d2, double share) {
+        wide += share * std::max(0.0, 1 - d2 / h2);
+        narrow += share * std::max(0.0, 1 - d2 / narrow2);
+      };
+      for (int i = 0; i < 3; ++i) {
+        at(squares[i], 1.0 / 20);
+        at(length2((corner[i] + corner[(i + 1) % 3]) * 0.5f - x), 2.0 / 15);
+      }
+      at(length2((corner[0] + corner[1] + corner[2]) * (1.0f / 3) - x), 9.0 / 20);
+      if (!wide_done) mass.wide += weight * area * 2 / (M_PI * h2) * wide;
+      if (!narrow_done) mass.narrow += weight * area * 2 / (M_PI * narrow2) * narrow;
+      return;
+    }
     // Squared radii, in h, of the discs that the balls cut from the plane.
     const double cut2 = 1 - relative * relative, narrow_cut2 = cut2 - (1 - double(kNarrow) * kNarrow);
-    if (weight <= 0 || cut2 <= 0) return;
+    if (cut2 <= 0) return;
     const Vec3 foot = x - front * height;
     EdgeInPlane e;
     Masses share;
     for (int i = 0; i < 3; ++i) {
       if (!project(foot, front, h, corner[i], corner[(i + 1) % 3], e)) continue;
-      share.wide += triangle_mass(rescaled(e, std::sqrt(cut2)));
-      if (narrow_cut2 > 0) share.narrow += triangle_mass(rescaled(e, std::sqrt(narrow_cut2)));
+      if (!wide_done) share.wide += triangle_mass(rescaled(e, std::sqrt(cut2)));
+      if (!narrow_done && narrow_cut2 > 0) share.narrow += triangle_mass(rescaled(e, std::sqrt(narrow_cut2)));
     }
     mass.wide += weight * cut2 * cut2 * share.wide;  // the kernel on that plane is cut2^2 times one of the smaller radius
-    if (narrow_cut2 > 0) mass.narrow += weight * std::pow(narrow_cut2 / (double(kNarrow) * kNarrow), 2) * share.narrow;
+    if (!narrow_done && narrow_cut2 > 0) mass.narrow += weight * std::pow(narrow_cut2 / (double(kNarrow) * kNarrow), 2) * share.narrow;
   }
 };
 

@@ -172,6 +172,13 @@ def export_of_a_million_triangles() -> Figures:
     return export.measure()
 
 
+def first_picture() -> Figures:
+    """See first_picture.py beside this file."""
+    from tests.bench import first_picture as bench
+
+    return bench.measure()
+
+
 MEASUREMENTS: dict[str, Callable[..., Figures]] = {
     function.__name__: function
     for function in (
@@ -181,6 +188,7 @@ MEASUREMENTS: dict[str, Callable[..., Figures]] = {
         memory_of_instances,
         memory_of_photons,
         export_of_a_million_triangles,
+        first_picture,
     )
 }
 
