@@ -11,7 +11,8 @@ from dataclasses import dataclass, field
 from math import radians
 from typing import Any
 
-SCENES = ("cornell_box", "cornell_box_1500", "cornell_box_100k", "interior", "light_types", "instances")
+TEXTURED = ("kitchen", "perfume", "street")  # as artists make them
+SCENES = ("cornell_box", "cornell_box_1500", "cornell_box_100k", "interior", "light_types", "instances", *TEXTURED)
 
 
 @dataclass(frozen=True)
@@ -35,6 +36,10 @@ class Case:
 
 def _scene(name: str, width: int, height: int, samples: int, **more: Any) -> Case:
     return Case(name, "open_scene", {"name": name}, width, height, samples, mean_tolerance=0.01, **more)
+
+
+def _textured(name: str, width: int, height: int, samples: int) -> Case:
+    return Case(name, "open_scene", {"name": name}, width, height, samples, block_bias=0.06, reference_bias=0.01, photons_per_pass=60_000)
 
 
 def _lamp(name: str, kind: str, energy: float, **options: Any) -> Case:
@@ -82,6 +87,9 @@ CASES: tuple[Case, ...] = (
     _scene("interior", 128, 80, 2500, block_bias=0.05, photons_per_pass=60_000),
     _scene("light_types", 128, 48, 4096, photons_per_pass=60_000),
     _scene("instances", 128, 72, 512, block_bias=0.05),
+    _textured("kitchen", 72, 48, 1024),
+    _textured("perfume", 80, 96, 4096),
+    _textured("street", 72, 48, 1024),
     # Point lights
     _lamp("point", "POINT", 40.0, shadow_soft_size=0.0),
     _lamp("point_soft", "POINT", 40.0, shadow_soft_size=0.25),
