@@ -7,6 +7,7 @@ namespace {
 
 constexpr int kNear = 2, kFar = 8;       // half sides of the windows over which neighbours lend their statistics
 constexpr float kFarShare = 0.1f;        // what the wide one counts at first: no pixel is quiet only because nothing rare has hit it yet
+constexpr float kQuietPairs = 3, kQuietShare = 0.1f;  // from so many on, a pixel that has never varied takes less from its near ones
 constexpr float kLent = 4;               // statistics of how many pixels one has, its near neighbours' included
 constexpr int kSlopes = 9;               // a = 1, 1.25, ... 3
 constexpr float kSlopeStep = 0.25f, kUsualSlope = 1.3f, kSlopeSpread = 0.35f;
@@ -37,7 +38,7 @@ void ErrorEstimate::add(const Film& pass, ThreadPool& pool) {
   while (passes_ >> carried & 1) ++carried;
   while (levels_.size() <= carried) {
     const std::vector<float> none(luminance_.size());
-    levels_.push_back({none, none, none, 0});
+    levels_.push_back({none, none, none, none, 0});
   }
   for (uint32_t i = 0; i < carried; ++i) ++levels_[i].pairs;
   const CancelFlag never;
@@ -54,7 +55,9 @@ void ErrorEstimate::add(const Film& pass, ThreadPool& pool) {
         const float open = levels_[k].open[i], open_samples = levels_[k].open_samples[i];
         const float difference = open / open_samples - block / samples;
         const float harmonic = 2 * open_samples * samples / (open_samples + samples);
-        levels_[k].squares[i] += difference * difference * harmonic * static_cast<float>(1u << k);
+        const float weight = harmonic / static_cast<float>(1u << k);
+        levels_[k].squares[i] += difference * difference * harmonic * static_cast<float>(1u << k) * weight;
+        levels_[k].weights[i] += weight;
         block += open;
         samples += open_samples;
       }
@@ -89,12 +92,17 @@ void ErrorEstimate::estimate_variance(ThreadPool& pool) {
           own[at] = 0.25f * ((luminance_[at] - right) * (luminance_[at] - right) + (luminance_[at] - up) * (luminance_[at] - up));
         }
     } else {
-      const float scale = 0.5f / (used[i].weight * used[i].k * used[i].k);
-      for (size_t at = 0; at < own.size(); ++at) own[at] = levels_[i].squares[at] * scale * static_cast<float>(passes_) / samples_[at];
+      const float scale = 0.5f / (used[i].k * used[i].k);
+      for (size_t at = 0; at < own.size(); ++at)
+        own[at] = levels_[i].squares[at] / levels_[i].weights[at] * scale * static_cast<float>(passes_) / samples_[at];
     }
     blur(own, width_, height_, kNear, near);
     blur(own, width_, height_, kFar, far);
-    for (size_t at = 0; at < near.size(); ++at) near[at] += far_share * (far[at] - near[at]);
+    const float quiet_share = used[i].weight < kQuietPairs ? 1 : kQuietShare;
+    for (size_t at = 0; at < near.size(); ++at) {
+      if (!alone && own[at] == 0) near[at] *= quiet_share;  // the sky beside a hedge
+      near[at] += far_share * (far[at] - near[at]);
+    }
     used[i].difference = std::move(near);
   });
 

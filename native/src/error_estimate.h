@@ -38,6 +38,7 @@ class ErrorEstimate {
   struct Level {
     std::vector<float> open, open_samples;  // sum of the block that waits for its neighbour
     std::vector<float> squares;  // of the differences of neighbouring blocks' sums, if each pass had one sample
+    std::vector<float> weights;  // of those: passes of more samples, whose errors are smaller than in proportion, tell more
     uint32_t pairs = 0;
   };
   int width_ = 0, height_ = 0;

@@ -1,4 +1,6 @@
-"""Is the error estimate true? `python -m tests.calibration.run [--quick] [SCENE ...]` writes a table and a chart beside this file.
+"""Is the error estimate true? `python -m tests.calibration.run [--quick] [--fresh] [SCENE ...]` writes a table and a chart beside this file.
+
+What has been measured lies in build/calibration and is taken up again by the next run; --fresh measures anew.
 
 Scenes of blend_scenes/, rendered with the default settings for several times, against two path-traced halves (made once, kept in
 build/calibration). Per picture: true RMS error over estimated one, for the whole picture and for the pixels of each decile of the
@@ -21,10 +23,11 @@ import numpy as np
 from tests.bench.scenes import ROOT, from_blend
 
 HERE = Path(__file__).parent
-SCENES = {"cornell_box": (128, 128), "interior": (128, 80), "light_types": (128, 48), "instances": (128, 72)}
+SCENES = {"cornell_box": (96, 96), "interior": (128, 80), "light_types": (128, 48), "instances": (128, 72)}
 BUDGETS = (0.3, 1.0, 3.0, 10.0, 30.0)
 QUICK_BUDGETS = (0.3, 1.0, 3.0)
-REFERENCE_SAMPLES = 8000  # of each half
+REFERENCE_SAMPLES = {"cornell_box": 3000, "interior": 8000, "light_types": 3000, "instances": 8000}  # of each half
+KEPT = ROOT / "build" / "calibration"
 LOW, HIGH = 0.7, 1.5
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 Figures = dict[str, Any]
@@ -35,11 +38,12 @@ def halves(name: str, width: int, height: int) -> np.ndarray:
     from photon_splat.core.session import render
     from photon_splat.core.settings import Integrator, RenderSettings
 
-    cache = ROOT / "build" / "calibration" / f"{name}_{width}x{height}_{REFERENCE_SAMPLES}.npy"
+    samples = REFERENCE_SAMPLES[name]
+    cache = KEPT / f"{name}_{width}x{height}_{samples}.npy"
     if not cache.exists():
-        print(f"   reference of {name}: two halves of {REFERENCE_SAMPLES} samples (kept for next time)", file=sys.stderr, flush=True)
+        print(f"   reference of {name}: two halves of {samples} samples (kept for next time)", file=sys.stderr, flush=True)
         scene = from_blend(name, width, height)
-        settings = [RenderSettings(passes=REFERENCE_SAMPLES, seed=seed, integrator=Integrator.REFERENCE) for seed in (71, 72)]
+        settings = [RenderSettings(passes=samples, seed=seed, integrator=Integrator.REFERENCE) for seed in (71, 72)]
         pictures = [render(scene, half, started=time.monotonic()).passes["Combined"][..., :3] @ LUMINANCE for half in settings]
         cache.parent.mkdir(parents=True, exist_ok=True)
         np.save(cache, np.stack(pictures))
@@ -72,11 +76,16 @@ def measure(name: str, budgets: tuple[float, ...]) -> list[Figures]:
     truth = halves(name, width, height)
     rows = []
     for seed, budget in enumerate(budgets):
+        cache = KEPT / f"row_{name}_{width}x{height}_{budget:g}.json"
+        if cache.exists():
+            rows.append(json.loads(cache.read_text()))
+            continue
         scene = from_blend(name, width, height)
         result = render(scene, RenderSettings(passes=1 << 30, time_limit=budget, seed=seed), started=time.monotonic())
         figures = compare(result.passes["Combined"][..., :3] @ LUMINANCE, result.passes["Error"][..., 0], truth)
         said = result.statistics["error"]
         rows.append({"scene": name, "seconds": budget, "passes": result.statistics["passes"], "said": said} | figures)
+        cache.write_text(json.dumps(rows[-1]))
     return rows
 
 
@@ -134,7 +143,10 @@ def main(arguments: list[str]) -> int:
         Path(arguments[1]).write_text(json.dumps(measure(arguments[2], tuple(map(float, arguments[3:])))))
         os._exit(0)  # Blender may hang or die at exit
     quick = "--quick" in arguments
-    names = [a for a in arguments if a != "--quick"] or list(SCENES)
+    if "--fresh" in arguments:
+        for row in KEPT.glob("row_*.json"):
+            row.unlink()
+    names = [a for a in arguments if not a.startswith("--")] or list(SCENES)
     unknown = [name for name in names if name not in SCENES]
     if unknown:
         print(f"no such scene: {', '.join(unknown)}; there are {', '.join(SCENES)}", file=sys.stderr)

@@ -12,9 +12,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from photon_splat.core.scene import LightKind, Mesh, Scene
+from photon_splat.core.scene import LightKind, Material, Mesh, Scene, Side
 
 from tests import corescene as c
+from tests.programs import closure
 
 PIXELS = 24
 
@@ -29,6 +30,8 @@ class Case:
     unit: float = 1.0
     passes: int = 24
     photons: int = 40_000
+    whole: bool = False  # compares the whole picture
+    samples: int = 6000  # of the path-traced truth
     known: str = ""  # why it fails today
 
 
@@ -152,13 +155,73 @@ def sunny_plane(half: float) -> Scene:
     return c.scene(_view((1.5, -3.0, 1.5), (0.0, 0.0, 0.4), 0.8), things, [sun])
 
 
+def two_sides() -> Scene:
+    """A sheet seen from its edge's height: bright above, much dimmer below, one mesh."""
+    room = c.box((-1, -1, 0), (1, 1, 2), inwards=True)
+    angles = np.linspace(-0.6, 0.6, 13)
+    vertices = [(x, 0.7 * np.sin(a), 1.0 + 0.5 * np.cos(a)) for x in (-0.7, 0.7) for a in angles]
+    sheet = c.mesh(vertices, [(k, k + 1, 14 + k, 13 + k) for k in range(12)])
+    spot = c.lamp(LightKind.SPOT, 100.0, (0.0, 0.0, 1.8), (0.0, 0.9, 1.9), spot_size=1.2, spot_blend=1.0)
+    return c.scene(_view((0.0, -0.95, 1.2), (0.0, 0.2, 1.25), 1.2), [(room, c.lambert(0.6)), (sheet, c.lambert(0.7))], [spot])
+
+
+def _with_program(things: list, view: tuple, lamps: list, name: str, **inputs: object) -> Scene:
+    """The last of the things is made of that one closure."""
+    things[-1] = (things[-1], Material("sharp", Side(), Side(), program=0))
+    what = c.scene(view, things, lamps)
+    what.programs.append(closure(name, **inputs))
+    return what
+
+
+def _ball(mirror: bool) -> Scene:
+    """A glass ball over a floor, under a lamp wide enough for a path tracer; the caustic seen directly or in a mirror."""
+    lamps = [c.lamp(LightKind.AREA, 30.0, (0.0, 0.0, 2.2), size=(0.5, 0.5))]
+    view = _view((0.0, -1.6, 1.3), (0.0, 0.0, 0.1), 0.6)
+    things: list = [(c.quad(1.5), c.lambert(0.7))]
+    balls = [c.globe(0.3, 5, smooth=True)]
+    balls[0].positions[:, 2] += 0.5
+    if mirror:
+        view = _view((0.0, -0.8, 0.9), (0.0, 1.2, 0.95), 0.7)
+        glass = c.mesh([(-1.0, 1.2, 0.05), (1.0, 1.2, 0.05), (1.0, 1.2, 1.6), (-1.0, 1.2, 1.6)], [(0, 1, 2, 3)])
+        metal = Material("mirror", Side(), Side(), program=1)
+        things.append((glass, metal))
+    what = _with_program([*things, balls[0]], view, lamps, "Glass", color=1.0, ior=1.5)
+    if mirror:
+        what.programs.append(closure("Glossy", color=0.9))
+    return what
+
+
+def caustic_rim() -> Scene:
+    return _ball(False)
+
+
+def mirror_sees_caustic() -> Scene:
+    return _ball(True)
+
+
+def glossy(roughness: float) -> Scene:
+    """A metal of that roughness beside a diffuse floor: lit by it, mirrored in it."""
+    wall = c.mesh([(-1, 1, 0), (1, 1, 0), (1, 1, 1.5), (-1, 1, 1.5)], [(0, 1, 2, 3)])
+    lamps = [_area(40.0, (0.0, -0.3, 1.8), 0.8)]
+    view = _view((0.0, -1.8, 1.2), (0.0, 0.6, 0.3), 0.9)
+    return _with_program([(c.quad(1.0), c.lambert(0.7)), wall], view, lamps, "Glossy", color=0.9, roughness=roughness)
+
+
+def curtain() -> Scene:
+    """A lamp behind a curtain that does not reach the floor."""
+    room = c.box((-1, -1, 0), (1, 1, 2), inwards=True)
+    cloth = c.mesh([(-1, 0.5, 0.06), (1, 0.5, 0.06), (1, 0.5, 2), (-1, 0.5, 2)], [(0, 1, 2, 3)])
+    lamps = [c.lamp(LightKind.POINT, 300.0, (0.0, 0.8, 1.0))]
+    return c.scene(_view((0.0, -0.95, 1.0), (0.0, 0.5, 0.4), 1.2), [(room, c.lambert(0.7)), (cloth, c.lambert(0.5))], lamps)
+
+
 def hidden_light() -> Scene:
     things = [(c.box((-1, -1, 0), (1, 1, 2), inwards=True), c.lambert(0.7)), (c.box((0.2, 0.2, 0.5), (0.6, 0.6, 0.9)), c.lambert(0.7))]
     return c.scene(_view((0.0, -0.9, 1.0), (0.0, 0.3, 0.6)), things, [c.lamp(LightKind.POINT, 50.0, (0.4, 0.4, 0.7))])
 
 
 CASES = (
-    Case("furnace", 1, furnace, 0.03, truth=2.0),
+    Case("furnace", 1, furnace, 0.03, truth=2.0, whole=True),
     Case("free_edge", 2, free_edge, 0.10, passes=48),
     Case("unequal_corner", 3, unequal_corner, 0.15),
     Case("thin_wall", 4, thin_wall, 1e-6, truth=0.0),
@@ -172,5 +235,13 @@ CASES = (
     Case("many_lamps", 15, many_lamps, 0.15),
     Case("plane_of_10_m", 16, lambda: sunny_plane(5.0), 0.5),
     Case("plane_of_1_km", 16, lambda: sunny_plane(500.0), 0.3),
+    Case("two_sides", 7, two_sides, 0.12),
+    Case("caustic_rim", 12, caustic_rim, 0.35, whole=True, samples=20_000),
+    Case("glossy_10", 13, lambda: glossy(0.1), 0.15, whole=True),
+    Case("glossy_25", 13, lambda: glossy(0.25), 0.15, whole=True),
+    Case("glossy_40", 13, lambda: glossy(0.4), 0.15, whole=True),
+    Case("glossy_60", 13, lambda: glossy(0.6), 0.15, whole=True),
+    Case("curtain", 16, curtain, 0.5, passes=48),
+    Case("mirror_sees_caustic", 20, mirror_sees_caustic, 0.5, passes=48, whole=True, samples=20_000),
     Case("hidden_light", 22, hidden_light, 1e-6, truth=0.0),
 )

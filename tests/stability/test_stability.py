@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from photon_splat.core.scene import LightKind, Mesh, Scene
+from photon_splat.core.scene import LightKind, Material, Mesh, Scene, Side
 
 from tests import corescene as c
+from tests.programs import closure
 from tests.robust.test_degenerate import room
 from tests.stability.cases import CASES, Case
 from tests.stability.truth import bounced, shoot, worst_block
@@ -54,3 +55,42 @@ def test_hardly_any_photons(photons: int) -> None:
     assert all(np.isfinite(values).all() for values in passes.values())
     if not photons:
         assert bounced(passes).max() == 0
+
+
+def _over_floor(shift: int) -> Scene:
+    """A camera that looks down on a floor with a block, moved by so many of its pixels."""
+    pixels, size = 24, 1.2
+    room, block = c.box((-1, -1, 0), (1, 1, 2), inwards=True), c.box((0.5, 0.5, 0.0), (0.9, 0.9, 0.6))
+    view = c.ortho_down(0.5, size, pixels, (shift * size / pixels, 0.0))
+    return c.scene(view, [(room, c.lambert(0.7)), (block, c.lambert(0.5))], [c.lamp(LightKind.AREA, 40.0, (0, 0, 1.95), size=(0.5, 0.5))])
+
+
+def test_a_fly_through_does_not_flicker() -> None:
+    """Failure 17: what is seen twice differs by no more than Monte Carlo noise between still pictures of different seeds."""
+    settings = {"passes": 8, "photons_per_pass": 40_000}
+    frames = [bounced(c.shoot(_over_floor(k), seed=0, **settings).passes) for k in range(4)]
+    moved = np.mean([((a[:, 1:] - b[:, :-1]) ** 2).mean() for a, b in zip(frames, frames[1:], strict=False)])
+    still = [bounced(c.shoot(_over_floor(0), seed=k, **settings).passes) for k in range(4)]
+    noise = np.mean([((a - b) ** 2).mean() for a, b in zip(still, still[1:], strict=False)])
+    assert moved < 1.2 * noise, f"frames differ by {(moved / noise) ** 0.5:.2f} times the noise"
+
+
+def test_a_pinhead_of_glass_in_a_hall_is_found() -> None:
+    """4 cm of glass in a hall of 20 m: the light through it, by how much the floor below gets, against Fresnel's formulas."""
+    radius, height = 0.02, 0.06
+    ball = c.globe(radius, 5, smooth=True)
+    ball.positions[:, 2] += height
+    things = [(c.box((-10, -10, 0), (10, 10, 20), inwards=True), c.lambert(0.0)), (c.quad(0.5, 1e-4), c.lambert(0.05))]
+    glass = Material("glass", Side(), Side(), program=0)
+    lamp = c.lamp(LightKind.POINT, 10_000.0, (0.0, 0.0, 19.0))
+    what = c.scene(c.ortho_down(height - 1.2 * radius, 12 * radius, 24), [*things, (ball, glass)], [lamp])
+    what.programs.append(closure("Glass", color=1.0, ior=1.5))
+    result = c.shoot(what, passes=8, photons_per_pass=50_000)
+    radiance = bounced(result.passes).mean()
+    flux = radiance * np.pi / 0.05 * (12 * radius) ** 2
+    s = (np.arange(1000) + 0.5) / 1000  # squared distance from the axis, in radii
+    cos_in, cos_out = np.sqrt(1 - s), np.sqrt(1 - s / 2.25)
+    reflected = (((cos_in - 1.5 * cos_out) / (cos_in + 1.5 * cos_out)) ** 2 + ((1.5 * cos_in - cos_out) / (1.5 * cos_in + cos_out)) ** 2) / 2
+    expected = 10_000.0 / (4 * np.pi) / (19.0 - height) ** 2 * np.pi * radius**2 * ((1 - reflected) ** 2).mean()
+    assert flux == pytest.approx(expected, rel=0.1)
+    assert "No mirror" not in " ".join(result.statistics["plan"]["sentences"])

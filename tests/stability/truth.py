@@ -15,7 +15,6 @@ from tests.compare import block_means
 from tests.stability.cases import CASES, PIXELS, Case
 
 FILE = Path(__file__).with_name("truth.npz")
-SAMPLES = 6000
 BLOCK = 4
 
 
@@ -26,7 +25,7 @@ def bounced(passes: Passes) -> np.ndarray:
 
 
 def picture(case: Case, passes: Passes) -> np.ndarray:
-    return passes["Combined"][..., :3].mean(-1).astype(np.float64) if case.name == "furnace" else bounced(passes)
+    return passes["Combined"][..., :3].mean(-1).astype(np.float64) if case.whole else bounced(passes)
 
 
 def shoot(case: Case, **settings: object) -> np.ndarray:
@@ -42,7 +41,7 @@ def make(names: list[str]) -> None:
     kept = {case.name: kept[case.name] for case in wanted if case.name in kept}
     for case in wanted:
         if not names or case.name in names:
-            kept[case.name] = shoot(case, integrator=Integrator.REFERENCE, passes=SAMPLES).astype(np.float32)
+            kept[case.name] = shoot(case, integrator=Integrator.REFERENCE, passes=case.samples).astype(np.float32)
             print(case.name, flush=True)
     np.savez_compressed(FILE, **kept)
 
