@@ -22,7 +22,7 @@ NATIVE_SOURCES := $(shell find native -path native/.cache -prune -o -path native
 # What is built in the virtual environment must find its tools there: cmake and ninja.
 IN_VENV = PATH="$(CURDIR)/$(@D)/bin:$$PATH"
 
-.PHONY: help setup setup-old render test lint test-native test-python test-old extension extension-test viewport-test bench bench-viewport bench-gpu chart calibration references scenes oracle nodes node-list sanitize wheel clean
+.PHONY: help setup setup-old render test lint test-native test-python test-old extension extension-test viewport-test bench bench-viewport bench-gpu chart stability calibration references scenes oracle nodes node-list sanitize wheel clean
 
 help:
 	@sed -n 's/^\([a-z-]*\):.*## /  make \1\t/p' $(MAKEFILE_LIST) | expand -t 20
@@ -157,6 +157,9 @@ bench-gpu: setup ## the GPU splatter on a graphics card (GPU_OPTIONS: see python
 
 chart: setup ## error against time, ours and Cycles': tests/chart (CHART_OPTIONS: see python -m tests.chart --help)
 	$(PY) -m tests.chart $(CHART_OPTIONS)
+
+stability: setup ## the product and plain photon maps on the known failures: tests/stability/methods.md and .png
+	$(PY) -m tests.stability.run
 
 calibration: setup ## error estimate against true error: tests/calibration/calibration.md and .png
 	$(PY) -m tests.calibration.run

@@ -1,4 +1,4 @@
-"""Is the error estimate true? `python -m tests.calibration.run [--quick] [--fresh] [SCENE ...]` writes a table and a chart beside this file.
+"""Is the error estimate true? `python -m tests.calibration.run [--quick] [--fresh] [SCENE ...]` writes a table and a chart.
 
 What has been measured lies in build/calibration and is taken up again by the next run; --fresh measures anew.
 

@@ -1,18 +1,21 @@
-"""`python -m tests.stability.run --truth [CASE ...]` path-traces what test_stability.py compares with."""
+"""`python -m tests.stability.run [CASE ...]` compares the product with plain methods: methods.md and methods.png.
+
+`--truth [CASE ...]` path-traces what test_stability.py compares with.
+"""
 
 from __future__ import annotations
 
 import sys
 
-from tests.stability import truth
+from tests.stability import methods, truth
 
 
 def main(arguments: list[str]) -> int:
     if arguments[:1] == ["--truth"]:
         truth.make(arguments[1:])
-        return 0
-    print(__doc__, file=sys.stderr)
-    return 2
+    else:
+        methods.main(arguments)
+    return 0
 
 
 if __name__ == "__main__":

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from photon_splat.core.scene import LightKind, Material, Mesh, Scene, Side
@@ -69,9 +71,9 @@ def test_a_fly_through_does_not_flicker() -> None:
     """Failure 17: what is seen twice differs by no more than Monte Carlo noise between still pictures of different seeds."""
     settings = {"passes": 8, "photons_per_pass": 40_000}
     frames = [bounced(c.shoot(_over_floor(k), seed=0, **settings).passes) for k in range(4)]
-    moved = np.mean([((a[:, 1:] - b[:, :-1]) ** 2).mean() for a, b in zip(frames, frames[1:], strict=False)])
+    moved = np.mean([((a[:, 1:] - b[:, :-1]) ** 2).mean() for a, b in pairwise(frames)])
     still = [bounced(c.shoot(_over_floor(0), seed=k, **settings).passes) for k in range(4)]
-    noise = np.mean([((a - b) ** 2).mean() for a, b in zip(still, still[1:], strict=False)])
+    noise = np.mean([((a - b) ** 2).mean() for a, b in pairwise(still)])
     assert moved < 1.2 * noise, f"frames differ by {(moved / noise) ** 0.5:.2f} times the noise"
 
 
@@ -90,7 +92,9 @@ def test_a_pinhead_of_glass_in_a_hall_is_found() -> None:
     flux = radiance * np.pi / 0.05 * (12 * radius) ** 2
     s = (np.arange(1000) + 0.5) / 1000  # squared distance from the axis, in radii
     cos_in, cos_out = np.sqrt(1 - s), np.sqrt(1 - s / 2.25)
-    reflected = (((cos_in - 1.5 * cos_out) / (cos_in + 1.5 * cos_out)) ** 2 + ((1.5 * cos_in - cos_out) / (1.5 * cos_in + cos_out)) ** 2) / 2
+    reflected = (
+        ((cos_in - 1.5 * cos_out) / (cos_in + 1.5 * cos_out)) ** 2 + ((1.5 * cos_in - cos_out) / (1.5 * cos_in + cos_out)) ** 2
+    ) / 2
     expected = 10_000.0 / (4 * np.pi) / (19.0 - height) ** 2 * np.pi * radius**2 * ((1 - reflected) ** 2).mean()
     assert flux == pytest.approx(expected, rel=0.1)
     assert "No mirror" not in " ".join(result.statistics["plan"]["sentences"])
