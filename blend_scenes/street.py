@@ -97,10 +97,10 @@ def _louvres(name: str, color: tuple[float, float, float]) -> bpy.types.Material
     """Painted shutters: slats by a wave, faded where the sun bites."""
     t = material(name)
     where = t.coordinates("Object")
-    slats = t.add("TexWave", "Fac", {"bands_direction": "Z", "wave_profile": "SAW"}, Vector=where, Scale=5.5)
+    slats = t.add("TexWave", "Fac", {"bands_direction": "Z"}, Vector=where, Scale=5.5)
     faded = t.mix(t.map_range(t.noise(where, 3.0, 6.0), 0.4, 0.75, 0.0, 0.5), color, (0.55, 0.53, 0.47))
     shade = t.mix(t.map_range(slats, 0.0, 0.25, 0.75, 0.0), faded, tuple(0.25 * c for c in color))
-    return t.principled(Base_Color=shade, Roughness=0.5, Normal=t.bump(slats, 0.012, 0.8))
+    return t.principled(Base_Color=shade, Roughness=0.5, Normal=t.bump(slats, 0.008, 0.6))
 
 
 def _pane() -> bpy.types.Material:
