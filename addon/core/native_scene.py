@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from .scene import NO_PROGRAM, Camera, Frame, Mesh, Scene, Side
+from .scene import ALL_GROUPS, NO_PROGRAM, Camera, Frame, Mesh, Scene, Side
 from .settings import RenderSettings
 
 if TYPE_CHECKING:
@@ -106,6 +106,7 @@ def _add_lights(renderer: Renderer, scene: Scene) -> None:
                 normalize=light.normalize,
                 camera_visible=light.camera_visible,
                 program=light.program,
+                lit_groups=light.lit_groups,
             )
     renderer.set_world(_rgb(scene.world))
     if scene.world_map is not None:
@@ -147,8 +148,11 @@ def _add_instances(renderer: Renderer, scene: Scene) -> None:
     flat = np.linalg.det(matrices[:, :3, :3].astype(np.float32)) == 0
     for name in sorted({scene.meshes[m].name for m in instances.mesh[flat]}):
         scene.warnings.append(f"Mesh '{name}' stands in the scene flattened to nothing (a scale of 0); those instances are left out.")
-    for mesh, matrix, material_set in zip(instances.mesh[~flat], matrices[~flat], instances.material_set[~flat], strict=True):
-        renderer.add_instance(int(mesh), matrix, material_sets[int(material_set)])
+    count = len(flat)
+    groups = np.zeros(count, int) if instances.group is None else instances.group
+    lit = [ALL_GROUPS] * count if instances.lit_groups is None else instances.lit_groups.tolist()
+    for i in np.flatnonzero(~flat):
+        renderer.add_instance(int(instances.mesh[i]), matrices[i], material_sets[int(instances.material_set[i])], int(groups[i]), lit[i])
     for attribute in instances.attributes:
         renderer.add_instance_attribute(attribute.id, np.ascontiguousarray(attribute.values[~flat], np.float32))
 

@@ -110,16 +110,24 @@ class Instances:
     matrix        (I, 4, 4) float64 local to world; negative determinants (mirroring) are fine
     material_set  (I,) uint32 index into Scene.material_sets
     attributes    what shader programs read from instances
+    group         (I,) uint8 in 0..63, of light linking; None: all 0
+    lit_groups    (I,) uint64, bits of the groups that an instance lights if it shines; None: all
     """
 
     mesh: NDArray[np.uint32]
     matrix: NDArray[np.float64]
     material_set: NDArray[np.uint32]
     attributes: list[InstanceAttribute] = field(default_factory=list)
+    group: NDArray[np.uint8] | None = None
+    lit_groups: NDArray[np.uint64] | None = None
 
     @classmethod
     def empty(cls) -> Instances:
         return cls(np.zeros(0, np.uint32), np.zeros((0, 4, 4)), np.zeros(0, np.uint32))
+
+
+GROUPS = 64
+ALL_GROUPS = (1 << GROUPS) - 1
 
 
 class LightKind(StrEnum):
@@ -144,6 +152,7 @@ class Light:
     normalize     area, point, spot: `strength` is total power (True), or does not depend on the emitter's area (False)
     camera_visible  seen directly by camera rays
     program       index into Scene.programs: what it emits, per place and direction, is a factor of `strength`
+    lit_groups    bits of the Instances.group that it lights
     """
 
     name: str
@@ -161,6 +170,7 @@ class Light:
     normalize: bool = True
     camera_visible: bool = False
     program: int = NO_PROGRAM
+    lit_groups: int = ALL_GROUPS
 
 
 @dataclass(slots=True)

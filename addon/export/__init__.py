@@ -44,6 +44,8 @@ def export_contents(
     kept = kept or Kept()
     scene = depsgraph.scene_eval
     view_layer = depsgraph.view_layer_eval
+    if len(view_layer.lightgroups):
+        report.warn("Light groups are not supported; they give no passes of their own")
     exported = Scene(camera, frame)
     textures = Textures(report, kept)
     shading = Shading(textures, report, depsgraph)

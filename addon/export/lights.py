@@ -91,9 +91,6 @@ def _normalize_sun(light: Light) -> None:
 
 
 def _report_unsupported(ob: Any, lamp: Any, cycles: Any, report: Report) -> None:
-    linking = getattr(ob, "light_linking", None)
-    if linking is not None and (linking.receiver_collection or linking.blocker_collection):
-        report.warn("Light linking is not supported; these lights shine on everything: {}", ob.name)
     if not lamp.use_shadow:
         report.warn("Lights without shadow are not supported; these cast shadows: {}", ob.name)
     if getattr(cycles, "max_bounces", 1024) < 32:

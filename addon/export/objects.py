@@ -9,13 +9,14 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.scene import Instances, Light, Mesh
+from ..core.scene import ALL_GROUPS, Instances, Light, Mesh
 from ..core.shading import InstanceAttribute, MeshShading
 from ..report import Report
 from .attributes import instance_value, mesh_shading, width_of
 from .compile.node import Want, Wants
 from .kept import Kept, identity
 from .lights import export_light
+from .linking import Linking
 from .materials import Materials, Shading
 from .mesh import export_mesh, flattened
 
@@ -36,6 +37,8 @@ class Objects:
         self._set_of: dict[tuple[int, int], int] = {}
         self._sets: dict[tuple[int, ...], int] = {}
         self._rows: list[tuple[int, int]] = []
+        self._groups: list[int] = []
+        self._lit_groups: list[int] = []
         self._matrices: list[NDArray[np.float64]] = []
         self._row_of: dict[int, int] = {}  # by place in the graph's list of instances
         self._attributes: list[InstanceAttribute] = []
@@ -45,6 +48,7 @@ class Objects:
         """Nothing of what the graph's iterator hands out is kept: it reuses its objects."""
         view_layer = depsgraph.view_layer
         override = view_layer.material_override
+        linking = Linking(depsgraph, self._report)
         for place, instance in enumerate(depsgraph.object_instances):
             ob = instance.object
             kind = ob.type
@@ -58,10 +62,13 @@ class Objects:
                     self._add_mesh(ob, np.array(instance.matrix_world, np.float64), override, view_layer)
                     if len(self._rows) > before:
                         self._row_of[place] = before
+                        self._groups.append(linking.group(instance))
+                        self._lit_groups.append(linking.lit_groups(ob))
             elif kind == "LIGHT":
                 if instance.show_self:
                     light = export_light(ob, np.array(instance.matrix_world, np.float64), self._shading)
                     if light is not None:
+                        light.lit_groups = linking.lit_groups(ob)
                         self.lights.append(light)
             elif kind in UNSUPPORTED and instance.show_self:
                 self._report.warn(f"Not supported yet and left out, {UNSUPPORTED[kind]}: {{}}", ob.name)
@@ -99,7 +106,12 @@ class Objects:
         if not self._rows:
             return Instances.empty()
         rows = np.array(self._rows, np.uint32)
-        return Instances(rows[:, 0].copy(), np.stack(self._matrices), rows[:, 1].copy(), self._attributes)
+        placed = Instances(rows[:, 0].copy(), np.stack(self._matrices), rows[:, 1].copy(), self._attributes)
+        if any(self._groups):
+            placed.group = np.array(self._groups, np.uint8)
+        if any(lit != ALL_GROUPS for lit in self._lit_groups):
+            placed.lit_groups = np.array(self._lit_groups, np.uint64)
+        return placed
 
     def _add_mesh(self, ob: Any, matrix: NDArray[np.float64], override: Any, view_layer: Any) -> None:
         data = ob.data
@@ -180,9 +192,6 @@ class Objects:
             self._report.warn("Shadow catchers are not supported yet; rendered as usual: {}", ob.name)
         if not all(getattr(ob, ray) for ray in RAYS):
             self._report.warn("Ray visibility is not supported yet; visible to all rays: {}", ob.name)
-        linking = getattr(ob, "light_linking", None)
-        if linking is not None and (linking.receiver_collection or linking.blocker_collection):
-            self._report.warn("Light linking of emitting objects is not supported yet; ignored for: {}", ob.name)
 
 
 def _made_of(ob: Any) -> tuple[int, int]:

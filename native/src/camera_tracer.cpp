@@ -154,10 +154,10 @@ void CameraTracer::trace_path(Path& path) const {
       path.pixel.diffuse_color += bsdf.diffuse_albedo() * path.throughput;
     }
     if (!bsdf.scatters() || !(max_abs(path.throughput) > 0)) return;
-    const Receiver receiver{hit.position, bsdf.transmits() ? Vec3{} : hit.ng, bsdf.has_rest()};
+    const Receiver receiver{hit.position, bsdf.transmits() ? Vec3{} : hit.ng, bsdf.has_rest(), scene_.instances[hit.instance].group};
     const bool gathers = path.records && path.vertex < path.max_bounces, fallback = gathers && falls_back(path, hit, bsdf);
     if (path.records && bsdf.has_rest() && !fallback) {
-      const bool shares_diffuse = lights_.wants_bsdf_ray({receiver.x, receiver.n, false});
+      const bool shares_diffuse = lights_.wants_bsdf_ray({receiver.x, receiver.n, false, receiver.group});
       bsdf.prefer_rest(shares_diffuse ? kDiffuseShared : kDiffuseLeast);
     }
     add_direct(path, hit, bsdf, receiver);
@@ -248,7 +248,7 @@ void CameraTracer::add_light(Path& path, const Surface& hit, const Bsdf& bsdf, c
   Rgb arriving = light.weight * light_through(light, hit, path.info);
   if (light.use_mis) arriving *= light.pdf * light.pdf / (light.pdf * light.pdf + pdf * pdf);
   if (world && path.vertex == 0) {
-    const Receiver from{hit.position, bsdf.transmits() ? Vec3{} : hit.ng, bsdf.has_rest()};
+    const Receiver from{hit.position, bsdf.transmits() ? Vec3{} : hit.ng, bsdf.has_rest(), scene_.instances[hit.instance].group};
     see_world(path, from, light.direction, arriving, false);
   }
   arriving *= path.throughput - path.brought * sharp;

@@ -93,6 +93,7 @@ float Lights::sampled_area(const Lamp& lamp, const Vec3& x) const {
 }
 
 float Lights::emitter_weight(const Emitter& e, const Receiver& to) const {
+  if (!(e.lit_groups & to.group)) return 0;
   if (e.lamp >= 0 && lamps_[e.lamp].s.kind == LampKind::kSun) {
     const Lamp& lamp = lamps_[e.lamp];
     return dot(to.n, -lamp.forward) + std::sqrt(2 * lamp.one_minus_cos) < 0 ? 0 : e.importance;
@@ -225,6 +226,7 @@ std::optional<LightSample> Lights::sample(const Receiver& to, float choice, cons
     const auto pick = pick_of_many(to, sum, choice);
     if (!pick) return std::nullopt;
     chosen = pick->emitter;
+    if (!(emitters_[chosen].lit_groups & to.group)) return std::nullopt;  // the tree does not know
     probability *= pick->probability;
   }
   const Emitter& e = emitters_[chosen];
@@ -375,6 +377,7 @@ bool Lights::sample_mesh(const Emitter& e, const Vec3& x, const Vec2& u, LightSa
 }
 
 float Lights::surface_mis_weight(const Receiver& receiver, const Surface& hit, float bsdf_pdf) const {
+  if (!(scene_.instances[hit.instance].lit_groups & receiver.group)) return 0;
   const int32_t index = emitter_of_instance_[hit.instance];
   if (index < 0) return 1;
   const Emitter& e = emitters_[index];
@@ -449,7 +452,7 @@ Rgb Lights::world_met(const Receiver& to, const Vec3& direction, float bsdf_pdf)
 
 Rgb Lights::lamp_met(uint32_t emitter, const Receiver& to, const Vec3& direction, float near, float far, float bsdf_pdf) const {
   const Emitter& e = emitters_[emitter];
-  if (e.lamp < 0 || !shares_with_rays(e, to)) return {};
+  if (e.lamp < 0 || !(e.lit_groups & to.group) || !shares_with_rays(e, to)) return {};
   float pdf;
   const Rgb radiance = lamp_radiance_met(lamps_[e.lamp], to.x, direction, near, far, pdf);
   if (CloseLamp close; pdf > 0 && bsdf_pdf < INFINITY && see_close(e, to.x, close)) pdf = 1 / close.total;

@@ -30,6 +30,7 @@ struct LampSettings {
   bool normalize = true;
   bool camera_visible = false;
   int program = -1;  // into Scene::programs: its emission is a factor of `strength`
+  uint64_t lit_groups = ~uint64_t{0};  // of light linking: instances with one of these bits see it
 };
 
 // Where light is wanted.
@@ -37,6 +38,7 @@ struct Receiver {
   Vec3 x;
   Vec3 n;              // unit; 0 where light from either side counts
   bool sharp = false;  // scatters in narrow lobes: its rays share all lights they can find with `sample`, not near ones only
+  uint64_t group = ~uint64_t{0};  // Instance::group
 };
 
 // Light arriving at a point from one direction. weight = radiance / pdf (solid angle, choice of light included).
@@ -56,6 +58,7 @@ struct PhotonStart {
   Vec3 soft_center;            // of a lamp that faces its receiver; see `accepts`
   float soft_radius2 = -1;
   float first_hit_from = 0, first_hit_to = INFINITY;  // distances at which the first surface is lit by this photon
+  uint64_t lit_groups = ~uint64_t{0};  // the first surface is lit if it is of one of these
   int32_t aim = -1;            // pair of EmissionTargets; -1: natural emission
   int32_t shaded_by = -1;      // a lamp with a program: `power` lacks Lights::first_hit_factor(), which needs the distance
 
@@ -138,6 +141,7 @@ class Lights {
     float radius = 0;                       // bounding sphere
     Bounds bounds;
     float importance = 0;
+    uint64_t lit_groups = ~uint64_t{0};
     double power = 0;
     std::vector<uint32_t> triangles;
     std::vector<float> cdf;                 // over triangles, by power

@@ -262,6 +262,7 @@ PhotonStart Lights::emit_towards(const EmissionTargets& targets, uint64_t index,
   draft.start.power *= density > 0 ? static_cast<float>(draft.natural / density) : 0.0f;
   draft.start.aim = aim;
   if (p.emitter < emitters_.size()) {
+    draft.start.lit_groups = emitters_[p.emitter].lit_groups;
     const int lamp = emitters_[p.emitter].lamp;
     if (lamp >= 0 && lamps_[lamp].s.program >= 0) draft.start.shaded_by = lamp;
   }

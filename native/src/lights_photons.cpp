@@ -110,6 +110,7 @@ void Lights::add_lamp(const LampSettings& settings) {
     e.power *= mean;
   }
   if (!(e.power > 0)) return;
+  e.lit_groups = settings.lit_groups;
   const bool flat = settings.kind == LampKind::kArea;
   for (const float i : {-1.0f, 1.0f})
     for (const float j : {-1.0f, 1.0f})
@@ -152,6 +153,7 @@ void Lights::add_emissive_instances() {
     if (!emissive) continue;
     Emitter e;
     e.instance = i;
+    e.lit_groups = instance.lit_groups;
     Bounds bounds;
     double sum = 0;
     add_emissive_triangles(i, e, bounds, sum);
@@ -345,6 +347,7 @@ PhotonStart Lights::emit(const EmissionPrimary& p) const {
     start = e.lamp >= 0 ? emit_lamp(lamps_[e.lamp], p.pick.y, p.place, p.way) : emit_mesh(e, p.pick.y, p.place, p.way);
     if (e.lamp >= 0 && lamps_[e.lamp].s.program >= 0) start.shaded_by = e.lamp;
     power = e.power;
+    start.lit_groups = e.lit_groups;
   }
   start.power *= static_cast<float>(total_power_ / std::max(power, 1e-300)) * p.weight;
   return start;

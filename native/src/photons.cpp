@@ -21,6 +21,12 @@ RayInfo::Kind kind_of(const BsdfSample& s) {
 
 }  // namespace
 
+// Whether the surface takes the light: the first one only what its lamp gives it.
+bool PhotonTracer::lit(const Path& path, const Surface& hit, const PhotonStart& start) const {
+  if (path.bounces > 0) return true;
+  return (start.lit_groups & scene_.instances[hit.instance].group) && start.accepts(hit.position, path.travelled + hit.distance);
+}
+
 // What lands after a bounce is indirect light, or caustic light, or a share of each.
 void PhotonTracer::store(const Path& path, const Surface& hit, const Vec3& direction, const KeyFilter& visible,
                          std::vector<Photon>& photons) const {
@@ -47,7 +53,7 @@ bool PhotonTracer::light_up(Path& path, const Surface& hit, const PhotonStart& s
 bool PhotonTracer::shade(Path& path, const Surface& hit, const PhotonStart& start, uint64_t index, uint32_t seed,
                          const KeyFilter& visible, Vec3& origin, Vec3& direction, std::vector<Photon>& photons) const {
   if (hit.program) return scatter_by_program(path, hit, start, index, seed, visible, origin, direction, photons);
-  if (path.bounces == 0 && !start.accepts(hit.position, path.travelled + hit.distance)) return false;
+  if (!lit(path, hit, start)) return false;
   store(path, hit, direction, visible, photons);
   if (!light_up(path, hit, start)) return false;
   const float cos_shading = -dot(direction, hit.ns), cos_geometric = -dot(direction, hit.ng);
@@ -96,7 +102,7 @@ bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const Phot
     scene_.shade(hit, -direction, passing_ray, seen);
     transparency = seen.transparency();
   }
-  const bool accepted = path.bounces > 0 || start.accepts(hit.position, path.travelled + hit.distance);
+  const bool accepted = lit(path, hit, start);
   if (accepted) store(path, hit, direction, visible, photons);
 
   const float epsilon = ray_epsilon(hit.position, hit.distance);

@@ -53,6 +53,8 @@ struct Instance {
   uint32_t first_material = 0; // into Scene::slot_materials
   uint32_t slot_count = 1;
   uint32_t seed = 0;           // of surface keys
+  uint64_t group = 1;          // of light linking: a single bit
+  uint64_t lit_groups = ~uint64_t{0};  // what it lights if it shines
   float scale = 1;             // largest stretch of to_world
   Affine to_world, to_local;
   std::array<double, 12> exact{};  // to_world before rounding

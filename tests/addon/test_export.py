@@ -311,3 +311,29 @@ def test_frames_of_an_animation() -> None:
         made.frame_set(frame)
         places.append(stage.exported().instances.matrix[0][0, 3])
     assert places == [10, 20]
+
+
+@in_blender
+def test_light_linking() -> None:
+    """Groups of objects that lights treat alike; shadow linking and light groups are named."""
+    import bpy
+
+    floor, box, _ = stage.plane("Floor"), stage.plane("Box"), stage.plane("Wall")
+    only, all_but, plain = stage.lamp("POINT"), stage.lamp("SPOT"), stage.lamp("SUN")
+    for lamp, thing, state in ((only, floor, "INCLUDE"), (all_but, box, "EXCLUDE")):
+        receivers = lamp.light_linking.receiver_collection = bpy.data.collections.new(lamp.name)
+        receivers.objects.link(thing)
+        receivers.collection_objects[0].light_linking.link_state = state
+    plain.light_linking.blocker_collection = bpy.data.collections.new("Blockers")
+    stage.scene().view_layers[0].lightgroups.add()
+    what = stage.exported()
+    groups = {what.meshes[mesh].name: int(group) for mesh, group in zip(what.instances.mesh, what.instances.group, strict=True)}
+    assert groups["Wall"] == 0
+    assert len(set(groups.values())) == 3
+    lit = {light.kind: {name for name, group in groups.items() if light.lit_groups >> group & 1} for light in what.lights}
+    assert lit == {"point": {"Floor"}, "spot": {"Floor", "Wall"}, "sun": {"Floor", "Box", "Wall"}}
+    assert what.instances.lit_groups is None
+    assert what.warnings == [
+        "Light groups are not supported; they give no passes of their own",
+        "Shadow linking is not supported; everything casts shadows in the light of: 'SUN'",
+    ]

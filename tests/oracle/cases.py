@@ -134,6 +134,7 @@ CASES: tuple[Case, ...] = (
     _lamp("light_nodes", "AREA", 10.0, shape="SQUARE", size=0.5, emission=((0.4, 1.0, 0.6), 3.0), color=(1.0, 0.7, 0.5)),
     _geometry("many_lamps"),
     _geometry("instanced_lamp"),
+    _geometry("linked_lamps"),
     # World and emissive meshes
     _geometry("world", color=(0.5, 0.7, 1.0), strength=1.5),
     Case("environment", "environment", passes=48, photons_per_pass=40_000),

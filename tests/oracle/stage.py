@@ -138,6 +138,28 @@ def instanced_lamp() -> None:
         stand.matrix_world = Matrix.LocRotScale(Vector(place), Euler((tilt, 0.0, 0.5)), Vector((1.0, 1.0, 1.0)))
 
 
+def linked_lamps() -> None:
+    """Light linking: lamps for some things only or for all but some, a shining plate too; a mirror that sees what it is linked to."""
+    _stage()
+    mirror = m.add_sphere("Mirror", 0.28, m.polished_metal("Mirror", (0.9, 0.9, 0.9)), (0.1, -0.7, 0.28), 64)
+    things = bpy.data.objects
+    warm = _lamp("AREA", 30.0, (0.3, -0.9, 1.7), (0.0, 0.0, 0.0), size=0.6, color=(1.0, 0.6, 0.3))
+    _link(warm, include=[things["Block"], things["Floor"], mirror])
+    _link(_lamp("POINT", 30.0, (0.9, 0.2, 1.5), color=(0.3, 0.5, 1.0), shadow_soft_size=0.05), exclude=[things["Wedge"], things["Wall"]])
+    _link(_lamp("SUN", 0.4, aim=(-0.3, -0.6, 1.0), angle=0.1, color=(0.4, 1.0, 0.4)), include=[things["Wedge"]], exclude=[things["Floor"]])
+    corners = [(-1.0, 1.3, 1.2), (-0.4, 1.3, 1.2), (-0.4, 1.3, 1.8), (-1.0, 1.3, 1.8)]
+    _link(m.add_mesh("Plate", corners, [(0, 1, 2, 3)], m.emission("Glow", (1.0, 0.9, 0.8), 4.0)), exclude=[mirror, things["Wall"]])
+
+
+def _link(light: bpy.types.Object, include: Sequence[bpy.types.Object] = (), exclude: Sequence[bpy.types.Object] = ()) -> None:
+    receivers = bpy.data.collections.new(f"Receivers of {light.name}")
+    for thing in (*include, *exclude):
+        receivers.objects.link(thing)
+    for link, thing in zip(receivers.collection_objects, receivers.objects, strict=True):
+        link.light_linking.link_state = "EXCLUDE" if thing in exclude else "INCLUDE"
+    light.light_linking.receiver_collection = receivers
+
+
 # World and emissive meshes -----------------------------------------------------------------------------------------
 
 
