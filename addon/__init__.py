@@ -16,10 +16,11 @@ def register() -> None:
 
     import bpy
 
-    from . import engine, panels, settings, viewport
+    from . import engine, panels, persistent, settings, viewport
 
     settings.register()
     viewport.register()
+    persistent.register()
     engine.register()
     panels.register()
     if getattr(bpy.app, "module", False):  # Blender 4.5 as a Python module hangs at exit while a render engine or a panel is registered
@@ -29,10 +30,11 @@ def register() -> None:
 def unregister() -> None:
     import atexit
 
-    from . import engine, panels, settings, viewport
+    from . import engine, panels, persistent, settings, viewport
 
     atexit.unregister(unregister)
     panels.unregister()
     engine.unregister()
+    persistent.unregister()
     viewport.unregister()
     settings.unregister()

@@ -18,6 +18,7 @@ from .core.session import render
 from .core.settings import RenderSettings
 from .export import export_scene
 from .export.camera import NoCameraError, export_frame
+from .persistent import Held, held_for
 from .settings import render_settings
 
 PREVIEW: dict[str, Any] = {"passes": 16, "photons_per_pass": 20_000, "time_limit": 2.0}
@@ -56,10 +57,11 @@ def render_view_layer(engine: Any, depsgraph: Any) -> None:
     blender_result = None
     failed = True
     try:
+        held = held_for(engine, depsgraph)
         frame = export_frame(depsgraph.scene_eval.render)
         _, _, width, height = frame.region
         blender_result = engine.begin_result(0, 0, width, height, layer=depsgraph.view_layer_eval.name)
-        result = _render(engine, depsgraph, frame, blender_result, started)
+        result = _render(engine, depsgraph, frame, blender_result, started, held)
         fill_passes(blender_result, result.passes)
         _finish(engine, depsgraph, result)
         observer.on_result(result, frame)
@@ -73,13 +75,15 @@ def render_view_layer(engine: Any, depsgraph: Any) -> None:
         engine.end_result(blender_result or engine.begin_result(0, 0, 1, 1), cancel=failed)
 
 
-def _render(engine: Any, depsgraph: Any, frame: Frame, blender_result: Any, started: float) -> RenderResult:
+def _render(engine: Any, depsgraph: Any, frame: Frame, blender_result: Any, started: float, held: Held | None) -> RenderResult:
     engine.update_stats("", "Exporting scene")
     settings = observer.settings(render_settings(depsgraph.scene_eval))
     if engine.is_preview:
         settings = replace(settings, **PREVIEW)
     began = time.monotonic()
-    scene = export_scene(depsgraph, engine.camera_override, frame)
+    scene = export_scene(depsgraph, engine.camera_override, frame, held.kept if held else None)
+    if held:
+        held.kept.forget_unused()
     export_seconds = time.monotonic() - began
 
     def on_progress(progress: Progress) -> None:
@@ -99,6 +103,7 @@ def _render(engine: Any, depsgraph: Any, frame: Frame, blender_result: Any, star
         on_progress=on_progress,
         should_cancel=lambda: engine.test_break() or observer.should_cancel(),
         want_interim=not (bpy.app.background or engine.is_preview),
+        persistent=held.persistent if held else None,
     )
     result.statistics.setdefault("peak_memory_bytes", peak_memory_bytes())
     result.statistics.setdefault("warnings", list(scene.warnings))

@@ -145,9 +145,7 @@ def _add_instances(renderer: Renderer, scene: Scene) -> None:
     instances = scene.instances
     material_sets = [[int(m) for m in s] for s in scene.material_sets]
     matrices = np.ascontiguousarray(instances.matrix, np.float64)
-    flat = np.linalg.det(matrices[:, :3, :3].astype(np.float32)) == 0
-    for name in sorted({scene.meshes[m].name for m in instances.mesh[flat]}):
-        scene.warnings.append(f"Mesh '{name}' stands in the scene flattened to nothing (a scale of 0); those instances are left out.")
+    flat = find_flat(scene)
     count = len(flat)
     groups = np.zeros(count, int) if instances.group is None else instances.group
     lit = [ALL_GROUPS] * count if instances.lit_groups is None else instances.lit_groups.tolist()
@@ -155,6 +153,15 @@ def _add_instances(renderer: Renderer, scene: Scene) -> None:
         renderer.add_instance(int(instances.mesh[i]), matrices[i], material_sets[int(instances.material_set[i])], int(groups[i]), lit[i])
     for attribute in instances.attributes:
         renderer.add_instance_attribute(attribute.id, np.ascontiguousarray(attribute.values[~flat], np.float32))
+
+
+def find_flat(scene: Scene) -> NDArray[np.bool_]:
+    """(I,) instances that are squeezed to nothing, which no renderer gets; adds the warnings about them to `scene`."""
+    instances = scene.instances
+    flat = np.linalg.det(instances.matrix[:, :3, :3].astype(np.float32)) == 0
+    for name in sorted({scene.meshes[m].name for m in instances.mesh[flat]}):
+        scene.warnings.append(f"Mesh '{name}' stands in the scene flattened to nothing (a scale of 0); those instances are left out.")
+    return flat
 
 
 def _add_mesh_shading(renderer: Renderer, index: int, mesh: Mesh) -> None:

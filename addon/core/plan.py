@@ -83,6 +83,9 @@ def pilot_sentences(statistics: dict[str, Any]) -> list[str]:
         sentences.append("No mirror, gloss or glass: no caustic photons.")
     if any(part.get("guided") for part in photons.values() if isinstance(part, dict)):
         sentences.append("Few photons end in view: emission is guided to those that do.")
+    reused = statistics["reused"]
+    if reused["geometry"]:
+        sentences.append(f"Persistent data: geometry and {reused['photons']:,} photons of earlier renders have been used again.")
     if discs["points"]:
         cut, things = (f"{100 * discs[name] / discs['points']:.2g} %" for name in ("cut", "obstructed"))
         sentences.append(f"Surface edges cut {cut} of the discs." if discs["cut"] else "No surface edge comes near a disc.")

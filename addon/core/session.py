@@ -14,7 +14,7 @@ from .gpu import context as gpu_context
 from .gpu.choice import choose_splatter
 from .memory import peak_memory_bytes
 from .native import load
-from .native_scene import fill_renderer
+from .persistent import Persistent, Start, start_anew
 from .plan import make_plan, pilot_sentences
 from .result import Passes, Progress, RenderResult, black_passes, passes_from_film
 from .scene import Scene
@@ -23,7 +23,6 @@ from .splatter import CpuSplatter, Splatter, SplatterFailed
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-    from photon_splat_native import Renderer
 
 PHOTONS_PER_BATCH = 1 << 17
 """Photon paths in memory at once; a pass of more streams them."""
@@ -43,9 +42,11 @@ def next_estimate(passes: int) -> int:
 class _Worker(threading.Thread):
     """Does the passes off the caller's thread, which meanwhile reports progress and polls for cancellation."""
 
-    def __init__(self, renderer: Renderer, settings: RenderSettings, started: float, want_interim: bool) -> None:
+    def __init__(self, start: Start, settings: RenderSettings, started: float, want_interim: bool) -> None:
         super().__init__(name="Photon Splat", daemon=True)
-        self.renderer = renderer
+        self.renderer = start.renderer
+        self.prepare = start.prepare
+        self.prepared = False
         self.settings = settings
         self.started = started
         self.want_interim = want_interim
@@ -61,7 +62,7 @@ class _Worker(threading.Thread):
         self.pass_finished = threading.Event()
         self.finished = False
         self.warnings: list[str] = []
-        self.splatter: Splatter = CpuSplatter(renderer)
+        self.splatter: Splatter = CpuSplatter(self.renderer)
 
     def cancel(self) -> None:
         """From any thread."""
@@ -87,7 +88,8 @@ class _Worker(threading.Thread):
             self.splatter = choose_splatter(self.renderer, settings.backend, self.cancel_asked, self.warnings)
         elif settings.backend == Backend.GPU:
             self.warnings.append("The reference integrator has been used: it runs on the CPU only.")
-        self.renderer.build()
+        self.prepare()
+        self.prepared = True
         while self.passes_done < self.settings.passes:
             began = time.monotonic()
             self.stage = f"Pass {self.passes_done + 1}"
@@ -169,16 +171,18 @@ def render(
     on_progress: Callable[[Progress], None] | None = None,
     should_cancel: Callable[[], bool] | None = None,
     want_interim: bool = False,
+    persistent: Persistent | None = None,
 ) -> RenderResult:
-    """Renders `scene`. `started` is `time.monotonic()` when the render call began, export included.
+    """Renders `scene`. `started` is `time.monotonic()` when the render call began, export included; `persistent` holds what the
+    last render has left for this one, and then what this one leaves.
 
     Both callbacks run on the caller's thread about every 50 ms. A cancelled render returns what is there.
     Errors: ValueError for a scene or setting that cannot be rendered, a GPU that is not there among them; RuntimeError and
     MemoryError from native code.
     """
-    renderer = load().Renderer(settings.threads)
-    fill_renderer(renderer, scene, make_plan(scene, settings).applied_to(settings))
-    worker = _Worker(renderer, settings, started, want_interim)
+    start = start_anew(scene, settings) if persistent is None else persistent.start(scene, settings)
+    renderer = start.renderer
+    worker = _Worker(start, settings, started, want_interim)
     worker.start()
     try:
         while not worker.finished:
@@ -207,9 +211,11 @@ def render(
     if settings.denoise and film and not worker.cancelled:
         noisy = passes["Combined"][..., :3].copy()
         denoising = _denoise(passes, film["variance"][..., 0], worker, should_cancel)
-    statistics = _statistics(renderer, worker, scene, started, export_seconds)
+    statistics = _statistics(start, worker, scene, started, export_seconds)
     if settings.denoise:
         statistics["seconds"]["denoise"] = denoising
+    if persistent is not None and worker.prepared:
+        persistent.keep(scene, settings, renderer)
     return RenderResult(passes, worker.cancelled, statistics, noisy)
 
 
@@ -226,14 +232,15 @@ def _denoise(passes: Passes, variance: NDArray[np.float32], worker: _Worker, sho
     return time.monotonic() - began
 
 
-def _statistics(renderer: Renderer, worker: _Worker, scene: Scene, started: float, export_seconds: float) -> dict[str, Any]:
-    statistics = renderer.statistics()
+def _statistics(start: Start, worker: _Worker, scene: Scene, started: float, export_seconds: float) -> dict[str, Any]:
+    statistics = start.renderer.statistics()
     statistics["seconds"] |= {"export": export_seconds, "total": time.monotonic() - started}
     statistics |= {
         "passes": worker.passes_done,
         "backend": str(worker.splatter.backend),
         "integrator": str(worker.settings.integrator),
         "cancelled": worker.cancelled,
+        "reused": {"geometry": start.reused, "photons": statistics["photons"]["reused"]},
         "peak_memory_bytes": peak_memory_bytes(),
         "warnings": [*scene.warnings, *worker.warnings],
     } | worker.splatter.statistics()

@@ -14,8 +14,8 @@ if TYPE_CHECKING:
     from .kept import Kept
 
 
-def export_scene(depsgraph: Any, camera: Any = None, frame: Frame | None = None) -> Scene:
-    """Export what `depsgraph` (evaluated) holds, seen through `camera` (default: the scene's).
+def export_scene(depsgraph: Any, camera: Any = None, frame: Frame | None = None, kept: Kept | None = None) -> Scene:
+    """Export what `depsgraph` (evaluated) holds, seen through `camera` (default: the scene's); `kept` as in export_contents.
 
     Raises ValueError with one sentence if there is nothing to look through; whatever else cannot be rendered is named in
     the result's `warnings`.
@@ -24,7 +24,8 @@ def export_scene(depsgraph: Any, camera: Any = None, frame: Frame | None = None)
 
     report = Report()
     scene = depsgraph.scene_eval
-    return export_contents(depsgraph, export_camera(camera or scene.camera, scene, report), frame or export_frame(scene.render), report)
+    seen = export_camera(camera or scene.camera, scene, report)
+    return export_contents(depsgraph, seen, frame or export_frame(scene.render), report, kept)
 
 
 def export_contents(

@@ -239,7 +239,7 @@ nb::dict statistics(Renderer& r) {
   seconds["splat"] = r.seconds().splat;
   seconds["boundary"] = r.seconds().boundary;
   seconds["error"] = r.seconds().error;
-  uint64_t traced = 0, stored = 0, pilot = 0;
+  uint64_t traced = 0, stored = 0, pilot = 0, reused = 0;
   VisiblePoints::Counts discs_sum;
   for (size_t i = 0; i < r.layer_count(); ++i) {
     const Layer& layer = r.layer(i);
@@ -247,6 +247,7 @@ nb::dict statistics(Renderer& r) {
     traced += counts.traced;
     stored += counts.stored;
     pilot += layer.pilot.traced;
+    reused += layer.reused;
     nb::dict part;
     part["traced"] = counts.traced;
     part["stored"] = counts.stored;
@@ -260,6 +261,8 @@ nb::dict statistics(Renderer& r) {
   photons["traced"] = traced;
   photons["stored"] = stored;
   photons["pilot"] = pilot;
+  photons["reused"] = reused;
+  photons["kept_bytes"] = r.kept_photon_bytes();
   out["seconds"] = seconds;
   out["photons"] = photons;
   out["rays"] = r.rays();

@@ -20,6 +20,10 @@ class Timer {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
+PhotonCounts since(const PhotonCounts& before, const PhotonCounts& now) {
+  return {now.traced - before.traced, now.stored - before.stored, now.rays - before.rays};
+}
+
 }  // namespace
 
 void Renderer::add_layer(PhotonStream stream, double photons_per_disc, uint64_t paths_per_pass) {
@@ -54,6 +58,7 @@ void Renderer::reset_film() {
   samples_.reset(film_.width, film_.height);
   for (const auto& layer : layers_) layer->choice.reset(film_.width, film_.height);
   fallback_.reset();  // of other records
+  fallback_learnt_ = false;
 }
 
 void Renderer::make_layers() {
@@ -81,8 +86,9 @@ void Renderer::trace_records(uint32_t pass) {
 
 void Renderer::trace_camera(uint32_t pass) {
   Layer& indirect = (selected(), *layers_.front());
-  const bool first = !indirect.radii;
+  const bool first = !fallback_learnt_;
   trace_records(pass);
+  fallback_learnt_ = true;
   if (!first || !options.fallback || indirect.paths_per_pass == 0) return;
   learn_fallback(pass);
 }
@@ -91,7 +97,7 @@ void Renderer::trace_camera(uint32_t pass) {
 void Renderer::learn_fallback(uint32_t pass) {
   Layer& indirect = *layers_.front();
   const auto make = [&] {
-    learn(indirect);
+    if (!options.kept_photon_bytes || !indirect.radii) learn(indirect);
     fallback_.emplace(scene, *indirect.radii, indirect.photons_per_disc, static_cast<double>(indirect.paths_per_pass));
   };
   make();
@@ -111,13 +117,14 @@ void Renderer::learn_fallback(uint32_t pass) {
 void Renderer::learn(Layer& layer) {
   Timer timer(seconds_.photons);
   KeyFilter keys;
+  if (options.kept_photon_bytes) keys.add_all();
   for (const Record& r : *records_)
     if (!r.caustics_only || layer.stream == PhotonStream::kCaustic) keys.add(r.key);
   const uint64_t paths = std::max<uint64_t>(1, std::min(layer.paths_per_pass, kPilotPaths));
   layer.tracer->learn_emission(paths, hash_combine(layer.seed, 4), keys, cancel_);
   const auto& pilot = layer.tracer->trace(0, paths, static_cast<double>(paths), hash_combine(layer.seed, 3), keys, cancel_);
   layer.radii = std::make_unique<RadiusMap>(scene, pilot, static_cast<double>(paths));
-  layer.pilot = layer.tracer->counts();
+  layer.pilot = since(layer.before, layer.tracer->counts());
 }
 
 void Renderer::make_points(uint32_t pass) {
@@ -132,6 +139,7 @@ void Renderer::make_points(uint32_t pass) {
     s.radius_factor = radius_factor(pass);
     s.caustics = layer.stream == PhotonStream::kCaustic;
     s.spacing = options.point_spacing;
+    s.steady = options.kept_photon_bytes > 0;
     if (options.adaptive_radius) s.pixel_factors = layer.choice.factors().data();
     layer.points.build(scene, *records_, *layer.radii, s, pass, layer.seed, cancel_);
   }
@@ -146,8 +154,21 @@ void Renderer::make_points(uint32_t pass) {
 void Renderer::trace_photons(uint32_t pass, uint64_t first, uint64_t count) {
   Layer& layer = selected();
   Timer timer(seconds_.photons);
-  photons_ = &layer.tracer->trace(pass * layer.paths_per_pass + first, count, static_cast<double>(layer.paths_per_pass),
-                                  hash_combine(layer.seed, 1), layer.points.keys(), cancel_);
+  const uint64_t from = pass * layer.paths_per_pass + first;
+  if (const std::vector<Photon>* kept = layer.kept.find(from, count)) {
+    photons_ = kept;
+    layer.reused += kept->size();
+  } else {
+    const bool keep = options.kept_photon_bytes > kept_photon_bytes() && !layer.kept.full();
+    KeyFilter everywhere;
+    if (keep) everywhere.add_all();
+    photons_ = &layer.tracer->trace(from, count, static_cast<double>(layer.paths_per_pass), hash_combine(layer.seed, 1),
+                                    keep ? everywhere : layer.points.keys(), cancel_);
+    if (keep) layer.kept.add(from, count, *photons_, options.kept_photon_bytes - kept_photon_bytes());
+  }
+  layer.used += photons_->size();
+  layer.last_paths = count;
+  layer.last_used = photons_->size();
 }
 
 void Renderer::splat() {
@@ -217,6 +238,10 @@ double Renderer::camera_work() const {
   double samples = 0, photons = 0;
   for (const Pixel& p : pass_film_.pixels) samples += p.samples;
   for (const auto& layer : layers_) {
+    if (options.kept_photon_bytes) {  // found again or not, so that pictures do not depend on it
+      if (layer->last_paths) photons += 2.0 * static_cast<double>(layer->last_used) * layer->paths_per_pass / layer->last_paths;
+      continue;
+    }
     const PhotonCounts counts = layer->tracer->last_counts();
     if (counts.traced) photons += (counts.rays / 3.0 + 2.0 * counts.stored) * layer->paths_per_pass / counts.traced;
   }
@@ -244,13 +269,19 @@ void Renderer::trace_reference(uint32_t sample) {
 }
 
 PhotonCounts Renderer::photon_counts(const Layer& layer) const {
-  const PhotonCounts all = layer.tracer->counts();
+  const PhotonCounts all = since(layer.before, layer.tracer->counts());
   return {all.traced - layer.pilot.traced, all.stored - layer.pilot.stored, all.rays};
 }
 
 uint64_t Renderer::rays() const {
   uint64_t sum = camera_tracer_ ? camera_tracer_->rays() : 0;
-  for (const auto& layer : layers_) sum += layer->tracer->counts().rays;
+  for (const auto& layer : layers_) sum += layer->tracer->counts().rays - layer->before.rays;
+  return sum;
+}
+
+size_t Renderer::kept_photon_bytes() const {
+  size_t sum = 0;
+  for (const auto& layer : layers_) sum += layer->kept.bytes();
   return sum;
 }
 

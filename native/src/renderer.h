@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "error_estimate.h"
+#include "photon_slices.h"
 #include "photon_store.h"
 #include "radius_choice.h"
 #include "sample_choice.h"
@@ -28,6 +29,9 @@ struct RenderOptions {
   bool fallback = true;   // camera paths go on for indirect light where photons serve badly
   uint32_t seed = 0;
   std::string kernel;  // of the splatter; empty: the fastest
+  // Of photons that renders of other views find again (begin_again). 0: none, and photons are aimed at what the view sees;
+  // else each pass has the same photons and radii whatever the view, beyond this budget traced again.
+  size_t kept_photon_bytes = 0;
 };
 
 struct StageSeconds {
@@ -47,6 +51,10 @@ struct Layer {
   VisiblePoints points{};
   RadiusChoice choice{};
   std::optional<PhotonStore> store{};
+  PhotonSlices kept{};
+  PhotonCounts before{};          // of the tracer when this render began
+  uint64_t used = 0, reused = 0;  // photons handed to the splatter in this render; those of them that were kept
+  uint64_t last_paths = 0, last_used = 0;  // of the last batch: paths, and the photons they left
 };
 
 class Renderer {
@@ -89,6 +97,9 @@ class Renderer {
   void set_view();
   // Other lamps, materials, textures or world on the same geometry: forgets film and photons.
   void relight();
+  // After build(): another render, with the camera set meanwhile, as if by a new renderer, but for the geometry, the lights and
+  // kept photons. Lamps, materials, textures or world that are others as well: relight() after it.
+  void begin_again();
   // Traces `paths` more for the store, up to `most_bytes` of photons.
   void trace_store(uint64_t paths, size_t most_bytes);
   // One camera sample per pixel, lit indirectly by the photons of the store; traces none. The film then holds it alone.
@@ -107,9 +118,10 @@ class Renderer {
   const std::vector<Photon>& photons() const { return *photons_; }
   PhotonTracer& photon_tracer() { return *selected().tracer; }
   const StageSeconds& seconds() const { return seconds_; }
-  // Of one layer, without its pilot, whose photons only choose radii; rays are all rays.
+  // Of one layer in this render, without its pilot, whose photons only choose radii; rays are all rays.
   PhotonCounts photon_counts(const Layer& layer) const;
   uint64_t rays() const;
+  size_t kept_photon_bytes() const;
   // Places where indirect light was wanted, and those where camera paths went on for it.
   uint64_t places() const { return camera_tracer_ ? camera_tracer_->places() : 0; }
   uint64_t fallbacks() const { return camera_tracer_ ? camera_tracer_->fallbacks() : 0; }
@@ -137,6 +149,7 @@ class Renderer {
   std::unique_ptr<CameraTracer> camera_tracer_;
   std::vector<std::unique_ptr<Layer>> layers_;
   std::optional<Fallback> fallback_;
+  bool fallback_learnt_ = false;
   Layer* current_ = nullptr;
   VisiblePoints no_points_;
   Film film_, pass_film_;

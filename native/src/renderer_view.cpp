@@ -1,4 +1,5 @@
-// What a viewport asks of the renderer: another camera without another build, and pictures from photons that are kept.
+// Another camera without another build: for renders of the same scene, and for a viewport, whose pictures come from a store.
+#include "nodes/sees_view.h"
 #include "renderer.h"
 
 namespace photon_splat {
@@ -17,7 +18,8 @@ void Renderer::set_view() {
   sky_.reset();
   reset_film();
   records_ = nullptr;
-  for (const auto& layer : layers_) layer->radii.reset();
+  if (!options.kept_photon_bytes)
+    for (const auto& layer : layers_) layer->radii.reset();  // of what the last view saw
 }
 
 void Renderer::relight() {
@@ -28,6 +30,24 @@ void Renderer::relight() {
   camera_tracer_ = std::make_unique<CameraTracer>(scene, *lights_, *camera_, hash_combine(options.seed, 2));
   photons_ = &given_photons_;
   make_layers();
+  set_view();
+}
+
+void Renderer::begin_again() {
+  selected();
+  seconds_ = {};
+  photons_ = &given_photons_;
+  if (std::any_of(scene.programs.begin(), scene.programs.end(), sees_view)) return relight();
+  learn_sky_anew();
+  camera_tracer_ = std::make_unique<CameraTracer>(scene, *lights_, *camera_, hash_combine(options.seed, 2));
+  for (const auto& layer : layers_) {
+    layer->before = layer->tracer->counts();
+    layer->pilot = {};
+    layer->used = layer->reused = 0;
+    layer->points = {};
+    layer->splatter = std::make_unique<Splatter>(options.kernel);
+  }
+  current_ = layers_.front().get();
   set_view();
 }
 

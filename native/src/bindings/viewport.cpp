@@ -63,6 +63,9 @@ void bind_viewport(nb::class_<Renderer>& renderer) {
       .def("set_view", &Renderer::set_view, released, "Takes the camera of set_camera() after build(): the film is empty then.")
       .def("clear_shading", &clear_shading, "Forgets lamps, materials and textures, which are then added anew before relight().")
       .def("relight", &Renderer::relight, released, "Takes other lamps, materials, textures or world on the same geometry.")
+      .def("keep_photons", [](Renderer& r, size_t most_bytes) { r.options.kept_photon_bytes = most_bytes; }, "most_bytes"_a,
+           "After set_options() and before build(): every render has the same photons, of which so many are kept for the next.")
+      .def("begin_again", &Renderer::begin_again, released, "After set_camera(): another render with what build() and kept photons give.")
       .def("trace_store", &Renderer::trace_store, "paths"_a, "most_bytes"_a, released)
       .def("draw_store", &Renderer::draw_store, released)
       .def("resume", &Renderer::resume, "Takes cancel() back; only while no stage runs.")
