@@ -91,6 +91,7 @@ class PHOTON_SPLAT_PT_performance(RenderPanel, bpy.types.Panel):
         row.enabled = scene.render.threads_mode == "FIXED"
         row.prop(scene.render, "threads")
         layout.prop(scene.render, "preview_pixel_size", text="Viewport Pixel Size")
+        layout.prop(scene.render, "use_persistent_data")
         memory = translated("Memory: {now:,.0f} MiB now, {most:,.0f} MiB at most")
         layout.label(text=memory.format(now=current_memory_bytes() / 2**20, most=peak_memory_bytes() / 2**20), translate=False)
 

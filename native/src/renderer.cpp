@@ -86,21 +86,26 @@ void Renderer::trace_records(uint32_t pass) {
 
 void Renderer::trace_camera(uint32_t pass) {
   Layer& indirect = (selected(), *layers_.front());
-  const bool first = !fallback_learnt_;
+  const bool learns = !fallback_learnt_ && options.fallback && indirect.paths_per_pass > 0;
+  if (learns && options.kept_photon_bytes) {  // the pilot asks for no view
+    if (!indirect.radii) learn(indirect);
+    make_fallback();
+  }
   trace_records(pass);
+  if (learns && !options.kept_photon_bytes) learn_fallback(pass);
+  else if (learns && !camera_tracer_->fallbacks()) fallback_.reset();
   fallback_learnt_ = true;
-  if (!first || !options.fallback || indirect.paths_per_pass == 0) return;
-  learn_fallback(pass);
+}
+
+void Renderer::make_fallback() {
+  const Layer& indirect = *layers_.front();
+  fallback_.emplace(scene, *indirect.radii, indirect.photons_per_disc, static_cast<double>(indirect.paths_per_pass));
 }
 
 // Needs records of places that have not fallen back, and replaces them. What paths meet that go on from there is learnt of as well.
 void Renderer::learn_fallback(uint32_t pass) {
-  Layer& indirect = *layers_.front();
-  const auto make = [&] {
-    if (!options.kept_photon_bytes || !indirect.radii) learn(indirect);
-    fallback_.emplace(scene, *indirect.radii, indirect.photons_per_disc, static_cast<double>(indirect.paths_per_pass));
-  };
-  make();
+  learn(*layers_.front());
+  make_fallback();
   const float factor = radius_factor(pass);
   const bool wanted = std::any_of(records_->begin(), records_->end(), [&](const Record& r) {
     return fallback_->at(r.key, r.position, r.instance, r.triangle, factor);
@@ -110,16 +115,20 @@ void Renderer::learn_fallback(uint32_t pass) {
     return;
   }
   trace_records(pass);
-  make();
+  learn(*layers_.front());
+  make_fallback();
 }
 
 // A pilot teaches where useful photons start and how dense they land.
 void Renderer::learn(Layer& layer) {
   Timer timer(seconds_.photons);
   KeyFilter keys;
-  if (options.kept_photon_bytes) keys.add_all();
-  for (const Record& r : *records_)
-    if (!r.caustics_only || layer.stream == PhotonStream::kCaustic) keys.add(r.key);
+  if (options.kept_photon_bytes) {
+    keys.add_all();
+  } else {
+    for (const Record& r : *records_)
+      if (!r.caustics_only || layer.stream == PhotonStream::kCaustic) keys.add(r.key);
+  }
   const uint64_t paths = std::max<uint64_t>(1, std::min(layer.paths_per_pass, kPilotPaths));
   layer.tracer->learn_emission(paths, hash_combine(layer.seed, 4), keys, cancel_);
   const auto& pilot = layer.tracer->trace(0, paths, static_cast<double>(paths), hash_combine(layer.seed, 3), keys, cancel_);

@@ -137,6 +137,7 @@ class Renderer {
   void make_layers();
   void learn(Layer& layer);
   void trace_records(uint32_t pass);
+  void make_fallback();
   void learn_fallback(uint32_t pass);
   float radius_factor(uint32_t pass) const;
   void add_irradiance(Layer& layer, bool wandered);
