@@ -13,6 +13,11 @@ from .core.settings import Backend, RenderSettings
 DEFAULTS = RenderSettings()
 
 
+def _tell(settings: Any, _: Any) -> None:
+    """Blender itself does not tell dependency graphs that it keeps (Persistent Data) of such a change."""
+    settings.id_data.update_tag()
+
+
 class PhotonSplatSettings(bpy.types.PropertyGroup):
     """Render settings of the engine; the render stops at whichever of passes and time limit comes first."""
 
@@ -23,6 +28,7 @@ class PhotonSplatSettings(bpy.types.PropertyGroup):
         min=0.0,
         subtype="TIME_ABSOLUTE",
         unit="TIME_ABSOLUTE",
+        update=_tell,
     )
     error_threshold: FloatProperty(  # type: ignore[valid-type]
         name="Error Threshold",
@@ -31,6 +37,7 @@ class PhotonSplatSettings(bpy.types.PropertyGroup):
         min=0.0,
         soft_max=0.2,
         precision=4,
+        update=_tell,
     )
     passes: IntProperty(  # type: ignore[valid-type]
         name="Passes",
@@ -38,6 +45,7 @@ class PhotonSplatSettings(bpy.types.PropertyGroup):
         default=DEFAULTS.passes,
         min=1,
         soft_max=4096,
+        update=_tell,
     )
     photons_per_pass: IntProperty(  # type: ignore[valid-type]
         name="Photons per Pass",
@@ -45,6 +53,7 @@ class PhotonSplatSettings(bpy.types.PropertyGroup):
         default=DEFAULTS.photons_per_pass,
         min=0,
         soft_max=10_000_000,
+        update=_tell,
     )
     max_bounces: IntProperty(  # type: ignore[valid-type]
         name="Max Bounces",
@@ -53,6 +62,7 @@ class PhotonSplatSettings(bpy.types.PropertyGroup):
         min=0,
         soft_max=128,
         max=1024,
+        update=_tell,
     )
     radius_scale: FloatProperty(  # type: ignore[valid-type]
         name="Radius Scale",
@@ -62,16 +72,19 @@ class PhotonSplatSettings(bpy.types.PropertyGroup):
         soft_min=0.1,
         soft_max=10.0,
         max=1000.0,
+        update=_tell,
     )
     boundary_correction: BoolProperty(  # type: ignore[valid-type]
         name="Boundary Correction",
         description="Divide by the part of the disc that lies on the surface, so that edges and corners do not darken",
         default=DEFAULTS.boundary_correction,
+        update=_tell,
     )
     denoise: BoolProperty(  # type: ignore[valid-type]
         name="Denoise",
         description="Run Open Image Denoise on the finished picture",
         default=DEFAULTS.denoise,
+        update=_tell,
     )
     backend: EnumProperty(  # type: ignore[valid-type]
         name="Backend",
@@ -82,12 +95,14 @@ class PhotonSplatSettings(bpy.types.PropertyGroup):
             (Backend.GPU.value, "GPU", "The graphics card"),
         ],
         default=DEFAULTS.backend.value,
+        update=_tell,
     )
     seed: IntProperty(  # type: ignore[valid-type]
         name="Seed",
         description="Another seed gives other noise; the same seed and number of passes give the same picture bit for bit",
         default=DEFAULTS.seed,
         min=0,
+        update=_tell,
     )
     viewport_passes: IntProperty(  # type: ignore[valid-type]
         name="Viewport Passes",
@@ -95,6 +110,7 @@ class PhotonSplatSettings(bpy.types.PropertyGroup):
         default=64,
         min=1,
         soft_max=4096,
+        update=_tell,
     )
     viewport_photons_per_pass: IntProperty(  # type: ignore[valid-type]
         name="Viewport Photons per Pass",
@@ -102,6 +118,7 @@ class PhotonSplatSettings(bpy.types.PropertyGroup):
         default=100_000,
         min=0,
         soft_max=10_000_000,
+        update=_tell,
     )
     viewport_time_limit: FloatProperty(  # type: ignore[valid-type]
         name="Viewport Time Limit",
@@ -110,6 +127,7 @@ class PhotonSplatSettings(bpy.types.PropertyGroup):
         min=0.0,
         subtype="TIME_ABSOLUTE",
         unit="TIME_ABSOLUTE",
+        update=_tell,
     )
     point_spacing: FloatProperty(  # type: ignore[valid-type]
         name="Point Spacing",
@@ -117,6 +135,7 @@ class PhotonSplatSettings(bpy.types.PropertyGroup):
         default=DEFAULTS.point_spacing,
         min=0.0,
         max=1.0,
+        update=_tell,
     )
 
 
