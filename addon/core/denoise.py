@@ -76,13 +76,25 @@ def blend(noisy: NDArray[np.float32], denoised: NDArray[np.float32], variance: N
     what it blurs stays wrong however long one renders. Where the two differ by more than the noise of the one explains, (noisy -
     denoised)^2 = variance + blur^2 (as in Stein's estimate), the noisy one has the share blur^2 / (blur^2 + variance).
 
+    A pixel that differs alone, without two like it around it, is a speck of noise and gets nothing.
+
     variance: of the noisy picture's luminance, (height, width), as estimated after `passes` passes; few passes are trusted less.
     """
     difference = (noisy - denoised) @ np.asarray(LUMINANCE, np.float32)
     square, noise = _window_mean(difference**2), _window_mean(variance) * (1.0 + CAUTION / passes)
     blur = np.maximum(square - noise, 0.0)
-    share = np.divide(blur, blur + noise, out=np.zeros_like(blur), where=blur > 0)[..., None]
+    share = np.divide(blur, blur + noise, out=np.zeros_like(blur), where=(blur > 0) & ~_alone(difference**2))[..., None]
     return denoised + share * (noisy - denoised)
+
+
+def _alone(square: NDArray[np.float32]) -> NDArray[np.bool_]:
+    """Pixels of which fewer than two neighbours have a tenth of their square."""
+    height, width = square.shape
+    around = np.pad(square, 1, mode="edge")
+    alike = sum(
+        (around[y : y + height, x : x + width] > 0.1 * square).astype(np.int8) for y in range(3) for x in range(3) if (y, x) != (1, 1)
+    )
+    return np.asarray(alike < 2)
 
 
 def _window_mean(values: NDArray[np.float32]) -> NDArray[np.float32]:

@@ -49,6 +49,13 @@ def test_the_mixture_is_never_much_worse_than_either() -> None:
     assert np.array_equal(same, noisy)
 
 
+def test_a_lone_speck_is_not_brought_back() -> None:
+    noisy = np.ones((32, 32, 3), np.float32)
+    noisy[10, 10], noisy[20, 21] = 40.0, -3.0
+    mixed = denoise.blend(noisy, np.ones_like(noisy), np.full((32, 32), 1e-4, np.float32), passes=64)
+    assert np.abs(mixed - 1).max() < 0.01
+
+
 def test_a_missing_library_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(denoise, "LIBRARY", "libNoSuchDenoiser.so.2")
     denoise._library.cache_clear()
