@@ -14,7 +14,7 @@ from tests.oracle.lamp_trees import LAMP_TREES
 from tests.oracle.verdict import judge, render
 from tests.oracle.worker import Worker
 
-SHARE = 6
+SHARE = 12
 """Of the cases that are no scenes of their own, one of so many; which ones differs between the integrators."""
 QUICK_SPLAT = [case for k, case in enumerate(SPLAT_CASES) if case.name not in TEXTURED and (case.name in SCENES or k % SHARE == 0)]
 QUICK_SPLAT += [case for case in LAMP_TREES if case.name in {"lamp_area_checker", "lamp_point_linear", "lamp_spot_ies"}]
