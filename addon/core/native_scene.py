@@ -107,6 +107,7 @@ def _add_lights(renderer: Renderer, scene: Scene) -> None:
                 camera_visible=light.camera_visible,
                 program=light.program,
                 lit_groups=light.lit_groups,
+                blockers=light.blockers,
             )
     renderer.set_world(_rgb(scene.world))
     if scene.world_map is not None:
@@ -149,8 +150,10 @@ def _add_instances(renderer: Renderer, scene: Scene) -> None:
     count = len(flat)
     groups = np.zeros(count, int) if instances.group is None else instances.group
     lit = [ALL_GROUPS] * count if instances.lit_groups is None else instances.lit_groups.tolist()
+    blockers = [ALL_GROUPS] * count if instances.blockers is None else instances.blockers.tolist()
     for i in np.flatnonzero(~flat):
-        renderer.add_instance(int(instances.mesh[i]), matrices[i], material_sets[int(instances.material_set[i])], int(groups[i]), lit[i])
+        materials = material_sets[int(instances.material_set[i])]
+        renderer.add_instance(int(instances.mesh[i]), matrices[i], materials, int(groups[i]), lit[i], blockers[i])
     for attribute in instances.attributes:
         renderer.add_instance_attribute(attribute.id, np.ascontiguousarray(attribute.values[~flat], np.float32))
 

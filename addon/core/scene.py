@@ -112,6 +112,7 @@ class Instances:
     attributes    what shader programs read from instances
     group         (I,) uint8 in 0..63, of light linking; None: all 0
     lit_groups    (I,) uint64, bits of the groups that an instance lights if it shines; None: all
+    blockers      (I,) uint64, bits of the groups that cast shadows in its light then; None: all
     """
 
     mesh: NDArray[np.uint32]
@@ -120,6 +121,7 @@ class Instances:
     attributes: list[InstanceAttribute] = field(default_factory=list)
     group: NDArray[np.uint8] | None = None
     lit_groups: NDArray[np.uint64] | None = None
+    blockers: NDArray[np.uint64] | None = None
 
     @classmethod
     def empty(cls) -> Instances:
@@ -153,6 +155,7 @@ class Light:
     camera_visible  seen directly by camera rays
     program       index into Scene.programs: what it emits, per place and direction, is a factor of `strength`
     lit_groups    bits of the Instances.group that it lights
+    blockers      bits of the Instances.group that cast shadows in its light
     """
 
     name: str
@@ -171,6 +174,7 @@ class Light:
     camera_visible: bool = False
     program: int = NO_PROGRAM
     lit_groups: int = ALL_GROUPS
+    blockers: int = ALL_GROUPS
 
 
 @dataclass(slots=True)

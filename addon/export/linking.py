@@ -1,4 +1,4 @@
-"""Light linking: which lights which objects see, as groups of objects and the groups that each light lights."""
+"""Light and shadow linking: which objects each light lights and which block it, as groups of objects."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ class Linking:
         self._report = report
         self._collections: dict[int, int] = {}
         self._group_of: dict[int, int] = {}
-        self._lit: list[int] = []
+        self._chosen: list[int] = []
         states: list[dict[int, bool]] = []
         for ob in depsgraph.objects:
-            collection = _receivers(ob)
-            if collection is not None and collection.as_pointer() not in self._collections:
-                self._collections[collection.as_pointer()] = len(states)
-                states.append(_states(collection))
+            for collection in (_linked(ob, "receiver_collection"), _linked(ob, "blocker_collection")):
+                if collection is not None and collection.as_pointer() not in self._collections:
+                    self._collections[collection.as_pointer()] = len(states)
+                    states.append(_states(collection))
         if states:
             self._make_groups(states)
 
@@ -34,10 +34,15 @@ class Linking:
 
     def lit_groups(self, ob: Any) -> int:
         """Bits of the groups that a lamp or a shining object lights."""
-        if (linking := getattr(ob, "light_linking", None)) is not None and linking.blocker_collection:
-            self._report.warn("Shadow linking is not supported; everything casts shadows in the light of: {}", ob.name)
-        collection = _receivers(ob) if self._collections else None
-        return ALL_GROUPS if collection is None else self._lit[self._collections[collection.as_pointer()]]
+        return self._groups_of(_linked(ob, "receiver_collection"))
+
+    def blockers(self, ob: Any) -> int:
+        """Bits of the groups that cast shadows in its light."""
+        return self._groups_of(_linked(ob, "blocker_collection"))
+
+    def _groups_of(self, collection: Any) -> int:
+        known = None if collection is None else self._collections.get(collection.as_pointer())
+        return ALL_GROUPS if known is None else self._chosen[known]
 
     def _make_groups(self, states: list[dict[int, bool]]) -> None:
         groups: dict[tuple[bool | None, ...], int] = {(None,) * len(states): 0}
@@ -52,13 +57,13 @@ class Linking:
             self._group_of[pointer] = groups.get(seen, 0)
         for k, state in enumerate(states):
             chosen = any(state.values())  # only what is included, or all but what is excluded
-            lit = (group for seen, group in groups.items() if (seen[k] is True if chosen else seen[k] is not False))
-            self._lit.append(sum(1 << group for group in lit))
+            others = (group for seen, group in groups.items() if (seen[k] is not True if chosen else seen[k] is False))
+            self._chosen.append(ALL_GROUPS & ~sum(1 << group for group in others))
 
 
-def _receivers(ob: Any) -> Any:
+def _linked(ob: Any, role: str) -> Any:
     linking = getattr(ob.original, "light_linking", None)
-    return None if linking is None else linking.receiver_collection
+    return None if linking is None else getattr(linking, role)
 
 
 def _states(collection: Any) -> dict[int, bool]:

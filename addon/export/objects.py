@@ -39,6 +39,7 @@ class Objects:
         self._rows: list[tuple[int, int]] = []
         self._groups: list[int] = []
         self._lit_groups: list[int] = []
+        self._blockers: list[int] = []
         self._matrices: list[NDArray[np.float64]] = []
         self._row_of: dict[int, int] = {}  # by place in the graph's list of instances
         self._attributes: list[InstanceAttribute] = []
@@ -64,11 +65,12 @@ class Objects:
                         self._row_of[place] = before
                         self._groups.append(linking.group(instance))
                         self._lit_groups.append(linking.lit_groups(ob))
+                        self._blockers.append(linking.blockers(ob))
             elif kind == "LIGHT":
                 if instance.show_self:
                     light = export_light(ob, np.array(instance.matrix_world, np.float64), self._shading)
                     if light is not None:
-                        light.lit_groups = linking.lit_groups(ob)
+                        light.lit_groups, light.blockers = linking.lit_groups(ob), linking.blockers(ob)
                         self.lights.append(light)
             elif kind in UNSUPPORTED and instance.show_self:
                 self._report.warn(f"Not supported yet and left out, {UNSUPPORTED[kind]}: {{}}", ob.name)
@@ -111,6 +113,8 @@ class Objects:
             placed.group = np.array(self._groups, np.uint8)
         if any(lit != ALL_GROUPS for lit in self._lit_groups):
             placed.lit_groups = np.array(self._lit_groups, np.uint64)
+        if any(blockers != ALL_GROUPS for blockers in self._blockers):
+            placed.blockers = np.array(self._blockers, np.uint64)
         return placed
 
     def _add_mesh(self, ob: Any, matrix: NDArray[np.float64], override: Any, view_layer: Any) -> None:

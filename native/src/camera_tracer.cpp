@@ -163,6 +163,7 @@ void CameraTracer::trace_path(Path& path) const {
     add_direct(path, hit, bsdf, receiver);
     if (gathers && (!fallback || caustic_photons_)) leave_records(path, hit, bsdf, fallback);
     if (!scatter(path, hit, bsdf, receiver, fallback)) return;
+    if (lights_.shadow_linked()) add_linked(path);
   }
 }
 
@@ -183,6 +184,12 @@ void CameraTracer::add_met(Path& path, const Rgb& radiance, Rgb& seen) const {
 void CameraTracer::add_lamps(Path& path, float far) const {
   const Rgb radiance = path.vertex == 0 ? lights_.lamps_seen(path.origin, path.direction, path.near, far)
                                         : lights_.lamps_met(path.from, path.direction, path.near, far, path.pdf);
+  if (!is_black(radiance)) add_met(path, radiance, path.pixel.emission);
+}
+
+// Before the ray of a lobe is traced, what it would find behind surfaces that do not block it.
+void CameraTracer::add_linked(Path& path) const {
+  const Rgb radiance = lights_.linked_met(path.from, path.origin, path.direction, path.pdf, path.info);
   if (!is_black(radiance)) add_met(path, radiance, path.pixel.emission);
 }
 
@@ -265,12 +272,13 @@ void CameraTracer::add_light(Path& path, const Surface& hit, const Bsdf& bsdf, c
 Rgb CameraTracer::light_through(const LightSample& light, const Surface& hit, const RayInfo& ray) const {
   const float epsilon = ray_epsilon(hit.position, hit.distance);
   const Vec3 origin = hit.position + hit.ng * std::copysign(epsilon, dot(light.direction, hit.ng));
-  if (!std::isfinite(light.distance)) return scene_.transmittance(origin, light.direction, INFINITY, ray);
+  if (!std::isfinite(light.distance)) return scene_.transmittance(origin, light.direction, INFINITY, ray, light.blockers);
   const Vec3 target =
       hit.position + light.direction * light.distance + light.normal * std::max(epsilon, ray_epsilon(hit.position, light.distance));
   const Vec3 way = target - origin;
   const float distance = length(way);
-  return distance > 0 ? scene_.transmittance(origin, way / distance, distance * (1 - 1e-5f), ray) : Rgb{1, 1, 1};
+  if (!(distance > 0)) return {1, 1, 1};
+  return scene_.transmittance(origin, way / distance, distance * (1 - 1e-5f), ray, light.blockers);
 }
 
 bool CameraTracer::falls_back(Path& path, const Surface& hit, const Bsdf& bsdf) const {

@@ -71,6 +71,7 @@ class CameraTracer {
   void trace_path(Path& path) const;
   void add_met(Path& path, const Rgb& radiance, Rgb& seen) const;
   void add_lamps(Path& path, float far) const;
+  void add_linked(Path& path) const;
   void add_world(Path& path) const;
   void add_emission(Path& path, const Surface& hit, const Rgb& emission) const;
   Passing pass_through(Path& path, const Surface& hit, const Bsdf& bsdf) const;

@@ -32,6 +32,8 @@ Lights::Lights(Scene& scene, const std::vector<LampSettings>& lamps) : scene_(sc
   if (emitters_.size() > kFewEmitters) build_tree();
   for (uint32_t i = 0; i < emitters_.size(); ++i)
     if (emitters_[i].lamp >= 0 && lamps_[emitters_[i].lamp].s.camera_visible) visible_lamps_.push_back(i);
+  for (uint32_t i = 0; i < emitters_.size(); ++i)
+    if (~emitters_[i].blockers) shadow_linked_.push_back(i);
 }
 
 void Lights::build_tree() {
@@ -234,6 +236,7 @@ std::optional<LightSample> Lights::sample(const Receiver& to, float choice, cons
   out.weight *= 1 / probability;
   out.pdf *= probability;
   out.use_mis = out.pdf > 0 && shares_with_rays(e, to);
+  out.blockers = e.blockers;
   return out;
 }
 
@@ -380,6 +383,10 @@ float Lights::surface_mis_weight(const Receiver& receiver, const Surface& hit, f
   if (!(scene_.instances[hit.instance].lit_groups & receiver.group)) return 0;
   const int32_t index = emitter_of_instance_[hit.instance];
   if (index < 0) return 1;
+  return ~emitters_[index].blockers ? 0 : mesh_mis_weight(index, receiver, hit, bsdf_pdf);
+}
+
+float Lights::mesh_mis_weight(uint32_t index, const Receiver& receiver, const Surface& hit, float bsdf_pdf) const {
   const Emitter& e = emitters_[index];
   if (!shares_with_rays(e, receiver)) return 0;
   if (!(bsdf_pdf < INFINITY)) return 1;
@@ -395,9 +402,10 @@ float Lights::surface_mis_weight(const Receiver& receiver, const Surface& hit, f
 }
 
 Rgb Lights::lamp_radiance_met(const Lamp& lamp, const Vec3& origin, const Vec3& direction, float near, float far,
-                              float& pdf) const {
+                              float& pdf, float* met_at) const {
   pdf = 0;
   const auto shaded = [&](float distance) {
+    if (met_at) *met_at = distance;
     if (lamp.s.program < 0) return Rgb{1, 1, 1};
     return shade(lamp, std::isfinite(distance) ? origin + direction * distance : Vec3{}, -direction, distance);
   };
@@ -450,11 +458,12 @@ Rgb Lights::world_met(const Receiver& to, const Vec3& direction, float bsdf_pdf)
   return radiance * power_heuristic(bsdf_pdf, world_probability(to, emitters_weight(to)) * environment_.pdf(direction));
 }
 
-Rgb Lights::lamp_met(uint32_t emitter, const Receiver& to, const Vec3& direction, float near, float far, float bsdf_pdf) const {
+Rgb Lights::lamp_met(uint32_t emitter, const Receiver& to, const Vec3& direction, float near, float far, float bsdf_pdf,
+                     float* distance) const {
   const Emitter& e = emitters_[emitter];
   if (e.lamp < 0 || !(e.lit_groups & to.group) || !shares_with_rays(e, to)) return {};
   float pdf;
-  const Rgb radiance = lamp_radiance_met(lamps_[e.lamp], to.x, direction, near, far, pdf);
+  const Rgb radiance = lamp_radiance_met(lamps_[e.lamp], to.x, direction, near, far, pdf, distance);
   if (CloseLamp close; pdf > 0 && bsdf_pdf < INFINITY && see_close(e, to.x, close)) pdf = 1 / close.total;
   if (!(pdf > 0) || !(bsdf_pdf < INFINITY)) return pdf > 0 ? radiance : Rgb{};
   return radiance * power_heuristic(bsdf_pdf, pdf * choice_probability(emitter, to));
@@ -462,7 +471,9 @@ Rgb Lights::lamp_met(uint32_t emitter, const Receiver& to, const Vec3& direction
 
 Rgb Lights::lamps_met(const Receiver& to, const Vec3& direction, float near, float far, float bsdf_pdf) const {
   Rgb sum{};
-  const auto add = [&](uint32_t emitter) { sum += lamp_met(emitter, to, direction, near, far, bsdf_pdf); };
+  const auto add = [&](uint32_t emitter) {
+    if (!~emitters_[emitter].blockers) sum += lamp_met(emitter, to, direction, near, far, bsdf_pdf);
+  };
   if (emitters_.size() > kFewEmitters) {
     tree_.along(to.x, direction, far, [&](uint32_t item) { add(tree_emitters_[item]); });
     for (uint32_t sun : suns_) add(sun);

@@ -31,6 +31,7 @@ struct LampSettings {
   bool camera_visible = false;
   int program = -1;  // into Scene::programs: its emission is a factor of `strength`
   uint64_t lit_groups = ~uint64_t{0};  // of light linking: instances with one of these bits see it
+  uint64_t blockers = ~uint64_t{0};    // of shadow linking: the others let its light pass
 };
 
 // Where light is wanted.
@@ -49,6 +50,7 @@ struct LightSample {
   Rgb weight;
   float pdf;       // solid angle; 0 for directions no BSDF sample can find
   bool use_mis;
+  uint64_t blockers = ~uint64_t{0};
 };
 
 // Where a photon path starts. `power` is that of the whole light field divided by the pdf: W for one photon of one.
@@ -59,6 +61,7 @@ struct PhotonStart {
   float soft_radius2 = -1;
   float first_hit_from = 0, first_hit_to = INFINITY;  // distances at which the first surface is lit by this photon
   uint64_t lit_groups = ~uint64_t{0};  // the first surface is lit if it is of one of these
+  uint64_t blockers = ~uint64_t{0};    // and lets the light pass if it is of none of these
   int32_t aim = -1;            // pair of EmissionTargets; -1: natural emission
   int32_t shaded_by = -1;      // a lamp with a program: `power` lacks Lights::first_hit_factor(), which needs the distance
 
@@ -90,11 +93,15 @@ class Lights {
   bool wants_bsdf_ray(const Receiver& to) const;
 
   // Share of a BSDF-sampled direction in the emission of an emissive surface hit by a ray from the receiver. `bsdf_pdf`:
-  // solid angle; infinity for deltas, which no light sample can find.
+  // solid angle; infinity for deltas, which no light sample can find. 0 for what linked_met() finds.
   float surface_mis_weight(const Receiver& to, const Surface& hit, float bsdf_pdf) const;
 
-  // Radiance of the lamps that a ray meets between `near` and `far`, weighted as above.
+  // Radiance of the lamps that a ray meets between `near` and `far`, weighted as above; without those of linked_met().
   Rgb lamps_met(const Receiver& to, const Vec3& direction, float near, float far, float bsdf_pdf) const;
+  // Whether some light passes through what blocks others: then linked_met() adds the light of those, lamps and surfaces alike,
+  // that comes to the receiver against a ray from `origin`, through whatever does not block it, weighted as above.
+  bool shadow_linked() const { return !shadow_linked_.empty(); }
+  Rgb linked_met(const Receiver& to, const Vec3& origin, const Vec3& direction, float bsdf_pdf, const RayInfo& ray) const;
   // Radiance of the world in a direction that a ray from the receiver left the scene in, weighted likewise.
   Rgb world_met(const Receiver& to, const Vec3& direction, float bsdf_pdf) const;
   // The same for a camera ray, unweighted: only lamps that the camera may see.
@@ -141,7 +148,7 @@ class Lights {
     float radius = 0;                       // bounding sphere
     Bounds bounds;
     float importance = 0;
-    uint64_t lit_groups = ~uint64_t{0};
+    uint64_t lit_groups = ~uint64_t{0}, blockers = ~uint64_t{0};
     double power = 0;
     std::vector<uint32_t> triangles;
     std::vector<float> cdf;                 // over triangles, by power
@@ -184,7 +191,9 @@ class Lights {
   };
   std::optional<Pick> pick_of_many(const Receiver& to, float weight, float choice) const;
   void build_tree();
-  Rgb lamp_met(uint32_t emitter, const Receiver& to, const Vec3& direction, float near, float far, float bsdf_pdf) const;
+  Rgb lamp_met(uint32_t emitter, const Receiver& to, const Vec3& direction, float near, float far, float bsdf_pdf,
+               float* distance = nullptr) const;
+  float mesh_mis_weight(uint32_t emitter, const Receiver& to, const Surface& hit, float bsdf_pdf) const;
   float choice_probability(uint32_t emitter, const Receiver& to) const;  // of an emitter among themselves
   float emitters_weight(const Receiver& to) const;                         // of all together
   float world_probability(const Receiver& to, float emitters_weight) const;
@@ -201,8 +210,9 @@ class Lights {
   float sampled_area(const Lamp& lamp, const Vec3& x) const;  // of an area lamp, from x
   bool sample_lamp(const Emitter& e, const Vec3& x, const Vec2& u, LightSample& out) const;
   bool sample_mesh(const Emitter& e, const Vec3& x, const Vec2& u, LightSample& out) const;
-  // `pdf` is that of sample_lamp for this direction; 0 where the lamp is not met.
-  Rgb lamp_radiance_met(const Lamp& lamp, const Vec3& origin, const Vec3& direction, float near, float far, float& pdf) const;
+  // `pdf` is that of sample_lamp for this direction; 0 where the lamp is not met, else `distance` (if any) says where.
+  Rgb lamp_radiance_met(const Lamp& lamp, const Vec3& origin, const Vec3& direction, float near, float far, float& pdf,
+                        float* distance = nullptr) const;
   PhotonStart emit_lamp(const Lamp& lamp, float coin, const Vec2& place, const Vec2& way) const;
   PhotonStart emit_mesh(const Emitter& e, float pick, const Vec2& place, const Vec2& way) const;
   // A photon that is not weighted yet, and what its weight is made of: lights_aimed.cpp.
@@ -245,6 +255,7 @@ class Lights {
   std::vector<uint32_t> tree_emitters_, suns_;  // emitters of the tree's items; suns among many emitters
   std::vector<int32_t> tree_item_;            // of an emitter; -1: a sun
   std::vector<uint32_t> visible_lamps_;       // emitters that the camera may see
+  std::vector<uint32_t> shadow_linked_;       // emitters whose light not everything blocks
   std::vector<double> power_cdf_;             // over emitters and, last, the world
   double world_power_ = 0, total_power_ = 0;
 };

@@ -263,6 +263,7 @@ PhotonStart Lights::emit_towards(const EmissionTargets& targets, uint64_t index,
   draft.start.aim = aim;
   if (p.emitter < emitters_.size()) {
     draft.start.lit_groups = emitters_[p.emitter].lit_groups;
+    draft.start.blockers = emitters_[p.emitter].blockers;
     const int lamp = emitters_[p.emitter].lamp;
     if (lamp >= 0 && lamps_[lamp].s.program >= 0) draft.start.shaded_by = lamp;
   }

@@ -111,6 +111,7 @@ void Lights::add_lamp(const LampSettings& settings) {
   }
   if (!(e.power > 0)) return;
   e.lit_groups = settings.lit_groups;
+  e.blockers = settings.blockers;
   const bool flat = settings.kind == LampKind::kArea;
   for (const float i : {-1.0f, 1.0f})
     for (const float j : {-1.0f, 1.0f})
@@ -154,6 +155,7 @@ void Lights::add_emissive_instances() {
     Emitter e;
     e.instance = i;
     e.lit_groups = instance.lit_groups;
+    e.blockers = instance.blockers;
     Bounds bounds;
     double sum = 0;
     add_emissive_triangles(i, e, bounds, sum);
@@ -348,6 +350,7 @@ PhotonStart Lights::emit(const EmissionPrimary& p) const {
     if (e.lamp >= 0 && lamps_[e.lamp].s.program >= 0) start.shaded_by = e.lamp;
     power = e.power;
     start.lit_groups = e.lit_groups;
+    start.blockers = e.blockers;
   }
   start.power *= static_cast<float>(total_power_ / std::max(power, 1e-300)) * p.weight;
   return start;

@@ -113,7 +113,7 @@ MaterialSide make_side(const Renderer& r, const nb::tuple& t) {
 
 void add_lamp(Renderer& r, const std::string& kind, Matrix matrix, Rgb3 strength, float radius, bool soft_falloff,
               float spot_size, float spot_blend, float angle, std::array<float, 2> size, bool ellipse, float spread,
-              bool normalize, bool camera_visible, int program, uint64_t lit_groups) {
+              bool normalize, bool camera_visible, int program, uint64_t lit_groups, uint64_t blockers) {
   LampSettings s;
   s.kind = named<LampKind>(kind, {{"point", LampKind::kPoint}, {"spot", LampKind::kSpot}, {"sun", LampKind::kSun},
                                   {"area", LampKind::kArea}}, "lamp kind");
@@ -133,6 +133,7 @@ void add_lamp(Renderer& r, const std::string& kind, Matrix matrix, Rgb3 strength
   s.program = program;
   if (program < -1 || program >= static_cast<int>(r.scene.programs.size())) throw std::invalid_argument("a lamp names a program that does not exist");
   s.lit_groups = lit_groups;
+  s.blockers = blockers;
   bool finite = is_finite(s.strength);
   for (float f : s.to_world.m) finite &= std::isfinite(f);
   for (float f : {radius, spot_size, spot_blend, angle, size[0], size[1], spread}) finite &= std::isfinite(f);
@@ -368,7 +369,8 @@ NB_MODULE(photon_splat_native, m) {
         r.scene.materials.push_back({make_side(r, front), make_side(r, back)});
       }, "front"_a, "back"_a, "Each side: (albedo rgb, albedo texture or -1, emission rgb, emission texture or -1).")
       .def("add_mesh", &add_mesh, "positions"_a, "triangles"_a, "corner_normals"_a.none(), "uv"_a.none(), "slots"_a.none())
-      .def("add_instance", [](Renderer& r, uint32_t mesh, Matrix matrix, std::vector<int32_t> materials, int group, uint64_t lit_groups) {
+      .def("add_instance", [](Renderer& r, uint32_t mesh, Matrix matrix, std::vector<int32_t> materials, int group, uint64_t lit_groups,
+                              uint64_t blockers) {
         auto rows = to_rows(matrix.data());
         for (int i = 0; i < 3; ++i) rows[4 * i + 3] -= r.scene.origin[i];
         for (double d : rows)
@@ -377,10 +379,11 @@ NB_MODULE(photon_splat_native, m) {
         r.scene.add_instance(mesh, rows, materials);
         r.scene.instances.back().group = uint64_t{1} << group;
         r.scene.instances.back().lit_groups = lit_groups;
-      }, "mesh"_a, "matrix"_a, "materials"_a, "group"_a = 0, "lit_groups"_a = ~uint64_t{0})
+        r.scene.instances.back().blockers = blockers;
+      }, "mesh"_a, "matrix"_a, "materials"_a, "group"_a = 0, "lit_groups"_a = ~uint64_t{0}, "blockers"_a = ~uint64_t{0})
       .def("add_lamp", &add_lamp, "kind"_a, "matrix"_a, "strength"_a, "radius"_a, "soft_falloff"_a, "spot_size"_a,
            "spot_blend"_a, "angle"_a, "size"_a, "ellipse"_a, "spread"_a, "normalize"_a, "camera_visible"_a, "program"_a = -1,
-           "lit_groups"_a = ~uint64_t{0})
+           "lit_groups"_a = ~uint64_t{0}, "blockers"_a = ~uint64_t{0})
       .def("set_camera", &set_camera, "matrix"_a, "screen"_a, "orthographic"_a, "clip_start"_a, "clip_end"_a, "frame"_a,
            "region"_a, "transparent"_a, "pixel_filter"_a, "filter_width"_a)
       .def("set_panorama", &set_panorama, "kind"_a, "longitude"_a, "latitude"_a, "fov"_a, "focal_length"_a, "sensor"_a,

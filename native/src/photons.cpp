@@ -27,6 +27,22 @@ bool PhotonTracer::lit(const Path& path, const Surface& hit, const PhotonStart& 
   return (start.lit_groups & scene_.instances[hit.instance].group) && start.accepts(hit.position, path.travelled + hit.distance);
 }
 
+// Straight from its lamp light passes what does not block it, and lights that all the same.
+bool PhotonTracer::blocks(const Path& path, const Surface& hit, const PhotonStart& start) const {
+  return path.bounces > 0 || start.blockers & scene_.instances[hit.instance].group;
+}
+
+// Sends a path on that a surface lets pass with this weight (its transparency over the chance to pass); false where it ends.
+bool PhotonTracer::go_straight_on(Path& path, const Surface& hit, const Rgb& weight, Vec3& origin) const {
+  path.power *= weight;
+  const float survival = std::min(1.0f, max_abs(path.power) / path.reference);
+  if (++path.passed > kMaxTransparent || !(survival > 0) || path.random.next() >= survival) return false;
+  path.power *= 1 / survival;
+  path.travelled += hit.distance;
+  origin = hit.position - hit.ng * ray_epsilon(hit.position, hit.distance);
+  return true;
+}
+
 // What lands after a bounce is indirect light, or caustic light, or a share of each.
 void PhotonTracer::store(const Path& path, const Surface& hit, const Vec3& direction, const KeyFilter& visible,
                          std::vector<Photon>& photons) const {
@@ -53,7 +69,13 @@ bool PhotonTracer::light_up(Path& path, const Surface& hit, const PhotonStart& s
 bool PhotonTracer::shade(Path& path, const Surface& hit, const PhotonStart& start, uint64_t index, uint32_t seed,
                          const KeyFilter& visible, Vec3& origin, Vec3& direction, std::vector<Photon>& photons) const {
   if (hit.program) return scatter_by_program(path, hit, start, index, seed, visible, origin, direction, photons);
-  if (!lit(path, hit, start)) return false;
+  const bool accepted = lit(path, hit, start);
+  if (!blocks(path, hit, start)) {  // the light goes on and is scattered: either, by chance
+    if (!accepted) return go_straight_on(path, hit, {1, 1, 1}, origin);
+    if (path.random.next() < 0.5f) return go_straight_on(path, hit, {2, 2, 2}, origin);
+    path.power *= 2;
+  }
+  if (!accepted) return false;
   store(path, hit, direction, visible, photons);
   if (!light_up(path, hit, start)) return false;
   const float cos_shading = -dot(direction, hit.ns), cos_geometric = -dot(direction, hit.ng);
@@ -91,8 +113,9 @@ bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const Phot
   ray.transparent_depth = path.passed;
   Bsdf bsdf(Transport::kFlux, -direction, hit.ng, hit.ns, hit.back);
   scene_.shade(hit, -direction, ray, bsdf);
-  Rgb transparency = bsdf.transparency();
-  const bool passing_asked = scene_.may_be_transparent(hit) && (direct ? hit.program->asks_shadow : asked);
+  const bool blocking = blocks(path, hit, start);
+  Rgb transparency = blocking ? bsdf.transparency() : Rgb{1, 1, 1};
+  const bool passing_asked = blocking && scene_.may_be_transparent(hit) && (direct ? hit.program->asks_shadow : asked);
   RayInfo passing_ray = ray;
   float passing_chance = 1;
   if (passing_asked) {
@@ -105,20 +128,13 @@ bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const Phot
   const bool accepted = lit(path, hit, start);
   if (accepted) store(path, hit, direction, visible, photons);
 
-  const float epsilon = ray_epsilon(hit.position, hit.distance);
   const float mean = average(transparency);
   if (mean > 0) {  // straight on, as if nothing had been hit, or not
-    const float scattered = bsdf.scatters() ? std::max(average(bsdf.albedo()), 0.05f) : 0;
+    const float scattered = accepted && bsdf.scatters() ? std::max(average(bsdf.albedo()), 0.05f) : 0;
     const float passing = mean / (mean + scattered);
     if (scattered == 0 || path.random.next() < passing) {
-      path.power *= transparency / (passing * passing_chance);
       if (passing_asked) path.kind = passing_ray.kind, path.guessed = true;
-      const float survival = std::min(1.0f, max_abs(path.power) / path.reference);
-      if (++path.passed > kMaxTransparent || !(survival > 0) || path.random.next() >= survival) return false;
-      path.power *= 1 / survival;
-      path.travelled += hit.distance;
-      origin = hit.position - hit.ng * epsilon;
-      return true;
+      return go_straight_on(path, hit, transparency / (passing * passing_chance), origin);
     }
     path.power *= 1 / (1 - passing);
   }
@@ -142,7 +158,7 @@ bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const Phot
   path.travelled = 0;
   path.kind = ray.kind;
   path.guessed = asked;
-  origin = hit.position + hit.ng * std::copysign(epsilon, dot(s->direction, hit.ng));
+  origin = hit.position + hit.ng * std::copysign(ray_epsilon(hit.position, hit.distance), dot(s->direction, hit.ng));
   direction = s->direction;
   return true;
 }

@@ -84,8 +84,10 @@ class PhotonTracer {
   void trace_chunk(uint64_t first, uint64_t count, double total, uint32_t seed, const KeyFilter& visible, Chunk& chunk) const;
   PhotonStart start(uint64_t index, uint32_t seed) const;
   bool lit(const Path& path, const Surface& hit, const PhotonStart& start) const;
+  bool blocks(const Path& path, const Surface& hit, const PhotonStart& start) const;
   bool shade(Path& path, const Surface& hit, const PhotonStart& start, uint64_t index, uint32_t seed, const KeyFilter& visible,
              Vec3& origin, Vec3& direction, std::vector<Photon>& photons) const;
+  bool go_straight_on(Path& path, const Surface& hit, const Rgb& weight, Vec3& origin) const;
   void store(const Path& path, const Surface& hit, const Vec3& direction, const KeyFilter& visible, std::vector<Photon>& photons) const;
   bool light_up(Path& path, const Surface& hit, const PhotonStart& start) const;
   bool scatter_by_program(Path& path, const Surface& hit, const PhotonStart& start, uint64_t index, uint32_t seed,

@@ -337,21 +337,21 @@ Rgb Scene::emission(const Surface& s, const Vec3& wo, const RayInfo& ray) const 
   return bsdf.emission();
 }
 
-Rgb Scene::transmittance(const Vec3& origin, const Vec3& direction, float far, const RayInfo& ray) const {
+Rgb Scene::transmittance(const Vec3& origin, const Vec3& direction, float far, const RayInfo& ray, uint64_t blockers) const {
   if (!occluded(origin, direction, 0, far)) return {1, 1, 1};
-  if (!(features_ & kProgramTransparent)) return {};
+  if (!~blockers && !(features_ & kProgramTransparent)) return {};
   Rgb through{1, 1, 1};
   RayInfo info = ray;
   info.kind = RayInfo::kShadow;
   Surface s;
-  for (float near = 0; intersect(origin, direction, near, far, false, s);) {
+  for (float near = 0; intersect(origin, direction, near, far, false, s); near = past(s)) {
+    if (!(blockers & instances[s.instance].group)) continue;
     if (!may_be_transparent(s)) return {};
     Bsdf bsdf(Transport::kRadiance, -direction, s.ng, s.ns, s.back);
     run_program(*this, *s.program, shading_point(s, -direction, info), bsdf);
     through *= bsdf.transparency();
     if (max_component(through) < 1e-6f) return {};
     ++info.transparent_depth;
-    near = std::nextafter(s.distance + ray_epsilon(s.position, s.distance), INFINITY);
   }
   return through;
 }

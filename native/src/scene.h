@@ -55,6 +55,7 @@ struct Instance {
   uint32_t seed = 0;           // of surface keys
   uint64_t group = 1;          // of light linking: a single bit
   uint64_t lit_groups = ~uint64_t{0};  // what it lights if it shines
+  uint64_t blockers = ~uint64_t{0};    // what casts shadows in its light
   float scale = 1;             // largest stretch of to_world
   Affine to_world, to_local;
   std::array<double, 12> exact{};  // to_world before rounding
@@ -89,6 +90,8 @@ struct SunDisc {
 
 // A ray offset that clears the rounding error of a hit at `position` found `distance` away.
 inline float ray_epsilon(const Vec3& position, float distance) { return 4e-6f * std::max(max_abs(position), distance); }
+// Where the ray goes on that found `s` and takes no notice of it.
+inline float past(const Surface& s) { return std::nextafter(s.distance + ray_epsilon(s.position, s.distance), INFINITY); }
 
 class Scene {
  public:
@@ -130,8 +133,9 @@ class Scene {
   Surface surface_at(uint32_t instance, uint32_t triangle, float u, float v, bool back) const;
   bool occluded(const Vec3& origin, const Vec3& direction, float near, float far) const;
   // Share of light that comes through on the way: 1 where nothing stands, 0 behind what is opaque, between them what
-  // transparent surfaces let pass. `ray` is what programs are told of the ray.
-  Rgb transmittance(const Vec3& origin, const Vec3& direction, float far, const RayInfo& ray) const;
+  // transparent surfaces let pass. `ray` is what programs are told of the ray. Only instances of the groups `blockers` count.
+  Rgb transmittance(const Vec3& origin, const Vec3& direction, float far, const RayInfo& ray,
+                    uint64_t blockers = ~uint64_t{0}) const;
 
   // True when the bounds of some primitive come within `radius` of `x`.
   bool anything_within(const Vec3& x, float radius) const;

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from photon_splat.core.scene import ALL_GROUPS
 
 from tests.addon import stage
 from tests.addon.blender import in_blender
@@ -315,7 +316,7 @@ def test_frames_of_an_animation() -> None:
 
 @in_blender
 def test_light_linking() -> None:
-    """Groups of objects that lights treat alike; shadow linking and light groups are named."""
+    """Groups of objects that lights treat alike and that block alike; light groups are named."""
     import bpy
 
     floor, box, _ = stage.plane("Floor"), stage.plane("Box"), stage.plane("Wall")
@@ -324,7 +325,9 @@ def test_light_linking() -> None:
         receivers = lamp.light_linking.receiver_collection = bpy.data.collections.new(lamp.name)
         receivers.objects.link(thing)
         receivers.collection_objects[0].light_linking.link_state = state
-    plain.light_linking.blocker_collection = bpy.data.collections.new("Blockers")
+    blockers = plain.light_linking.blocker_collection = bpy.data.collections.new("Blockers")
+    blockers.objects.link(floor)
+    only.light_linking.blocker_collection = bpy.data.collections.new("Nothing in it")
     stage.scene().view_layers[0].lightgroups.add()
     what = stage.exported()
     groups = {what.meshes[mesh].name: int(group) for mesh, group in zip(what.instances.mesh, what.instances.group, strict=True)}
@@ -332,8 +335,11 @@ def test_light_linking() -> None:
     assert len(set(groups.values())) == 3
     lit = {light.kind: {name for name, group in groups.items() if light.lit_groups >> group & 1} for light in what.lights}
     assert lit == {"point": {"Floor"}, "spot": {"Floor", "Wall"}, "sun": {"Floor", "Box", "Wall"}}
+    blocked = {light.kind: {name for name, group in groups.items() if light.blockers >> group & 1} for light in what.lights}
+    assert blocked == {"point": {"Floor", "Box", "Wall"}, "spot": {"Floor", "Box", "Wall"}, "sun": {"Floor"}}
+    assert [light.blockers == ALL_GROUPS for light in what.lights] == [True, True, False]
     assert what.instances.lit_groups is None
+    assert what.instances.blockers is None
     assert what.warnings == [
         "Light groups are not supported; they give no passes of their own",
-        "Shadow linking is not supported; everything casts shadows in the light of: 'SUN'",
     ]

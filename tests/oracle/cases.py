@@ -135,6 +135,7 @@ CASES: tuple[Case, ...] = (
     _geometry("many_lamps"),
     _geometry("instanced_lamp"),
     _geometry("linked_lamps"),
+    Case("linked_shadows", "linked_shadows", samples=4096),
     # World and emissive meshes
     _geometry("world", color=(0.5, 0.7, 1.0), strength=1.5),
     Case("environment", "environment", passes=48, photons_per_pass=40_000),

@@ -144,20 +144,40 @@ def linked_lamps() -> None:
     mirror = m.add_sphere("Mirror", 0.28, m.polished_metal("Mirror", (0.9, 0.9, 0.9)), (0.1, -0.7, 0.28), 64)
     things = bpy.data.objects
     warm = _lamp("AREA", 30.0, (0.3, -0.9, 1.7), (0.0, 0.0, 0.0), size=0.6, color=(1.0, 0.6, 0.3))
-    _link(warm, include=[things["Block"], things["Floor"], mirror])
-    _link(_lamp("POINT", 30.0, (0.9, 0.2, 1.5), color=(0.3, 0.5, 1.0), shadow_soft_size=0.05), exclude=[things["Wedge"], things["Wall"]])
-    _link(_lamp("SUN", 0.4, aim=(-0.3, -0.6, 1.0), angle=0.1, color=(0.4, 1.0, 0.4)), include=[things["Wedge"]], exclude=[things["Floor"]])
+    _link(warm, "receiver_collection", include=[things["Block"], things["Floor"], mirror])
+    blue = _lamp("POINT", 30.0, (0.9, 0.2, 1.5), color=(0.3, 0.5, 1.0), shadow_soft_size=0.05)
+    _link(blue, "receiver_collection", exclude=[things["Wedge"], things["Wall"]])
+    sun = _lamp("SUN", 0.4, aim=(-0.3, -0.6, 1.0), angle=0.1, color=(0.4, 1.0, 0.4))
+    _link(sun, "receiver_collection", include=[things["Wedge"]], exclude=[things["Floor"]])
     corners = [(-1.0, 1.3, 1.2), (-0.4, 1.3, 1.2), (-0.4, 1.3, 1.8), (-1.0, 1.3, 1.8)]
-    _link(m.add_mesh("Plate", corners, [(0, 1, 2, 3)], m.emission("Glow", (1.0, 0.9, 0.8), 4.0)), exclude=[mirror, things["Wall"]])
+    plate = m.add_mesh("Plate", corners, [(0, 1, 2, 3)], m.emission("Glow", (1.0, 0.9, 0.8), 4.0))
+    _link(plate, "receiver_collection", exclude=[mirror, things["Wall"]])
 
 
-def _link(light: bpy.types.Object, include: Sequence[bpy.types.Object] = (), exclude: Sequence[bpy.types.Object] = ()) -> None:
-    receivers = bpy.data.collections.new(f"Receivers of {light.name}")
+def linked_shadows() -> None:
+    """Shadow linking: what does not block a light's way is lit and lets it pass: lamps, a shining plate behind glass, in a mirror."""
+    _stage()
+    things = bpy.data.objects
+    mirror = m.add_sphere("Mirror", 0.28, m.polished_metal("Mirror", (0.9, 0.9, 0.9)), (0.1, -0.7, 0.28), 64)
+    glass = m.add_sphere("Glass", 0.25, m.glass("Glass", 1.45), (-0.9, -0.4, 0.25), 64)
+    warm = _lamp("AREA", 30.0, (0.3, -0.9, 1.7), (0.0, 0.0, 0.0), size=0.6, color=(1.0, 0.6, 0.3))
+    _link(warm, "blocker_collection", exclude=[things["Block"], glass])
+    blue = _lamp("POINT", 20.0, (0.9, 0.2, 1.5), color=(0.3, 0.5, 1.0), shadow_soft_size=0.15)
+    _link(blue, "blocker_collection", include=[things["Block"]])
+    sun = _lamp("SUN", 0.4, aim=(-0.3, -0.6, 1.0), angle=0.1, color=(0.4, 1.0, 0.4))
+    _link(sun, "blocker_collection", include=[things["Wedge"], mirror])
+    _link(sun, "receiver_collection", exclude=[things["Wall"]])
+    corners = [(-1.0, -0.2, 0.9), (-0.4, -0.2, 0.9), (-0.4, 0.3, 1.3), (-1.0, 0.3, 1.3)]
+    _link(m.add_mesh("Plate", corners, [(0, 1, 2, 3)], m.emission("Glow", (1.0, 0.9, 0.8), 4.0)), "blocker_collection", exclude=[mirror])
+
+
+def _link(light: bpy.types.Object, role: str, include: Sequence[bpy.types.Object] = (), exclude: Sequence[bpy.types.Object] = ()) -> None:
+    linked = bpy.data.collections.new(f"{role} of {light.name}")
     for thing in (*include, *exclude):
-        receivers.objects.link(thing)
-    for link, thing in zip(receivers.collection_objects, receivers.objects, strict=True):
+        linked.objects.link(thing)
+    for link, thing in zip(linked.collection_objects, linked.objects, strict=True):
         link.light_linking.link_state = "EXCLUDE" if thing in exclude else "INCLUDE"
-    light.light_linking.receiver_collection = receivers
+    setattr(light.light_linking, role, linked)
 
 
 # World and emissive meshes -----------------------------------------------------------------------------------------
