@@ -17,6 +17,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 BUNDLED = ("moderngl", "glcontext")
 """Packages besides the native module, in the version that the virtual environment has."""
+ALSO = ("3.12", "3.14")
+"""Pythons of Blenders that Linux distributions build: the stable native module serves them, the packages have wheels for each."""
 PIP = ("-m", "pip", "-q", "--disable-pip-version-check")
 FIND_TOOL = """
 import importlib.util, pathlib
@@ -54,7 +56,12 @@ def main() -> int:
 
 def make_wheels(python: str, folder: Path) -> None:
     run(python, *PIP, "wheel", "--no-build-isolation", "--no-deps", "-w", str(folder), str(ROOT / "native"))
-    run(python, *PIP, "download", "--only-binary", ":all:", "--no-deps", "-d", str(folder), *run(python, "-c", VERSIONS).split())
+    download = (*PIP, "download", "--only-binary", ":all:", "--no-deps", "-d", str(folder))
+    packages = run(python, "-c", VERSIONS).split()
+    run(python, *download, *packages)
+    if any("-abi3-" in wheel.name for wheel in folder.glob("photon_splat_native-*")):
+        for version in ALSO:
+            run(python, *download, "--python-version", version, *packages)
 
 
 def add_to_manifest(manifest: Path, wheels: list[str]) -> None:

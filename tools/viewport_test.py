@@ -21,11 +21,26 @@ import numpy as np
 
 ROOT = Path(__file__).resolve().parent.parent
 KEYRING = Path("/usr/share/keyrings/debian-archive-keyring.gpg")
-PACKAGES = ["blender", "python3-numpy", "xvfb", "xauth", "imagemagick", "xdotool", "libegl1", "libegl-mesa0", "libgl1-mesa-dri"]
+PACKAGES = [
+    "blender",
+    "python3-numpy",
+    "python3-cattr",
+    "python3-requests",
+    "xvfb",
+    "xauth",
+    "imagemagick",
+    "xdotool",
+    "libegl1",
+    "libegl-mesa0",
+    "libgl1-mesa-dri",
+]
 MODULE = "bl_ext.user_default.photon_splat"
 SECONDS = 1200
 FIRST_PICTURE, UPDATES, STALL, MEMORY = 0.15, 15.0, 0.03, 100e6
-"""s after an edit; per second of orbiting; s; bytes more over all edits: what is promised, on two cores."""
+"""s after an edit; per second of orbiting; s; bytes more over all edits: what is promised, on two cores. Where software draws
+the window, and can do so less often even in Solid shading, the second and third are held beside that."""
+SCREEN = "1183x648x24"
+"""Leaves the viewport 960x540."""
 
 
 class Skipped(Exception):
@@ -54,8 +69,11 @@ def main() -> int:
 def make_chroot(suite: str, chroot: Path) -> None:
     if not sys.platform.startswith("linux") or os.geteuid() != 0:
         raise Skipped("it needs Linux and root")
-    if (chroot / "usr/bin/blender").exists() and (chroot / "usr/bin/xdotool").exists():
+    packed = chroot / "photon_splat_packages"
+    if packed.exists() and packed.read_text().split() == PACKAGES:
         return
+    if any(f" {chroot}/" in line for line in Path("/proc/self/mounts").read_text().splitlines()):
+        raise Skipped(f"something is still mounted below {chroot}; unmount it first")
     if not shutil.which("debootstrap") or not KEYRING.exists():
         raise Skipped(f"it needs debootstrap and {KEYRING} (Debian: apt-get install debootstrap debian-archive-keyring)")
     sys.path.insert(0, str(ROOT / "native/cmake"))
@@ -76,6 +94,7 @@ def make_chroot(suite: str, chroot: Path) -> None:
         guard.write_text("#!/bin/sh\nexit 101\n")
         guard.chmod(0o755)
         subprocess.run(["chroot", chroot, "env", "DEBIAN_FRONTEND=noninteractive", *install], stdout=log, stderr=log, check=True)
+        packed.write_text("\n".join(PACKAGES))
     except subprocess.CalledProcessError as error:
         raise Skipped(f"{error.cmd[0]} failed; see {log.name}") from error
 
@@ -102,7 +121,7 @@ def run(chroot: Path, archive: Path, output: Path, edits: int, hunt: int) -> dic
         subprocess.run([*prefix, *add], check=True, stdout=subprocess.DEVNULL, timeout=120)
         script = ["--python", "/tmp/photon_splat/inside.py", "--", MODULE, "/tmp/photon_splat/cornell_box.blend"]
         script += ["/tmp/photon_splat/interior.blend", "/tmp/photon_splat", str(edits), str(hunt)]
-        window = ["xvfb-run", "-a", "-s", "-screen 0 1280x800x24", "blender", "--factory-startup", "--addons", MODULE, *script]
+        window = ["xvfb-run", "-a", "-s", f"-screen 0 {SCREEN}", "blender", "--factory-startup", "--addons", MODULE, *script]
         with (output / "blender.log").open("w") as log:
             done = subprocess.run([*prefix, *window], stdout=log, stderr=log, timeout=SECONDS, check=False)
     except subprocess.TimeoutExpired:
@@ -132,13 +151,16 @@ def judge(result: dict[str, Any], output: Path) -> int:
 
     if "region" in result:
         hold("camera view against F12, mean difference of 8-bit values", difference(output, result["region"]), 3.0)
+    window = result.get("others", {}).get("SOLID", {"redraws per second": UPDATES, "stall": 0.0})
     if "orbit" in result:
-        hold("seconds between updates while orbiting", 1 / max(result["orbit"]["updates per second"], 1e-9), 1 / UPDATES)
+        own = 1.05 / max(window["redraws per second"], 1e-9)
+        hold("seconds between updates while orbiting", 1 / max(result["orbit"]["updates per second"], 1e-9), max(1 / UPDATES, own))
+        hold("seconds of a draw while orbiting, at most", result["orbit"]["draw"]["most"], STALL)
         hold("photon paths traced while orbiting", result["orbit"]["photons traced"], 0)
     for kind, seconds in result.get("edits", {}).items():
         hold(f"median seconds from an edit to a picture, {kind}", seconds, FIRST_PICTURE)
     if "stall" in result:
-        hold("median stall of Blender's thread", result["stall"]["median"], STALL)
+        hold("median stall of Blender's thread beyond the window's own", result["stall"]["median"] - window["stall"], STALL)
         hold("bytes of memory that edits left behind", result["memory"][1] - result["memory"][0], MEMORY)
     if "hunt" in result:
         hold("threads left by random edits", result["hunt"]["threads"], 1)

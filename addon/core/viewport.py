@@ -39,7 +39,9 @@ SLOW, FAST = 0.062, 0.056
 FORGET_AFTER = 30
 """Pictures after which one that was slow is tried again."""
 REST = 0.15
-"""s without a move after which the camera rests."""
+"""s without a move after which the camera rests; more where its moves come more slowly than that, as in a window that is slow to draw."""
+SLOWEST_MOVES = 0.5
+"""s between two moves of one turn, at most."""
 SHOW_EVERY = 0.1
 """s at least between two pictures of the refinement."""
 
@@ -62,7 +64,8 @@ class View:
 @dataclass(frozen=True, slots=True)
 class Picture:
     """pixels: (height, width, 4) float32 premultiplied scene-linear RGBA, row 0 at the bottom. They cover `region` (x, y,
-    width, height, pixels of the screen). samples: camera samples per pixel; 1 as long as `moving`, from the store."""
+    width, height, pixels of the screen). samples: camera samples per pixel; 1 as long as `moving`, from the store. made: when it
+    was, by time.monotonic()."""
 
     pixels: NDArray[np.float32]
     region: tuple[int, int, int, int]
@@ -71,6 +74,7 @@ class Picture:
     samples: int
     moving: bool
     number: int
+    made: float = 0.0
 
 
 @dataclass(slots=True)
@@ -99,6 +103,7 @@ class Controller:
         self._scene: tuple[Scene, RenderSettings] | None = None
         self._view: View | None = None
         self._moved = 0.0
+        self._rest = REST
         self._closing = False
         self._may_cancel = False
         self._picture: Picture | None = None
@@ -129,7 +134,9 @@ class Controller:
             if self._view is not None and self._view == view:
                 return
             self._view = view
-            self._moved = time.monotonic()
+            now = time.monotonic()
+            pause, self._moved = now - self._moved, now
+            self._rest = max(REST, 2 * pause) if pause < SLOWEST_MOVES else REST
             self._interrupt(False)
 
     def picture(self) -> Picture | None:
@@ -208,7 +215,7 @@ class Controller:
         self._draw_store(renderer, view, max(self._pace.step, view.pixel), moving=True)
         with self._changed:
             self._may_cancel = True
-            while not self._is_new(view) and (left := self._moved + REST - time.monotonic()) > 0:
+            while not self._is_new(view) and (left := self._moved + self._rest - time.monotonic()) > 0:
                 self._changed.wait(left)
             if self._is_new(view):
                 return True
@@ -317,7 +324,7 @@ class Controller:
         pixels = renderer.picture()
         with self._changed:
             number = self._picture.number + 1 if self._picture else 1
-            self._picture = Picture(pixels, region, view, step, samples, moving, number)
+            self._picture = Picture(pixels, region, view, step, samples, moving, number, time.monotonic())
 
 
 class Pace:

@@ -172,6 +172,13 @@ def export_of_a_million_triangles() -> Figures:
     return export.measure()
 
 
+def splat_of_a_million_photons() -> Figures:
+    """See splat.py beside this file."""
+    from tests.bench import splat
+
+    return splat.measure()
+
+
 def first_picture() -> Figures:
     """See first_picture.py beside this file."""
     from tests.bench import first_picture as bench
@@ -188,6 +195,7 @@ MEASUREMENTS: dict[str, Callable[..., Figures]] = {
         memory_of_instances,
         memory_of_photons,
         export_of_a_million_triangles,
+        splat_of_a_million_photons,
         first_picture,
     )
 }

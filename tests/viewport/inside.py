@@ -98,7 +98,19 @@ def quiet() -> None:
 
 
 def steps() -> Iterator[float]:
-    for step in (same_as_a_render, orbit, edits, undo, other_states, render_and_cancel, two_viewports, extension, hunt, other_file):
+    for step in (
+        same_as_a_render,
+        orbit,
+        others_orbit,
+        edits,
+        undo,
+        other_states,
+        render_and_cancel,
+        two_viewports,
+        extension,
+        hunt,
+        other_file,
+    ):
         began = time.monotonic()
         yield from step()
         result["steps"].append([step.__name__, round(time.monotonic() - began, 2)])
@@ -146,27 +158,52 @@ def orbit() -> Iterator[float]:
     traced, first = live().controller.counts.photon_paths, number()
     turn = 0.02
     began, angle, draws = time.monotonic(), 0.0, []
-    shot = False
     while time.monotonic() - began < 4.0:
         angle += turn
         from mathutils import Euler
 
         view.view_rotation = Euler((math.radians(80), 0.0, 0.3 * math.sin(angle))).to_quaternion()
         draws.append(live().seconds["draw"])
-        if not shot and angle > 1.0:
-            shot = True
-            screenshot("orbit")
-            began, first = time.monotonic(), number()
         yield 0.01
     seconds = time.monotonic() - began
     result["orbit"] = {
         "updates per second": (number() - first) / seconds,
         "step": live().controller.picture().step,
         "photons traced": live().controller.counts.photon_paths - traced,
-        "draw": sorted(draws)[len(draws) // 2],
+        "draw": {"median": sorted(draws)[len(draws) // 2], "most": max(draws)},
         "picture": live().controller.counts.seconds["moving"],
     }
+    screenshot("orbit")
     yield 0.1
+
+
+def others_orbit() -> Iterator[float]:
+    """The same turns without this engine: what the window itself costs on this machine, and with Cycles."""
+    from mathutils import Euler
+
+    view, scene = space().region_3d, bpy.context.scene
+    result["others"] = {}
+    for name in ("SOLID", "CYCLES"):
+        if name == "SOLID":
+            space().shading.type = "SOLID"
+        else:
+            scene.render.engine, space().shading.type = name, "RENDERED"
+        yield 1.0
+        drawn: list[float] = []
+        handler = bpy.types.SpaceView3D.draw_handler_add(lambda times: times.append(time.monotonic()), (drawn,), "WINDOW", "POST_PIXEL")
+        stalls, began, angle = [], time.monotonic(), 0.0
+        last = began
+        while time.monotonic() - began < 3.0:
+            angle += 0.02
+            view.view_rotation = Euler((math.radians(80), 0.0, 0.3 * math.sin(angle))).to_quaternion()
+            yield TICK
+            now = time.monotonic()
+            stalls.append(now - last - TICK)
+            last = now
+        bpy.types.SpaceView3D.draw_handler_remove(handler, "WINDOW")
+        result["others"][name] = {"redraws per second": len(drawn) / 3.0, "stall": sorted(stalls)[len(stalls) // 2]}
+    scene.render.engine, space().shading.type = "PHOTON_SPLAT", "RENDERED"
+    yield from until(settled, "the picture after other engines")
 
 
 def edits() -> Iterator[float]:
@@ -177,6 +214,7 @@ def edits() -> Iterator[float]:
     light = bpy.data.lights.new("Edited", "POINT")
     bpy.context.collection.objects.link(bpy.data.objects.new("Edited", light))
     times: dict[str, list[float]] = {"light": [], "material": [], "move": [], "mesh": []}
+    seen: list[float] = []
     exports: list[float] = []
     stalls: list[float] = []
     memory = []
@@ -203,13 +241,15 @@ def edits() -> Iterator[float]:
             now = time.monotonic()
             stalls.append(now - last - TICK)
             last = now
-        times[kind].append(time.monotonic() - began)
+        times[kind].append(live().controller.picture().made - began)
+        seen.append(time.monotonic() - began)
         exports.append(live().seconds["export"])
         if k % 10 == 0:
             memory.append(resident())
         yield chance.choice((TICK, 0.05, 0.2))
     if EDITS:
         result["edits"] = {kind: sorted(values)[len(values) // 2] for kind, values in times.items() if values}
+        result["seen by Blender's thread"] = sorted(seen)[len(seen) // 2]
         result["export"] = sorted(exports)[len(exports) // 2]
         result["stall"] = {"median": sorted(stalls)[len(stalls) // 2], "95 %": sorted(stalls)[int(0.95 * len(stalls))], "most": max(stalls)}
         result["memory"] = [memory[len(memory) // 4], memory[-1]]
