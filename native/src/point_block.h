@@ -33,12 +33,24 @@ struct SplatPhoton {
   float r, g, b, luminance;
 };
 
-// Adds photons[0 .. count-1] to the sums of a block.
-using SplatKernel = void (*)(PointBlock& block, const SplatPhoton* photons, uint32_t count);
+// Where the discs of each 16 points of a block reach, which are neighbours: photons elsewhere need no look at them.
+inline constexpr uint32_t kPartSize = 16, kParts = kBlockSize / kPartSize;
+struct PartBounds {
+  float lower_x[kParts], lower_y[kParts], lower_z[kParts], upper_x[kParts], upper_y[kParts], upper_z[kParts];
+};
 
-void splat_block_generic(PointBlock& block, const SplatPhoton* photons, uint32_t count);
-void splat_block_sse42(PointBlock& block, const SplatPhoton* photons, uint32_t count);
-void splat_block_avx2(PointBlock& block, const SplatPhoton* photons, uint32_t count);
-void splat_block_avx512(PointBlock& block, const SplatPhoton* photons, uint32_t count);
+// Photons one after another, and their places once more, axis by axis.
+struct SplatPhotons {
+  const SplatPhoton* photons;
+  const float *x, *y, *z;
+};
+
+// Adds the first `count` photons to the sums of a block.
+using SplatKernel = void (*)(PointBlock& block, const PartBounds& parts, const SplatPhotons& photons, uint32_t count);
+
+void splat_block_generic(PointBlock& block, const PartBounds& parts, const SplatPhotons& photons, uint32_t count);
+void splat_block_sse42(PointBlock& block, const PartBounds& parts, const SplatPhotons& photons, uint32_t count);
+void splat_block_avx2(PointBlock& block, const PartBounds& parts, const SplatPhotons& photons, uint32_t count);
+void splat_block_avx512(PointBlock& block, const PartBounds& parts, const SplatPhotons& photons, uint32_t count);
 
 }  // namespace photon_splat

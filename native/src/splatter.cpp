@@ -1,6 +1,7 @@
 #include "splatter.h"
 
 #include <bit>
+#include <cmath>
 #include <stdexcept>
 
 #if defined(__SSE2__)
@@ -15,6 +16,7 @@ constexpr size_t kChunk = 4096;      // photons that one thread looks up at a ti
 constexpr size_t kGroup = 16;        // photons that search together
 constexpr size_t kRun = 1 << 20;     // photons sorted at once
 constexpr int kCurveBits = 10;       // of each axis
+constexpr float kRounded = 1.000001f;  // no photon within a disc is outside its bounds
 
 // Puts two zeros before each of the lowest 10 bits.
 uint64_t spread_bits(uint32_t x) {
@@ -74,6 +76,7 @@ unsigned Splatter::meeting(const Node& n, const Bounds& b) {
 
 void Splatter::set_blocks(const std::vector<Bounds>& bounds) {
   levels_.clear();
+  parts_.clear();
   std::vector<Bounds> below = bounds;
   do {
     std::vector<Node> level;
@@ -138,6 +141,7 @@ void Splatter::sort_photons(const Photon* photons, size_t count, ThreadPool& poo
   curve_.resize(count);
   curve_scratch_.resize(count);
   sorted_.resize(count);
+  for (auto* places : {&x_, &y_, &z_}) places->resize(count);
   groups_.assign((count + kGroup - 1) / kGroup, Bounds{});
   const CancelFlag never;
   const size_t chunk_count = (count + kChunk - 1) / kChunk;
@@ -162,7 +166,30 @@ void Splatter::sort_photons(const Photon* photons, size_t count, ThreadPool& poo
       const Photon& p = photons[static_cast<uint32_t>(curve_[i])];
       const Vec3 n = decode_direction(p.normal);
       sorted_[i] = {p.position.x, p.position.y, p.position.z, p.key, n.x, n.y, n.z, p.power.x, p.power.y, p.power.z, luminance(p.power)};
+      x_[i] = p.position.x;
+      y_[i] = p.position.y;
+      z_[i] = p.position.z;
       groups_[i / kGroup].add(p.position);
+    }
+  });
+}
+
+void Splatter::bound_parts(const std::vector<PointBlock>& blocks, ThreadPool& pool) {
+  parts_.resize(blocks.size());
+  pool.for_each(blocks.size(), CancelFlag(), [&](size_t b, int) {
+    const PointBlock& block = blocks[b];
+    for (uint32_t part = 0; part < kParts; ++part) {
+      Bounds bounds;
+      for (uint32_t i = part * kPartSize; i < (part + 1) * kPartSize; ++i) {
+        if (!std::isfinite(block.inverse_h2[i])) continue;
+        const float h = kRounded / std::sqrt(block.inverse_h2[i]);
+        const Vec3 x{block.x[i], block.y[i], block.z[i]};
+        bounds.add(x - Vec3{h, h, h});
+        bounds.add(x + Vec3{h, h, h});
+      }
+      PartBounds& out = parts_[b];
+      out.lower_x[part] = bounds.lower.x; out.lower_y[part] = bounds.lower.y; out.lower_z[part] = bounds.lower.z;
+      out.upper_x[part] = bounds.upper.x; out.upper_y[part] = bounds.upper.y; out.upper_z[part] = bounds.upper.z;
     }
   });
 }
@@ -170,6 +197,7 @@ void Splatter::sort_photons(const Photon* photons, size_t count, ThreadPool& poo
 void Splatter::splat(const std::vector<Photon>& photons, std::vector<PointBlock>& blocks, ThreadPool& pool,
                      const CancelFlag& cancel) {
   if (blocks.empty()) return;
+  if (parts_.size() != blocks.size()) bound_parts(blocks, pool);
   static_assert(kChunk % kGroup == 0);
   constexpr size_t kGroupsPerChunk = kChunk / kGroup;
   for (size_t first = 0; first < photons.size(); first += kRun) {
@@ -189,7 +217,7 @@ void Splatter::splat(const std::vector<Photon>& photons, std::vector<PointBlock>
         uint32_t end = begin + 1;
         while (++k < first_[b + 1] && order_[k] == end) ++end;
         const size_t from = begin * kGroup, to = std::min(end * kGroup, count);
-        kernel_(blocks[b], &sorted_[from], static_cast<uint32_t>(to - from));
+        kernel_(blocks[b], parts_[b], {&sorted_[from], &x_[from], &y_[from], &z_[from]}, static_cast<uint32_t>(to - from));
       }
     });
   }

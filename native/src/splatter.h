@@ -43,16 +43,19 @@ class Splatter {
   static Node make_node(const std::vector<Bounds>& bounds, size_t first);
   static unsigned meeting(const Node& node, const Bounds& bounds);
   void sort_photons(const Photon* photons, size_t count, ThreadPool& pool);
+  void bound_parts(const std::vector<PointBlock>& blocks, ThreadPool& pool);
   void deal_pairs(size_t chunk_count, size_t block_count);
   void find_blocks(const Bounds& bounds, uint32_t index, std::vector<Pair>& out) const;
 
   std::string kernel_name_;
   SplatKernel kernel_;
   std::vector<std::vector<Node>> levels_;  // level 0: the blocks by fours; each further level the nodes of the one below
+  std::vector<PartBounds> parts_;          // of the blocks, or none yet
   std::vector<std::vector<Pair>> chunk_pairs_;
   std::vector<uint32_t> first_, order_;
   std::vector<uint64_t> curve_, curve_scratch_;  // place on the curve and index of each photon
   std::vector<SplatPhoton> sorted_;
+  std::vector<float> x_, y_, z_;  // their places
   std::vector<Bounds> groups_;
   uint64_t pairs_ = 0;
 };

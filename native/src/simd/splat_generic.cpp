@@ -3,9 +3,9 @@
 
 namespace photon_splat {
 
-void splat_block_generic(PointBlock& block, const SplatPhoton* photons, uint32_t count) {
+void splat_block_generic(PointBlock& block, const PartBounds&, const SplatPhotons& photons, uint32_t count) {
   for (uint32_t i = 0; i < count; ++i) {
-    const SplatPhoton& p = photons[i];
+    const SplatPhoton& p = photons.photons[i];
     for (uint32_t lane = 0; lane < kBlockSize; ++lane) {
       const float dx = p.x - block.x[lane], dy = p.y - block.y[lane], dz = p.z - block.z[lane];
       const float relative = (dx * dx + dy * dy + dz * dz) * block.inverse_h2[lane], kernel = 1 - relative, within = kernel - relative;

@@ -2,6 +2,10 @@
 // PHOTON_SPLAT_LANES and PHOTON_SPLAT_KERNEL defined, in files compiled for one instruction set each.
 #include "../point_block.h"
 
+#if PHOTON_SPLAT_LANES == 16
+#include <immintrin.h>
+#endif
+
 namespace photon_splat {
 namespace {
 
@@ -13,38 +17,76 @@ __attribute__((always_inline)) inline Floats select(Ints mask, Floats value) {
   return reinterpret_cast<Floats>(mask & reinterpret_cast<Ints>(value));
 }
 
+constexpr uint32_t kStretch = 128;  // photons whose places are compared with the parts' before any is added
+
+// Numbers of the photons of [first, end) that lie within the bounds of part `part`, in their order; how many there are.
+__attribute__((always_inline)) inline uint32_t find_within(const PartBounds& b, uint32_t part, const SplatPhotons& photons, uint32_t first,
+                                                           uint32_t end, uint32_t* found) {
+  uint32_t n = 0;
+#if PHOTON_SPLAT_LANES == 16
+  const __m512i count_up = _mm512_set_epi32(15, 14, 13, 12, 11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1, 0);
+  for (uint32_t i = first; i < end; i += 16) {
+    __mmask16 inside = end - i >= 16 ? 0xffff : static_cast<__mmask16>((1u << (end - i)) - 1);
+    const auto within = [&](const float* place, float lower, float upper) __attribute__((always_inline)) {
+      const __m512 p = _mm512_maskz_loadu_ps(inside, place + i);
+      inside = _mm512_mask_cmp_ps_mask(inside, p, _mm512_set1_ps(lower), _CMP_GE_OQ);
+      inside = _mm512_mask_cmp_ps_mask(inside, p, _mm512_set1_ps(upper), _CMP_LE_OQ);
+    };
+    within(photons.x, b.lower_x[part], b.upper_x[part]);
+    within(photons.y, b.lower_y[part], b.upper_y[part]);
+    within(photons.z, b.lower_z[part], b.upper_z[part]);
+    _mm512_mask_compressstoreu_epi32(found + n, inside, _mm512_add_epi32(_mm512_set1_epi32(static_cast<int>(i)), count_up));
+    n += static_cast<uint32_t>(__builtin_popcount(inside));
+  }
+#else
+  for (uint32_t i = first; i < end; ++i) {
+    const float x = photons.x[i], y = photons.y[i], z = photons.z[i];
+    found[n] = i;
+    n += (x >= b.lower_x[part]) & (x <= b.upper_x[part]) & (y >= b.lower_y[part]) & (y <= b.upper_y[part]) & (z >= b.lower_z[part]) &
+         (z <= b.upper_z[part]);
+  }
+#endif
+  return n;
+}
+
 }  // namespace
 
-void PHOTON_SPLAT_KERNEL(PointBlock& block, const SplatPhoton* photons, uint32_t count) {
-  for (uint32_t lane = 0; lane < kBlockSize; lane += kLanes) {
-    const auto at = [lane](float* p) __attribute__((always_inline)) { return reinterpret_cast<Floats*>(p + lane); };
-    const Floats x = *at(block.x), y = *at(block.y), z = *at(block.z);
-    const Floats nx = *at(block.nx), ny = *at(block.ny), nz = *at(block.nz);
-    const Floats inverse_h2 = *at(block.inverse_h2);
-    const Ints key = *reinterpret_cast<const Ints*>(block.key + lane);
-    Floats r = *at(block.r), g = *at(block.g), b = *at(block.b), caught = *at(block.count), narrow = *at(block.narrow);
-    for (uint32_t i = 0; i < count; ++i) {
-      const SplatPhoton& p = photons[i];
-      const Floats dx = p.x - x, dy = p.y - y, dz = p.z - z;
-      const Floats relative = (dx * dx + dy * dy + dz * dz) * inverse_h2, kernel = 1.0f - relative, within = kernel - relative;
-      const Floats facing = kNormalWeightSlope * (nx * p.nx + ny * p.ny + nz * p.nz);
-      const Ints inside = (kernel > 0.0f) & (facing > 0.0f) & (key == static_cast<int32_t>(p.key));
-      const Floats full = Floats{} + 1.0f;
-      const Ints partly = facing < full;
-      const Floats shared = select(partly, facing) + select(~partly, full);
-      const Floats weight = select(inside, kernel) * shared;
-      narrow += select(inside & (within > 0.0f), within) * shared * p.luminance;
-      r += weight * p.r;
-      g += weight * p.g;
-      b += weight * p.b;
-      caught += select(inside, full);
+void PHOTON_SPLAT_KERNEL(PointBlock& block, const PartBounds& parts, const SplatPhotons& photons, uint32_t count) {
+  uint32_t found[kStretch + 16];
+  for (uint32_t first = 0; first < count; first += kStretch)
+    for (uint32_t part = 0; part < kParts; ++part) {
+      const uint32_t n = find_within(parts, part, photons, first, count - first < kStretch ? count : first + kStretch, found);
+      if (!n) continue;
+      for (uint32_t lane = part * kPartSize; lane < (part + 1) * kPartSize; lane += kLanes) {
+        const auto at = [lane](float* p) __attribute__((always_inline)) { return reinterpret_cast<Floats*>(p + lane); };
+        const Floats x = *at(block.x), y = *at(block.y), z = *at(block.z);
+        const Floats nx = *at(block.nx), ny = *at(block.ny), nz = *at(block.nz);
+        const Floats inverse_h2 = *at(block.inverse_h2);
+        const Ints key = *reinterpret_cast<const Ints*>(block.key + lane);
+        Floats r = *at(block.r), g = *at(block.g), b = *at(block.b), caught = *at(block.count), narrow = *at(block.narrow);
+        for (uint32_t i = 0; i < n; ++i) {
+          const SplatPhoton& p = photons.photons[found[i]];
+          const Floats dx = p.x - x, dy = p.y - y, dz = p.z - z;
+          const Floats relative = (dx * dx + dy * dy + dz * dz) * inverse_h2, kernel = 1.0f - relative, within = kernel - relative;
+          const Floats facing = kNormalWeightSlope * (nx * p.nx + ny * p.ny + nz * p.nz);
+          const Ints inside = (kernel > 0.0f) & (facing > 0.0f) & (key == static_cast<int32_t>(p.key));
+          const Floats full = Floats{} + 1.0f;
+          const Ints partly = facing < full;
+          const Floats shared = select(partly, facing) + select(~partly, full);
+          const Floats weight = select(inside, kernel) * shared;
+          narrow += select(inside & (within > 0.0f), within) * shared * p.luminance;
+          r += weight * p.r;
+          g += weight * p.g;
+          b += weight * p.b;
+          caught += select(inside, full);
+        }
+        *at(block.r) = r;
+        *at(block.g) = g;
+        *at(block.b) = b;
+        *at(block.count) = caught;
+        *at(block.narrow) = narrow;
+      }
     }
-    *at(block.r) = r;
-    *at(block.g) = g;
-    *at(block.b) = b;
-    *at(block.count) = caught;
-    *at(block.narrow) = narrow;
-  }
 }
 
 }  // namespace photon_splat
