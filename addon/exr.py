@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .core.result import PASSES, Passes
+from .core.result import Passes, infos_of
 from .core.scene import Frame
 
 
@@ -32,7 +32,7 @@ def replace_file(path: Path, write: object) -> None:
 def channels_of(passes: Passes, prefix: str = "", *, plain: bool = True) -> tuple[list[str], np.ndarray]:
     """Channel names and (height, width, C) float32 of all passes; `plain` leaves Combined without a layer name."""
     names, planes = [], []
-    for info in PASSES:
+    for info in infos_of(passes):
         layer = "" if plain and info.name == "Combined" else f"{prefix}{info.name}."
         names += [layer + letter for letter in info.channels]
         planes.append(passes[info.name])

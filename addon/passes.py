@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from .core.result import PASSES, PassInfo
+from .core.result import PASSES, PassInfo, light_group_pass
 
 SWITCHES = {
     "Depth": "use_pass_z",
@@ -25,7 +25,7 @@ OWN_SWITCHES = {"Photon Density": "use_pass_photon_density", "Surface ID": "use_
 
 
 def wanted_passes(view_layer: Any) -> Iterator[PassInfo]:
-    """The passes that a bpy.types.ViewLayer asks for; Combined always."""
+    """The passes that a bpy.types.ViewLayer asks for; Combined and those of its light groups always."""
     own = getattr(view_layer, "photon_splat", None)
     for info in PASSES:
         if info.name in OWN_SWITCHES:
@@ -33,6 +33,8 @@ def wanted_passes(view_layer: Any) -> Iterator[PassInfo]:
                 yield info
         elif info.name not in SWITCHES or getattr(view_layer, SWITCHES[info.name]):
             yield info
+    for group in getattr(view_layer, "lightgroups", ()):
+        yield light_group_pass(group.name)
 
 
 def kind(info: PassInfo) -> str:

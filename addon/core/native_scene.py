@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from .scene import ALL_GROUPS, NO_PROGRAM, Camera, Frame, Mesh, Scene, Side
+from .scene import ALL_GROUPS, NO_LIGHT_GROUP, NO_PROGRAM, Camera, Frame, Mesh, Scene, Side
 from .settings import RenderSettings
 
 if TYPE_CHECKING:
@@ -108,7 +108,9 @@ def _add_lights(renderer: Renderer, scene: Scene) -> None:
                 program=light.program,
                 lit_groups=light.lit_groups,
                 blockers=light.blockers,
+                light_group=light.light_group,
             )
+    renderer.set_light_groups(len(scene.light_groups), scene.world_light_group)
     renderer.set_world(_rgb(scene.world))
     if scene.world_map is not None:
         rows = np.vstack([np.asarray(scene.world_map.to_lookup, np.float64), [0.0, 0.0, 0.0, 1.0]])
@@ -151,9 +153,10 @@ def _add_instances(renderer: Renderer, scene: Scene) -> None:
     groups = np.zeros(count, int) if instances.group is None else instances.group
     lit = [ALL_GROUPS] * count if instances.lit_groups is None else instances.lit_groups.tolist()
     blockers = [ALL_GROUPS] * count if instances.blockers is None else instances.blockers.tolist()
+    light_groups = [NO_LIGHT_GROUP] * count if instances.light_group is None else instances.light_group.tolist()
     for i in np.flatnonzero(~flat):
         materials = material_sets[int(instances.material_set[i])]
-        renderer.add_instance(int(instances.mesh[i]), matrices[i], materials, int(groups[i]), lit[i], blockers[i])
+        renderer.add_instance(int(instances.mesh[i]), matrices[i], materials, int(groups[i]), lit[i], blockers[i], light_groups[i])
     for attribute in instances.attributes:
         renderer.add_instance_attribute(attribute.id, np.ascontiguousarray(attribute.values[~flat], np.float32))
 

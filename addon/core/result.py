@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -34,6 +35,8 @@ PASSES = (
     PassInfo("Surface ID", "X"),
     PassInfo("Error", "X"),
 )
+
+LIGHT_GROUP_CHANNELS = "RGB"
 
 LIGHT = (
     "diffuse_direct",
@@ -69,9 +72,20 @@ class RenderResult:
     noisy: NDArray[np.float32] | None = None
 
 
-def passes_from_film(film: dict[str, Any]) -> Passes:
+def light_group_pass(name: str) -> PassInfo:
+    """The pass of a light group, named as by Cycles."""
+    return PassInfo(f"Combined_{name}", LIGHT_GROUP_CHANNELS)
+
+
+def infos_of(passes: Passes) -> list[PassInfo]:
+    """Of all there are, those of light groups last."""
+    known = {info.name for info in PASSES}
+    return [*PASSES, *(PassInfo(name, LIGHT_GROUP_CHANNELS) for name in passes if name not in known)]
+
+
+def passes_from_film(film: dict[str, Any], light_groups: Sequence[str] = ()) -> Passes:
     """Diffuse light is divided by the albedo, as Cycles divides it (0 where that is black); glossy and
-    transmitted light has its colour in it."""
+    transmitted light has its colour in it. `light_groups`: names of those that the film has."""
     color = film["diffuse_color"]
 
     def per_albedo(light: NDArray[np.float32]) -> NDArray[np.float32]:
@@ -95,9 +109,10 @@ def passes_from_film(film: dict[str, Any]) -> Passes:
         "Photon Density": film["photon_density"],
         "Surface ID": film["surface_id"],
         "Error": film["error"],
-    }
+    } | {light_group_pass(name).name: film["light_groups"][i] for i, name in enumerate(light_groups)}
 
 
-def black_passes(width: int, height: int) -> Passes:
+def black_passes(width: int, height: int, light_groups: Sequence[str] = ()) -> Passes:
     """What a render that was cancelled before its first pass gives back."""
-    return {p.name: np.zeros((height, width, len(p.channels)), np.float32) for p in PASSES}
+    infos = [*PASSES, *map(light_group_pass, light_groups)]
+    return {p.name: np.zeros((height, width, len(p.channels)), np.float32) for p in infos}

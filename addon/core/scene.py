@@ -113,6 +113,7 @@ class Instances:
     group         (I,) uint8 in 0..63, of light linking; None: all 0
     lit_groups    (I,) uint64, bits of the groups that an instance lights if it shines; None: all
     blockers      (I,) uint64, bits of the groups that cast shadows in its light then; None: all
+    light_group   (I,) int16 index into Scene.light_groups of its light, -1: none; None: all -1
     """
 
     mesh: NDArray[np.uint32]
@@ -122,6 +123,7 @@ class Instances:
     group: NDArray[np.uint8] | None = None
     lit_groups: NDArray[np.uint64] | None = None
     blockers: NDArray[np.uint64] | None = None
+    light_group: NDArray[np.int16] | None = None
 
     @classmethod
     def empty(cls) -> Instances:
@@ -129,6 +131,7 @@ class Instances:
 
 
 GROUPS = 64
+NO_LIGHT_GROUP = -1
 ALL_GROUPS = (1 << GROUPS) - 1
 
 
@@ -156,6 +159,7 @@ class Light:
     program       index into Scene.programs: what it emits, per place and direction, is a factor of `strength`
     lit_groups    bits of the Instances.group that it lights
     blockers      bits of the Instances.group that cast shadows in its light
+    light_group   index into Scene.light_groups; -1: none
     """
 
     name: str
@@ -175,6 +179,7 @@ class Light:
     program: int = NO_PROGRAM
     lit_groups: int = ALL_GROUPS
     blockers: int = ALL_GROUPS
+    light_group: int = NO_LIGHT_GROUP
 
 
 @dataclass(slots=True)
@@ -287,7 +292,8 @@ class Scene:
     """Everything a render needs.
 
     `world` is the radiance (W/m^2/sr) seen where a ray leaves the scene: constant, or the factor of `world_map`; `sun_discs`
-    come on top. `world_program`, an index into `programs`, stands in the place of both where it is given.
+    come on top. `world_program`, an index into `programs`, stands in the place of both where it is given. `light_groups` are the
+    names of those whose light gets passes of their own.
     """
 
     camera: Camera
@@ -303,6 +309,8 @@ class Scene:
     world_map: WorldMap | None = None
     sun_discs: list[SunDisc] = field(default_factory=list)
     world_program: int = NO_PROGRAM
+    light_groups: list[str] = field(default_factory=list)
+    world_light_group: int = NO_LIGHT_GROUP
     warnings: list[str] = field(default_factory=list)
 
 

@@ -42,12 +42,13 @@ def next_estimate(passes: int) -> int:
 class _Worker(threading.Thread):
     """Does the passes off the caller's thread, which meanwhile reports progress and polls for cancellation."""
 
-    def __init__(self, start: Start, settings: RenderSettings, started: float, want_interim: bool) -> None:
+    def __init__(self, start: Start, settings: RenderSettings, light_groups: list[str], started: float, want_interim: bool) -> None:
         super().__init__(name="Photon Splat", daemon=True)
         self.renderer = start.renderer
         self.prepare = start.prepare
         self.prepared = False
         self.settings = settings
+        self.light_groups = light_groups
         self.started = started
         self.want_interim = want_interim
         self.stage = "Building acceleration structure"
@@ -85,7 +86,7 @@ class _Worker(threading.Thread):
     def _render(self) -> None:
         settings = self.settings
         if settings.integrator is Integrator.SPLAT:
-            self.splatter = choose_splatter(self.renderer, settings.backend, self.cancel_asked, self.warnings)
+            self.splatter = self._choose_splatter()
         elif settings.backend == Backend.GPU:
             self.warnings.append("The reference integrator has been used: it runs on the CPU only.")
         self.prepare()
@@ -100,7 +101,7 @@ class _Worker(threading.Thread):
             self.passes_done += 1
             converged = self._estimate_error()
             if self.want_interim and self.interim is None:
-                self.interim = passes_from_film(self.renderer.film())
+                self.interim = passes_from_film(self.renderer.film(), self.light_groups)
             self.pass_finished.set()
             if converged:
                 return
@@ -108,6 +109,13 @@ class _Worker(threading.Thread):
             # Another pass takes as long as this one did: it is begun only if it fits.
             if self.settings.time_limit and now + (now - began) > self.started + self.settings.time_limit:
                 return
+
+    def _choose_splatter(self) -> Splatter:
+        if not self.light_groups:
+            return choose_splatter(self.renderer, self.settings.backend, self.cancel_asked, self.warnings)
+        if self.settings.backend == Backend.GPU:
+            self.warnings.append("Light groups: the CPU splatter has been used, as that of the GPU does not keep their light apart.")
+        return CpuSplatter(self.renderer)
 
     def _splat_pass(self, number: int) -> None:
         self.renderer.trace_camera(number)
@@ -182,7 +190,7 @@ def render(
     """
     start = start_anew(scene, settings) if persistent is None else persistent.start(scene, settings)
     renderer = start.renderer
-    worker = _Worker(start, settings, started, want_interim)
+    worker = _Worker(start, settings, scene.light_groups, started, want_interim)
     worker.start()
     try:
         while not worker.finished:
@@ -206,11 +214,13 @@ def render(
     if worker.passes_done:
         renderer.make_error_estimate()
     film = renderer.film() if worker.passes_done else None
-    passes = passes_from_film(film) if film else black_passes(width, height)
+    passes = passes_from_film(film, scene.light_groups) if film else black_passes(width, height, scene.light_groups)
     denoising, noisy = 0.0, None
     if settings.denoise and film and not worker.cancelled:
         noisy = passes["Combined"][..., :3].copy()
         denoising = _denoise(passes, film["variance"][..., 0], worker, should_cancel)
+        if scene.light_groups:
+            worker.warnings.append("Only Combined is denoised; the passes of light groups are not, so that their sum is noisier.")
     statistics = _statistics(start, worker, scene, started, export_seconds)
     if settings.denoise:
         statistics["seconds"]["denoise"] = denoising

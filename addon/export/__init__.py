@@ -8,7 +8,7 @@ from ..core.scene import Scene
 from ..report import Report
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     from ..core.scene import Camera, Frame
     from .kept import Kept
@@ -25,16 +25,24 @@ def export_scene(depsgraph: Any, camera: Any = None, frame: Frame | None = None,
     report = Report()
     scene = depsgraph.scene_eval
     seen = export_camera(camera or scene.camera, scene, report)
-    return export_contents(depsgraph, seen, frame or export_frame(scene.render), report, kept)
+    light_groups = [group.name for group in depsgraph.view_layer_eval.lightgroups]
+    return export_contents(depsgraph, seen, frame or export_frame(scene.render), report, kept, light_groups=light_groups)
 
 
 def export_contents(
-    depsgraph: Any, camera: Camera, frame: Frame, report: Report, kept: Kept | None = None, visible: Callable[[Any], bool] | None = None
+    depsgraph: Any,
+    camera: Camera,
+    frame: Frame,
+    report: Report,
+    kept: Kept | None = None,
+    visible: Callable[[Any], bool] | None = None,
+    light_groups: Sequence[str] = (),
 ) -> Scene:
     """What `depsgraph` holds, for a camera that need not be Blender's.
 
     kept     what exports before made and this one may use; None: nothing
     visible  says of an instance of the graph whether it is to be seen; None: all are
+    light_groups  names of those whose light is to be kept apart
     """
     from .images import Textures
     from .kept import Kept
@@ -45,16 +53,17 @@ def export_contents(
     kept = kept or Kept()
     scene = depsgraph.scene_eval
     view_layer = depsgraph.view_layer_eval
-    if len(view_layer.lightgroups):
-        report.warn("Light groups are not supported; they give no passes of their own")
-    exported = Scene(camera, frame)
+    exported = Scene(camera, frame, light_groups=list(light_groups))
     textures = Textures(report, kept)
     shading = Shading(textures, report, depsgraph)
     materials = Materials(shading)
-    objects = Objects(materials, shading, kept)
+    objects = Objects(materials, shading, kept, exported.light_groups)
     objects.collect(depsgraph, visible)
     objects.collect_shading(depsgraph, shading.around.wants, *shading.wanted)
-    export_world(getattr(view_layer, "world_override", None) or scene.world, shading, exported)
+    world = getattr(view_layer, "world_override", None) or scene.world
+    export_world(world, shading, exported)
+    if world is not None and world.lightgroup in exported.light_groups:
+        exported.world_light_group = exported.light_groups.index(world.lightgroup)
     exported.meshes, exported.instances = objects.meshes, objects.instances()
     exported.material_sets, exported.lights = objects.material_sets, objects.lights
     exported.materials, exported.textures, exported.programs = materials.list, textures.list, shading.programs

@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.scene import ALL_GROUPS, Instances, Light, Mesh
+from ..core.scene import ALL_GROUPS, NO_LIGHT_GROUP, Instances, Light, Mesh
 from ..core.shading import InstanceAttribute, MeshShading
 from ..report import Report
 from .attributes import instance_value, mesh_shading, width_of
@@ -28,7 +28,7 @@ RAYS = ("visible_camera", "visible_diffuse", "visible_glossy", "visible_transmis
 class Objects:
     """Walks the instances of a dependency graph and collects meshes, instances, material sets and lamps."""
 
-    def __init__(self, materials: Materials, shading: Shading, kept: Kept) -> None:
+    def __init__(self, materials: Materials, shading: Shading, kept: Kept, light_groups: list[str]) -> None:
         self.meshes: list[Mesh] = []
         self.material_sets: list[NDArray[np.int32]] = []
         self.lights: list[Light] = []
@@ -40,6 +40,8 @@ class Objects:
         self._groups: list[int] = []
         self._lit_groups: list[int] = []
         self._blockers: list[int] = []
+        self._light_groups: list[int] = []
+        self._light_group_of = {name: i for i, name in enumerate(light_groups)}
         self._matrices: list[NDArray[np.float64]] = []
         self._row_of: dict[int, int] = {}  # by place in the graph's list of instances
         self._attributes: list[InstanceAttribute] = []
@@ -66,11 +68,13 @@ class Objects:
                         self._groups.append(linking.group(instance))
                         self._lit_groups.append(linking.lit_groups(ob))
                         self._blockers.append(linking.blockers(ob))
+                        self._light_groups.append(self._light_group_of.get(ob.lightgroup, NO_LIGHT_GROUP))
             elif kind == "LIGHT":
                 if instance.show_self:
                     light = export_light(ob, np.array(instance.matrix_world, np.float64), self._shading)
                     if light is not None:
                         light.lit_groups, light.blockers = linking.lit_groups(ob), linking.blockers(ob)
+                        light.light_group = self._light_group_of.get(ob.lightgroup, NO_LIGHT_GROUP)
                         self.lights.append(light)
             elif kind in UNSUPPORTED and instance.show_self:
                 self._report.warn(f"Not supported yet and left out, {UNSUPPORTED[kind]}: {{}}", ob.name)
@@ -115,6 +119,8 @@ class Objects:
             placed.lit_groups = np.array(self._lit_groups, np.uint64)
         if any(blockers != ALL_GROUPS for blockers in self._blockers):
             placed.blockers = np.array(self._blockers, np.uint64)
+        if any(group != NO_LIGHT_GROUP for group in self._light_groups):
+            placed.light_group = np.array(self._light_groups, np.int16)
         return placed
 
     def _add_mesh(self, ob: Any, matrix: NDArray[np.float64], override: Any, view_layer: Any) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import bpy
+from bl_ui.properties_view_layer import ViewLayerLightgroupsPanelHelper
 
 from ..core.result import PASSES
 from ..passes import OWN_SWITCHES, SWITCHES
@@ -29,6 +30,50 @@ class PHOTON_SPLAT_PT_passes(RenderPanel, bpy.types.Panel):
                 column.prop(view_layer, SWITCHES[info.name], text=info.name)
 
 
+class PHOTON_SPLAT_PT_light_groups(RenderPanel, ViewLayerLightgroupsPanelHelper, bpy.types.Panel):
+    """The list of a view layer's light groups, as Blender draws it."""
+
+    bl_context = "view_layer"
+    bl_parent_id = "PHOTON_SPLAT_PT_passes"
+
+
+def _draw_light_group(panel: Any, owner: Any, view_layer: Any) -> None:
+    """What light group `owner`, an object or a world, is of."""
+    row = split_layout(panel).row(align=True)
+    row.prop_search(owner, "lightgroup", view_layer, "lightgroups", text="Light Group", results_are_suggestions=True)
+    known = any(group.name == owner.lightgroup for group in view_layer.lightgroups)
+    button = row.column(align=True)
+    button.enabled = bool(owner.lightgroup) and not known
+    button.operator("scene.view_layer_add_lightgroup", icon="ADD", text="").name = owner.lightgroup
+
+
+class PHOTON_SPLAT_OBJECT_PT_light_group(RenderPanel, bpy.types.Panel):
+    bl_label = "Light Group"
+    bl_parent_id = "OBJECT_PT_shading"
+    bl_context = "object"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        return bool(super().poll(context) and getattr(context, "object", None))
+
+    def draw(self, context: Any) -> None:
+        _draw_light_group(self, context.object, context.view_layer)
+
+
+class PHOTON_SPLAT_WORLD_PT_light_group(RenderPanel, bpy.types.Panel):
+    bl_label = "Light Group"
+    bl_context = "world"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        return bool(super().poll(context) and getattr(context, "world", None))
+
+    def draw(self, context: Any) -> None:
+        _draw_light_group(self, context.world, context.view_layer)
+
+
 class PHOTON_SPLAT_WORLD_PT_preview(RenderPanel, bpy.types.Panel):
     bl_label = "Preview"
     bl_context = "world"
@@ -42,7 +87,13 @@ class PHOTON_SPLAT_WORLD_PT_preview(RenderPanel, bpy.types.Panel):
         self.layout.template_preview(context.world)
 
 
-CLASSES = (PHOTON_SPLAT_PT_passes, PHOTON_SPLAT_WORLD_PT_preview)
+CLASSES = (
+    PHOTON_SPLAT_PT_passes,
+    PHOTON_SPLAT_PT_light_groups,
+    PHOTON_SPLAT_OBJECT_PT_light_group,
+    PHOTON_SPLAT_WORLD_PT_light_group,
+    PHOTON_SPLAT_WORLD_PT_preview,
+)
 
 
 def register() -> None:

@@ -33,6 +33,7 @@ struct CameraTracer::Path {
   Tile& tile;
   uint32_t pixel_index, sample, seed;
   int max_bounces = 0;
+  Rgb* groups = nullptr; // the pixel's light by group, if wanted
   bool learns = false;   // what it sees of the world is noted
   bool wandered = false; // went on for light that photons were to bring
   bool records = false;  // photons bring the diffuse part of the light; else the path goes on for it
@@ -79,7 +80,7 @@ void CameraTracer::trace_tiles(const Job& job, Film& film, const CancelFlag& can
     const int x_begin = static_cast<int>(t % across) * kTileSize, y_begin = static_cast<int>(t / across) * kTileSize;
     const int x_end = std::min(x_begin + kTileSize, film.width), y_end = std::min(y_begin + kTileSize, film.height);
     for (int y = y_begin; y < y_end; ++y)
-      for (int x = x_begin; x < x_end; ++x) trace_pixel(job, x, y, film, film.pixels[static_cast<size_t>(y) * film.width + x], tile);
+      for (int x = x_begin; x < x_end; ++x) trace_pixel(job, x, y, film, tile);
   });
   last_rays_ = 0;
   for (const Tile& tile : tiles_) {
@@ -91,8 +92,10 @@ void CameraTracer::trace_tiles(const Job& job, Film& film, const CancelFlag& can
   rays_ += last_rays_;
 }
 
-void CameraTracer::trace_pixel(const Job& job, int x, int y, const Film& film, Pixel& pixel, Tile& tile) const {
+void CameraTracer::trace_pixel(const Job& job, int x, int y, Film& film, Tile& tile) const {
   const uint32_t index = static_cast<uint32_t>(y) * film.width + x;
+  Pixel& pixel = film.pixels[index];
+  Rgb* const groups = film.groups_of(index);
   const CameraSettings& c = camera_.settings();
   // The place in the whole frame seeds a pixel, so that a border renders the same pixels.
   const uint32_t frame_index = static_cast<uint32_t>(y + c.y0) * c.width + (x + c.x0);
@@ -101,6 +104,7 @@ void CameraTracer::trace_pixel(const Job& job, int x, int y, const Film& film, P
   const uint32_t count = job.choice ? job.choice->count(index) : 1;
   float depth = kBackgroundDepth, surface_id = 0;
   pixel = {};
+  std::fill_n(groups, film.light_groups, Rgb{});
   pixel.samples = static_cast<float>(count);
   for (uint32_t sample = first; sample < first + count; ++sample) {
     pixel.depth = kBackgroundDepth;
@@ -111,6 +115,7 @@ void CameraTracer::trace_pixel(const Job& job, int x, int y, const Film& film, P
       path.max_bounces = job.max_bounces;
       path.records = job.records;
       path.learns = job.learns;
+      path.groups = groups;
       trace_path(path);
     } else {  // outside the lens' image: black, not transparent
       pixel.alpha += 1;
@@ -168,8 +173,9 @@ void CameraTracer::trace_path(Path& path) const {
 }
 
 // Light that the ray met: emitted, or sent on by the last vertex as direct light, or further on its way.
-void CameraTracer::add_met(Path& path, const Rgb& radiance, Rgb& seen) const {
+void CameraTracer::add_met(Path& path, const Rgb& radiance, Rgb& seen, int16_t light_group) const {
   const Rgb light = path.emission_throughput * radiance;
+  if (path.groups) GroupLight{path.groups, path.emission_throughput}.add(radiance, light_group);
   if (path.vertex == 0) {
     add_finite(seen, light, path.tile.bad_samples);
   } else if (path.vertex == 1) {
@@ -182,14 +188,16 @@ void CameraTracer::add_met(Path& path, const Rgb& radiance, Rgb& seen) const {
 }
 
 void CameraTracer::add_lamps(Path& path, float far) const {
-  const Rgb radiance = path.vertex == 0 ? lights_.lamps_seen(path.origin, path.direction, path.near, far)
-                                        : lights_.lamps_met(path.from, path.direction, path.near, far, path.pdf);
+  GroupLight light{path.groups, path.emission_throughput}, *const groups = path.groups ? &light : nullptr;
+  const Rgb radiance = path.vertex == 0 ? lights_.lamps_seen(path.origin, path.direction, path.near, far, groups)
+                                        : lights_.lamps_met(path.from, path.direction, path.near, far, path.pdf, groups);
   if (!is_black(radiance)) add_met(path, radiance, path.pixel.emission);
 }
 
 // Before the ray of a lobe is traced, what it would find behind surfaces that do not block it.
 void CameraTracer::add_linked(Path& path) const {
-  const Rgb radiance = lights_.linked_met(path.from, path.origin, path.direction, path.pdf, path.info);
+  GroupLight light{path.groups, path.emission_throughput};
+  const Rgb radiance = lights_.linked_met(path.from, path.origin, path.direction, path.pdf, path.info, path.groups ? &light : nullptr);
   if (!is_black(radiance)) add_met(path, radiance, path.pixel.emission);
 }
 
@@ -203,13 +211,13 @@ void CameraTracer::add_world(Path& path) const {
   }
   const Rgb light = lights_.world_met(path.from, path.direction, path.pdf);
   if (path.vertex == 1) see_world(path, path.from, path.direction, light / path.pdf, true);
-  add_met(path, light, path.pixel.environment);
+  add_met(path, light, path.pixel.environment, scene_.world_light_group);
 }
 
 void CameraTracer::add_emission(Path& path, const Surface& hit, const Rgb& emission) const {
   if (is_black(emission)) return;
   const float weight = path.vertex == 0 ? 1 : lights_.surface_mis_weight(path.from, hit, path.pdf);
-  if (weight > 0) add_met(path, emission * weight, path.pixel.emission);
+  if (weight > 0) add_met(path, emission * weight, path.pixel.emission, scene_.instances[hit.instance].light_group);
 }
 
 // Transparency is no lobe: the path goes straight on, as if nothing had been hit, or it stays and scatters.
@@ -259,6 +267,7 @@ void CameraTracer::add_light(Path& path, const Surface& hit, const Bsdf& bsdf, c
     see_world(path, from, light.direction, arriving, false);
   }
   arriving *= path.throughput - path.brought * sharp;
+  if (path.groups) GroupLight{path.groups, scattered}.add(arriving, light.light_group);
   if (path.vertex == 0) {
     const bool through = dot(light.direction, hit.ng) < 0;
     add_finite(path.pixel.diffuse_direct, arriving * diffuse, path.tile.bad_samples);

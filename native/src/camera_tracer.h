@@ -67,9 +67,9 @@ class CameraTracer {
   enum class Passing { kStays, kPasses, kAbsorbed };
   struct Job;
   void trace_tiles(const Job& job, Film& film, const CancelFlag& cancel);
-  void trace_pixel(const Job& job, int x, int y, const Film& film, Pixel& pixel, Tile& tile) const;
+  void trace_pixel(const Job& job, int x, int y, Film& film, Tile& tile) const;
   void trace_path(Path& path) const;
-  void add_met(Path& path, const Rgb& radiance, Rgb& seen) const;
+  void add_met(Path& path, const Rgb& radiance, Rgb& seen, int16_t light_group = kNoLightGroup) const;
   void add_lamps(Path& path, float far) const;
   void add_linked(Path& path) const;
   void add_world(Path& path) const;

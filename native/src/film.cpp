@@ -24,6 +24,7 @@ void add_pass(Film& sum, const Film& pass, ThreadPool& pool) {
       to.alpha += from.alpha;
       to.photon_density += from.photon_density;
       to.samples += from.samples;
+      for (int g = 0; g < sum.light_groups; ++g) sum.groups_of(i)[g] += pass.by_group[i * sum.light_groups + g];
       if (first) {
         to.depth = from.depth;
         to.surface_id = from.surface_id;

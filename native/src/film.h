@@ -42,13 +42,19 @@ struct Film {
   int width = 0, height = 0;
   uint32_t passes = 0;  // in it so far
   std::vector<Pixel> pixels;
+  int light_groups = 0;
+  std::vector<Rgb> by_group;  // of each pixel its light by group, sums like those of the pixel
 
-  void reset(int new_width, int new_height) {
+  void reset(int new_width, int new_height, int groups = 0) {
     width = new_width;
     height = new_height;
     passes = 0;
+    light_groups = groups;
     pixels.assign(static_cast<size_t>(width) * height, Pixel{});
+    by_group.assign(pixels.size() * groups, Rgb{});
   }
+  // Of one pixel; nullptr where light is not kept by group.
+  Rgb* groups_of(size_t pixel) { return light_groups ? &by_group[pixel * light_groups] : nullptr; }
 };
 
 // Adds one pass' film to the sum; the first one gives depth and surface id.

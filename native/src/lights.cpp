@@ -193,6 +193,7 @@ std::optional<LightSample> Lights::sample_world(const Receiver& to, float choice
   if (!(out.pdf > 0)) return std::nullopt;
   out.weight = environment_.radiance(out.direction) / out.pdf;
   out.use_mis = true;
+  out.light_group = scene_.world_light_group;
   if (is_black(out.weight)) return std::nullopt;
   return out;
 }
@@ -212,6 +213,7 @@ std::optional<LightSample> Lights::sample(const Receiver& to, float choice, cons
     out.pdf = s.pdf * world;
     out.weight = environment_.radiance(s.direction) / out.pdf;
     out.use_mis = true;
+    out.light_group = scene_.world_light_group;
     if (is_black(out.weight)) return std::nullopt;
     return out;
   }
@@ -237,6 +239,7 @@ std::optional<LightSample> Lights::sample(const Receiver& to, float choice, cons
   out.pdf *= probability;
   out.use_mis = out.pdf > 0 && shares_with_rays(e, to);
   out.blockers = e.blockers;
+  out.light_group = e.light_group;
   return out;
 }
 
@@ -469,10 +472,13 @@ Rgb Lights::lamp_met(uint32_t emitter, const Receiver& to, const Vec3& direction
   return radiance * power_heuristic(bsdf_pdf, pdf * choice_probability(emitter, to));
 }
 
-Rgb Lights::lamps_met(const Receiver& to, const Vec3& direction, float near, float far, float bsdf_pdf) const {
+Rgb Lights::lamps_met(const Receiver& to, const Vec3& direction, float near, float far, float bsdf_pdf, GroupLight* groups) const {
   Rgb sum{};
   const auto add = [&](uint32_t emitter) {
-    if (!~emitters_[emitter].blockers) sum += lamp_met(emitter, to, direction, near, far, bsdf_pdf);
+    if (~emitters_[emitter].blockers) return;
+    const Rgb light = lamp_met(emitter, to, direction, near, far, bsdf_pdf);
+    sum += light;
+    if (groups) groups->add(light, emitters_[emitter].light_group);
   };
   if (emitters_.size() > kFewEmitters) {
     tree_.along(to.x, direction, far, [&](uint32_t item) { add(tree_emitters_[item]); });
@@ -483,13 +489,16 @@ Rgb Lights::lamps_met(const Receiver& to, const Vec3& direction, float near, flo
   return sum;
 }
 
-Rgb Lights::lamps_seen(const Vec3& origin, const Vec3& direction, float near, float far) const {
+Rgb Lights::lamps_seen(const Vec3& origin, const Vec3& direction, float near, float far, GroupLight* groups) const {
   Rgb sum{};
   const auto add = [&](uint32_t emitter) {
     const Lamp& lamp = lamps_[emitters_[emitter].lamp];
     const bool inside = lamp.s.kind != LampKind::kSun && length2(lamp.center - origin) < lamp.s.radius * lamp.s.radius;
     float pdf;
-    if (lamp.s.camera_visible && !inside) sum += lamp_radiance_met(lamp, origin, direction, near, far, pdf);
+    if (!lamp.s.camera_visible || inside) return;
+    const Rgb light = lamp_radiance_met(lamp, origin, direction, near, far, pdf);
+    sum += light;
+    if (groups) groups->add(light, emitters_[emitter].light_group);
   };
   if (visible_lamps_.size() > kFewEmitters) {
     tree_.along(origin, direction, far, [&](uint32_t item) { if (emitters_[tree_emitters_[item]].lamp >= 0) add(tree_emitters_[item]); });

@@ -32,6 +32,16 @@ struct LampSettings {
   int program = -1;  // into Scene::programs: its emission is a factor of `strength`
   uint64_t lit_groups = ~uint64_t{0};  // of light linking: instances with one of these bits see it
   uint64_t blockers = ~uint64_t{0};    // of shadow linking: the others let its light pass
+  int16_t light_group = kNoLightGroup;
+};
+
+// Sums of light by group, each times a factor.
+struct GroupLight {
+  Rgb* sums;  // by number of the group
+  Rgb factor;
+  void add(const Rgb& light, int16_t group) {
+    if (const Rgb scaled = factor * light; group != kNoLightGroup && is_finite(scaled)) sums[group] += scaled;
+  }
 };
 
 // Where light is wanted.
@@ -51,6 +61,7 @@ struct LightSample {
   float pdf;       // solid angle; 0 for directions no BSDF sample can find
   bool use_mis;
   uint64_t blockers = ~uint64_t{0};
+  int16_t light_group = kNoLightGroup;
 };
 
 // Where a photon path starts. `power` is that of the whole light field divided by the pdf: W for one photon of one.
@@ -62,6 +73,7 @@ struct PhotonStart {
   float first_hit_from = 0, first_hit_to = INFINITY;  // distances at which the first surface is lit by this photon
   uint64_t lit_groups = ~uint64_t{0};  // the first surface is lit if it is of one of these
   uint64_t blockers = ~uint64_t{0};    // and lets the light pass if it is of none of these
+  int16_t light_group = kNoLightGroup;
   int32_t aim = -1;            // pair of EmissionTargets; -1: natural emission
   int32_t shaded_by = -1;      // a lamp with a program: `power` lacks Lights::first_hit_factor(), which needs the distance
 
@@ -96,16 +108,18 @@ class Lights {
   // solid angle; infinity for deltas, which no light sample can find. 0 for what linked_met() finds.
   float surface_mis_weight(const Receiver& to, const Surface& hit, float bsdf_pdf) const;
 
-  // Radiance of the lamps that a ray meets between `near` and `far`, weighted as above; without those of linked_met().
-  Rgb lamps_met(const Receiver& to, const Vec3& direction, float near, float far, float bsdf_pdf) const;
+  // Radiance of the lamps that a ray meets between `near` and `far`, weighted as above; without those of linked_met(). Here and
+  // below `groups`, if any, get what is returned.
+  Rgb lamps_met(const Receiver& to, const Vec3& direction, float near, float far, float bsdf_pdf, GroupLight* groups = nullptr) const;
   // Whether some light passes through what blocks others: then linked_met() adds the light of those, lamps and surfaces alike,
   // that comes to the receiver against a ray from `origin`, through whatever does not block it, weighted as above.
   bool shadow_linked() const { return !shadow_linked_.empty(); }
-  Rgb linked_met(const Receiver& to, const Vec3& origin, const Vec3& direction, float bsdf_pdf, const RayInfo& ray) const;
+  Rgb linked_met(const Receiver& to, const Vec3& origin, const Vec3& direction, float bsdf_pdf, const RayInfo& ray,
+                 GroupLight* groups = nullptr) const;
   // Radiance of the world in a direction that a ray from the receiver left the scene in, weighted likewise.
   Rgb world_met(const Receiver& to, const Vec3& direction, float bsdf_pdf) const;
   // The same for a camera ray, unweighted: only lamps that the camera may see.
-  Rgb lamps_seen(const Vec3& origin, const Vec3& direction, float near, float far) const;
+  Rgb lamps_seen(const Vec3& origin, const Vec3& direction, float near, float far, GroupLight* groups = nullptr) const;
 
   const Environment& environment() const { return environment_; }
   double total_power() const { return total_power_; }  // W, mean over RGB
@@ -149,6 +163,7 @@ class Lights {
     Bounds bounds;
     float importance = 0;
     uint64_t lit_groups = ~uint64_t{0}, blockers = ~uint64_t{0};
+    int16_t light_group = kNoLightGroup;
     double power = 0;
     std::vector<uint32_t> triangles;
     std::vector<float> cdf;                 // over triangles, by power

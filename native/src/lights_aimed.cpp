@@ -261,9 +261,11 @@ PhotonStart Lights::emit_towards(const EmissionTargets& targets, uint64_t index,
     }
   draft.start.power *= density > 0 ? static_cast<float>(draft.natural / density) : 0.0f;
   draft.start.aim = aim;
+  draft.start.light_group = scene_.world_light_group;
   if (p.emitter < emitters_.size()) {
     draft.start.lit_groups = emitters_[p.emitter].lit_groups;
     draft.start.blockers = emitters_[p.emitter].blockers;
+    draft.start.light_group = emitters_[p.emitter].light_group;
     const int lamp = emitters_[p.emitter].lamp;
     if (lamp >= 0 && lamps_[lamp].s.program >= 0) draft.start.shaded_by = lamp;
   }

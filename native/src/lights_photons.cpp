@@ -112,6 +112,7 @@ void Lights::add_lamp(const LampSettings& settings) {
   if (!(e.power > 0)) return;
   e.lit_groups = settings.lit_groups;
   e.blockers = settings.blockers;
+  e.light_group = settings.light_group;
   const bool flat = settings.kind == LampKind::kArea;
   for (const float i : {-1.0f, 1.0f})
     for (const float j : {-1.0f, 1.0f})
@@ -156,6 +157,7 @@ void Lights::add_emissive_instances() {
     e.instance = i;
     e.lit_groups = instance.lit_groups;
     e.blockers = instance.blockers;
+    e.light_group = instance.light_group;
     Bounds bounds;
     double sum = 0;
     add_emissive_triangles(i, e, bounds, sum);
@@ -344,6 +346,7 @@ PhotonStart Lights::emit(const EmissionPrimary& p) const {
   double power = world_power_;
   if (p.emitter == emitters_.size()) {
     start = emit_world(p.place, p.way);
+    start.light_group = scene_.world_light_group;
   } else {
     const Emitter& e = emitters_[p.emitter];
     start = e.lamp >= 0 ? emit_lamp(lamps_[e.lamp], p.pick.y, p.place, p.way) : emit_mesh(e, p.pick.y, p.place, p.way);
@@ -351,6 +354,7 @@ PhotonStart Lights::emit(const EmissionPrimary& p) const {
     power = e.power;
     start.lit_groups = e.lit_groups;
     start.blockers = e.blockers;
+    start.light_group = e.light_group;
   }
   start.power *= static_cast<float>(total_power_ / std::max(power, 1e-300)) * p.weight;
   return start;

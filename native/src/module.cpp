@@ -113,7 +113,8 @@ MaterialSide make_side(const Renderer& r, const nb::tuple& t) {
 
 void add_lamp(Renderer& r, const std::string& kind, Matrix matrix, Rgb3 strength, float radius, bool soft_falloff,
               float spot_size, float spot_blend, float angle, std::array<float, 2> size, bool ellipse, float spread,
-              bool normalize, bool camera_visible, int program, uint64_t lit_groups, uint64_t blockers) {
+              bool normalize, bool camera_visible, int program, uint64_t lit_groups, uint64_t blockers,
+              int16_t light_group) {
   LampSettings s;
   s.kind = named<LampKind>(kind, {{"point", LampKind::kPoint}, {"spot", LampKind::kSpot}, {"sun", LampKind::kSun},
                                   {"area", LampKind::kArea}}, "lamp kind");
@@ -134,6 +135,7 @@ void add_lamp(Renderer& r, const std::string& kind, Matrix matrix, Rgb3 strength
   if (program < -1 || program >= static_cast<int>(r.scene.programs.size())) throw std::invalid_argument("a lamp names a program that does not exist");
   s.lit_groups = lit_groups;
   s.blockers = blockers;
+  s.light_group = light_group;
   bool finite = is_finite(s.strength);
   for (float f : s.to_world.m) finite &= std::isfinite(f);
   for (float f : {radius, spot_size, spot_blend, angle, size[0], size[1], spread}) finite &= std::isfinite(f);
@@ -227,6 +229,11 @@ nb::dict film_arrays(Renderer& r) {
   }
   nb::dict out;
   for (Values& made : all) out[made.name] = to_numpy(std::move(made.values), {height, width, made.channels});
+  std::vector<float> by_group(3 * film.by_group.size());  // (light group, row, column, RGB)
+  for (int g = 0; g < film.light_groups; ++g)
+    for (size_t i = 0; i < film.pixels.size(); ++i)
+      rgb(film.by_group[i * film.light_groups + g] * film.pixels[i].share(), &by_group[3 * (g * film.pixels.size() + i)]);
+  out["light_groups"] = to_numpy(std::move(by_group), {static_cast<size_t>(film.light_groups), height, width, 3});
   out["variance"] = to_numpy(std::vector<float>(r.errors().variance()), {height, width, 1});  // of luminance, of the mean
   out["error"] = to_numpy(std::vector<float>(r.errors().error()), {height, width, 1});
   return out;
@@ -370,7 +377,7 @@ NB_MODULE(photon_splat_native, m) {
       }, "front"_a, "back"_a, "Each side: (albedo rgb, albedo texture or -1, emission rgb, emission texture or -1).")
       .def("add_mesh", &add_mesh, "positions"_a, "triangles"_a, "corner_normals"_a.none(), "uv"_a.none(), "slots"_a.none())
       .def("add_instance", [](Renderer& r, uint32_t mesh, Matrix matrix, std::vector<int32_t> materials, int group, uint64_t lit_groups,
-                              uint64_t blockers) {
+                              uint64_t blockers, int16_t light_group) {
         auto rows = to_rows(matrix.data());
         for (int i = 0; i < 3; ++i) rows[4 * i + 3] -= r.scene.origin[i];
         for (double d : rows)
@@ -380,10 +387,17 @@ NB_MODULE(photon_splat_native, m) {
         r.scene.instances.back().group = uint64_t{1} << group;
         r.scene.instances.back().lit_groups = lit_groups;
         r.scene.instances.back().blockers = blockers;
-      }, "mesh"_a, "matrix"_a, "materials"_a, "group"_a = 0, "lit_groups"_a = ~uint64_t{0}, "blockers"_a = ~uint64_t{0})
+        r.scene.instances.back().light_group = light_group;
+      }, "mesh"_a, "matrix"_a, "materials"_a, "group"_a = 0, "lit_groups"_a = ~uint64_t{0}, "blockers"_a = ~uint64_t{0},
+           "light_group"_a = kNoLightGroup)
+      .def("set_light_groups", [](Renderer& r, int count, int16_t world) {
+        if (count < 0 || count > 10000) throw std::invalid_argument("there are more than 10000 light groups");
+        r.scene.light_groups = count;
+        r.scene.world_light_group = world;
+      }, "count"_a, "world"_a, "How many, and that of the world; -1: none. film() then has the light of each.")
       .def("add_lamp", &add_lamp, "kind"_a, "matrix"_a, "strength"_a, "radius"_a, "soft_falloff"_a, "spot_size"_a,
            "spot_blend"_a, "angle"_a, "size"_a, "ellipse"_a, "spread"_a, "normalize"_a, "camera_visible"_a, "program"_a = -1,
-           "lit_groups"_a = ~uint64_t{0}, "blockers"_a = ~uint64_t{0})
+           "lit_groups"_a = ~uint64_t{0}, "blockers"_a = ~uint64_t{0}, "light_group"_a = kNoLightGroup)
       .def("set_camera", &set_camera, "matrix"_a, "screen"_a, "orthographic"_a, "clip_start"_a, "clip_end"_a, "frame"_a,
            "region"_a, "transparent"_a, "pixel_filter"_a, "filter_width"_a)
       .def("set_panorama", &set_panorama, "kind"_a, "longitude"_a, "latitude"_a, "fov"_a, "focal_length"_a, "sensor"_a,

@@ -172,6 +172,7 @@ PhotonStart PhotonTracer::start(uint64_t index, uint32_t seed) const {
 void PhotonTracer::trace_chunk(uint64_t first, uint64_t count, double total, uint32_t seed, const KeyFilter& visible,
                                Chunk& chunk) const {
   chunk.photons.clear();
+  chunk.groups.clear();
   chunk.ray_log.clear();
   chunk.rays = 0;
   chunk.starts.clear();
@@ -214,6 +215,7 @@ void PhotonTracer::trace_chunk(uint64_t first, uint64_t count, double total, uin
         const bool alive_still = shade(path, hits[k], chunk.starts[path.place], first + path.place, seed, visible, origin,
                                        direction, chunk.photons);
         chunk.useful[path.place] += static_cast<uint16_t>(chunk.photons.size() - stored);
+        if (keeps_groups_) chunk.groups.resize(chunk.photons.size(), chunk.starts[path.place].light_group);
         if (!alive_still) continue;
         chunk.paths[kept] = path;
         chunk.origins[kept] = origin;
@@ -229,6 +231,7 @@ void PhotonTracer::trace_chunk(uint64_t first, uint64_t count, double total, uin
 const std::vector<Photon>& PhotonTracer::trace(uint64_t first, uint64_t count, double total, uint32_t seed,
                                                const KeyFilter& visible, const CancelFlag& cancel) {
   photons_.clear();
+  groups_.clear();
   if (lights_.total_power() <= 0 || max_bounces_ < 1) return photons_;
   const size_t chunk_count = (count + kPathsPerChunk - 1) / kPathsPerChunk;
   if (chunks_.size() < chunk_count) chunks_.resize(chunk_count);
@@ -244,8 +247,10 @@ const std::vector<Photon>& PhotonTracer::trace(uint64_t first, uint64_t count, d
     if (ray_log) ray_log->insert(ray_log->end(), chunks_[c].ray_log.begin(), chunks_[c].ray_log.end());
   }
   photons_.resize(offset.back());
+  if (keeps_groups_) groups_.resize(offset.back());
   scene_.pool().for_each(chunk_count, cancel, [&](size_t c, int) {
     std::copy(chunks_[c].photons.begin(), chunks_[c].photons.end(), photons_.begin() + offset[c]);
+    std::copy(chunks_[c].groups.begin(), chunks_[c].groups.end(), groups_.begin() + (keeps_groups_ ? offset[c] : 0));
   });
   last_counts_ = {count, photons_.size(), rays};
   counts_ = {counts_.traced + count, counts_.stored + photons_.size(), counts_.rays + rays};

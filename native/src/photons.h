@@ -47,6 +47,9 @@ class PhotonTracer {
 
   const std::vector<Photon>& trace(uint64_t first, uint64_t count, double total, uint32_t seed,
                                    const KeyFilter& visible, const CancelFlag& cancel);
+  // From now on light_groups() tells the group of the light that each of the photons last traced came from; else it is empty.
+  void keep_light_groups() { keeps_groups_ = true; }
+  const std::vector<int16_t>& light_groups() const { return groups_; }
   const PhotonCounts& counts() const { return counts_; }
   const PhotonCounts& last_counts() const { return last_counts_; }  // of the last trace()
 
@@ -74,6 +77,7 @@ class PhotonTracer {
   };
   struct Chunk {
     std::vector<Photon> photons;
+    std::vector<int16_t> groups;   // likewise
     uint64_t rays = 0;
     std::vector<float> ray_log;
     std::vector<PhotonStart> starts;
@@ -101,6 +105,8 @@ class PhotonTracer {
   std::optional<EmissionTargets> targets_;
   std::vector<Chunk> chunks_;
   std::vector<Photon> photons_;
+  bool keeps_groups_ = false;
+  std::vector<int16_t> groups_;
   PhotonCounts counts_, last_counts_;
 };
 

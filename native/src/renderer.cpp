@@ -31,6 +31,7 @@ void Renderer::add_layer(PhotonStream stream, double photons_per_disc, uint64_t 
   auto layer = std::make_unique<Layer>(Layer{stream, photons_per_disc, seed, paths_per_pass, nullptr});
   layer->tracer = std::make_unique<PhotonTracer>(scene, *lights_, options.max_bounces, stream);
   layer->splatter = std::make_unique<Splatter>(options.kernel);
+  if (scene.light_groups) layer->tracer->keep_light_groups();
   layers_.push_back(std::move(layer));
 }
 
@@ -38,6 +39,7 @@ void Renderer::build() {
   Timer timer(seconds_.acceleration);
   camera_ = std::make_unique<Camera>(camera_settings);
   choose_kernel(options.kernel);  // speaks up before work is done
+  check_light_groups();
   scene.build(cancel_);
   lights_ = std::make_unique<Lights>(scene, lamps);
   learn_sky_anew();
@@ -52,8 +54,8 @@ void Renderer::learn_sky_anew() {
 }
 
 void Renderer::reset_film() {
-  film_.reset(camera_settings.region_width, camera_settings.region_height);
-  pass_film_.reset(film_.width, film_.height);
+  film_.reset(camera_settings.region_width, camera_settings.region_height, scene.light_groups);
+  pass_film_.reset(film_.width, film_.height, scene.light_groups);
   errors_.reset(film_.width, film_.height);
   samples_.reset(film_.width, film_.height);
   for (const auto& layer : layers_) layer->choice.reset(film_.width, film_.height);
@@ -151,6 +153,7 @@ void Renderer::make_points(uint32_t pass) {
     s.steady = options.kept_photon_bytes > 0;
     if (options.adaptive_radius) s.pixel_factors = layer.choice.factors().data();
     layer.points.build(scene, *records_, *layer.radii, s, pass, layer.seed, cancel_);
+    layer.group_sums.assign(layer.points.blocks().size() * scene.light_groups, GroupSums{});
   }
   if (options.boundary_correction) {
     Timer timer(seconds_.boundary);
@@ -164,16 +167,18 @@ void Renderer::trace_photons(uint32_t pass, uint64_t first, uint64_t count) {
   Layer& layer = selected();
   Timer timer(seconds_.photons);
   const uint64_t from = pass * layer.paths_per_pass + first;
-  if (const std::vector<Photon>* kept = layer.kept.find(from, count)) {
-    photons_ = kept;
-    layer.reused += kept->size();
+  if (const PhotonSlices::Slice* kept = layer.kept.find(from, count)) {
+    photons_ = &kept->photons;
+    photon_groups_ = &kept->light_groups;
+    layer.reused += kept->photons.size();
   } else {
     const bool keep = options.kept_photon_bytes > kept_photon_bytes() && !layer.kept.full();
     KeyFilter everywhere;
     if (keep) everywhere.add_all();
     photons_ = &layer.tracer->trace(from, count, static_cast<double>(layer.paths_per_pass), hash_combine(layer.seed, 1),
                                     keep ? everywhere : layer.points.keys(), cancel_);
-    if (keep) layer.kept.add(from, count, *photons_, options.kept_photon_bytes - kept_photon_bytes());
+    photon_groups_ = &layer.tracer->light_groups();
+    if (keep) layer.kept.add(from, count, *photons_, *photon_groups_, options.kept_photon_bytes - kept_photon_bytes());
   }
   layer.used += photons_->size();
   layer.last_paths = count;
@@ -183,7 +188,8 @@ void Renderer::trace_photons(uint32_t pass, uint64_t first, uint64_t count) {
 void Renderer::splat() {
   Layer& layer = selected();
   Timer timer(seconds_.splat);
-  layer.splatter->splat(*photons_, layer.points.blocks(), scene.pool(), cancel_);
+  if (!photon_groups_->empty()) splat_groups(layer);
+  else layer.splatter->splat(*photons_, layer.points.blocks(), scene.pool(), cancel_);
 }
 
 const Splatter& Renderer::find_pairs(size_t first, size_t count) {
@@ -198,12 +204,15 @@ void Renderer::set_photons(std::vector<Photon> photons) {
   selected();
   given_photons_ = std::move(photons);
   photons_ = &given_photons_;
+  photon_groups_ = &no_groups_;
 }
 
 void Renderer::resolve() {
   selected();
   const bool adaptive = options.adaptive_samples;
   Timer timer(seconds_.splat);
+  if (scene.light_groups)
+    for (const auto& layer : layers_) join_groups(*layer);
   if (fallback_)
     for (const auto& layer : layers_) add_irradiance(*layer, true);
   if (adaptive) samples_.see_camera(pass_film_, scene.pool());
@@ -229,6 +238,10 @@ void Renderer::add_irradiance(Layer& layer, bool wandered) {
       Pixel& pixel = pass_film_.pixels[records[i].pixel];
       const Rgb light = records[i].throughput * irradiance;
       indirect_of(pixel, records[i].part) += light;
+      for (int g = 0; g < pass_film_.light_groups; ++g) {
+        const GroupSums& sums = layer.group_sums[g * blocks.size() + point / kBlockSize];
+        pass_film_.groups_of(records[i].pixel)[g] += records[i].throughput * Rgb{sums.r[lane], sums.g[lane], sums.b[lane]} * block.scale[lane];
+      }
       const float wide = luminance(irradiance);
       if (wide > 0) {
         const float detail = luminance(light) * (1 - block.narrow[lane] * block.narrow_scale[lane] / wide);

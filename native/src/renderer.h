@@ -34,6 +34,11 @@ struct RenderOptions {
   size_t kept_photon_bytes = 0;
 };
 
+// What photons of one light group have added to a block of points.
+struct alignas(64) GroupSums {
+  float r[kBlockSize], g[kBlockSize], b[kBlockSize];
+};
+
 struct StageSeconds {
   double acceleration = 0, camera = 0, photons = 0, splat = 0, boundary = 0, error = 0;
 };
@@ -49,6 +54,7 @@ struct Layer {
   PhotonCounts pilot{};
   std::unique_ptr<Splatter> splatter{};
   VisiblePoints points{};
+  std::vector<GroupSums> group_sums{};  // of each light group, one for each block of points, which hold the rest until resolve()
   RadiusChoice choice{};
   std::optional<PhotonStore> store{};
   PhotonSlices kept{};
@@ -141,6 +147,10 @@ class Renderer {
   void learn_fallback(uint32_t pass);
   float radius_factor(uint32_t pass) const;
   void add_irradiance(Layer& layer, bool wandered);
+  void check_light_groups() const;
+  void splat_groups(Layer& layer);
+  void swap_sums(Layer& layer, int group);
+  void join_groups(Layer& layer);
   void reset_film();
   void learn_sky_anew();
 
@@ -160,6 +170,9 @@ class Renderer {
   const std::vector<Record>* records_ = nullptr;
   std::vector<Photon> given_photons_;
   const std::vector<Photon>* photons_ = &given_photons_;
+  const std::vector<int16_t>* photon_groups_ = &no_groups_;  // of those photons, or empty
+  const std::vector<int16_t> no_groups_;
+  std::vector<Photon> part_;                                 // of them: one group's
   StageSeconds seconds_;
 };
 

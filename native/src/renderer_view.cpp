@@ -24,11 +24,12 @@ void Renderer::set_view() {
 
 void Renderer::relight() {
   selected();
+  check_light_groups();
   scene.update_features();
   lights_ = std::make_unique<Lights>(scene, lamps);
   learn_sky_anew();
   camera_tracer_ = std::make_unique<CameraTracer>(scene, *lights_, *camera_, hash_combine(options.seed, 2));
-  photons_ = &given_photons_;
+  set_photons({});
   make_layers();
   set_view();
 }
@@ -36,7 +37,7 @@ void Renderer::relight() {
 void Renderer::begin_again() {
   selected();
   seconds_ = {};
-  photons_ = &given_photons_;
+  set_photons({});
   if (std::any_of(scene.programs.begin(), scene.programs.end(), sees_view)) return relight();
   learn_sky_anew();
   camera_tracer_ = std::make_unique<CameraTracer>(scene, *lights_, *camera_, hash_combine(options.seed, 2));
@@ -75,6 +76,7 @@ void Renderer::draw_store() {
     s.caustics = layer->stream == PhotonStream::kCaustic;
     s.steady = true;
     layer->points.build(scene, *records_, *store.radii(), s, 0, layer->seed, cancel_);
+    layer->group_sums.assign(layer->points.blocks().size() * scene.light_groups, GroupSums{});  // all of the light is the rest
     if (options.boundary_correction) layer->points.correct_boundaries(scene, options.occlusion, cancel_);
     layer->splatter->set_blocks(layer->points.block_bounds());
     layer->splatter->splat(store.photons(), layer->points.blocks(), scene.pool(), cancel_);

@@ -44,6 +44,9 @@ struct Mesh {
   }
 };
 
+// Light groups are numbers from 0; this is the light of none.
+inline constexpr int16_t kNoLightGroup = -1;
+
 // A mesh that stands once in the scene is held in world coordinates (`shared` false, to_world = identity);
 // others are Embree instances.
 struct Instance {
@@ -56,6 +59,7 @@ struct Instance {
   uint64_t group = 1;          // of light linking: a single bit
   uint64_t lit_groups = ~uint64_t{0};  // what it lights if it shines
   uint64_t blockers = ~uint64_t{0};    // what casts shadows in its light
+  int16_t light_group = kNoLightGroup;
   float scale = 1;             // largest stretch of to_world
   Affine to_world, to_local;
   std::array<double, 12> exact{};  // to_world before rounding
@@ -110,6 +114,8 @@ class Scene {
   Rgb world{};             // constant radiance, or the factor of the map
   WorldMap world_map;
   int world_program = -1;  // into programs: then neither is read
+  int light_groups = 0;    // whose light is kept apart as well; photons are then splatted group by group
+  int16_t world_light_group = kNoLightGroup;
   std::vector<SunDisc> sun_discs;
   ShadingView view;        // for programs
   std::vector<InstanceAttribute> instance_attributes;

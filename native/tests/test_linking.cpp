@@ -1,4 +1,4 @@
-// Shadow linking: light that passes things which do not block it, for camera paths and photons.
+// Shadow linking: light that passes things which do not block it, for camera paths and photons; light groups.
 #include <doctest/doctest.h>
 
 #include "programs.h"
@@ -155,4 +155,50 @@ TEST_CASE("a shining surface behind things that do not block it is found by ligh
   }
   CHECK(sum[1] == doctest::Approx(sum[0]).epsilon(0.005));
   CHECK(sum[0] > 0);
+}
+
+TEST_CASE("what light groups and the rest bring is the picture, and each is what its lamp brings alone") {
+  const auto fill = [](Renderer& renderer, int groups, std::vector<float> strengths) {
+    Material grey;
+    grey.front.albedo = grey.back.albedo = {0.5f, 0.5f, 0.5f};
+    renderer.scene.materials = {grey};
+    renderer.scene.meshes.push_back(padded(make_cube()));
+    renderer.scene.add_instance(0, {2, 0, 0, -1, 0, 2, 0, -1, 0, 0, 2, 0}, {0});
+    renderer.scene.light_groups = groups;
+    for (size_t i = 0; i < strengths.size(); ++i) {
+      LampSettings lamp;
+      lamp.to_world = Affine{{1, 0, 0, 0.5f * float(i) - 0.5f, 0, 1, 0, 0.3f, 0, 0, 1, 1.5f}};
+      lamp.strength = Rgb{1, 1, 1} * strengths[i];
+      lamp.light_group = static_cast<int16_t>(int(i) < groups ? i : kNoLightGroup);
+      renderer.lamps.push_back(lamp);
+    }
+    renderer.camera_settings.to_world = Affine{{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 1.9f}};
+    renderer.camera_settings.width = renderer.camera_settings.height = size;
+    renderer.camera_settings.region_width = renderer.camera_settings.region_height = size;
+    renderer.options.photons_per_pass = photons;
+    renderer.options.adaptive_radius = renderer.options.adaptive_samples = false;
+    renderer.build();
+  };
+  for (const bool reference : {false, true}) {
+    CAPTURE(reference);
+    Renderer all(2), plain(2), first(2), second(2);
+    fill(all, 2, {10, 20, 5});
+    fill(plain, 0, {10, 20, 5});
+    fill(first, 0, {10, 0, 0});
+    fill(second, 0, {0, 20, 0});
+    const Rgb sum = mean_light(all, 8, reference), same = mean_light(plain, 8, reference);
+    CHECK(luminance(sum) == doctest::Approx(luminance(same)).epsilon(1e-5));
+    CHECK(plain.film().by_group.empty());
+    const Film& film = all.film();
+    Rgb parts[2] = {};
+    for (size_t i = 0; i < film.pixels.size(); ++i)
+      for (int g = 0; g < 2; ++g) parts[g] += film.by_group[2 * i + g] * film.pixels[i].share() / float(film.pixels.size());
+    CHECK(luminance(parts[0]) == doctest::Approx(luminance(mean_light(first, 8, reference))).epsilon(0.03));
+    CHECK(luminance(parts[1]) == doctest::Approx(luminance(mean_light(second, 8, reference))).epsilon(0.03));
+    CHECK(luminance(parts[0] + parts[1]) == doctest::Approx(luminance(sum) * 30 / 35).epsilon(0.05));
+  }
+  Renderer wrong(1);
+  wrong.scene.light_groups = 1;
+  wrong.scene.world_light_group = 1;
+  CHECK_THROWS_AS(wrong.build(), std::invalid_argument);
 }

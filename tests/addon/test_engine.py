@@ -236,6 +236,58 @@ def test_passes_of_view_layers(tmp_path: str) -> None:
     assert saved["Second.Depth.Z"].mean() == pytest.approx(3.5, abs=0.1)
 
 
+@in_blender
+def test_light_groups_add_up_to_the_picture(tmp_path: str) -> None:
+    """Passes by Cycles' names; kept photons, a mirror's caustics and the reference integrator among what is told apart."""
+    import bpy
+
+    scene = stage.room(photons=20_000)
+    layer = scene.view_layers[0]
+    rest = stage.lamp("SPOT", 50.0, (-1, 0, 2))
+    box = stage.plane("Wall", location=(-1.5, 0, 1))
+    box.rotation_euler = (0, 1.2, 0)
+    box.data.materials[0] = stage.material("Mirror", (0.9, 0.7, 0.5), "ShaderNodeBsdfAnisotropic")
+    box.data.materials[0].node_tree.nodes[-1].inputs["Roughness"].default_value = 0.1
+    stage.world(0.1)
+    plain = _combined()
+    for name in ("key", "sky"):
+        layer.lightgroups.add(name=name)
+    bpy.data.objects["POINT"].lightgroup, scene.world.lightgroup = "key", "sky"
+    scene.render.use_persistent_data = True
+    for again in (False, True):
+        with stage.watched() as results:
+            bpy.ops.render.render()
+        passes = results[0].passes
+        left = passes["Combined"][..., :3] - passes["Combined_key"] - passes["Combined_sky"]
+        assert min(passes["Combined_key"].mean(), passes["Combined_sky"].mean(), left.mean()) > 0.001
+        assert (results[0].statistics["reused"]["photons"] > 0) == again
+    scene.render.use_persistent_data = False
+    rest.lightgroup = "sky"
+    if hasattr(scene.render.image_settings, "media_type"):
+        scene.render.image_settings.media_type = "MULTI_LAYER_IMAGE"
+    scene.render.image_settings.file_format = "OPEN_EXR_MULTILAYER"
+    scene.render.image_settings.color_depth = "32"
+    scene.render.filepath = f"{tmp_path}/out.exr"
+    with stage.watched() as results:
+        bpy.ops.render.render(write_still=True)
+    passes = results[0].passes
+    assert results[0].statistics["warnings"] == []
+    assert np.allclose(passes["Combined_key"] + passes["Combined_sky"], passes["Combined"][..., :3], rtol=1e-4, atol=1e-6)
+    assert np.allclose(passes["Combined"], plain, rtol=1e-4, atol=1e-6)
+    saved = _channels(scene.render.filepath)
+    for name in ("key", "sky"):
+        for k, letter in enumerate("RGB"):
+            assert np.array_equal(saved[f"{layer.name}.Combined_{name}.{letter}"][::-1], passes[f"Combined_{name}"][..., k])
+
+
+def _combined() -> np.ndarray:
+    import bpy
+
+    with stage.watched() as results:
+        bpy.ops.render.render()
+    return results[0].passes["Combined"]
+
+
 def _channels(path: str) -> dict[str, np.ndarray]:
     """Every channel of an OpenEXR file, top row first; Blender 5 writes layers as parts."""
     import OpenImageIO as oiio

@@ -316,7 +316,7 @@ def test_frames_of_an_animation() -> None:
 
 @in_blender
 def test_light_linking() -> None:
-    """Groups of objects that lights treat alike and that block alike; light groups are named."""
+    """Groups of objects that lights treat alike and that block alike."""
     import bpy
 
     floor, box, _ = stage.plane("Floor"), stage.plane("Box"), stage.plane("Wall")
@@ -328,7 +328,6 @@ def test_light_linking() -> None:
     blockers = plain.light_linking.blocker_collection = bpy.data.collections.new("Blockers")
     blockers.objects.link(floor)
     only.light_linking.blocker_collection = bpy.data.collections.new("Nothing in it")
-    stage.scene().view_layers[0].lightgroups.add()
     what = stage.exported()
     groups = {what.meshes[mesh].name: int(group) for mesh, group in zip(what.instances.mesh, what.instances.group, strict=True)}
     assert groups["Wall"] == 0
@@ -340,6 +339,29 @@ def test_light_linking() -> None:
     assert [light.blockers == ALL_GROUPS for light in what.lights] == [True, True, False]
     assert what.instances.lit_groups is None
     assert what.instances.blockers is None
-    assert what.warnings == [
-        "Light groups are not supported; they give no passes of their own",
-    ]
+    assert not what.warnings
+
+
+@in_blender
+def test_light_groups() -> None:
+    """What names a group that the view layer has is of it."""
+    layer = stage.scene().view_layers[0]
+    stage.plane("Dark"), stage.lamp("SUN")
+    plain = stage.exported()
+    assert (plain.light_groups, plain.instances.light_group, plain.world_light_group) == ([], None, -1)
+    for name in ("key", "rim"):
+        layer.lightgroups.add(name=name)
+    stage.plane("Glow").lightgroup = "rim"
+    stage.lamp("POINT").lightgroup = "key"
+    stage.lamp("SPOT").lightgroup = "gone"
+    stage.world(0.5)
+    stage.scene().world.lightgroup = "rim"
+    what = stage.exported()
+    assert what.light_groups == ["key", "rim"]
+    assert {what.meshes[mesh].name: int(g) for mesh, g in zip(what.instances.mesh, what.instances.light_group, strict=True)} == {
+        "Dark": -1,
+        "Glow": 1,
+    }
+    assert {light.kind: light.light_group for light in what.lights} == {"sun": -1, "point": 0, "spot": -1}
+    assert what.world_light_group == 1
+    assert not what.warnings

@@ -14,7 +14,7 @@ from tests.addon.blender import in_blender
 
 NAN, INF = math.nan, math.inf
 # Node, what its sockets get, and what the warning must say of each; native/tests/test_bsdf_edges.cpp has many more numbers.
-CURSED: list[tuple[str, dict[str, float], list[str]]] = [
+CURSED: list[tuple[str, dict[Any, float], list[str]]] = [
     ("BsdfGlass", {"IOR": 0.0}, ["its IOR is 0, taken as 1e-05"]),
     ("BsdfGlass", {"IOR": 1.0, "Roughness": 1.0}, []),
     ("BsdfGlass", {"IOR": -1.5, "Roughness": 0.0}, ["its IOR is -1.5, taken as 1e-05"]),
@@ -34,18 +34,21 @@ CURSED: list[tuple[str, dict[str, float], list[str]]] = [
     ("BsdfPrincipled", {"Base Color": 1.0, "Roughness": 0.0, "Metallic": 1.0}, []),
     ("BsdfPrincipled", {"Base Color": 0.0, "Specular IOR Level": -1.0}, []),
     ("BsdfTransparent", {"Color": 3.0}, []),
+    ("MixShader", {0: 7.0}, []),  # its factor; nothing is mixed
+    ("MixShader", {0: -3.0}, []),
+    ("AddShader", {}, []),
     ("Emission", {"Color": -1.0, "Strength": NAN}, ["Strength"]),
 ]
 
 
-def _cursed(name: str, kind: str, values: dict[str, float]) -> Any:
+def _cursed(name: str, kind: str, values: dict[Any, float]) -> Any:
     """A material of one shader whose sockets get numbers from Value nodes: their own would be held to a range."""
     made, tree = stage.empty_material(name)
     shader = tree.nodes.new("ShaderNode" + kind)
     for socket, value in values.items():
         number = tree.nodes.new("ShaderNodeValue")
         number.outputs[0].default_value = value
-        number.label = socket
+        number.label = str(socket)
         tree.links.new(number.outputs[0], shader.inputs[socket])
     stage.surface(tree, shader)
     return made

@@ -30,6 +30,7 @@ class Case:
     alpha: bool = False
     splat: bool = True  # False: only the path tracer is compared, as all that is new lies before the first hit
     light_samples: bool = True  # False: Cycles finds lights by scattered rays alone, see references.py
+    light_group: str = ""  # the pass of this one is compared instead of Combined
     passes: int = 32
     photons_per_pass: int = 20_000
 
@@ -136,6 +137,7 @@ CASES: tuple[Case, ...] = (
     _geometry("instanced_lamp"),
     _geometry("linked_lamps"),
     Case("linked_shadows", "linked_shadows", samples=4096),
+    *(Case(f"light_group_{name}", "light_groups", samples=4096, light_group=name) for name in ("key", "glow", "sky")),
     # World and emissive meshes
     _geometry("world", color=(0.5, 0.7, 1.0), strength=1.5),
     Case("environment", "environment", passes=48, photons_per_pass=40_000),

@@ -48,8 +48,8 @@ def cycles_settings(samples: int, seed: int) -> None:
     scene.render.use_persistent_data = False
 
 
-def render_with_cycles(samples: int, seed: int) -> np.ndarray:
-    """The current scene as (height, width, 4) float32, row 0 at the bottom; of a border only its inside."""
+def render_with_cycles(samples: int, seed: int, light_group: str = "") -> np.ndarray:
+    """The current scene as (height, width, 4) float32, row 0 at the bottom; of a border only its inside. RGB of a light group's pass."""
     import bpy
 
     cycles_settings(samples, seed)
@@ -57,6 +57,8 @@ def render_with_cycles(samples: int, seed: int) -> np.ndarray:
     render = scene.render
     if hasattr(render.image_settings, "media_type"):
         render.image_settings.media_type = "IMAGE"
+    if light_group:
+        return _pass_of_cycles(f"Combined_{light_group}")
     render.image_settings.file_format = "OPEN_EXR"
     render.image_settings.color_depth, render.image_settings.color_mode = "32", "RGBA"
     with tempfile.TemporaryDirectory() as folder:
@@ -74,6 +76,29 @@ def render_with_cycles(samples: int, seed: int) -> np.ndarray:
         y0, y1 = (round(f * height) for f in (render.border_min_y, render.border_max_y))
         picture = picture[y0:y1, x0:x1]
     return picture
+
+
+def _pass_of_cycles(name: str) -> np.ndarray:
+    """The pass as (height, width, 3) float32, row 0 at the bottom."""
+    import bpy
+    import OpenImageIO as oiio
+
+    render = bpy.context.scene.render
+    if hasattr(render.image_settings, "media_type"):
+        render.image_settings.media_type = "MULTI_LAYER_IMAGE"
+    render.image_settings.file_format, render.image_settings.color_depth = "OPEN_EXR_MULTILAYER", "32"
+    with tempfile.TemporaryDirectory() as folder:
+        render.filepath = str(Path(folder, "half.exr"))
+        bpy.ops.render.render(write_still=True)
+        file = oiio.ImageInput.open(render.filepath)
+        wanted = [f"{bpy.context.view_layer.name}.{name}.{channel}" for channel in "RGB"]
+        part = 0  # Blender 5 writes a part for each pass
+        while file.seek_subimage(part, 0) and not set(wanted) <= set(file.spec().channelnames):
+            part += 1
+        names = list(file.spec().channelnames)
+        pixels = file.read_image(part, 0, 0, file.spec().nchannels, oiio.FLOAT)[::-1]
+        file.close()
+    return np.ascontiguousarray(pixels[..., [names.index(channel) for channel in wanted]])
 
 
 def without_light_samples() -> None:
@@ -109,7 +134,7 @@ def make(case: Case) -> None:
         stage.build(case)
         if not case.light_samples:
             without_light_samples()
-        picture = render_with_cycles(case.samples, seed)
+        picture = render_with_cycles(case.samples, seed, case.light_group)
         halves.append(picture if case.alpha or case in CASES else picture[..., :3])
     FOLDER.mkdir(exist_ok=True)
     np.savez_compressed(FOLDER / f"{case.name}.npz", half_1=halves[0].astype(np.float16), half_2=halves[1].astype(np.float16))

@@ -171,6 +171,24 @@ def linked_shadows() -> None:
     _link(m.add_mesh("Plate", corners, [(0, 1, 2, 3)], m.emission("Glow", (1.0, 0.9, 0.8), 4.0)), "blocker_collection", exclude=[mirror])
 
 
+def light_groups() -> None:
+    """Lamps of a group, one of them linked; a shining plate and the world, each of a group; a lamp of none; caustics of a glass ball."""
+    _stage()
+    groups = bpy.context.view_layer.lightgroups
+    for name in ("key", "glow", "sky"):
+        groups.add().name = name
+    m.set_world((0.10, 0.13, 0.2))
+    bpy.context.scene.world.lightgroup = "sky"
+    m.add_sphere("Glass", 0.3, m.glass("Glass", 1.45), (-0.2, -0.7, 0.35), 64)
+    _lamp("AREA", 30.0, (0.3, -0.9, 1.7), (0.0, 0.0, 0.0), size=0.6, color=(1.0, 0.6, 0.3)).lightgroup = "key"
+    linked = _lamp("POINT", 15.0, (0.9, 0.2, 1.5), color=(0.3, 0.5, 1.0), shadow_soft_size=0.15)
+    _link(linked, "blocker_collection", exclude=[bpy.data.objects["Wedge"]])
+    linked.lightgroup = "key"
+    _lamp("SUN", 0.4, aim=(-0.3, -0.6, 1.0), angle=0.1, color=(0.4, 1.0, 0.4)).lightgroup = "none that the view layer has"
+    corners = [(-1.0, -0.2, 0.9), (-0.4, -0.2, 0.9), (-0.4, 0.3, 1.3), (-1.0, 0.3, 1.3)]
+    m.add_mesh("Plate", corners, [(0, 1, 2, 3)], m.emission("Glow", (1.0, 0.9, 0.8), 4.0)).lightgroup = "glow"
+
+
 def _link(light: bpy.types.Object, role: str, include: Sequence[bpy.types.Object] = (), exclude: Sequence[bpy.types.Object] = ()) -> None:
     linked = bpy.data.collections.new(f"{role} of {light.name}")
     for thing in (*include, *exclude):

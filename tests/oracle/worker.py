@@ -104,7 +104,8 @@ def _render(case: dict[str, Any], integrator: str, seeds: list[int], output: str
     pictures, statistics, errors = [], [], []
 
     def keep(result: Any, _: Any) -> None:
-        pictures.append(result.passes["Combined"])
+        group = case["light_group"]
+        pictures.append(result.passes[f"Combined_{group}" if group else "Combined"])
         statistics.append(result.statistics)
 
     observer.on_result, observer.on_error = keep, errors.append
