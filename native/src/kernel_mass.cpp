@@ -42,10 +42,13 @@ bool project(const Vec3& x, const Vec3& front, float h, const Vec3& a, const Vec
 double triangle_mass(const EdgeInPlane& e) {
   const double d = e.distance;
   if (d == 0) return 0;
-  const auto angle = [d](double t) { return std::atan2(t, std::abs(d)); };
+  const auto angle = [d](double from, double to) {  // between two points of the edge
+    return from == to ? 0.0 : std::atan2((to - from) * std::abs(d), d * d + from * to);
+  };
   const double half = std::sqrt(std::max(0.0, 1 - d * d));  // where the line leaves the unit disc
   const double t0 = std::clamp(e.begin, -half, half), t1 = std::clamp(e.end, -half, half);
-  double mass = (angle(e.end) - angle(e.begin) - (angle(t1) - angle(t0))) / (2 * M_PI);  // seen beyond the disc
+  // Seen beyond the disc: of a line that misses it all, in two parts, each less than pi.
+  double mass = (angle(e.begin, t0) + angle(t1, e.end)) / (2 * M_PI);
   // Inside: integral of (1/pi)(1 - s^2/2) |d| dt with s^2 = d^2 + t^2.
   mass += std::abs(d) / M_PI * ((1 - d * d / 2) * (t1 - t0) - (t1 * t1 * t1 - t0 * t0 * t0) / 6);
   return d > 0 ? mass : -mass;
