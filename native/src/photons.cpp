@@ -257,18 +257,18 @@ const std::vector<Photon>& PhotonTracer::trace(uint64_t first, uint64_t count, d
   return photons_;
 }
 
-void PhotonTracer::learn_emission(uint64_t paths, uint32_t seed, const KeyFilter& visible, const CancelFlag& cancel) {
+const std::vector<Photon>* PhotonTracer::learn_emission(uint64_t paths, uint32_t seed, const KeyFilter& visible, const CancelFlag& cancel) {
   guide_.reset();
   targets_.reset();
-  if (lights_.total_power() <= 0 || max_bounces_ < 1) return;
+  if (lights_.total_power() <= 0 || max_bounces_ < 1) return nullptr;
   if (stream_ == PhotonStream::kCaustic) {
     targets_ = lights_.aim_at(caustic_targets(scene_));
     trace(0, paths, static_cast<double>(paths), seed, visible, cancel);
     for (uint64_t i = 0; i < paths; ++i) targets_->learn(start(i, seed), chunks_[i / kPathsPerChunk].useful[i % kPathsPerChunk]);
     targets_->finish();
-    return;
+    return nullptr;
   }
-  trace(0, paths, static_cast<double>(paths), seed, visible, cancel);
+  const std::vector<Photon>& photons = trace(0, paths, static_cast<double>(paths), seed, visible, cancel);
   EmissionGuide guide = lights_.make_guide();
   uint64_t useful_paths = 0;
   for (uint64_t i = 0; i < paths; ++i) {
@@ -276,9 +276,10 @@ void PhotonTracer::learn_emission(uint64_t paths, uint32_t seed, const KeyFilter
     useful_paths += useful > 0;
     guide.learn(lights_.primary(i, seed, nullptr), useful);
   }
-  if (static_cast<double>(useful_paths) > kUsefulShare * static_cast<double>(paths) || !useful_paths) return;
+  if (static_cast<double>(useful_paths) > kUsefulShare * static_cast<double>(paths) || !useful_paths) return &photons;
   guide.finish();
   guide_ = std::move(guide);
+  return nullptr;
 }
 
 }  // namespace photon_splat

@@ -54,8 +54,9 @@ class PhotonTracer {
   const PhotonCounts& last_counts() const { return last_counts_; }  // of the last trace()
 
   // Traces a pilot and learns from it where photons that end on visible surfaces start. Guided emission is taken up
-  // only where few unguided paths are of use. Caustic photons are aimed at what can focus light instead.
-  void learn_emission(uint64_t paths, uint32_t seed, const KeyFilter& visible, const CancelFlag& cancel);
+  // only where few unguided paths are of use; where not, the pilot's photons are as good as those of any other paths, and are
+  // returned (null otherwise; valid until the next trace()). Caustic photons are aimed at what can focus light instead.
+  const std::vector<Photon>* learn_emission(uint64_t paths, uint32_t seed, const KeyFilter& visible, const CancelFlag& cancel);
   bool guided() const { return guide_.has_value() || targets_.has_value(); }
 
   // For the benchmark: every ray that path tracing asks for, as origin, near, direction, far (8 floats a ray).

@@ -132,9 +132,9 @@ void Renderer::learn(Layer& layer) {
       if (!r.caustics_only || layer.stream == PhotonStream::kCaustic) keys.add(r.key);
   }
   const uint64_t paths = std::max<uint64_t>(1, std::min(layer.paths_per_pass, kPilotPaths));
-  layer.tracer->learn_emission(paths, hash_combine(layer.seed, 4), keys, cancel_);
-  const auto& pilot = layer.tracer->trace(0, paths, static_cast<double>(paths), hash_combine(layer.seed, 3), keys, cancel_);
-  layer.radii = std::make_unique<RadiusMap>(scene, pilot, static_cast<double>(paths));
+  const std::vector<Photon>* pilot = layer.tracer->learn_emission(paths, hash_combine(layer.seed, 4), keys, cancel_);
+  if (!pilot) pilot = &layer.tracer->trace(0, paths, static_cast<double>(paths), hash_combine(layer.seed, 3), keys, cancel_);
+  layer.radii = std::make_unique<RadiusMap>(scene, *pilot, static_cast<double>(paths));
   layer.pilot = since(layer.before, layer.tracer->counts());
 }
 
