@@ -160,6 +160,7 @@ bench-gpu: setup ## the GPU splatter on a graphics card (GPU_OPTIONS: see python
 
 chart: setup ## error against time, ours and Cycles': tests/chart (CHART_OPTIONS: see python -m tests.chart --help)
 	$(PY) -m tests.chart $(CHART_OPTIONS)
+	$(PY) -m tests.chart.seed_comparison
 
 stability: setup ## the product and plain photon maps on the known failures: tests/stability/methods.md and .png
 	$(PY) -m tests.stability.run
