@@ -13,7 +13,7 @@ constexpr size_t kChunk = 4096;
 constexpr size_t kShards = 64;
 constexpr float kTrustedMass = 0.2f;      // of a curved patch
 constexpr int kMostHalvings = 8;
-constexpr float kLeastOnStrips = 0.5f;         // likewise: a quarter remains
+constexpr float kLeastOnStrips = 0.2f;        // of the radius: a fifth of its photons remain, since the strip is narrower than both
 constexpr float kLeastOfDensityRadius = 0.2f;  // curvature takes no more than this: 1/25 of the photons remain
 constexpr float kWhole = 0.999f;          // mass of a disc that no edge cuts
 constexpr float kClearOfWall = 0.9f;      // of the distance to it
@@ -60,12 +60,14 @@ void VisiblePoints::find_cells(Scene& scene, const std::vector<Record>& records,
         continue;
       }
       const float factor = s.radius_factor * (s.pixel_factors && !r.wandered ? s.pixel_factors[r.pixel] : 1.0f);
-      float h = factor * radii.radius(r.key, r.position, s.photons_per_disc, s.paths_per_pass);
+      float whole = radii.radius(r.key, r.position, s.photons_per_disc, s.paths_per_pass);
+      // Discs of any size that reach across a strip agree with each other, however the light changes across it: passes begin with
+      // such as do not, and widen them where nothing is seen to change.
+      whole = std::max(std::min(whole, patch_width(scene, r.instance, r.triangle)), kLeastOnStrips * whole);
+      float h = factor * whole;
       h = std::min(std::max(h, kFootprintFloor * std::min(factor, 1.0f) * r.footprint), radii.largest());
       // Where the surface bends a disc blurs over its normals; where photons are few that is the lesser evil.
       h = std::max(std::min(h, curvature_radius_limit(scene, r.instance, r.triangle)), kLeastOfDensityRadius * h);
-      // So it is on strips: light that comes from things of a strip's width changes along it within about that width.
-      h = std::max(std::min(h, patch_width(scene, r.instance, r.triangle)), kLeastOnStrips * h);
       h = quantized(std::max(h, smallest));
       uint64_t hash = i;
       uint32_t rank = hash_combine(static_cast<uint32_t>(i), pass);
