@@ -161,9 +161,9 @@ void CameraTracer::trace_path(Path& path) const {
     if (!bsdf.scatters() || !(max_abs(path.throughput) > 0)) return;
     const Receiver receiver{hit.position, bsdf.transmits() ? Vec3{} : hit.ng, bsdf.has_rest(), scene_.instances[hit.instance].group};
     const bool gathers = path.records && path.vertex < path.max_bounces, fallback = gathers && falls_back(path, hit, bsdf);
-    if (path.records && bsdf.has_rest() && !fallback) {
+    if (path.records && bsdf.has_rest()) {
       const bool shares_diffuse = lights_.wants_bsdf_ray({receiver.x, receiver.n, false, receiver.group});
-      bsdf.prefer_rest(shares_diffuse ? kDiffuseShared : kDiffuseLeast);
+      bsdf.prefer_rest(fallback ? 1 : shares_diffuse ? kDiffuseShared : kDiffuseLeast);
     }
     add_direct(path, hit, bsdf, receiver);
     if (gathers && (!fallback || caustic_photons_)) leave_records(path, hit, bsdf, fallback);

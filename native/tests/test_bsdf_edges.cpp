@@ -46,6 +46,22 @@ void check_sane(const Bsdf& bsdf) {
   }
 }
 
+// Closures with normals that are neither the surface's own nor its shading normal.
+std::vector<std::function<void(Bsdf&)>> bent_closures(const Vec3& ns, const Vec3& bump) {
+  return {
+      [=](Bsdf& b) { b.add_diffuse(kGrey, bump, 0); },
+      [=](Bsdf& b) { b.add_diffuse(kGrey, ns, 0.7f); },
+      [=](Bsdf& b) { b.add_translucent(kGrey, bump); },
+      [=](Bsdf& b) { b.add_glossy(kGrey, bump, Distribution::kMultiGgx, 0.5f, 0.4f, 0.1f, {1, 0, 0}); },
+      [=](Bsdf& b) { b.add_glass(kGrey, bump, Distribution::kGgx, 0.5f, 1.5f, 0, 1); },
+      [=](Bsdf& b) {
+        b.add_principled(kWhite, principled_inputs([=](auto& in) {
+          in.normal = bump, in.coat_normal = ns, in.coat_weight = 0.6f, in.coat_roughness = 0.4f, in.coat_tint = {0.9f, 0.5f, 0.2f}, in.sheen_weight = 0.5f;
+          in.transmission_weight = 0.3f, in.metallic = 0.2f;
+        }));
+      }};
+}
+
 }  // namespace
 
 TEST_CASE("a mirror, a smooth boundary: directions, weights, and their adjoints") {
@@ -95,18 +111,7 @@ TEST_CASE("glass of index 1 lets everything pass straight, whatever its roughnes
 
 TEST_CASE("with shading normals photons are the exact adjoint of camera paths") {
   const Vec3 ns = normalize({0.3f, 0.1f, 1}), bump = normalize({-0.2f, 0.4f, 1});
-  const std::vector<std::function<void(Bsdf&)>> fills = {
-      [&](Bsdf& b) { b.add_diffuse(kGrey, bump, 0); },
-      [&](Bsdf& b) { b.add_diffuse(kGrey, ns, 0.7f); },
-      [&](Bsdf& b) { b.add_translucent(kGrey, bump); },
-      [&](Bsdf& b) { b.add_glossy(kGrey, bump, Distribution::kMultiGgx, 0.5f, 0.4f, 0.1f, {1, 0, 0}); },
-      [&](Bsdf& b) { b.add_glass(kGrey, bump, Distribution::kGgx, 0.5f, 1.5f, 0, 1); },
-      [&](Bsdf& b) {
-        b.add_principled(kWhite, principled_inputs([&](auto& in) {
-          in.normal = bump, in.coat_normal = ns, in.coat_weight = 0.6f, in.coat_tint = {0.9f, 0.5f, 0.2f}, in.sheen_weight = 0.5f;
-          in.transmission_weight = 0.3f, in.metallic = 0.2f;
-        }));
-      }};
+  const auto fills = bent_closures(ns, bump);
   for (size_t f = 0; f < fills.size(); ++f)
     for (int i = 0; i < 100; ++i) {
       CAPTURE(f);
@@ -121,6 +126,31 @@ TEST_CASE("with shading normals photons are the exact adjoint of camera paths") 
         CHECK(flux_rest[k] / std::abs(to.z) == doctest::Approx(rest[k] / std::abs(from.z)).epsilon(1e-3).scale(0.1));
       }
     }
+}
+
+TEST_CASE("samples find all the light that bent normals scatter, of photons and beside photons") {
+  const Vec3 ns = normalize({0.3f, 0.1f, 1}), bump = normalize({-0.6f, 0.7f, 1});
+  const auto fills = bent_closures(ns, bump);
+  constexpr int count = 1 << 15;
+  for (size_t f = 0; f < fills.size(); ++f)
+    for (Transport transport : {Transport::kRadiance, Transport::kFlux})
+      for (const Vec3& wo : {direction(0.9f, 2.5f), direction(0.4f, 2.0f), direction(-0.6f, -1.0f)}) {
+        CAPTURE(f);
+        CAPTURE(int(transport));
+        CAPTURE(wo.z);
+        Bsdf bsdf = at(transport, wo, kUp, ns, fills[f]);
+        const bool camera = transport == Transport::kRadiance;
+        if (camera) bsdf.prefer_rest(0.05f);
+        Rgb sampled{}, wanted{};
+        for (int i = 0; i < count; ++i) {
+          const Vec2 u = sobol_2d(uint32_t(i), 0, 5), v = sobol_2d(uint32_t(i), 1, 5);
+          if (const auto s = bsdf.sample(v.x, u)) sampled += camera ? s->rest : s->weight;
+          Rgb rest;
+          const Rgb whole = bsdf.evaluate(sample_sphere(u), nullptr, &rest) * (4 * kPi);
+          wanted += camera ? rest * (4 * kPi) : whole;
+        }
+        for (int k = 0; k < 3; ++k) CHECK(sampled[k] / count == doctest::Approx(wanted[k] / count).epsilon(0.01).scale(0.5));
+      }
 }
 
 TEST_CASE("what photons estimate and the rest make up the whole") {

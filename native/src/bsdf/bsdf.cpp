@@ -8,6 +8,8 @@ namespace photon_splat {
 namespace {
 
 constexpr float kOrenNayarRest = 0.3f;  // about the share of it that no Lambertian has
+constexpr float kStraight = 1 - 1e-6f;  // cosine from which on a normal is taken for not bent
+constexpr float kLeastCover = 0.05f;    // of a bent glossy lobe's samples
 
 // Closures with clean inputs. expand() adds their lobes as seen from `view`; as many whatever the view.
 
@@ -252,6 +254,7 @@ void Bsdf::finish() {
     total += lobe.pick;
   }
   for (Lobe& lobe : lobes_) lobe.pick = total > 0 ? lobe.pick / total : 0;
+  if (transport_ == Transport::kFlux) cover_hemispheres();
 }
 
 void Bsdf::prefer_rest(float kept) {
@@ -264,6 +267,53 @@ void Bsdf::prefer_rest(float kept) {
     total += lobe.pick;
   }
   for (Lobe& lobe : lobes_) lobe.pick = total > 0 ? lobe.pick / total : 0;
+  cover_gathered();
+}
+
+// What photons estimate is taken off wherever the surface's shading normal sees light, below a bent normal's horizon too: there a
+// lobe of no weight finds the directions.
+void Bsdf::cover_gathered() {
+  float same = 0, through = 0;
+  for (Lobe& lobe : lobes_) {
+    if (lobe.pick <= 0 || is_black(lobe.gather) || dot(lobe.n, view_.ns) > kStraight) continue;
+    lobe.pick *= 0.5f;
+    (lobe.kind == LobeKind::kTranslucent ? through : same) += lobe.pick;
+  }
+  add_cover(view_.ns, same, through);
+}
+
+// A photon may leave in every direction from which a camera path would see the bent surface lit: with the surface proper as its
+// horizon, not the bent normal. A Lambertian sends it there in exact proportion to the surface's own cosine.
+void Bsdf::cover_hemispheres() {
+  float same = 0, through = 0;
+  for (Lobe& lobe : lobes_) {
+    const float cosine = dot(lobe.n, view_.ng);
+    if (lobe.pick <= 0 || lobe.delta() || cosine > kStraight) continue;
+    if (lobe.diffuse()) {
+      const Basis basis(view_.ng);
+      lobe.n = view_.ng, lobe.t = basis.tangent, lobe.b = basis.bitangent;
+      continue;
+    }
+    const float moved = lobe.pick * std::clamp(1 - cosine, kLeastCover, 0.5f);
+    const bool transmits = lobe.kind == LobeKind::kFacets && max_component(lobe.fresnel.transmit_tint) > 0;
+    lobe.pick -= moved;
+    same += transmits ? 0.5f * moved : moved;
+    through += transmits ? 0.5f * moved : 0;
+  }
+  add_cover(view_.ng, same, through);
+}
+
+// Lobes of no weight about n, of these chances.
+void Bsdf::add_cover(const Vec3& n, float same, float through) {
+  const auto add = [&](LobeKind kind, float pick) {
+    if (!(pick > 0)) return;
+    Lobe lobe = lambert_lobe({}, n);
+    lobe.kind = kind;
+    lobe.pick = pick;
+    lobes_.add(lobe);
+  };
+  add(LobeKind::kLambert, same);
+  add(LobeKind::kTranslucent, through);
 }
 
 bool Bsdf::transmits() const {

@@ -97,7 +97,8 @@ class Bsdf {
   const Rgb& gather() const { return gather_; }
   const Rgb& gather_through() const { return gather_through_; }
   // Lets sample() choose lobes for the sake of `rest`: those that photons estimate keep `kept` of their chance, or what they
-  // differ from a Lambertian of the surface's shading normal. After finish(); evaluate()'s pdf follows.
+  // differ from a Lambertian of the surface's shading normal. After finish(); evaluate()'s pdf follows. Before it `rest` must not be
+  // used: only then sample() finds every direction that has some.
   void prefer_rest(float kept);
   bool has_rest() const;      // scatters beyond what is gathered: camera paths go on
   Rgb albedo() const;         // directional albedo towards wo, about; for the denoiser and Russian roulette
@@ -123,6 +124,9 @@ class Bsdf {
   template <class Closure>
   void add(const Closure& closure);
   void expand(const View& view, LobeList& out) const;
+  void cover_gathered();
+  void cover_hemispheres();
+  void add_cover(const Vec3& n, float same, float through);
   Rgb adjoint(const Vec3& wi, Rgb* rest, Rgb* diffuse) const;
   std::optional<BsdfSample> finish_delta(int index, BsdfSample out) const;
 
