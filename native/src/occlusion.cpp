@@ -10,6 +10,10 @@ constexpr int kScouts = 6;    // directions looked along first
 constexpr int kDirections = 24;  // in all, where a scout met something
 constexpr int kProbes = 3;       // looked at beyond it, per direction
 constexpr float kHeight = 0.03f; // of the rays over the surface, in h: what is lower is no obstacle
+constexpr int kCoverScouts = 16, kCoverProbes = 80;  // the mass divides: few probes would make it too small on average
+constexpr float kCover = 0.12f;  // what lies closer over the surface than this, in h, keeps photons off it
+constexpr float kTouching = 1e-3f;
+constexpr float kGolden = 2.39996323f;
 
 // The part of a kernel (Epanechnikov) within the share s of its radius.
 float mass_within(float s) {
@@ -60,6 +64,47 @@ bool on_patch(const Scene& scene, uint32_t instance, uint32_t patch, const Vec3&
   return q.found;
 }
 
+// Whether something that lets no light through and gives none lies close over y.
+bool covered(const Scene& scene, const Vec3& y, const Vec3& normal, float h) {
+  const Vec3 above = y + normal * (kCover * h);
+  const float far = kCover * h - std::max(kTouching * h, ray_epsilon(y, h));
+  Surface hit;
+  if (!(far > 0) || !scene.occluded(above, -normal, 0, far) || !scene.intersect(above, -normal, 0, far, false, hit)) return false;
+  if (!hit.program) return is_black(hit.side->emission);
+  Bsdf bsdf(Transport::kRadiance, normal, hit.ng, hit.ns, hit.back);
+  scene.shade(hit, normal, {}, bsdf);
+  return is_black(bsdf.transparency()) && is_black(bsdf.emission()) && !bsdf.transmits();
+}
+
+// Whether light comes in from the rim of the cover of y: by one direction, so that the mean tells how much.
+bool lit_from_the_rim(const Scene& scene, const Vec3& y, const Basis& basis, float h, Random& random) {
+  const Vec3 way = basis.to_world(sample_cosine_hemisphere(random.next2()));
+  return !scene.occluded(y + basis.normal * ray_epsilon(y, h), way, 0, h);
+}
+
+// The parts of the two kernels where the patch is covered. Under a cover itself all is alike: nothing is left out.
+void add_covered(const Scene& scene, uint32_t instance, uint32_t patch, const Vec3& x, const Vec3& normal, const Basis& basis, float h,
+                 uint32_t seed, DiscOcclusion& out) {
+  Random random(seed, 0xc07e);
+  const float turn = 2 * kPi * random.next();
+  if (covered(scene, x, normal, h)) return;
+  bool any = false;
+  for (int k = 0; k < kCoverProbes; ++k) {
+    if (k == kCoverScouts && !any) return;
+    // Each stands for as much of the kernel. The scouts go all over it, and so does what follows.
+    const int place = k < kCoverScouts ? k : k - kCoverScouts, of = k < kCoverScouts ? kCoverScouts : kCoverProbes - kCoverScouts;
+    const float s2 = 1 - std::sqrt(1 - (static_cast<float>(place) + 0.5f) / static_cast<float>(of)), s = std::sqrt(s2);
+    const float angle = turn + kGolden * static_cast<float>(k);
+    const Vec3 y = x + basis.to_world({h * s * std::cos(angle), h * s * std::sin(angle), 0});
+    if (!covered(scene, y, normal, h) || !on_patch(scene, instance, patch, y, normal, 0.25f * kHeight * h)) continue;
+    any = true;
+    if (lit_from_the_rim(scene, y, basis, h, random)) continue;
+    out.hidden += 1.0f / kCoverProbes;
+    const float n2 = sqr(kNarrow);
+    if (s2 < n2) out.narrow_hidden += (1 - s2 / n2) / (n2 * (1 - s2)) / kCoverProbes;
+  }
+}
+
 }  // namespace
 
 DiscOcclusion disc_occlusion(const Scene& scene, uint32_t instance, uint32_t triangle, uint32_t key, const Vec3& x,
@@ -83,6 +128,7 @@ DiscOcclusion disc_occlusion(const Scene& scene, uint32_t instance, uint32_t tri
   };
   float distance[kDirections];
   bool blocked[kDirections] = {}, any = false;
+  add_covered(scene, instance, patch, x, normal, basis, h, seed, out);
   for (int i = 0; i < kDirections; i += kDirections / kScouts) any |= blocked[i] = met(i, distance[i]);
   if (!any) return out;
   for (int i = 0; i < kDirections; ++i) {
@@ -93,6 +139,7 @@ DiscOcclusion disc_occlusion(const Scene& scene, uint32_t instance, uint32_t tri
       const float inner = first + (1 - first) * static_cast<float>(k) / kProbes, outer = first + (1 - first) * static_cast<float>(k + 1) / kProbes;
       const Vec3 y = x + direction_of(i) * (h * 0.5f * (inner + outer));
       if (!on_patch(scene, instance, patch, y, normal, 0.25f * kHeight * h)) continue;
+      if (covered(scene, y, normal, h)) continue;  // counted already
       Surface above;
       if (scene.intersect(y + normal * (kHeight * h), normal, 0, INFINITY, false, above) && above.back && above.key != key) {
         out.hidden += (mass_within(outer) - mass_within(inner)) / kDirections;

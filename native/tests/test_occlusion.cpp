@@ -102,3 +102,30 @@ TEST_CASE("where the floor ends at the wall there is nothing beyond") {
   CHECK(o.hidden == 0);
   CHECK(o.clear == 0.2f);
 }
+
+TEST_CASE("a board that hovers close over the floor keeps photons off it") {
+  for (const float gap : {0.0f, 0.004f}) {  // lying on it, and just above
+    Scene scene(1);
+    fill_all(scene, floor_and(make_box({0.5f, -1, gap}, {2, 2, gap + 0.004f})));
+    for (float distance : {0.02f, 0.1f}) {
+      const DiscOcclusion o = at_floor(scene, 0.5f - distance, 0.5f, 0.2f);
+      CAPTURE(gap);
+      CAPTURE(distance);
+      CHECK(o.hidden == doctest::Approx(mass_beyond(distance, 0.2f)).epsilon(0.12));
+      CHECK(o.narrow_hidden == doctest::Approx(mass_beyond(distance, 0.2f * kNarrow)).epsilon(0.25));
+      CHECK(o.clear == 0.2f);
+    }
+    CHECK(at_floor(scene, 0.2f, 0.5f, 0.2f).hidden == 0);
+  }
+}
+
+TEST_CASE("light comes in under a board that hovers higher, and one that shines is no cover") {
+  Scene high(1);
+  fill_all(high, floor_and(make_box({0.5f, -1, 0.05f}, {2, 2, 0.06f})));
+  CHECK(at_floor(high, 0.45f, 0.5f, 0.2f).hidden == 0);
+  Scene shining(1);
+  shining.materials.resize(1);
+  shining.materials[0].front.emission = shining.materials[0].back.emission = {1, 1, 1};
+  fill_all(shining, floor_and(make_box({0.5f, -1, 0.001f}, {2, 2, 0.004f})));
+  CHECK(at_floor(shining, 0.45f, 0.5f, 0.2f).hidden == 0);
+}
