@@ -22,7 +22,7 @@ NATIVE_SOURCES := $(shell find native -path native/.cache -prune -o -path native
 # What is built in the virtual environment must find its tools there: cmake and ninja.
 IN_VENV = PATH="$(CURDIR)/$(@D)/bin:$$PATH"
 
-.PHONY: help setup setup-old render test lint test-native test-python test-old extension extension-test viewport-test bench bench-viewport bench-persistent bench-gpu chart stability calibration references scenes oracle nodes node-list sanitize wheel clean
+.PHONY: help setup setup-old render test lint test-native test-python test-old extension extension-test viewport-test bench bench-viewport bench-persistent bench-gpu bench-nodes chart stability calibration references scenes oracle nodes node-list sanitize wheel clean
 
 help:
 	@sed -n 's/^\([a-z-]*\):.*## /  make \1\t/p' $(MAKEFILE_LIST) | expand -t 20
@@ -154,6 +154,9 @@ bench-viewport: setup ## seconds to the first picture after an edit, pictures a 
 
 bench-persistent: setup ## seconds of a frame with Persistent Data and without
 	$(PY) -m tests.bench.persistent
+
+bench-nodes: setup ## a hit on a shader of 200 nodes, beside Cycles'
+	$(PY) -m tests.bench.nodes200
 
 bench-gpu: setup ## the GPU splatter on a graphics card (GPU_OPTIONS: see python -m tests.bench.gpu --help)
 	$(PY) -m tests.bench.gpu $(GPU_OPTIONS)

@@ -104,6 +104,7 @@ def _render(engine: Any, depsgraph: Any, frame: Frame, blender_result: Any, star
         should_cancel=lambda: engine.test_break() or observer.should_cancel(),
         want_interim=not (bpy.app.background or engine.is_preview),
         persistent=held.persistent if held else None,
+        release_textures=True,
     )
     result.statistics.setdefault("peak_memory_bytes", peak_memory_bytes())
     result.statistics.setdefault("warnings", list(scene.warnings))

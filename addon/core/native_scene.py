@@ -76,7 +76,12 @@ def replace_shading(renderer: Renderer, scene: Scene) -> None:
 
 
 def _add_materials(renderer: Renderer, scene: Scene) -> None:
-    for texture in scene.textures:
+    stored: dict[int, int] = {}  # the first texture with these pixels; other readings of them share its memory
+    for index, texture in enumerate(scene.textures):
+        first = stored.setdefault(id(texture.pixels), index)
+        if first != index and scene.textures[first].srgb == texture.srgb:
+            renderer.add_texture_reading(first, str(texture.interpolation), str(texture.extension))
+            continue
         renderer.add_texture(np.ascontiguousarray(texture.pixels), texture.srgb, str(texture.interpolation), str(texture.extension))
     for program in scene.programs:
         renderer.add_program(program.name, program.code, program.constants, program.registers, int(program.features))

@@ -180,9 +180,11 @@ def render(
     should_cancel: Callable[[], bool] | None = None,
     want_interim: bool = False,
     persistent: Persistent | None = None,
+    release_textures: bool = False,
 ) -> RenderResult:
     """Renders `scene`. `started` is `time.monotonic()` when the render call began, export included; `persistent` holds what the
-    last render has left for this one, and then what this one leaves.
+    last render has left for this one, and then what this one leaves. `release_textures`: nobody renders `scene` again, so that its
+    pixels need not be kept beside native code's; not with `persistent`.
 
     Both callbacks run on the caller's thread about every 50 ms. A cancelled render returns what is there.
     Errors: ValueError for a scene or setting that cannot be rendered, a GPU that is not there among them; RuntimeError and
@@ -190,6 +192,9 @@ def render(
     """
     start = start_anew(scene, settings) if persistent is None else persistent.start(scene, settings)
     renderer = start.renderer
+    if release_textures and persistent is None:
+        for texture in scene.textures:
+            texture.pixels = np.empty((0, 0, 4), texture.pixels.dtype)
     worker = _Worker(start, settings, scene.light_groups, started, want_interim)
     worker.start()
     try:
@@ -250,6 +255,7 @@ def _statistics(start: Start, worker: _Worker, scene: Scene, started: float, exp
         "backend": str(worker.splatter.backend),
         "integrator": str(worker.settings.integrator),
         "cancelled": worker.cancelled,
+        "texture_bytes": start.renderer.texture_memory,
         "reused": {"geometry": start.reused, "photons": statistics["photons"]["reused"]},
         "peak_memory_bytes": peak_memory_bytes(),
         "warnings": [*scene.warnings, *worker.warnings],

@@ -17,7 +17,7 @@ from .compile.reduce import lambertian
 from .compile.trees import Trees
 from .compile.values import ONE, ORIGIN, ZERO, Folding, Graph, number, vector
 from .images import Textures
-from .nodes import output_node, uses_nodes
+from .nodes import hollow_groups, label, output_node, uses_nodes
 
 DEFAULT_NAME = "(default)"
 BLACK = Side((0.0, 0.0, 0.0))
@@ -104,6 +104,8 @@ def export_material(material: Any, owner: Owner, shading: Shading) -> Material:
     output = output_node(material.node_tree)
     if output is None:
         return Material(material.name, BLACK, BLACK)
+    for group in hollow_groups(material.original.node_tree):  # Blender 5 has taken groups apart in the evaluated tree
+        report.warn(f"{owner.name}, node '{label(group)}': the group has no output; links from it count as not there")
     volume = shading.around.trees.feed(output.inputs["Volume"], ())
     if volume is not None and volume.node is not None:
         report.warn(f"{owner.name}, node '{volume.node.name}': Volume not supported; left out")

@@ -74,6 +74,23 @@ def uses_nodes(owner: Any) -> bool:
         return bool(owner.use_nodes)
 
 
+def hollow_groups(tree: Any) -> list[Any]:
+    """Group nodes in `tree`, at any depth, whose output is linked and which have no tree or no output node in it."""
+    found, seen, waiting = [], {tree.as_pointer()}, [tree]
+    while waiting:
+        for node in waiting.pop().nodes:
+            if node.type != "GROUP":
+                continue
+            inner = node.node_tree
+            if inner is None or not any(one.type == "GROUP_OUTPUT" for one in inner.nodes):
+                if any(output.is_linked for output in node.outputs):
+                    found.append(node)
+            elif inner.as_pointer() not in seen:
+                seen.add(inner.as_pointer())
+                waiting.append(inner)
+    return found
+
+
 def default_value(socket: Any) -> Any:
     """A socket's own value: a tuple of floats, a float, or None for sockets without one (shaders)."""
     value = getattr(socket, "default_value", None)

@@ -70,6 +70,32 @@ uint32_t add_mesh(Renderer& r, Array<float, nb::shape<-1, 3>> positions, Array<u
   return static_cast<uint32_t>(r.scene.meshes.size() - 1);
 }
 
+Interpolation interpolation_named(const std::string& name) {
+  return named<Interpolation>(name, {{"linear", Interpolation::kLinear}, {"closest", Interpolation::kClosest},
+                                     {"cubic", Interpolation::kCubic}}, "interpolation");
+}
+
+Extension extension_named(const std::string& name) {
+  return named<Extension>(name, {{"repeat", Extension::kRepeat}, {"extend", Extension::kExtend}, {"clip", Extension::kClip},
+                                 {"mirror", Extension::kMirror}}, "extension");
+}
+
+uint32_t add_texture_reading(Renderer& r, uint32_t of, const std::string& interpolation, const std::string& extension) {
+  if (of >= r.scene.textures.size()) throw std::invalid_argument("a reading names a texture that does not exist");
+  r.scene.textures.push_back(r.scene.textures[of].reading(interpolation_named(interpolation), extension_named(extension)));
+  return static_cast<uint32_t>(r.scene.textures.size() - 1);
+}
+
+size_t texture_memory(const Renderer& r) {
+  std::vector<const Texture*> kept;
+  for (const Texture& t : r.scene.textures) kept.push_back(t.pixels_of ? t.pixels_of.get() : &t);
+  std::sort(kept.begin(), kept.end());
+  kept.erase(std::unique(kept.begin(), kept.end()), kept.end());
+  size_t sum = 0;
+  for (const Texture* t : kept) sum += t->memory();
+  return sum;
+}
+
 uint32_t add_texture(Renderer& r, nb::ndarray<nb::c_contig, nb::device::cpu, nb::shape<-1, -1, 4>, nb::ro> pixels, bool srgb,
                      const std::string& interpolation, const std::string& extension) {
   Texture texture;
@@ -77,11 +103,8 @@ uint32_t add_texture(Renderer& r, nb::ndarray<nb::c_contig, nb::device::cpu, nb:
   texture.width = static_cast<int>(pixels.shape(1));
   if (texture.width < 1 || texture.height < 1) throw std::invalid_argument("a texture has no pixels");
   texture.srgb = srgb;
-  texture.interpolation = named<Interpolation>(
-      interpolation, {{"linear", Interpolation::kLinear}, {"closest", Interpolation::kClosest},
-                      {"cubic", Interpolation::kCubic}}, "interpolation");
-  texture.extension = named<Extension>(extension, {{"repeat", Extension::kRepeat}, {"extend", Extension::kExtend},
-                                                   {"clip", Extension::kClip}, {"mirror", Extension::kMirror}}, "extension");
+  texture.interpolation = interpolation_named(interpolation);
+  texture.extension = extension_named(extension);
   if (pixels.dtype() == nb::dtype<uint8_t>()) {
     const auto* p = static_cast<const uint8_t*>(pixels.data());
     texture.bytes.assign(p, p + pixels.size());
@@ -372,6 +395,9 @@ NB_MODULE(photon_splat_native, m) {
       .def("set_origin", [](Renderer& r, std::array<double, 3> o) { std::copy(o.begin(), o.end(), r.scene.origin); }, "origin"_a,
            "World position that the renderer's coordinates are relative to; before anything is added.")
       .def("add_texture", &add_texture, "pixels"_a, "srgb"_a, "interpolation"_a, "extension"_a)
+      .def("add_texture_reading", &add_texture_reading, "of"_a, "interpolation"_a, "extension"_a,
+           "The pixels of another texture read in another way; they are kept once.")
+      .def_prop_ro("texture_memory", &texture_memory, "Bytes of all textures' pixels.")
       .def("add_material", [](Renderer& r, nb::tuple front, nb::tuple back) {
         r.scene.materials.push_back({make_side(r, front), make_side(r, back)});
       }, "front"_a, "back"_a, "Each side: (albedo rgb, albedo texture or -1, emission rgb, emission texture or -1).")

@@ -96,15 +96,16 @@ Texture::Texel Texture::texel(int x, int y) const {
   x = wrap(x, width, extension);
   y = wrap(y, height, extension);
   if (x < 0 || y < 0) return {};
-  const size_t at = static_cast<size_t>(channels) * (static_cast<size_t>(y) * width + x);
+  const Texture& kept = pixels_of ? *pixels_of : *this;
+  const size_t at = static_cast<size_t>(kept.channels) * (static_cast<size_t>(y) * width + x);
   const auto read = [&](auto&& value) -> Texel {
-    if (channels == 1) return {value(at), value(at), value(at), 1};
-    return {value(at), value(at + 1), value(at + 2), channels == 4 ? value(at + 3) : 1.0f};
+    if (kept.channels == 1) return {value(at), value(at), value(at), 1};
+    return {value(at), value(at + 1), value(at + 2), kept.channels == 4 ? value(at + 3) : 1.0f};
   };
-  if (!bytes.empty()) return read([&](size_t i) { return static_cast<float>(bytes[i]) * (1.0f / 255.0f); });
-  if (!floats.empty()) return read([&](size_t i) { return floats[i]; });
-  if (half) return read([&](size_t i) { return from_half(shorts[i]); });
-  return read([&](size_t i) { return static_cast<float>(shorts[i]) * kShortUnit; });
+  if (!kept.bytes.empty()) return read([&](size_t i) { return static_cast<float>(kept.bytes[i]) * (1.0f / 255.0f); });
+  if (!kept.floats.empty()) return read([&](size_t i) { return kept.floats[i]; });
+  if (kept.half) return read([&](size_t i) { return from_half(kept.shorts[i]); });
+  return read([&](size_t i) { return static_cast<float>(kept.shorts[i]) * kShortUnit; });
 }
 
 void Texture::compact() {
@@ -120,6 +121,22 @@ void Texture::compact() {
   } else if (std::all_of(floats.begin(), floats.end(), fits_short)) {
     shorts = converted(floats, to_short);
   }
+}
+
+Texture Texture::reading(Interpolation other_interpolation, Extension other_extension) {
+  if (!pixels_of) {
+    auto kept = std::make_shared<Texture>(std::move(*this));
+    width = kept->width;
+    height = kept->height;
+    bytes = {};
+    shorts = {};
+    floats = {};
+    pixels_of = std::move(kept);
+  }
+  Texture other = *this;
+  other.interpolation = other_interpolation;
+  other.extension = other_extension;
+  return other;
 }
 
 Texture::Texel Texture::interpolated(Vec2 uv) const {

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -27,9 +28,12 @@ struct Texture {
   std::vector<float> floats;
   bool half = false;             // what `shorts` are
   int channels = 4;              // RGBA; 3: opaque; 1: grey, opaque
+  std::shared_ptr<const Texture> pixels_of;  // whose pixels these are, where an image is read in several ways: its own are empty
 
   // Keeps the same pixels in as few channels and bits as lose nothing.
   void compact();
+  // Another reading of the same pixels, which are kept once.
+  Texture reading(Interpolation other_interpolation, Extension other_extension);
   size_t memory() const { return bytes.size() + 2 * shorts.size() + 4 * floats.size(); }
 
   // Linear RGB at uv; black where kClip ends the image. Stored values are interpolated, then decoded, as Cycles does.

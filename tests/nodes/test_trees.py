@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -72,7 +73,29 @@ def test_groups_without_output_or_tree() -> None:
     assert absent.node_tree is None
     what = stage.exported()
     assert what.materials[0].front.emission == (3, 3, 3)
-    assert what.warnings == []
+    said = "the group has no output; links from it count as not there"
+    assert what.warnings == [f"Material 'Made', node '{hollow.name}': {said}"]
+
+
+@in_blender
+def test_a_node_of_a_later_blender_version_is_named(tmp_path: str) -> None:
+    """A file whose node has a type that this Blender does not know: as one from a later version."""
+    import bpy
+
+    tree, shader = _emitting()
+    later = tree.nodes.new("ShaderNodeGamma")
+    later.label = "Tomorrow"
+    shader.inputs["Strength"].default_value = 3.0
+    tree.links.new(later.outputs[0], shader.inputs["Color"])
+    path = Path(tmp_path, "later.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=str(path), compress=False)
+    saved = path.read_bytes()
+    assert b"ShaderNodeGamma\0" in saved
+    path.write_bytes(saved.replace(b"ShaderNodeGamma\0", b"ShaderNodeZamma\0"))
+    bpy.ops.wm.open_mainfile(filepath=str(path))
+    said = stage.the_one_warning(stage.exported())
+    assert said.startswith("Material 'Made', node 'Tomorrow': "), said
+    assert "is not supported; links from it count as not there" in said
 
 
 @in_blender
