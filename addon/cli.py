@@ -16,7 +16,7 @@ from typing import Any, NoReturn
 
 from .core.result import Progress, RenderResult
 from .core.scene import Frame
-from .core.settings import Backend, Integrator, RenderSettings
+from .core.settings import FORCEABLE, SWITCHES, Backend, Integrator, RenderSettings
 from .exr import WriteError, channels_of, replace_file, write_exr
 
 UNLIMITED_PASSES = 1 << 30
@@ -44,6 +44,13 @@ def _number(kind: type, low: float, high: float = math.inf) -> Callable[[str], A
         return value
 
     return parse
+
+
+def _component(text: str) -> tuple[str, bool]:
+    name, _, state = text.partition("=")
+    if state not in ("on", "off") or name not in FORCEABLE + SWITCHES:
+        raise argparse.ArgumentTypeError(f"'{text}' is not NAME=on or NAME=off with one of {', '.join(dict.fromkeys(FORCEABLE + SWITCHES))}")
+    return name, state == "on"
 
 
 def _resolution(text: str) -> tuple[int, int]:
@@ -76,6 +83,15 @@ def parser() -> argparse.ArgumentParser:
     r.add_argument("--denoise", action="store_const", const=True, help="run Open Image Denoise on the finished picture")
     r.add_argument("--no-adaptive-radius", dest="adaptive_radius", action="store_const", const=False, help="one law for all pixels")
     r.add_argument("--no-adaptive-samples", dest="adaptive_samples", action="store_const", const=False, help="as many for all pixels")
+    r.add_argument("--no-fallback", dest="fallback", action="store_const", const=False, help="no camera paths where photons serve badly")
+    r.add_argument(
+        "--component",
+        type=_component,
+        action="append",
+        default=[],
+        metavar="NAME=on|off",
+        help="run a part that the plan leaves out, or leave one out (for tests): " + ", ".join(dict.fromkeys(FORCEABLE + SWITCHES)),
+    )
     r.add_argument("--stats", type=Path, metavar="FILE.json", help="write what the render did as JSON")
     r.add_argument("--verbose", action="store_true", help="let Blender's own messages through")
     return top
@@ -96,10 +112,14 @@ def _settings(options: argparse.Namespace) -> Callable[[RenderSettings], RenderS
             "denoise",
             "adaptive_radius",
             "adaptive_samples",
+            "fallback",
             "passes",
         )
         if getattr(options, name) is not None
     }
+    given |= {name: on for name, on in options.component if name in SWITCHES}
+    given |= {"photons_per_pass": 0} if ("photons", False) in options.component else {}
+    given["force"] = tuple(dict.fromkeys(name for name, on in options.component if on and name in FORCEABLE))
     if options.integrator is not None:
         given["integrator"] = Integrator(options.integrator)
     if options.backend is not None:

@@ -80,6 +80,12 @@ class PhotonSplatSettings(bpy.types.PropertyGroup):
         default=DEFAULTS.boundary_correction,
         update=_tell,
     )
+    fallback: BoolProperty(  # type: ignore[valid-type]
+        name="Camera Path Fallback",
+        description="Let paths from the camera find the indirect light where surfaces are too small, too bent or too dark for photons",
+        default=DEFAULTS.fallback,
+        update=_tell,
+    )
     denoise: BoolProperty(  # type: ignore[valid-type]
         name="Denoise",
         description="Run Open Image Denoise on the finished picture",
@@ -174,6 +180,7 @@ def render_settings(scene: Any) -> RenderSettings:
         max_bounces=group.max_bounces,
         radius_scale=group.radius_scale,
         boundary_correction=group.boundary_correction,
+        fallback=group.fallback,
         denoise=group.denoise,
         backend=Backend(group.backend),
         seed=group.seed,

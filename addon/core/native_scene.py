@@ -59,6 +59,7 @@ def fill_renderer(renderer: Renderer, scene: Scene, settings: RenderSettings) ->
         point_spacing=settings.point_spacing,
         boundary_correction=settings.boundary_correction,
         caustics=settings.caustics,
+        force_caustics="caustics" in settings.force,
         seed=settings.seed & 0xFFFFFFFF,
         adaptive_radius=settings.adaptive_radius,
         adaptive_samples=settings.adaptive_samples,

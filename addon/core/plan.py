@@ -45,12 +45,14 @@ def make_plan(scene: Scene, settings: RenderSettings) -> Plan:
         "Photons are switched off.": settings.photons_per_pass == 0,
     }
     why_not = next((sentence for sentence, applies in reasons.items() if applies), "")
+    if splat and "photons" in settings.force and settings.photons_per_pass:
+        why_not = ""
     flags = {
         "photons": splat and not why_not,
         "world": world,
         "textures": textures,
         "boundary": splat and settings.boundary_correction,
-        "occlusion": splat and settings.boundary_correction and settings.occlusion and len(scene.instances.mesh) > 0,
+        "occlusion": splat and settings.boundary_correction and settings.occlusion and (len(scene.instances.mesh) > 0 or "occlusion" in settings.force),
         "adaptive_radius": splat and settings.adaptive_radius,
         "adaptive_samples": splat and settings.adaptive_samples,
         "fallback": splat and settings.fallback and not why_not,
@@ -72,6 +74,12 @@ def make_plan(scene: Scene, settings: RenderSettings) -> Plan:
         sentences.append("Adaptive radii are switched off.")
     if splat and not settings.adaptive_samples:
         sentences.append("Adaptive samples are switched off.")
+    if splat and not settings.caustics:
+        sentences.append("Caustic photons are switched off: caustics are blurred like other light.")
+    if splat and not settings.fallback:
+        sentences.append("Paths from the camera never stand in for photons: small things may be blotchy.")
+    if splat and settings.force:
+        sentences.append(f"Forced on: {', '.join(settings.force)}.")
     return Plan(sentences, flags)
 
 

@@ -17,6 +17,11 @@ class Backend(StrEnum):
     GPU = "GPU"
 
 
+FORCEABLE = ("photons", "caustics", "occlusion")
+SWITCHES = ("boundary_correction", "caustics", "occlusion", "fallback", "adaptive_radius", "adaptive_samples")
+"""Components with a setting of their own that leaves them out."""
+
+
 @dataclass(slots=True)
 class RenderSettings:
     """Settings of one render; it stops at whichever of `passes`, `time_limit` and `error_threshold` comes first.
@@ -35,6 +40,7 @@ class RenderSettings:
     adaptive_radius      radii per pixel, from how discs of two sizes have differed in earlier passes
     adaptive_samples     more camera samples where lamps, edges and direct light are noisier than the rest of the picture
     threads              0 = all of the machine
+    force                components that run although the plan would leave them out (of FORCEABLE): what they cost, for tests
     point_spacing        visible points are this many kernel radii apart; 0 = one point per camera sample
     """
 
@@ -56,6 +62,7 @@ class RenderSettings:
     threads: int = 0
     integrator: Integrator = Integrator.SPLAT
     point_spacing: float = 1.0 / 3.0
+    force: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         if self.passes < 1:
@@ -70,5 +77,8 @@ class RenderSettings:
             raise ValueError(f"error_threshold is {self.error_threshold}; it must be 0 (none) or a positive number")
         if not 0.0 < self.radius_scale < float("inf"):
             raise ValueError(f"radius_scale is {self.radius_scale}; it must be positive")
+        unknown = [name for name in self.force if name not in FORCEABLE]
+        if unknown:
+            raise ValueError(f"'{unknown[0]}' is no component that can be forced; there are {', '.join(FORCEABLE)}")
         if self.threads < 0:
             raise ValueError(f"threads is {self.threads}; it must be 0 (all) or a number of threads")

@@ -58,6 +58,7 @@ class PHOTON_SPLAT_PT_sampling_advanced(RenderPanel, bpy.types.Panel):
         layout.prop(settings, "radius_scale")
         layout.prop(settings, "point_spacing")
         layout.prop(settings, "boundary_correction")
+        layout.prop(settings, "fallback")
 
 
 class PHOTON_SPLAT_PT_light_paths(RenderPanel, bpy.types.Panel):

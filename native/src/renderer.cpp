@@ -65,7 +65,7 @@ void Renderer::reset_film() {
 
 void Renderer::make_layers() {
   layers_.clear();
-  const bool caustics = options.caustics && scene.features() & kProgramSharp;
+  const bool caustics = options.caustics && (options.force_caustics || scene.features() & kProgramSharp);
   add_layer(caustics ? PhotonStream::kIndirect : PhotonStream::kAll, kPhotonsPerDisc, options.photons_per_pass);
   if (caustics) add_layer(PhotonStream::kCaustic, kCausticPhotonsPerDisc, options.photons_per_pass);
   current_ = layers_.front().get();
@@ -151,6 +151,7 @@ void Renderer::make_points(uint32_t pass) {
     s.caustics = layer.stream == PhotonStream::kCaustic;
     s.spacing = options.point_spacing;
     s.steady = options.kept_photon_bytes > 0;
+    s.fixed_radius = options.fixed_radius;
     if (options.adaptive_radius) s.pixel_factors = layer.choice.factors().data();
     layer.points.build(scene, *records_, *layer.radii, s, pass, layer.seed, cancel_);
     layer.group_sums.assign(layer.points.blocks().size() * scene.light_groups, GroupSums{});

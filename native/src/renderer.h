@@ -23,6 +23,7 @@ struct RenderOptions {
   float point_spacing = 1.0f / 3.0f;
   bool boundary_correction = true;
   bool caustics = true;  // photons of their own for caustics, where the scene can make them; else in with the others
+  bool force_caustics = false;  // even where it cannot: for tests of what that costs
   bool adaptive_radius = true;
   bool adaptive_samples = true;
   bool occlusion = true;  // inside of discs; part of the boundary correction
@@ -32,6 +33,7 @@ struct RenderOptions {
   // Of photons that renders of other views find again (begin_again). 0: none, and photons are aimed at what the view sees;
   // else each pass has the same photons and radii whatever the view, beyond this budget traced again.
   size_t kept_photon_bytes = 0;
+  float fixed_radius = 0;  // of all discs in all passes, metres; 0: chosen. For comparison
 };
 
 // What photons of one light group have added to a block of points.

@@ -68,7 +68,7 @@ void VisiblePoints::find_cells(Scene& scene, const std::vector<Record>& records,
       h = std::min(std::max(h, kFootprintFloor * std::min(factor, 1.0f) * r.footprint), radii.largest());
       // Where the surface bends a disc blurs over its normals; where photons are few that is the lesser evil.
       h = std::max(std::min(h, curvature_radius_limit(scene, r.instance, r.triangle)), kLeastOfDensityRadius * h);
-      h = quantized(std::max(h, smallest));
+      h = s.fixed_radius > 0 ? s.fixed_radius : quantized(std::max(h, smallest));
       uint64_t hash = i;
       uint32_t rank = hash_combine(static_cast<uint32_t>(i), pass);
       if (s.spacing > 0) {

@@ -17,6 +17,7 @@ struct PointSettings {
   bool boundary_correction = true;
   const float* pixel_factors = nullptr;  // on the radius, by the record's pixel; none: 1
   bool caustics = false;         // these points are for caustics: records that want nothing else count
+  float fixed_radius = 0;        // metres; 0: chosen
   bool steady = false;           // the record next to the middle of its cell gives the point, whatever the camera: no flicker
 };
 

@@ -64,3 +64,17 @@ def test_components_can_be_forced_off() -> None:
         assert not np.array_equal(plain.passes["Combined"], without.passes["Combined"]), name
         assert len(without.statistics["plan"]["sentences"]) > 0
     assert c.shoot(what, passes=2, photons_per_pass=20_000, occlusion=False).statistics["discs"]["obstructed"] == 0
+
+
+def test_components_can_be_forced_on() -> None:
+    """What the plan leaves out would have cost something and brought nothing."""
+    what = room(pixels=24)
+    plain = c.shoot(what, passes=6, photons_per_pass=20_000)
+    forced = c.shoot(what, passes=6, photons_per_pass=20_000, force=("caustics",))
+    assert forced.statistics["photons"]["traced"] == 2 * plain.statistics["photons"]["traced"]
+    assert forced.statistics["photons"]["caustic"]["stored"] == 0
+    assert "Forced on: caustics." in forced.statistics["plan"]["sentences"]
+    assert forced.passes["Combined"].mean() == pytest.approx(plain.passes["Combined"].mean(), rel=0.02)
+    assert c.shoot(floor(), passes=2, photons_per_pass=1000, force=("photons",)).statistics["plan"]["flags"]["photons"]
+    with pytest.raises(ValueError, match="'bloom' is no component that can be forced"):
+        RenderSettings(force=("bloom",))

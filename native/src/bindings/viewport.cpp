@@ -63,6 +63,8 @@ void bind_viewport(nb::class_<Renderer>& renderer) {
       .def("set_view", &Renderer::set_view, released, "Takes the camera of set_camera() after build(): the film is empty then.")
       .def("clear_shading", &clear_shading, "Forgets lamps, materials and textures, which are then added anew before relight().")
       .def("relight", &Renderer::relight, released, "Takes other lamps, materials, textures or world on the same geometry.")
+      .def("fix_radius", [](Renderer& r, float radius) { r.options.fixed_radius = radius; }, "metres"_a,
+           "All discs of that radius, whatever the scene; 0: chosen. For comparisons.")
       .def("keep_photons", [](Renderer& r, size_t most_bytes) { r.options.kept_photon_bytes = most_bytes; }, "most_bytes"_a,
            "After set_options() and before build(): every render has the same photons, of which so many are kept for the next.")
       .def("begin_again", &Renderer::begin_again, released, "After set_camera(): another render with what build() and kept photons give.")
