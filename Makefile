@@ -22,7 +22,7 @@ NATIVE_SOURCES := $(shell find native -path native/.cache -prune -o -path native
 # What is built in the virtual environment must find its tools there: cmake and ninja.
 IN_VENV = PATH="$(CURDIR)/$(@D)/bin:$$PATH"
 
-.PHONY: help setup setup-old render test lint test-native test-python test-old extension extension-test viewport-test bench bench-viewport bench-persistent bench-gpu bench-nodes chart stability calibration references scenes oracle nodes node-list sanitize wheel clean
+.PHONY: help setup setup-old render test lint test-native test-python test-old extension extension-test viewport-test bench bench-viewport bench-persistent bench-gpu bench-nodes chart stability convergence calibration references scenes oracle nodes node-list sanitize wheel clean
 
 help:
 	@sed -n 's/^\([a-z-]*\):.*## /  make \1\t/p' $(MAKEFILE_LIST) | expand -t 20
@@ -141,6 +141,8 @@ node-list: setup ## the README's list of nodes, from the exporter's own table
 references: setup ## what tests/oracle and tests/caustics compare with, anew (long)
 	$(PY) -m tests.oracle.references
 	$(PY) -m tests.oracle.sweep
+	$(PY) -m tests.stability.run --truth
+	$(PY) -m tests.convergence.run --truth
 	$(PY) -m tests.caustics.truth
 	$(PY) -m tests.caustics.pictures
 
@@ -168,7 +170,10 @@ chart: setup ## error against time, ours and Cycles': tests/chart (CHART_OPTIONS
 stability: setup ## the product and plain photon maps on the known failures: tests/stability/methods.md and .png
 	$(PY) -m tests.stability.run
 
-calibration: setup ## error estimate against true error: tests/calibration/calibration.md and .png
+convergence: setup ## error against photons, and against fixed radii: tests/convergence/convergence.md and .png
+	$(PY) -m tests.convergence.run
+
+calibration: setup ## error estimate and error_threshold against true error: tests/calibration/calibration.md and .png
 	$(PY) -m tests.calibration.run
 
 wheel: setup ## dist/*.whl of the native module and of the add-on
