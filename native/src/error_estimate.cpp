@@ -1,5 +1,8 @@
 #include "error_estimate.h"
 
+#include <algorithm>
+#include <numeric>
+
 #include "pixel_blur.h"
 
 namespace photon_splat {
@@ -10,8 +13,14 @@ constexpr float kFarShare = 0.1f;        // what the wide one counts at first: n
 constexpr float kQuietPairs = 3, kQuietShare = 0.1f;  // from so many on, a pixel that has never varied takes less from its near ones
 constexpr float kLent = 4;               // statistics of how many pixels one has, its near neighbours' included
 constexpr int kSlopes = 9;               // a = 1, 1.25, ... 3
-constexpr float kSlopeStep = 0.25f, kUsualSlope = 1.3f, kSlopeSpread = 0.35f;
+constexpr float kSlopeStep = 0.25f;
+constexpr int kGroups = 10;              // of pixels that are equally far off, by their estimates
+constexpr uint32_t kFirstGroups = 4, kAllGroups = 8;  // passes: before, groups count nothing, or half
+constexpr size_t kSorted = 20000;        // pixels that tell where groups end
+constexpr float kLentInGroup = 20;       // pixels' errors go with their neighbours': it is worth no more
+constexpr float kGroupStep = 4;          // at most, of the variance, up or down
 constexpr float kMost = 1e37f;
+constexpr float kNoisePerDetail = 2;     // squared: see RadiusChoice
 constexpr float kBiasPerDetail = 2;      // bias ~ h^2: discs of h and h/sqrt(2) differ by half of it
 
 double mean_of(const std::vector<float>& values) {
@@ -19,6 +28,51 @@ double mean_of(const std::vector<float>& values) {
   for (float v : values) sum += v;
   return values.empty() ? 0 : sum / static_cast<double>(values.size());
 }
+
+// c k^-a / (2 - 2^(1-a)) fitted to D(k) = c k^-a at several k, with a prior on a.
+class PowerLaw {
+ public:
+  struct Prior {
+    float slope, spread;
+  };
+  // `pairs` of blocks of k passes each; every D counts as the mean over `lent` pixels.
+  PowerLaw(uint32_t passes, const std::vector<float>& k, const std::vector<float>& pairs, float lent, Prior prior)
+      : levels_(k.size()), trust_(0.5f * lent * std::accumulate(pairs.begin(), pairs.end(), 0.0f)) {
+    const float all = 2 * trust_ / lent;
+    for (int s = 0; s < kSlopes; ++s) {
+      const float a = 1 + kSlopeStep * static_cast<float>(s);
+      of_mean_[s] = static_cast<float>(std::pow(double(passes), double(-a)) / (2 - std::exp2(1 - a)));
+      penalty_[s] = (a - prior.slope) * (a - prior.slope) / (2 * prior.spread * prior.spread);
+      for (size_t i = 0; i < levels_; ++i) {
+        power_[s][i] = std::pow(k[i], a) * pairs[i] / all;
+        penalty_[s] -= 0.5f * lent * pairs[i] * a * std::log(k[i]);
+      }
+    }
+  }
+
+  // Of the mean of all passes. difference(i) is D at the i-th k.
+  template <class Difference>
+  float variance(Difference&& difference) const {
+    float best = -INFINITY, result = 0;
+    for (int s = 0; s < kSlopes; ++s) {
+      // Each D is a sum of squares: gamma-distributed, its shape in proportion to its pairs.
+      float c = 1e-30f;
+      for (size_t i = 0; i < levels_; ++i) c += difference(i) * power_[s][i];
+      const float likelihood = -trust_ * std::log(c) - penalty_[s];
+      if (likelihood > best) {
+        best = likelihood;
+        result = c * of_mean_[s];
+      }
+    }
+    return result;
+  }
+
+ private:
+  size_t levels_;
+  float trust_, of_mean_[kSlopes], power_[kSlopes][32], penalty_[kSlopes];
+};
+
+constexpr PowerLaw::Prior kOfPixel{1.3f, 0.35f}, kOfGroup{1.15f, 0.5f};
 
 }  // namespace
 
@@ -28,7 +82,7 @@ void ErrorEstimate::reset(int width, int height) {
   passes_ = estimated_ = 0;
   levels_.clear();
   const size_t pixels = static_cast<size_t>(width) * height;
-  for (auto* sum : {&luminance_, &samples_, &detail_, &detail_squares_, &error_, &variance_, &squared_bias_}) sum->assign(pixels, 0.0f);
+  for (auto* sum : {&luminance_, &samples_, &noises_, &detail_, &detail_squares_, &error_, &variance_, &squared_bias_}) sum->assign(pixels, 0.0f);
   figures_ = {};
 }
 
@@ -38,103 +92,123 @@ void ErrorEstimate::add(const Film& pass, ThreadPool& pool) {
   while (passes_ >> carried & 1) ++carried;
   while (levels_.size() <= carried) {
     const std::vector<float> none(luminance_.size());
-    levels_.push_back({none, none, none, none, 0});
+    levels_.push_back({none, none, none, none, none, 0});
   }
   for (uint32_t i = 0; i < carried; ++i) ++levels_[i].pairs;
   const CancelFlag never;
   pool.for_each(static_cast<size_t>(height_), never, [&](size_t row, int) {
     for (size_t i = row * width_; i < (row + 1) * width_; ++i) {
       const Pixel& pixel = pass.pixels[i];
-      float block = luminance(pixel.combined()), samples = std::max(pixel.samples, 1.0f);
+      float block = luminance(pixel.combined()), samples = std::max(pixel.samples, 1.0f), noise = std::sqrt(samples);
       const float detail = pixel.detail / samples;
       luminance_[i] += block;
       samples_[i] += samples;
+      noises_[i] += noise;
       detail_[i] += detail;
       detail_squares_[i] += detail * detail;
       for (uint32_t k = 0; k < carried; ++k) {
-        const float open = levels_[k].open[i], open_samples = levels_[k].open_samples[i];
+        const float open = levels_[k].open[i], open_samples = levels_[k].open_samples[i], open_noise = levels_[k].open_noise[i];
         const float difference = open / open_samples - block / samples;
-        const float harmonic = 2 * open_samples * samples / (open_samples + samples);
-        const float weight = harmonic / static_cast<float>(1u << k);
-        levels_[k].squares[i] += difference * difference * harmonic * static_cast<float>(1u << k) * weight;
-        levels_[k].weights[i] += weight;
+        const float expected = open_noise / (open_samples * open_samples) + noise / (samples * samples);
+        levels_[k].squares[i] += difference * difference / (expected * expected);
+        levels_[k].weights[i] += 1 / expected;
         block += open;
         samples += open_samples;
+        noise += open_noise;
       }
       levels_[carried].open[i] = block;
       levels_[carried].open_samples[i] = samples;
+      levels_[carried].open_noise[i] = noise;
     }
   });
   ++passes_;
 }
 
 void ErrorEstimate::estimate_variance(ThreadPool& pool) {
-  struct Used {
-    std::vector<float> difference;  // D(k), mean over the window
-    float weight, k;                // pairs; passes per block
-  };
-  std::vector<Used> used;
+  std::vector<float> k, pairs;
   for (size_t i = 0; i < levels_.size(); ++i)
-    if (levels_[i].pairs) used.push_back({{}, static_cast<float>(levels_[i].pairs), std::exp2(static_cast<float>(i))});
-  const bool alone = used.empty();
-  if (alone) used.push_back({{}, 1, 1});
-  float pairs = 0;
-  for (const Used& u : used) pairs += u.weight;
-  const float far_share = kFarShare / (1 + pairs / 8);
+    if (levels_[i].pairs) {
+      k.push_back(std::exp2(static_cast<float>(i)));
+      pairs.push_back(static_cast<float>(levels_[i].pairs));
+    }
+  const bool alone = k.empty();
+  if (alone) k = pairs = {1};
+  const float far_share = kFarShare / (1 + std::accumulate(pairs.begin(), pairs.end(), 0.0f) / 8);
+  std::vector<std::vector<float>> own(k.size(), std::vector<float>(luminance_.size())), lent(k.size());  // D(k)
   const CancelFlag never;
-  pool.for_each(used.size(), never, [&](size_t i, int) {
-    std::vector<float> own(luminance_.size()), near, far;
+  pool.for_each(k.size(), never, [&](size_t i, int) {
     if (alone) {
-      for (int y = 0; y < height_; ++y)
-        for (int x = 0; x < width_; ++x) {
-          const size_t at = static_cast<size_t>(y) * width_ + x;
-          const float right = luminance_[x + 1 < width_ ? at + 1 : at], up = luminance_[y + 1 < height_ ? at + width_ : at];
-          own[at] = 0.25f * ((luminance_[at] - right) * (luminance_[at] - right) + (luminance_[at] - up) * (luminance_[at] - up));
-        }
+      own[i] = differences_of_neighbours();
     } else {
-      const float scale = 0.5f / (used[i].k * used[i].k);
-      for (size_t at = 0; at < own.size(); ++at)
-        own[at] = levels_[i].squares[at] / levels_[i].weights[at] * scale * static_cast<float>(passes_) / samples_[at];
+      const float scale = static_cast<float>(passes_) / k[i];
+      for (size_t at = 0; at < own[i].size(); ++at)
+        own[i][at] = levels_[i].squares[at] / levels_[i].weights[at] * scale * noises_[at] / (samples_[at] * samples_[at]);
     }
-    blur(own, width_, height_, kNear, near);
-    blur(own, width_, height_, kFar, far);
-    const float quiet_share = used[i].weight < kQuietPairs ? 1 : kQuietShare;
-    for (size_t at = 0; at < near.size(); ++at) {
-      if (!alone && own[at] == 0) near[at] *= quiet_share;  // the sky beside a hedge
-      near[at] += far_share * (far[at] - near[at]);
+    std::vector<float> far;
+    blur(own[i], width_, height_, kNear, lent[i]);
+    blur(own[i], width_, height_, kFar, far);
+    const float quiet_share = pairs[i] < kQuietPairs ? 1 : kQuietShare;
+    for (size_t at = 0; at < far.size(); ++at) {
+      if (!alone && own[i][at] == 0) lent[i][at] *= quiet_share;  // the sky beside a hedge
+      lent[i][at] += far_share * (far[at] - lent[i][at]);
     }
-    used[i].difference = std::move(near);
   });
-
-  // V(n) / c for each slope: n passes are nets of k = 2^i of them, by the bits of n.
-  float of_mean[kSlopes], power[kSlopes][32], penalty[kSlopes];
-  for (int s = 0; s < kSlopes; ++s) {
-    const double a = 1 + kSlopeStep * s, n = passes_;
-    double sum = 0;
-    for (int bit = 0; bit < 32; ++bit)
-      if (passes_ >> bit & 1) sum += std::exp2(bit * (2 - a));
-    of_mean[s] = static_cast<float>(sum / (n * n) / (2 - std::exp2(1 - a)));
-    penalty[s] = static_cast<float>((a - kUsualSlope) * (a - kUsualSlope) / (2 * kSlopeSpread * kSlopeSpread));
-    for (size_t i = 0; i < used.size(); ++i) {
-      power[s][i] = static_cast<float>(std::pow(used[i].k, a)) * used[i].weight / pairs;
-      penalty[s] -= 0.5f * kLent * used[i].weight * static_cast<float>(a) * std::log(used[i].k);
-    }
-  }
+  const PowerLaw law(passes_, k, pairs, kLent, kOfPixel);
   pool.for_each(static_cast<size_t>(height_), never, [&](size_t row, int) {
-    for (size_t at = row * width_; at < (row + 1) * width_; ++at) {
-      float best = -INFINITY;
-      for (int s = 0; s < kSlopes; ++s) {
-        // Each D is a sum of squares: gamma-distributed, its shape in proportion to its pairs.
-        float c = 1e-30f;
-        for (size_t i = 0; i < used.size(); ++i) c += used[i].difference[at] * power[s][i];
-        const float likelihood = -0.5f * kLent * pairs * std::log(c) - penalty[s];
-        if (likelihood > best) {
-          best = likelihood;
-          variance_[at] = c * of_mean[s];
-        }
-      }
-    }
+    for (size_t at = row * width_; at < (row + 1) * width_; ++at) variance_[at] = law.variance([&](size_t i) { return lent[i][at]; });
   });
+  if (passes_ >= kFirstGroups) correct_by_group(own, k, pairs);
+}
+
+// After one pass.
+std::vector<float> ErrorEstimate::differences_of_neighbours() const {
+  std::vector<float> result(luminance_.size());
+  for (int y = 0; y < height_; ++y)
+    for (int x = 0; x < width_; ++x) {
+      const size_t at = static_cast<size_t>(y) * width_ + x;
+      const float right = luminance_[x + 1 < width_ ? at + 1 : at], up = luminance_[y + 1 < height_ ? at + width_ : at];
+      result[at] = 0.25f * ((luminance_[at] - right) * (luminance_[at] - right) + (luminance_[at] - up) * (luminance_[at] - up));
+      result[at] += kNoisePerDetail * detail_squares_[at];  // neighbours share most of their photons
+    }
+  return result;
+}
+
+// A pixel's slope is that of its small blocks, of which there are many. Large blocks are few, but a tenth of the picture has
+// enough of them: its variance is taken from blocks of a quarter of all passes or more. They say nothing about which pixel
+// falls into which tenth, so that no tenth is made of those that happened to look noisy.
+void ErrorEstimate::correct_by_group(const std::vector<std::vector<float>>& own, const std::vector<float>& k, const std::vector<float>& pairs) {
+  std::vector<size_t> large;
+  std::vector<float> large_k, large_pairs;
+  for (size_t i = 0; i < k.size(); ++i)
+    if (4 * k[i] >= static_cast<float>(passes_)) {
+      large.push_back(i);
+      large_k.push_back(k[i]);
+      large_pairs.push_back(pairs[i]);
+    }
+  std::vector<float> sorted;
+  for (size_t at = 0, step = 1 + variance_.size() / kSorted; at < variance_.size(); at += step) sorted.push_back(variance_[at]);
+  std::sort(sorted.begin(), sorted.end());
+  float limits[kGroups - 1];
+  for (int g = 0; g + 1 < kGroups; ++g) limits[g] = sorted[sorted.size() * (g + 1) / kGroups];
+  const auto group_of = [&](size_t at) { return std::upper_bound(limits, limits + kGroups - 1, variance_[at]) - limits; };
+  std::vector<double> sums(kGroups * (large.size() + 1)), count(kGroups);
+  for (size_t at = 0; at < variance_.size(); ++at) {
+    const size_t g = static_cast<size_t>(group_of(at));
+    for (size_t i = 0; i < large.size(); ++i) sums[g * (large.size() + 1) + i] += own[large[i]][at];
+    sums[g * (large.size() + 1) + large.size()] += variance_[at];
+    ++count[g];
+  }
+  const PowerLaw law(passes_, large_k, large_pairs, kLentInGroup, kOfGroup);
+  float factor[kGroups];
+  for (size_t g = 0; g < kGroups; ++g) {
+    const double* sum = &sums[g * (large.size() + 1)];
+    const float variance = law.variance([&](size_t i) { return static_cast<float>(sum[i] / std::max(count[g], 1.0)); });
+    const double before = sum[large.size()] / std::max(count[g], 1.0);
+    factor[g] = std::isfinite(variance) && before > 0 && std::isfinite(before)
+                    ? std::clamp(static_cast<float>(variance / before), 1 / kGroupStep, kGroupStep) : 1;
+    if (passes_ < kAllGroups) factor[g] = std::sqrt(factor[g]);
+  }
+  for (size_t at = 0; at < variance_.size(); ++at) variance_[at] *= factor[group_of(at)];
 }
 
 void ErrorEstimate::estimate_bias(ThreadPool& pool) {

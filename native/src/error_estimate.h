@@ -16,7 +16,8 @@ struct ErrorFigures {
 // of smooth edges up to eightfold. So passes are compared in aligned blocks of 1, 2, 4, ... of them, each a digital net of
 // its own. Neighbouring blocks of k passes, of variance V(k) = c k^-a, differ by D(k) = V(k) (2 - 2^(1-a)) (half the mean
 // squared difference; the two halves of a net are negatively correlated); a and c are fitted to the pixel's D at all k.
-// Pixels that get several samples a pass count as if their variance were in inverse proportion to that number.
+// A pass of s samples of a pixel counts as having a variance in proportion to s^(-3/2): pixels get many where edges and lamps
+// are sampled, by low-discrepancy points. The mean weighs passes by s: its variance goes as (sum of s^(1/2)) / (sum of s)^2.
 class ErrorEstimate {
  public:
   void reset(int width, int height);
@@ -33,18 +34,21 @@ class ErrorEstimate {
 
  private:
   void estimate_variance(ThreadPool& pool);
+  std::vector<float> differences_of_neighbours() const;
+  void correct_by_group(const std::vector<std::vector<float>>& own, const std::vector<float>& k, const std::vector<float>& pairs);
   void estimate_bias(ThreadPool& pool);
 
   struct Level {
-    std::vector<float> open, open_samples;  // sum of the block that waits for its neighbour
-    std::vector<float> squares;  // of the differences of neighbouring blocks' sums, if each pass had one sample
-    std::vector<float> weights;  // of those: passes of more samples, whose errors are smaller than in proportion, tell more
+    std::vector<float> open, open_samples, open_noise;  // of the block that waits for its neighbour: sums, the last of s^(1/2)
+    std::vector<float> squares;  // of the differences of neighbouring blocks' means, if each pass had one sample
+    std::vector<float> weights;  // of those: passes of more samples tell more
     uint32_t pairs = 0;
   };
   int width_ = 0, height_ = 0;
   uint32_t passes_ = 0, estimated_ = 0;  // so far; at the last update()
   std::vector<Level> levels_;  // of blocks of 1, 2, 4, ... passes
   std::vector<float> luminance_, samples_;      // sums over samples
+  std::vector<float> noises_;                   // sum over passes of the root of their samples
   std::vector<float> detail_, detail_squares_;  // sums over passes, each its mean
   std::vector<float> error_, variance_, squared_bias_;
   ErrorFigures figures_;
