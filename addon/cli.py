@@ -46,10 +46,13 @@ def _number(kind: type, low: float, high: float = math.inf) -> Callable[[str], A
     return parse
 
 
+COMPONENTS = tuple(dict.fromkeys(FORCEABLE + SWITCHES))
+
+
 def _component(text: str) -> tuple[str, bool]:
     name, _, state = text.partition("=")
-    if state not in ("on", "off") or name not in FORCEABLE + SWITCHES:
-        raise argparse.ArgumentTypeError(f"'{text}' is not NAME=on or NAME=off with one of {', '.join(dict.fromkeys(FORCEABLE + SWITCHES))}")
+    if state not in ("on", "off") or name not in COMPONENTS:
+        raise argparse.ArgumentTypeError(f"'{text}' is not NAME=on or NAME=off with one of {', '.join(COMPONENTS)}")
     return name, state == "on"
 
 
@@ -90,7 +93,7 @@ def parser() -> argparse.ArgumentParser:
         action="append",
         default=[],
         metavar="NAME=on|off",
-        help="run a part that the plan leaves out, or leave one out (for tests): " + ", ".join(dict.fromkeys(FORCEABLE + SWITCHES)),
+        help="run a part that the plan leaves out, or leave one out (for tests): " + ", ".join(COMPONENTS),
     )
     r.add_argument("--stats", type=Path, metavar="FILE.json", help="write what the render did as JSON")
     r.add_argument("--verbose", action="store_true", help="let Blender's own messages through")

@@ -52,7 +52,10 @@ def make_plan(scene: Scene, settings: RenderSettings) -> Plan:
         "world": world,
         "textures": textures,
         "boundary": splat and settings.boundary_correction,
-        "occlusion": splat and settings.boundary_correction and settings.occlusion and (len(scene.instances.mesh) > 0 or "occlusion" in settings.force),
+        "occlusion": splat
+        and settings.boundary_correction
+        and settings.occlusion
+        and (len(scene.instances.mesh) > 0 or "occlusion" in settings.force),
         "adaptive_radius": splat and settings.adaptive_radius,
         "adaptive_samples": splat and settings.adaptive_samples,
         "fallback": splat and settings.fallback and not why_not,

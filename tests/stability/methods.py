@@ -1,6 +1,6 @@
 """Plain photon maps on the same failures, in numpy: `python -m tests.stability.run` writes methods.md and methods.png beside this file.
 
-All get photons of the product's tracer, on all surfaces whether in view or not, and estimate irradiance at 3x3 places per
+All get photons of the product's tracer, on all surfaces whether in view or not, and estimate irradiance at 2x2 places per
 pixel, with discs that hold 200 photons on median and with such of 800: the better one counts. "Seed's method": Lavignotte and Paulin
 2003, each photon's power over the area of its own surface within its disc.
 """
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from photon_splat_native import Renderer
 
 HERE = Path(__file__).parent
-FINE = 3
+FINE = 2
 PER_DISC = (200, 800)
 """Photons in a disc on median, or of a gathering: each plain method shows the better of both."""
 PASSES = 16
