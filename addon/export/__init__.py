@@ -25,7 +25,8 @@ def export_scene(depsgraph: Any, camera: Any = None, frame: Frame | None = None,
     report = Report()
     scene = depsgraph.scene_eval
     seen = export_camera(camera or scene.camera, scene, report)
-    light_groups = [group.name for group in depsgraph.view_layer_eval.lightgroups]
+    # Of originals: a graph that Blender keeps is not told when they change.
+    light_groups = [group.name for group in depsgraph.view_layer.lightgroups]
     return export_contents(depsgraph, seen, frame or export_frame(scene.render), report, kept, light_groups=light_groups)
 
 
@@ -62,8 +63,8 @@ def export_contents(
     objects.collect_shading(depsgraph, shading.around.wants, *shading.wanted)
     world = getattr(view_layer, "world_override", None) or scene.world
     export_world(world, shading, exported)
-    if world is not None and world.lightgroup in exported.light_groups:
-        exported.world_light_group = exported.light_groups.index(world.lightgroup)
+    if world is not None and world.original.lightgroup in exported.light_groups:
+        exported.world_light_group = exported.light_groups.index(world.original.lightgroup)
     exported.meshes, exported.instances = objects.meshes, objects.instances()
     exported.material_sets, exported.lights = objects.material_sets, objects.lights
     exported.materials, exported.textures, exported.programs = materials.list, textures.list, shading.programs

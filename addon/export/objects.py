@@ -68,13 +68,13 @@ class Objects:
                         self._groups.append(linking.group(instance))
                         self._lit_groups.append(linking.lit_groups(ob))
                         self._blockers.append(linking.blockers(ob))
-                        self._light_groups.append(self._light_group_of.get(ob.lightgroup, NO_LIGHT_GROUP))
+                        self._light_groups.append(self._light_group_of.get(ob.original.lightgroup, NO_LIGHT_GROUP))
             elif kind == "LIGHT":
                 if instance.show_self:
                     light = export_light(ob, np.array(instance.matrix_world, np.float64), self._shading)
                     if light is not None:
                         light.lit_groups, light.blockers = linking.lit_groups(ob), linking.blockers(ob)
-                        light.light_group = self._light_group_of.get(ob.lightgroup, NO_LIGHT_GROUP)
+                        light.light_group = self._light_group_of.get(ob.original.lightgroup, NO_LIGHT_GROUP)
                         self.lights.append(light)
             elif kind in UNSUPPORTED and instance.show_self:
                 self._report.warn(f"Not supported yet and left out, {UNSUPPORTED[kind]}: {{}}", ob.name)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 import bpy
-from bl_ui.properties_view_layer import ViewLayerLightgroupsPanelHelper
 
 from ..core.result import PASSES
 from ..passes import OWN_SWITCHES, SWITCHES
@@ -30,11 +29,20 @@ class PHOTON_SPLAT_PT_passes(RenderPanel, bpy.types.Panel):
                 column.prop(view_layer, SWITCHES[info.name], text=info.name)
 
 
-class PHOTON_SPLAT_PT_light_groups(RenderPanel, ViewLayerLightgroupsPanelHelper, bpy.types.Panel):
-    """The list of a view layer's light groups, as Blender draws it."""
-
+class PHOTON_SPLAT_PT_light_groups(RenderPanel, bpy.types.Panel):
+    bl_label = "Light Groups"
     bl_context = "view_layer"
     bl_parent_id = "PHOTON_SPLAT_PT_passes"
+
+    def draw(self, context: Any) -> None:
+        view_layer = context.view_layer
+        row = split_layout(self).row()
+        row.template_list("UI_UL_list", "lightgroups", view_layer, "lightgroups", view_layer, "active_lightgroup_index", rows=3)
+        buttons = row.column(align=True)
+        buttons.operator("scene.view_layer_add_lightgroup", icon="ADD", text="")
+        buttons.operator("scene.view_layer_remove_lightgroup", icon="REMOVE", text="")
+        buttons.separator()
+        buttons.operator("scene.view_layer_add_used_lightgroups", icon="FILE_REFRESH", text="")
 
 
 def _draw_light_group(panel: Any, owner: Any, view_layer: Any) -> None:
