@@ -192,8 +192,12 @@ def main(arguments: list[str]) -> int:
     if "--truth" in arguments:
         make_truth(names)
         return 0
+    with np.load(TRUTH) as file:
+        missing = [name for name in names or CASES if name not in file.files]
+    if missing:
+        print(f"no truth yet for {', '.join(missing)}: python -m tests.convergence.run --truth NAME makes it", file=sys.stderr)
     rows = {}
-    for name in names or CASES:
+    for name in (name for name in names or CASES if name not in missing):
         rows[name] = measure(name)
         best = [RADII[i] for i in rows[name].fixed.argmin(axis=0)]
         print(f"{name}: best fixed radii {', '.join(f'{r:.3f}' for r in best)} m", file=sys.stderr, flush=True)
@@ -202,7 +206,7 @@ def main(arguments: list[str]) -> int:
         (HERE / "convergence.md").write_text(table_of(rows))
         chart(rows, HERE / "convergence.png")
     kept = [slope(m.product) <= CASES[name].slope and (m.product <= MOST * m.best).all() for name, m in rows.items()]
-    return 0 if all(kept) else 1
+    return 0 if all(kept) and not missing else 1
 
 
 if __name__ == "__main__":
