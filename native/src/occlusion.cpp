@@ -1,5 +1,7 @@
 #include "occlusion.h"
 
+#include <bit>
+
 #include "kernel_mass.h"
 #include "sampling.h"
 
@@ -64,16 +66,22 @@ bool on_patch(const Scene& scene, uint32_t instance, uint32_t patch, const Vec3&
   return q.found;
 }
 
-// Whether something that lets no light through and gives none lies close over y.
-bool covered(const Scene& scene, const Vec3& y, const Vec3& normal, float h) {
-  const Vec3 above = y + normal * (kCover * h);
-  const float far = kCover * h - std::max(kTouching * h, ray_epsilon(y, h));
+// What lies close over a point is looked for from above it, down to just before the surface.
+float length_of_look(const Vec3& y, float h) { return kCover * h - std::max(kTouching * h, ray_epsilon(y, h)); }
+
+// Whether what is there lets no light through and gives none.
+bool is_cover(const Scene& scene, const Vec3& y, const Vec3& normal, float h) {
   Surface hit;
-  if (!(far > 0) || !scene.occluded(above, -normal, 0, far) || !scene.intersect(above, -normal, 0, far, false, hit)) return false;
+  if (!scene.intersect(y + normal * (kCover * h), -normal, 0, length_of_look(y, h), false, hit)) return false;
   if (!hit.program) return is_black(hit.side->emission);
   Bsdf bsdf(Transport::kRadiance, normal, hit.ng, hit.ns, hit.back);
   scene.shade(hit, normal, {}, bsdf);
   return is_black(bsdf.transparency()) && is_black(bsdf.emission()) && !bsdf.transmits();
+}
+
+bool covered(const Scene& scene, const Vec3& y, const Vec3& normal, float h) {
+  const float far = length_of_look(y, h);
+  return far > 0 && scene.occluded(y + normal * (kCover * h), -normal, 0, far) && is_cover(scene, y, normal, h);
 }
 
 // Whether light comes in from the rim of the cover of y: by one direction, so that the mean tells how much.
@@ -88,20 +96,34 @@ void add_covered(const Scene& scene, uint32_t instance, uint32_t patch, const Ve
   Random random(seed, 0xc07e);
   const float turn = 2 * kPi * random.next();
   if (covered(scene, x, normal, h)) return;
+  const float far = length_of_look(x, h);
+  if (!(far > 0)) return;
   bool any = false;
-  for (int k = 0; k < kCoverProbes; ++k) {
-    if (k == kCoverScouts && !any) return;
-    // Each stands for as much of the kernel. The scouts go all over it, and so does what follows.
-    const int place = k < kCoverScouts ? k : k - kCoverScouts, of = k < kCoverScouts ? kCoverScouts : kCoverProbes - kCoverScouts;
-    const float s2 = 1 - std::sqrt(1 - (static_cast<float>(place) + 0.5f) / static_cast<float>(of)), s = std::sqrt(s2);
-    const float angle = turn + kGolden * static_cast<float>(k);
-    const Vec3 y = x + basis.to_world({h * s * std::cos(angle), h * s * std::sin(angle), 0});
-    if (!covered(scene, y, normal, h) || !on_patch(scene, instance, patch, y, normal, 0.25f * kHeight * h)) continue;
-    any = true;
-    if (lit_from_the_rim(scene, y, basis, h, random)) continue;
-    out.hidden += 1.0f / kCoverProbes;
-    const float n2 = sqr(kNarrow);
-    if (s2 < n2) out.narrow_hidden += (1 - s2 / n2) / (n2 * (1 - s2)) / kCoverProbes;
+  constexpr int kTogether = Scene::kPacket;
+  static_assert(kCoverScouts % kTogether == 0 && kCoverProbes % kTogether == 0);
+  for (int first = 0; first < kCoverProbes; first += kTogether) {
+    if (first == kCoverScouts && !any) return;
+    Vec3 places[kTogether], above[kTogether];
+    float squares[kTogether];
+    for (int i = 0; i < kTogether; ++i) {
+      // Each stands for as much of the kernel. The scouts go all over it, and so does what follows.
+      const int k = first + i;
+      const int place = k < kCoverScouts ? k : k - kCoverScouts, of = k < kCoverScouts ? kCoverScouts : kCoverProbes - kCoverScouts;
+      squares[i] = 1 - std::sqrt(1 - (static_cast<float>(place) + 0.5f) / static_cast<float>(of));
+      const float s = std::sqrt(squares[i]), angle = turn + kGolden * static_cast<float>(k);
+      places[i] = x + basis.to_world({h * s * std::cos(angle), h * s * std::sin(angle), 0});
+      above[i] = places[i] + normal * (kCover * h);
+    }
+    for (unsigned met = scene.occluded_packet(above, kTogether, -normal, far); met; met &= met - 1) {
+      const int i = std::countr_zero(met);
+      const Vec3& y = places[i];
+      if (!is_cover(scene, y, normal, h) || !on_patch(scene, instance, patch, y, normal, 0.25f * kHeight * h)) continue;
+      any = true;
+      if (lit_from_the_rim(scene, y, basis, h, random)) continue;
+      out.hidden += 1.0f / kCoverProbes;
+      const float s2 = squares[i], n2 = sqr(kNarrow);
+      if (s2 < n2) out.narrow_hidden += (1 - s2 / n2) / (n2 * (1 - s2)) / kCoverProbes;
+    }
   }
 }
 

@@ -235,6 +235,32 @@ bool Scene::occluded(const Vec3& origin, const Vec3& direction, float near, floa
   return ray.tfar < 0;
 }
 
+unsigned Scene::occluded_packet(const Vec3* origins, uint32_t count, const Vec3& direction, float far) const {
+  unsigned found = 0;
+  if (!packets_) {
+    for (uint32_t k = 0; k < count; ++k) found |= unsigned(occluded(origins[k], direction, 0, far)) << k;
+    return found;
+  }
+  alignas(64) RTCRay8 ray;
+  alignas(64) int valid[kPacket];
+  for (uint32_t k = 0; k < kPacket; ++k) {
+    const Vec3& origin = origins[std::min(k, count - 1)];
+    valid[k] = k < count ? -1 : 0;
+    ray.org_x[k] = origin.x; ray.org_y[k] = origin.y; ray.org_z[k] = origin.z;
+    ray.dir_x[k] = direction.x; ray.dir_y[k] = direction.y; ray.dir_z[k] = direction.z;
+    ray.tnear[k] = ray.time[k] = 0;
+    ray.tfar[k] = far;
+    ray.mask[k] = ~0u;
+    ray.id[k] = ray.flags[k] = 0;
+  }
+  RTCOccludedArguments arguments;
+  rtcInitOccludedArguments(&arguments);
+  arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;
+  rtcOccluded8(valid, top_, &ray, &arguments);
+  for (uint32_t k = 0; k < count; ++k) found |= unsigned(ray.tfar[k] < 0) << k;
+  return found;
+}
+
 bool Scene::anything_within(const Vec3& x, float radius) const {
   bool found = false;
   RTCPointQuery query{x.x, x.y, x.z, 0, radius};

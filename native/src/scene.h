@@ -138,6 +138,8 @@ class Scene {
   // The surface at a point of a triangle, as a ray that meets that side head-on would find it.
   Surface surface_at(uint32_t instance, uint32_t triangle, float u, float v, bool back) const;
   bool occluded(const Vec3& origin, const Vec3& direction, float near, float far) const;
+  // The same for `count` <= kPacket rays side by side, from 0 to `far`; bit k of the result is ray k's.
+  unsigned occluded_packet(const Vec3* origins, uint32_t count, const Vec3& direction, float far) const;
   // Share of light that comes through on the way: 1 where nothing stands, 0 behind what is opaque, between them what
   // transparent surfaces let pass. `ray` is what programs are told of the ray. Only instances of the groups `blockers` count.
   Rgb transmittance(const Vec3& origin, const Vec3& direction, float far, const RayInfo& ray,
