@@ -1,4 +1,3 @@
-#version 330
 // One instance a run of photons, drawn as the quad of the 8x8 texels that hold the points of its block.
 
 const float TILE = 8.0;

@@ -7,6 +7,7 @@ import threading
 import numpy as np
 import pytest
 from photon_splat.core.gpu import context
+from photon_splat.core.gpu.methods import GATHER_NEEDS
 from photon_splat.core.gpu.splatter import GpuSplatter
 from photon_splat.core.native import load
 from photon_splat.core.native_scene import fill_renderer
@@ -24,6 +25,12 @@ def need_opengl() -> None:
         pytest.skip(f"{reason}. On Debian: apt-get install libegl1 libegl-mesa0 libgl1 libgl1-mesa-dri")
 
 
+def need_method(name: str) -> None:
+    """Skip where the OpenGL that is here is too old for that way to splat."""
+    if name == "gather" and context.submit(lambda: context.graphics().gl.version_code).result() < GATHER_NEEDS:
+        pytest.skip("this OpenGL has no compute shaders")
+
+
 def prepared(scene: Scene, **settings: object):
     """A renderer with points and one batch of photons of its first pass."""
     made = RenderSettings(**settings)  # type: ignore[arg-type]
@@ -36,9 +43,9 @@ def prepared(scene: Scene, **settings: object):
     return renderer
 
 
-def splat_on_gpu(renderer, most_texels: int | None = None) -> tuple[dict[str, np.ndarray], dict]:
+def splat_on_gpu(renderer, most_texels: int | None = None, method: str | None = None) -> tuple[dict[str, np.ndarray], dict]:
     """The points of `renderer` after its photons, and the splatter's statistics."""
-    splatter = GpuSplatter(renderer, threading.Event(), most_texels)
+    splatter = GpuSplatter(renderer, threading.Event(), most_texels, method)
     try:
         splatter.begin_pass()
         splatter.add_photons()
@@ -61,7 +68,7 @@ def expect_agreement(cpu: dict[str, np.ndarray], gpu: dict[str, np.ndarray]) -> 
     assert np.abs(cpu["count"] - gpu["count"]).sum() <= 1e-5 * cpu["count"].sum() + 1
 
 
-def compare(scene: Scene, **settings: object) -> None:
+def compare(scene: Scene, method: str | None = None, **settings: object) -> None:
     """Every layer of the scene's first pass by both splatters."""
     renderer = prepared(scene, **settings)
     dark = True
@@ -73,5 +80,5 @@ def compare(scene: Scene, **settings: object) -> None:
         renderer.splat()
         cpu = renderer.points()
         dark = dark and not cpu["irradiance"].any()
-        expect_agreement(cpu, splat_on_gpu(renderer)[0])
+        expect_agreement(cpu, splat_on_gpu(renderer, method=method)[0])
     assert not dark, "the scene is dark"

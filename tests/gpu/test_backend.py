@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
@@ -55,7 +56,7 @@ def test_no_context_is_made_without_need(backend: str, monkeypatch: pytest.Monke
 @pytest.mark.parametrize(("renderer", "backend"), [("llvmpipe", "CPU"), (CARD, "GPU")])
 def test_auto_takes_hardware_only(renderer: str, backend: str, monkeypatch: pytest.MonkeyPatch) -> None:
     real = context.submit(context.graphics).result()
-    fake = context.Graphics(real.gl, renderer, real.finish, real.idle)
+    fake = replace(real, renderer=renderer)
     monkeypatch.setattr(context, "may_have_hardware", lambda: True)
     monkeypatch.setattr(context, "graphics", lambda: fake)
     statistics = shoot(backend="AUTO")

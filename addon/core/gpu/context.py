@@ -10,12 +10,15 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from .rule import Rule
+
 if TYPE_CHECKING:
     import moderngl
 
 Result = TypeVar("Result")
 
-OPENGL = 330
+OPENGL, BETTER_OPENGL = 330, 430
+"""The least version, and the one asked for first: it has compute shaders. Some drivers give no more than they are asked for."""
 SOFTWARE = ("llvmpipe", "softpipe", "swrast", "swiftshader", "software", "gdi generic", "microsoft basic render")
 """Parts of the names of renderers that run on the CPU."""
 MOST_DEVICES = 16
@@ -32,13 +35,16 @@ class Graphics:
     """gl: the context. finish: waits for all drawing with the GIL released, which moderngl never releases.
 
     idle: a framebuffer to be bound while others are released. moderngl binds the last one again whenever it makes or
-    clears another, and OpenGL refuses what has been released.
+    clears another, and OpenGL refuses what has been released. timer: measures the card's own time. rule: what is known of
+    the card's speed.
     """
 
     gl: moderngl.Context
     renderer: str
     finish: Callable[[], None]
     idle: moderngl.Framebuffer
+    timer: moderngl.Query
+    rule: Rule
 
     @property
     def hardware(self) -> bool:
@@ -96,7 +102,8 @@ def _make() -> Graphics:
             reasons.append(str(error))
             break
         finish = ctypes.CFUNCTYPE(None)(window.load_opengl_function("glFinish"))
-        found.append((window, Graphics(gl, str(gl.info["GL_RENDERER"]), finish, gl.framebuffer([gl.texture((1, 1), 4)]))))
+        idle = gl.framebuffer([gl.texture((1, 1), 4)])
+        found.append((window, Graphics(gl, str(gl.info["GL_RENDERER"]), finish, idle, gl.query(time=True), Rule())))
         if found[-1][1].hardware:
             break
     if not found:
@@ -115,6 +122,13 @@ def _contexts() -> Iterator[Callable[[], Any]]:
     if sys.platform.startswith("linux"):
         egl = glcontext.get_backend_by_name("egl")
         for device in range(MOST_DEVICES):
-            yield lambda device=device: egl(mode="standalone", glversion=OPENGL, device_index=device)  # type: ignore[misc]
+            yield lambda device=device: _best(lambda version: egl(mode="standalone", glversion=version, device_index=device))  # type: ignore[misc]
     else:
-        yield lambda: glcontext.default_backend()(mode="standalone", glversion=OPENGL)
+        yield lambda: _best(lambda version: glcontext.default_backend()(mode="standalone", glversion=version))
+
+
+def _best(make: Callable[[int], Any]) -> Any:
+    try:
+        return make(BETTER_OPENGL)
+    except Exception:  # glcontext raises nothing more special; what the second try says is told
+        return make(OPENGL)

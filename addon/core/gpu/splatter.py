@@ -37,15 +37,17 @@ POLL_SECONDS = 0.01
 class GpuSplatter:
     """A splatter on a graphics card, or on what OpenGL has instead. `stop` is set when the render is cancelled.
 
-    most_texels: widest and highest texture to use, if less than what the card can do.
-    Making one raises NoGraphics where there is no OpenGL context to be had.
+    most_texels: widest and highest texture to use, if less than what the card can do. method: "quads" or "gather", the only
+    one to use; None takes whichever is measured to be faster. Making one raises NoGraphics where there is no OpenGL context to
+    be had, SplatterFailed where the card cannot do what it must.
     """
 
     backend = Backend.GPU
 
-    def __init__(self, renderer: Renderer, stop: threading.Event, most_texels: int | None = None) -> None:
+    def __init__(self, renderer: Renderer, stop: threading.Event, most_texels: int | None = None, method: str | None = None) -> None:
         self._renderer = renderer
         self._stop = stop
+        self._method = method
         self._pending: deque[Future[None]] = deque()
         self._pairs_per_photon = 64.0
         self._pairs = self._batches = 0
@@ -57,7 +59,7 @@ class GpuSplatter:
 
     def _make_painter(self) -> tuple[Painter, str, int]:
         graphics = context.graphics()
-        return Painter(graphics, self._stop), graphics.renderer, int(graphics.gl.info["GL_MAX_TEXTURE_SIZE"])
+        return Painter(graphics, self._stop, self._method), graphics.renderer, int(graphics.gl.info["GL_MAX_TEXTURE_SIZE"])
 
     def begin_pass(self) -> None:
         self._began = time.monotonic()
@@ -91,15 +93,18 @@ class GpuSplatter:
         wait([context.submit(self._painter.release)])
 
     def statistics(self) -> dict[str, Any]:
-        """busy_seconds: drawing, with copies to and fro; cpu_busy_seconds: tracing and pairing; wall_seconds: of both together."""
+        """busy_seconds: drawing, with copies to and fro; card_seconds: of that, copies to the card and drawing by its own clock;
+        cpu_busy_seconds: tracing and pairing; wall_seconds: of both together; methods: batches drawn by each."""
         return {
             "gpu": {
                 "renderer": self.name,
                 "busy_seconds": self._painter.busy_seconds,
+                "card_seconds": self._painter.card_seconds,
                 "cpu_busy_seconds": self._wall - self._waited,
                 "wall_seconds": self._wall,
                 "pairs": self._pairs,
                 "batches": self._batches,
+                "methods": dict(self._painter.used),
                 "atlases": len(self._ranges),
             }
         }
