@@ -1,134 +1,128 @@
-"""The GPU splatter: time against photons, kernel radius and resolution, against the CPU splatter, and what overlaps.
+"""The GPU splatter: time against photons, radius and resolution, its two methods, the CPU splatter, and what overlaps.
 
-    make bench-gpu [GPU_OPTIONS="--quick --software"]
+    make bench-gpu [GPU_OPTIONS="--only seed methods"]
 
-Prints a table and writes it as JSON. GPU times are OpenGL timer queries around the drawing of each batch (copies to the
-card included). Refuses renderers that run on the CPU unless told --software.
+Prints figures and writes them as JSON and Markdown, with the machine's description, after every group. GPU times are OpenGL
+timer queries. Refuses renderers that run on the CPU: --software --quick tries the command without a card, and its figures
+say that they are none of a card's.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+import math
+import os
 import platform
+import subprocess
 import sys
-import threading
-import time
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from photon_splat.core.gpu import context, painter, splatter
-from photon_splat.core.native import load
-from photon_splat.core.native_scene import fill_renderer
-from photon_splat.core.scene import Scene
-from photon_splat.core.settings import RenderSettings
+from photon_splat.core.gpu import context
+from photon_splat.core.gpu.methods import available
 
-from tests import corescene as c
-from tests.gpu import scenes
+from tests.bench.gpu_cases import MILLION, Case, cases, measure, renders
 
 SEED_MS = 740.0
 """Lavignotte & Paulin (2003): one million photons on a GeForce FX 5800."""
-PATHS_PER_BATCH = 1 << 17
-RESOLUTIONS = ((640, 360), (1280, 720), (1920, 1080), (3840, 2160))
-PHOTONS = (10**5, 10**6, 10**7, 10**8)
-RADII = (1.0, 2.0, 4.0, 8.0, 16.0)
-RUNS = (1, 8, 32, 128, 512, 1 << 20)
+OVERLAP = 1.15
+TITLES = {
+    "seed": "A million photons, automatic radius",
+    "photons": "Photons",
+    "radius": "Kernel radius",
+    "resolution": "Resolution",
+    "methods": "Quads against compute shader",
+    "runs": "Longest run of a quad",
+    "pixels": "A point per pixel, as the seed had it (hits per photon: fragments that its projected discs draw at least)",
+    "renders": "Whole renders: overlap, and what M(x) on the card could save at most",
+}
 
 
-class TimedPainter(painter.Painter):
-    """Adds up the nanoseconds that the card says it drew."""
-
-    nanoseconds = 0
-
-    def splat(self, batch: painter.Batch) -> None:
-        query = self._graphics.gl.query(time=True)
-        with query:
-            super().splat(batch)
-        self.nanoseconds += query.elapsed
-
-
-def room(width: int, height: int) -> Scene:
-    scene = scenes.room(16)
-    scene.camera, scene.frame = c.perspective((-0.9, -0.9, 0.2), (0.3, 0.3, -0.4), width, height, 1.3)
-    return scene
-
-
-def measure(width: int, height: int, photons: int, radius_scale: float = 1.0, longest_run: int = painter.LONGEST_RUN) -> dict[str, Any]:
-    """One pass of at least `photons` photons: ms of both splatters for the same photons.
-
-    cpu_ms holds the search for pairs; the GPU splatter needs pairs_ms of the CPU for it, beside gpu_ms of the card.
-    """
-    splatter.LONGEST_RUN = longest_run
-    settings = RenderSettings(photons_per_pass=photons, radius_scale=radius_scale)
-    renderer = load().Renderer(0)
-    fill_renderer(renderer, room(width, height), settings)
-    renderer.build()
-    renderer.trace_camera(0)
-    renderer.make_points(0)
-    card = splatter.GpuSplatter(renderer, threading.Event())
-    seconds = {"trace": 0.0, "pairs": 0.0, "cpu": 0.0}
-
-    def timed(name: str, task: Any, *arguments: Any) -> None:
-        began = time.monotonic()
-        task(*arguments)
-        seconds[name] += time.monotonic() - began
-
-    try:
-        card.begin_pass()
-        done = first = 0
-        while done < photons:
-            timed("trace", renderer.trace_photons, 0, first, min(PATHS_PER_BATCH, photons))
-            pairs_before = renderer.statistics()["seconds"]["splat"]
-            card.add_photons()
-            seconds["pairs"] += renderer.statistics()["seconds"]["splat"] - pairs_before
-            context.submit(lambda: None).result()  # the CPU is to itself
-            timed("cpu", renderer.splat)
-            done, first = done + renderer.photon_count, first + PATHS_PER_BATCH
-            if not renderer.photon_count:
-                raise RuntimeError("the scene stores no photons")
-        card.finish_pass()
-        statistics = card.statistics()["gpu"]
-    finally:
-        card.close()
+def machine(graphics: context.Graphics) -> dict[str, Any]:
+    """What the figures are of. On the OpenGL thread."""
+    cpu = platform.processor() or platform.machine()
+    if os.path.exists("/proc/cpuinfo"):
+        lines = Path("/proc/cpuinfo").read_text().splitlines()
+        cpu = next((line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")), cpu)
+    git = subprocess.run(["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=False, cwd=Path(__file__).parent)
     return {
-        "width": width,
-        "height": height,
-        "photons": done,
-        "radius_scale": radius_scale,
-        "longest_run": longest_run,
-        "points": renderer.statistics()["visible_points"],
-        "pairs": statistics["pairs"],
-        "gpu_ms": card._painter.nanoseconds / 1e6,  # type: ignore[attr-defined]
-        "cpu_ms": 1e3 * seconds["cpu"],
-        "pairs_ms": 1e3 * seconds["pairs"],
-        "trace_ms": 1e3 * seconds["trace"],
+        "renderer": graphics.renderer,
+        "graphics_card": graphics.hardware,
+        "opengl": graphics.gl.info["GL_VERSION"],
+        "methods": list(available(graphics.gl)),
+        "vendor": graphics.gl.info["GL_VENDOR"],
+        "cpu": cpu,
+        "cores": os.cpu_count(),
+        "system": platform.platform(),
+        "python": platform.python_version(),
+        "commit": git.stdout.strip(),
     }
 
 
-def overlap(width: int, height: int, photons: int) -> dict[str, Any]:
-    """A render of four passes: wall time against the busier of the two sides."""
-    gpu = c.shoot(room(width, height), backend="GPU", passes=4, photons_per_pass=photons).statistics["gpu"]
-    return gpu | {"wall_over_busiest": gpu["wall_seconds"] / max(gpu["busy_seconds"], gpu["cpu_busy_seconds"])}
+def short(value: object) -> str:
+    if isinstance(value, float):
+        return "" if math.isnan(value) else f"{value:.4g}"
+    return " ".join(f"{k} {v}" for k, v in value.items()) if isinstance(value, dict) else f"{value}"
 
 
-def cases(quick: bool) -> list[dict[str, Any]]:
-    """The first is the seed's million photons."""
-    size = (160, 90) if quick else (1920, 1080)
-    photons = 20_000 if quick else 1_000_000
-    made = [{"size": size, "photons": photons}]
-    made += [{"size": size, "photons": p // (1000 if quick else 1)} for p in PHOTONS]
-    made += [{"size": size, "photons": photons, "radius_scale": r} for r in (RADII[:3] if quick else RADII)]
-    made += [{"size": (w // 8, h // 8) if quick else (w, h), "photons": photons} for w, h in RESOLUTIONS]
-    made += [{"size": size, "photons": photons, "radius_scale": r, "longest_run": n} for r in (1.0, 4.0) for n in RUNS]
-    return made
+def table(rows: list[dict[str, Any]]) -> str:
+    columns = list(dict.fromkeys(name for row in rows for name in row))
+    lines = [columns, ["---"] * len(columns), *([short(row.get(name, "")) for name in columns] for row in rows)]
+    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
 
 
-def main() -> int:
+def sentences(report: dict[str, Any]) -> list[str]:
+    """What the figures of a graphics card say; nothing of software's."""
+    groups = report["groups"] if report["machine"]["graphics_card"] else {}
+    said = []
+    for row in groups.get("seed", []):
+        size = f"{row['width']}x{row['height']}"
+        gpu, cpu = (row[name] * MILLION / row["photons"] for name in ("gpu_ms", "cpu_ms"))
+        said.append(f"A million photons at {size}: {gpu:.1f} ms on the card, {cpu:.1f} ms on the CPU, {SEED_MS:.0f} ms by the seed.")
+    for row in groups.get("renders", []):
+        if row["backend"] == "GPU":
+            verdict = f"{'within' if row['wall_over_busiest'] <= OVERLAP else 'NOT within'} {OVERLAP}"
+            said.append(
+                f"{row['photons_per_pass']} photons a pass: wall time is {row['wall_over_busiest']:.2f} of the busier side's ({verdict}); "
+                f"M(x) on the card could save {100 * row['mass_share']:.1f} % of the render at most."
+            )
+    return said
+
+
+def write(report: dict[str, Any], output: Path) -> None:
+    output.parent.mkdir(parents=True, exist_ok=True)
+    output.write_text(json.dumps(report, indent=2) + "\n")
+    parts = [report["heading"], "\n".join(f"- {name}: {value}" for name, value in report["machine"].items())]
+    parts += ["\n".join(f"- {s}" for s in sentences(report))] if sentences(report) else []
+    parts += [f"## {TITLES[name]}\n\n{table(rows)}" for name, rows in report["groups"].items()]
+    output.with_suffix(".md").write_text("\n\n".join(parts) + "\n")
+
+
+def run(options: argparse.Namespace, graphics: context.Graphics) -> None:
+    heading = "# The GPU splatter" if graphics.hardware else "# A trial run in software: these are no figures of a graphics card"
+    report: dict[str, Any] = {"heading": heading, "machine": context.submit(machine, graphics).result(), "groups": {}}
+    print(heading, graphics.renderer, sep="\n", flush=True)
+    measure(Case(160, 90, 1000, cpu=False))  # compiles shaders
+    for name in options.only:
+        rows = report["groups"][name] = []
+        print(f"\n{TITLES[name]}", flush=True)
+        found = [case for case in cases(options.quick).get(name, []) if case.method in (None, *report["machine"]["methods"])]
+        for row in renders(options.quick) if name == "renders" else map(measure, found):
+            rows.append(row)
+            print("  " + ", ".join(f"{key} {short(value)}" for key, value in row.items() if short(value)), flush=True)
+            write(report, options.output)
+    print("", *sentences(report), f"{options.output} and {options.output.with_suffix('.md')} are written.", sep="\n")
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--software", action="store_true", help="measure a renderer that runs on the CPU, too")
+    parser.add_argument("--software", action="store_true", help="run on a renderer without a card, too")
     parser.add_argument("--quick", action="store_true", help="small sizes, to see that everything runs")
+    parser.add_argument("--only", nargs="+", choices=list(TITLES), default=list(TITLES), metavar="GROUP", help=", ".join(TITLES))
     parser.add_argument("-o", "--output", type=Path, default=Path("out/bench_gpu.json"))
-    options = parser.parse_args()
+    options = parser.parse_args(arguments)
     try:
         graphics = context.submit(context.graphics).result()
     except context.NoGraphics as reason:
@@ -136,28 +130,10 @@ def main() -> int:
         return 1
     if not graphics.hardware and not options.software:
         print(
-            f"bench-gpu: {graphics.renderer} runs on the CPU; these figures are for graphics cards (--software measures it)",
-            file=sys.stderr,
+            f"bench-gpu: {graphics.renderer} runs on the CPU; these figures are for graphics cards (--software tries it)", file=sys.stderr
         )
         return 1
-    splatter.Painter = TimedPainter  # type: ignore[misc]
-    version = context.submit(lambda: graphics.gl.info["GL_VERSION"]).result()
-    report: dict[str, Any] = {"renderer": graphics.renderer, "opengl": version, "machine": platform.platform(), "cases": []}
-    print(f"{graphics.renderer}, OpenGL {version}")
-    columns = ("width", "height", "photons", "radius_scale", "longest_run", "points", "pairs", "gpu_ms", "cpu_ms", "pairs_ms", "trace_ms")
-    print(" ".join(f"{name:>12}" for name in columns))
-    measure(160, 90, 1000)  # compiles shaders
-    for case in cases(options.quick):
-        found = measure(*case.pop("size"), **case)
-        report["cases"].append(found)
-        print(" ".join(f"{found[name]:12.4g}" if isinstance(found[name], float) else f"{found[name]:12}" for name in columns), flush=True)
-    if not options.quick:
-        report["gpu_ms_per_million"] = report["cases"][0]["gpu_ms"] * 1e6 / report["cases"][0]["photons"]
-        print(f"a million photons: {report['gpu_ms_per_million']:.1f} ms; the seed: {SEED_MS:.0f} ms")
-    report["overlap"] = overlap(*((160, 90, 40_000) if options.quick else (1920, 1080, 1_000_000)))
-    print(f"overlap: wall time is {report['overlap']['wall_over_busiest']:.2f} of the busier side's")
-    options.output.parent.mkdir(parents=True, exist_ok=True)
-    options.output.write_text(json.dumps(report, indent=2) + "\n")
+    run(options, graphics)
     return 0
 
 

@@ -108,9 +108,12 @@ class Gather:
         release(self._lists, self._shader)
 
 
-def make_methods(gl: moderngl.Context) -> list[Method]:
+METHODS: dict[str, type[Quads] | type[Gather]] = {Quads.name: Quads, Gather.name: Gather}
+
+
+def available(gl: moderngl.Context) -> dict[str, type[Quads] | type[Gather]]:
     """Those that the card can do."""
-    return [Quads(gl), Gather(gl)] if gl.version_code >= GATHER_NEEDS else [Quads(gl)]
+    return METHODS if gl.version_code >= GATHER_NEEDS else {Quads.name: Quads}
 
 
 def merged(runs: NDArray[np.uint32]) -> NDArray[np.uint32]:

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .atlas import Atlas, AtlasPoints
-from .methods import TEXTURES, Method, make_methods, release, roomy
+from .methods import TEXTURES, Method, available, release, roomy
 from .rule import kind_of
 
 if TYPE_CHECKING:
@@ -59,7 +59,7 @@ class Painter:
         self._order: moderngl.Texture | None = None
         self._pairs_per_draw = 1 << 16
         self.busy_seconds = self.card_seconds = 0.0
-        self._methods = {m.name: m for m in make_methods(graphics.gl)}
+        self._methods: dict[str, Method] = {name: make(graphics.gl) for name, make in available(graphics.gl).items()}
         self._choices = list(self._methods) if method is None else [method]
         self.used = dict.fromkeys(self._methods, 0)
         if self._choices[0] not in self._methods:
