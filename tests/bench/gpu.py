@@ -35,7 +35,7 @@ TITLES = {
     "resolution": "Resolution",
     "methods": "Quads against compute shader",
     "runs": "Longest run of a quad",
-    "pixels": "A point per pixel, as the seed had it (hits per photon: fragments that its projected discs draw at least)",
+    "pixels": "A point per pixel, and the seed's way: discs projected into the image",
     "renders": "Whole renders: overlap, and what M(x) on the card could save at most",
 }
 
@@ -108,7 +108,7 @@ def run(options: argparse.Namespace, graphics: context.Graphics) -> None:
     for name in options.only:
         rows = report["groups"][name] = []
         print(f"\n{TITLES[name]}", flush=True)
-        found = [case for case in cases(options.quick).get(name, []) if case.method in (None, *report["machine"]["methods"])]
+        found = [case for case in cases(options.quick).get(name, []) if case.method in (None, "discs", *report["machine"]["methods"])]
         for row in renders(options.quick) if name == "renders" else map(measure, found):
             rows.append(row)
             print("  " + ", ".join(f"{key} {short(value)}" for key, value in row.items() if short(value)), flush=True)

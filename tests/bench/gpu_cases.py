@@ -16,6 +16,7 @@ from photon_splat.core.scene import Scene
 from photon_splat.core.settings import RenderSettings
 
 from tests import corescene as c
+from tests.bench.gpu_discs import measure_discs
 from tests.gpu import scenes
 
 PATHS_PER_BATCH = 1 << 17
@@ -26,8 +27,11 @@ REPEATS = 3
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """One pass of at least `photons` photons. method None: the rule's choice. spacing 0: a point per camera sample.
-    cpu: measure the CPU splatter, too."""
+    """One pass of at least `photons` photons.
+
+    method: None for the rule's choice; "discs": see gpu_discs.py. spacing 0: a point per camera sample. cpu: measure the CPU
+    splatter, too.
+    """
 
     width: int
     height: int
@@ -60,7 +64,10 @@ def cases(quick: bool) -> dict[str, list[Case]]:
         "methods": [Case(*full, photons, radius=r, method=m, cpu=False) for r in radii for m in ("quads", "gather")]
         + [Case(*full, counts[-2], method=m, cpu=False) for m in ("quads", "gather")],
         "runs": [Case(*full, photons, radius=r, method="quads", longest_run=n, cpu=False) for r in radii[:3:2] for n in runs],
-        "pixels": [Case(*full, photons, method=m, longest_run=n, spacing=0.0) for m, n in (("quads", 1), ("quads", 128), ("gather", 128))],
+        "pixels": [
+            Case(*full, photons, method=m, longest_run=n, spacing=0.0)
+            for m, n in (("quads", 1), ("quads", 128), ("gather", 128), ("discs", 1))
+        ],
     }
 
 
@@ -70,6 +77,8 @@ def measure(case: Case) -> dict[str, Any]:
     gpu_ms: the card's own clock, copies to the card included; busy_ms: wall time of its thread, with points and sums to and
     fro. cpu_ms holds the search for pairs; the GPU splatter needs pairs_ms of the CPU for it.
     """
+    if case.method == "discs":
+        return measure_discs(case, room(case.width, case.height))
     splatter.LONGEST_RUN = case.longest_run
     settings = RenderSettings(photons_per_pass=case.photons, radius_scale=case.radius, point_spacing=case.spacing, fallback=False)
     renderer = load().Renderer(0)

@@ -35,6 +35,9 @@ def test_trial_run(software: context.Graphics, tmp_path: Path, monkeypatch: pyte
     assert list(report["groups"]) == list(gpu.TITLES)
     assert all(row["gpu_ms"] > 0 for name, rows in report["groups"].items() if name != "renders" for row in rows)
     assert {row["method"] for row in report["groups"]["methods"]} == set(report["machine"]["methods"])
+    discs = report["groups"]["pixels"][-1]
+    assert discs["method"] == "discs"
+    assert 0.8 < discs["hits_per_photon"] / discs["cpu_hits_per_photon"] <= 1.001 < discs["fragments_per_photon"]
     assert report["groups"]["renders"][0]["wall_over_busiest"] >= 1
     text = (tmp_path / "x.md").read_text()
     assert text.startswith("# A trial run in software: these are no figures of a graphics card")
