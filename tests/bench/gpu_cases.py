@@ -24,6 +24,9 @@ MILLION = 10**6
 REPEATS = 3
 """Passes whose median counts, after one in which the rule finds the faster method; of more than a million photons, one in all."""
 
+PASSES = 4
+"""Of whole renders."""
+
 
 @dataclass(frozen=True, slots=True)
 class Case:
@@ -151,18 +154,19 @@ def _one_pass(renderer: Any, card: splatter.GpuSplatter, case: Case, cpu: bool) 
 def renders(quick: bool) -> Iterator[dict[str, Any]]:
     """Whole renders of PASSES passes by either splatter: what overlaps, and how long the GPU waits for M(x).
 
-    mass_seconds: the CPU's, for M(x), at the beginning of each pass, when the card has nothing to do. M(x) on the card could
-    save at most mass_share of the render, if it took no time there.
+    mass_ms: the CPU's for M(x), per pass, when the card has nothing to do. M(x) on the card could save at most mass_share of
+    the render, if it took no time there. gpu_idle_ms: all that the card waits for, per pass.
     """
     width, height, counts = (120, 68, (5_000,)) if quick else (1920, 1080, (200_000, MILLION))
     for photons in counts:
         for backend in ("GPU", "CPU"):
-            statistics = c.shoot(room(width, height), backend=backend, passes=4, photons_per_pass=photons).statistics
+            statistics = c.shoot(room(width, height), backend=backend, passes=PASSES, photons_per_pass=photons).statistics
             seconds = statistics["seconds"]
             found = {"backend": backend, "photons_per_pass": photons, "total_seconds": seconds["total"]}
-            found |= {"mass_seconds": seconds["boundary"], "mass_share": seconds["boundary"] / seconds["total"]}
+            found |= {"mass_ms": 1e3 * seconds["boundary"] / PASSES, "mass_share": seconds["boundary"] / seconds["total"]}
             if backend == "GPU":
                 gpu = statistics["gpu"]
                 found |= {name: gpu[name] for name in ("wall_seconds", "busy_seconds", "cpu_busy_seconds", "methods")}
+                found["gpu_idle_ms"] = 1e3 * (seconds["total"] - gpu["busy_seconds"]) / PASSES
                 found["wall_over_busiest"] = gpu["wall_seconds"] / max(gpu["busy_seconds"], gpu["cpu_busy_seconds"])
             yield found
