@@ -1,6 +1,10 @@
 // What operations of shader programs yield where the answer is known without another renderer.
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <cstring>
+
+#include "nodes/noise_kernel.h"
 #include "programs.h"
 
 using namespace photon_splat;
@@ -215,6 +219,31 @@ TEST_CASE("noise is smooth, bounded and not constant; its cells repeat nowhere n
     CHECK(high <= 1);
     CHECK(high - low > 0.2f);
     CHECK(jump < 0.2f);
+  }
+}
+
+TEST_CASE("noise is the same number, bit for bit, on every instruction set, and 0 at whole numbers") {
+  NoisePoints points{};
+  constexpr uint32_t kCount = 51;
+  for (uint32_t i = 0; i < kCount; ++i)
+    for (int d = 0; d < 4; ++d)
+      points.c[d][i] = i == 7 ? static_cast<float>(d - 2) : std::sin(static_cast<float>(i + 1) * (1.7f + static_cast<float>(d))) * std::exp2(static_cast<float>(i % 17));
+  for (int dimensions = 1; dimensions <= 4; ++dimensions) {
+    float plain[NoisePoints::kMost] = {};
+    choose_noise_kernel("generic")(dimensions, points, kCount, plain);
+    CHECK(plain[7] == 0);
+    CHECK(*std::max_element(plain, plain + kCount) > 0.3f);
+    CHECK(*std::min_element(plain, plain + kCount) < -0.3f);
+    for (const char* name : {"sse42", "avx2", "avx512", ""}) {
+      CAPTURE(dimensions); CAPTURE(name);
+      const NoiseKernel kernel = choose_noise_kernel(name);
+      if (!kernel) continue;  // not on this machine
+      for (uint32_t count : {1u, 2u, 3u, 9u, kCount}) {
+        float values[NoisePoints::kMost] = {};
+        kernel(dimensions, points, count, values);
+        CHECK(std::memcmp(values, plain, count * sizeof(float)) == 0);
+      }
+    }
   }
 }
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
+
+import numpy as np
 
 from .node import Node
 from .values import ONE, ORIGIN, ZERO, Value, vector
@@ -216,7 +218,33 @@ def vector_rotate(n: Node) -> Outputs:
 def mapping(n: Node) -> Outputs:
     inputs = {name.lower(): n.vector(name) for name in ("Vector", "Location", "Rotation")}
     scale = n.vector("Scale", (1.0, 1.0, 1.0))
-    return {"Vector": n.graph.one("Mapping", scale=scale, vector_type=n.node.vector_type, **inputs)}
+    kind = n.node.vector_type
+    if all(v.is_constant for v in (inputs["location"], inputs["rotation"], scale)):
+        matrix = mapping_matrix(kind, inputs["location"].data, inputs["rotation"].data, scale.data)
+        if matrix is not None:
+            return {"Vector": n.graph.one("TransformPoint", point=inputs["vector"], matrix=matrix)}
+    return {"Vector": n.graph.one("Mapping", scale=scale, vector_type=kind, **inputs)}
+
+
+def mapping_matrix(kind: str, location: Sequence[float], rotation: Sequence[float], scale: Sequence[float]) -> tuple[float, ...] | None:
+    """3x4 matrix, in rows, of a Mapping node (radians); None where it is no affine map: normals, and textures of scale 0."""
+    if kind == "NORMAL" or (kind == "TEXTURE" and not all(scale)):
+        return None
+    (cx, cy, cz), (sx, sy, sz) = np.cos(rotation), np.sin(rotation)
+    turned = np.array(
+        [
+            [cy * cz, sy * sx * cz - cx * sz, sy * cx * cz + sx * sz],
+            [cy * sz, sy * sx * sz + cx * cz, sy * cx * sz - sx * cz],
+            [-sy, cy * sx, cy * cx],
+        ]
+    )
+    if kind == "TEXTURE":
+        linear = turned.T / np.array(scale)[:, None]
+        moved = -linear @ np.array(location)
+    else:
+        linear = turned * np.array(scale)
+        moved = np.array(location if kind == "POINT" else (0.0, 0.0, 0.0))
+    return tuple(float(v) for v in np.column_stack([linear, moved]).ravel())
 
 
 def normal(n: Node) -> Outputs:

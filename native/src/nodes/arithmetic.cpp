@@ -1,6 +1,9 @@
 // Numbers, vectors, ranges, ramps and curves. Where a function has no value (a division by 0, a root of a negative number) the
 // result is Cycles', mostly 0.
+#include <cstring>
+
 #include "frame.h"
+#include "lanes.h"
 
 namespace photon_splat::nodes {
 namespace {
@@ -144,7 +147,7 @@ float steps_of(float factor, float steps) { return steps > 0 ? std::floor(factor
 float clamp_between(float x, float a, float b) { return std::min(std::max(x, std::min(a, b)), std::max(a, b)); }
 
 // Component `c` of a table's entry at `x` in 0..1; `at` is the table's length followed by its entries of `stride` floats.
-float look_up(const float* at, uint32_t stride, uint32_t c, float x, bool interpolate, bool extrapolate) {
+float look_up(const float* at, uint32_t stride, uint32_t c, float x, bool extrapolate) {
   const int last = static_cast<int>(at[0]) - 1;
   const float* values = at + 1 + c;
   const auto entry = [&](int i) { return values[static_cast<size_t>(i) * stride]; };
@@ -155,7 +158,7 @@ float look_up(const float* at, uint32_t stride, uint32_t c, float x, bool interp
   x = clamp_unit(x) * static_cast<float>(last);
   const int i = std::clamp(to_int(x), 0, last);
   const float t = x - static_cast<float>(i);
-  return interpolate && t > 0 ? (1 - t) * entry(i) + t * entry(i + 1) : entry(i);
+  return t > 0 ? (1 - t) * entry(i) + t * entry(i + 1) : entry(i);
 }
 
 // Rotation by Euler angles in the order XYZ: columns of the matrix Rz Ry Rx.
@@ -232,15 +235,21 @@ void clamp(Frame& f, const uint32_t* w) {
 void color_ramp(Frame& f, const uint32_t* w) {
   const float x = f.number(w[2]);
   const float* table = f.constants + w[3];
-  const bool interpolate = f.on(w[4]);
-  f.set(w[1], look_up(table, 4, 3, x, interpolate, false));
-  f.set(w[0], Vec3{look_up(table, 4, 0, x, interpolate, false), look_up(table, 4, 1, x, interpolate, false),
-                   look_up(table, 4, 2, x, interpolate, false)});
+  const int last = static_cast<int>(table[0]) - 1;
+  const float at = x > 0 ? std::min(x, 1.0f) * static_cast<float>(last) : 0.0f;
+  const int i = std::min(static_cast<int>(at), last);
+  const float t = f.on(w[4]) ? at - static_cast<float>(i) : 0.0f;
+  Floats low, high;
+  std::memcpy(&low, table + 1 + 4 * i, sizeof low);
+  std::memcpy(&high, table + 1 + 4 * std::min(i + 1, last), sizeof high);
+  const Floats color = low * (1 - t) + high * t;
+  f.set(w[1], color[3]);
+  f.set(w[0], Vec3{color[0], color[1], color[2]});
 }
 
 void float_curve(Frame& f, const uint32_t* w) {
   const float t = f.number(w[1]), x = f.number(w[2]), low = f.number(w[4]);
-  const float y = look_up(f.constants + w[3], 1, 0, (x - low) / (f.number(w[5]) - low), true, f.on(w[6]));
+  const float y = look_up(f.constants + w[3], 1, 0, (x - low) / (f.number(w[5]) - low), f.on(w[6]));
   f.set(w[0], mix(x, y, t));
 }
 
@@ -249,7 +258,7 @@ void curves(Frame& f, const uint32_t* w) {
   const Vec3 x = f.vector(w[2]);
   const float* table = f.constants + w[3];
   const bool extrapolate = f.on(w[6]);
-  const auto curve = [&](uint32_t c) { return look_up(table, 3, c, (x[static_cast<int>(c)] - low) / range, true, extrapolate); };
+  const auto curve = [&](uint32_t c) { return look_up(table, 3, c, (x[static_cast<int>(c)] - low) / range, extrapolate); };
   f.set(w[0], mix(x, Vec3{curve(0), curve(1), curve(2)}, t));
 }
 
@@ -281,9 +290,10 @@ void mapping(Frame& f, const uint32_t* w) {
 }
 
 void transform_point(Frame& f, const uint32_t* w) {
-  Affine matrix;
-  std::copy_n(f.constants + w[2], 12, matrix.m.begin());
-  f.set(w[0], matrix.point(f.vector(w[1])));
+  const float* m = f.constants + w[2];
+  const Vec3 p = f.vector(w[1]);
+  f.set(w[0], Vec3{m[0] * p.x + m[1] * p.y + m[2] * p.z + m[3], m[4] * p.x + m[5] * p.y + m[6] * p.z + m[7],
+                   m[8] * p.x + m[9] * p.y + m[10] * p.z + m[11]});
 }
 
 }  // namespace photon_splat::nodes

@@ -19,12 +19,11 @@ Rgb hsv_to_rgb(const Vec3& hsv) {
   if (s == 0) return {v, v, v};
   const float h = hsv.x == 1 ? 0 : hsv.x * 6, sector = std::floor(h), t = h - sector;
   const float p = v * (1 - s), q = v * (1 - s * t), r = v * (1 - s * (1 - t));
-  if (sector == 0) return {v, r, p};
-  if (sector == 1) return {q, v, p};
-  if (sector == 2) return {p, v, r};
-  if (sector == 3) return {p, q, v};
-  if (sector == 4) return {r, p, v};
-  return {v, p, q};
+  // A table, as the sector of a texture's colour is no jump that a processor could foresee.
+  static constexpr uint8_t kOrder[6][3] = {{0, 3, 1}, {2, 0, 1}, {1, 0, 3}, {1, 2, 0}, {3, 1, 0}, {0, 1, 2}};
+  const float values[4] = {v, p, q, r};
+  const uint8_t* order = kOrder[std::min(static_cast<uint32_t>(to_int(sector)), 5u)];
+  return {values[order[0]], values[order[1]], values[order[2]]};
 }
 
 Vec3 rgb_to_hsl(const Rgb& c) {

@@ -14,8 +14,6 @@ using Floats = float __attribute__((vector_size(16)));
 
 inline Floats to_floats(const Words& x) { return __builtin_convertvector(x, Floats); }
 inline Floats to_floats(const Signed& x) { return __builtin_convertvector(x, Floats); }
-// a where the lane's condition holds, else b. Conditions are what comparisons of Words yield.
-inline Floats choose(const Signed& condition, const Floats& a, const Floats& b) { return condition ? a : b; }
 
 #else
 
@@ -46,31 +44,17 @@ using Floats = Lanes<float>;
 LANEWISE(+)
 LANEWISE(-)
 LANEWISE(*)
+LANEWISE(/)
 LANEWISE(&)
 LANEWISE(|)
 LANEWISE(^)
 LANEWISE(<<)
 LANEWISE(>>)
 #undef LANEWISE
-inline Signed operator<(const Words& a, uint32_t b) {
-  Signed s;
-  for (int i = 0; i < 4; ++i) s[i] = a[i] < b ? -1 : 0;
-  return s;
-}
-inline Signed operator==(const Words& a, uint32_t b) {
-  Signed s;
-  for (int i = 0; i < 4; ++i) s[i] = a[i] == b ? -1 : 0;
-  return s;
-}
 template <class T>
 Floats to_floats(const Lanes<T>& x) {
   Floats f;
   for (int i = 0; i < 4; ++i) f[i] = static_cast<float>(x[i]);
-  return f;
-}
-inline Floats choose(const Signed& condition, const Floats& a, const Floats& b) {
-  Floats f;
-  for (int i = 0; i < 4; ++i) f[i] = condition[i] ? a[i] : b[i];
   return f;
 }
 

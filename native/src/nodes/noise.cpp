@@ -1,74 +1,15 @@
-// Perlin's improved noise (2002) with the gradients of Gustavson's variants for other dimensions and lookup3 as the hash, as in
-// Open Shading Language and Cycles; fractals by Musgrave (Ebert et al., "Texturing and modeling", chapter 16).
+// Fractals of Perlin noise by Musgrave (Ebert et al., "Texturing and modeling", chapter 16). All the octaves that a texture asks for
+// are computed by one call of a kernel (simd/noise_kernel.inl).
 #include "noise.h"
+
+#include <cstring>
 
 #include "frame.h"
 #include "hashes.h"
+#include "noise_kernel.h"
 
 namespace photon_splat::nodes {
 namespace {
-
-float fade(float t) { return t * t * t * (t * (t * 6 - 15) + 10); }
-
-inline Floats negated(const Floats& x, const Words& bit) {  // -x where bit (0 or 1) is set
-  return bits_of<Floats>(bits_of<Words>(x) ^ bit << 31);
-}
-
-// Gradients of hashes h times the offsets, in the dimensions there are.
-template <int N>
-inline Floats gradient(Words h, const Floats& x, const Floats& y, const Floats& z, const Floats& w) {
-  if constexpr (N == 1) return negated(to_floats((h & 7u) + 1u), h >> 3 & 1u) * x;
-  if constexpr (N == 2) {
-    h = h & 7u;
-    return negated(choose(h < 4u, x, y), h & 1u) + negated(choose(h < 4u, y, x) * 2.0f, h >> 1 & 1u);
-  }
-  if constexpr (N == 3) {
-    h = h & 15u;
-    const Floats other = choose((h & 13u) == 12u, x, z);
-    return negated(choose(h < 8u, x, y), h & 1u) + negated(choose(h < 4u, y, other), h >> 1 & 1u);
-  }
-  h = h & 31u;
-  return negated(choose(h < 24u, x, y), h & 1u) + negated(choose(h < 16u, y, z), h >> 1 & 1u) +
-         negated(choose(h < 8u, z, w), h >> 2 & 1u);
-}
-
-template <int N>
-inline Words corner_hashes(const Words& x, const Words& y, const Words& z, const Words& w) {
-  if constexpr (N == 1) return lookup3(x);
-  if constexpr (N == 2) return lookup3(x, y);
-  if constexpr (N == 3) return lookup3(x, y, z);
-  return lookup3(x, y, z, w);
-}
-
-template <int N>
-float perlin(const Point<N>& p) {
-  uint32_t cell[4] = {};
-  float fraction[4] = {}, weight[4] = {};
-  for (int d = 0; d < N; ++d) {
-    const float whole = std::floor(p.c[d]);
-    cell[d] = static_cast<uint32_t>(static_cast<int32_t>(whole));
-    fraction[d] = p.c[d] - whole;
-    weight[d] = fade(fraction[d]);
-  }
-  // Corners of the cell: four lanes for x and y, one vector for every z and w.
-  constexpr int kVectors = N <= 2 ? 1 : 1 << (N - 2);
-  const Words cx = Words{0, 1, 0, 1} + cell[0], cy = Words{0, 0, 1, 1} + cell[1];
-  const Floats fx = Floats{} + fraction[0] - Floats{0, 1, 0, 1}, fy = Floats{} + fraction[1] - Floats{0, 0, 1, 1};
-  Floats value[kVectors];
-  for (int i = 0; i < kVectors; ++i) {
-    const uint32_t dz = i & 1, dw = i >> 1;
-    const Words h = corner_hashes<N>(cx, cy, Words{} + (cell[2] + dz), Words{} + (cell[3] + dw));
-    value[i] = gradient<N>(h, fx, fy, Floats{} + (fraction[2] - static_cast<float>(dz)),
-                           Floats{} + (fraction[3] - static_cast<float>(dw)));
-  }
-  for (int d = N - 1, half = kVectors / 2; d >= 2; --d, half /= 2)
-    for (int i = 0; i < half; ++i) value[i] = value[i] * (1 - weight[d]) + value[i + half] * weight[d];
-  const Floats& last = value[0];
-  const float low = mix(last[0], last[1], weight[0]);
-  return N == 1 ? low : mix(low, mix(last[2], last[3], weight[0]), weight[1]);
-}
-
-constexpr float kScale[5] = {0, 0.2500f, 0.6616f, 0.9820f, 0.8344f};  // to [-1, 1] or so
 
 template <int N>
 Point<N> operator*(const Point<N>& p, float s) {
@@ -77,78 +18,141 @@ Point<N> operator*(const Point<N>& p, float s) {
   return out;
 }
 
+// Points whose noise is wanted, then their noise. It repeats every 100,000 units; where there is no point it is 0.
 template <int N>
-float fbm(const Point<N>& p, const FractalSettings& s) {
-  float scale = 1, amplitude = 1, total = 0, sum = 0;
-  for (int i = 0, n = to_int(s.detail); i <= n; ++i) {
-    sum += signed_noise(p * scale) * amplitude;
+class Batch {
+ public:
+  void add(const Point<N>& p) {
+    const uint32_t i = count_++;
+    bool near = true;
+    for (int d = 0; d < N; ++d) {
+      points_.c[d][i] = p.c[d];
+      near &= std::abs(p.c[d]) < 100000.0f;
+    }
+    if (!near) repeat(i);
+  }
+  const float* evaluate() {
+    for (int d = 0; d < N; ++d) std::memset(&points_.c[d][count_], 0, NoisePoints::kPadding * sizeof(float));
+    static const NoiseKernel kernel = choose_noise_kernel();
+    kernel(N, points_, count_, values_);
+    return values_;
+  }
+
+ private:
+  void repeat(uint32_t i) {
+    for (int d = 0; d < N; ++d) {
+      float& c = points_.c[d][i];
+      if (!std::isfinite(c)) {
+        for (int e = 0; e < N; ++e) points_.c[e][i] = 0;  // noise is 0 at whole numbers
+        return;
+      }
+      if (std::abs(c) >= 100000.0f) c = std::fmod(c, 100000.0f) + (std::abs(c) >= 1000000.0f ? 0.5f : 0.0f);
+    }
+  }
+
+  NoisePoints points_;
+  uint32_t count_ = 0;
+  alignas(64) float values_[NoisePoints::kMost];
+};
+
+float part_of_octave(const FractalSettings& s) { return s.detail - std::floor(s.detail); }
+
+// Octaves of a fractal, with the one of which but a part counts.
+uint32_t octaves_of(const FractalSettings& s) {
+  return static_cast<uint32_t>(to_int(s.detail)) + 1 + (part_of_octave(s) != 0 && s.type != NoiseType::RIDGED_MULTIFRACTAL ? 1 : 0);
+}
+
+template <int N>
+void add_octaves(Batch<N>& batch, Point<N> p, const FractalSettings& s) {
+  float scale = 1;
+  for (uint32_t i = 0, n = octaves_of(s); i < n; ++i) {
+    if (s.type == NoiseType::FBM) {
+      batch.add(p * scale);
+      scale *= s.lacunarity;
+    } else {
+      batch.add(p);
+      p = p * s.lacunarity;
+    }
+  }
+}
+
+// Each takes the noise of the octaves.
+
+float fbm(const float* noise, const FractalSettings& s) {
+  float amplitude = 1, total = 0, sum = 0;
+  const int n = to_int(s.detail);
+  for (int i = 0; i <= n; ++i) {
+    sum += noise[i] * amplitude;
     total += amplitude;
     amplitude *= s.roughness;
-    scale *= s.lacunarity;
   }
   const auto finished = [&](float x, float weight) { return s.normalize ? 0.5f * x / weight + 0.5f : x; };
-  const float rest = s.detail - std::floor(s.detail);
+  const float rest = part_of_octave(s);
   if (rest == 0) return finished(sum, total);
-  const float more = sum + signed_noise(p * scale) * amplitude;
-  return mix(finished(sum, total), finished(more, total + amplitude), rest);
+  return mix(finished(sum, total), finished(sum + noise[n + 1] * amplitude, total + amplitude), rest);
 }
 
-template <int N>
-float multifractal(Point<N> p, const FractalSettings& s) {
+float multifractal(const float* noise, const FractalSettings& s) {
   float value = 1, power = 1;
-  for (int i = 0, n = to_int(s.detail); i <= n; ++i) {
-    value *= power * signed_noise(p) + 1;
+  const int n = to_int(s.detail);
+  for (int i = 0; i <= n; ++i) {
+    value *= power * noise[i] + 1;
     power *= s.roughness;
-    p = p * s.lacunarity;
   }
-  const float rest = s.detail - std::floor(s.detail);
-  return rest == 0 ? value : value * (rest * power * signed_noise(p) + 1);
+  const float rest = part_of_octave(s);
+  return rest == 0 ? value : value * (rest * power * noise[n + 1] + 1);
 }
 
-template <int N>
-float hetero_terrain(Point<N> p, const FractalSettings& s) {
-  float power = s.roughness, value = s.offset + signed_noise(p);
-  p = p * s.lacunarity;
-  for (int i = 1, n = to_int(s.detail); i <= n; ++i) {
-    value += (signed_noise(p) + s.offset) * power * value;
+float hetero_terrain(const float* noise, const FractalSettings& s) {
+  float power = s.roughness, value = s.offset + noise[0];
+  const int n = to_int(s.detail);
+  for (int i = 1; i <= n; ++i) {
+    value += (noise[i] + s.offset) * power * value;
     power *= s.roughness;
-    p = p * s.lacunarity;
   }
-  const float rest = s.detail - std::floor(s.detail);
-  return rest == 0 ? value : value + rest * (signed_noise(p) + s.offset) * power * value;
+  const float rest = part_of_octave(s);
+  return rest == 0 ? value : value + rest * (noise[n + 1] + s.offset) * power * value;
 }
 
-template <int N>
-float hybrid_multifractal(Point<N> p, const FractalSettings& s) {
+float hybrid_multifractal(const float* noise, const FractalSettings& s) {
   float power = 1, value = 0, weight = 1;
-  for (int i = 0, n = to_int(s.detail); weight > 0.001f && i <= n; ++i) {
+  const int n = to_int(s.detail);
+  for (int i = 0; weight > 0.001f && i <= n; ++i) {
     weight = std::min(weight, 1.0f);
-    const float signal = (signed_noise(p) + s.offset) * power;
+    const float signal = (noise[i] + s.offset) * power;
     power *= s.roughness;
     value += weight * signal;
     weight *= s.gain * signal;
-    p = p * s.lacunarity;
   }
-  const float rest = s.detail - std::floor(s.detail);
+  const float rest = part_of_octave(s);
   if (rest == 0 || !(weight > 0.001f)) return value;
-  return value + rest * std::min(weight, 1.0f) * (signed_noise(p) + s.offset) * power;
+  return value + rest * std::min(weight, 1.0f) * (noise[n + 1] + s.offset) * power;
 }
 
-template <int N>
-float ridged_multifractal(Point<N> p, const FractalSettings& s) {
-  const auto ridge = [&] {
-    const float r = s.offset - std::abs(signed_noise(p));
+float ridged_multifractal(const float* noise, const FractalSettings& s) {
+  const auto ridge = [&](int i) {
+    const float r = s.offset - std::abs(noise[i]);
     return r * r;
   };
-  float power = s.roughness, signal = ridge(), value = signal;
+  float power = s.roughness, signal = ridge(0), value = signal;
   for (int i = 1, n = to_int(s.detail); i <= n; ++i) {
-    p = p * s.lacunarity;
     const float weight = clamp_unit(signal * s.gain);
-    signal = ridge() * weight;
+    signal = ridge(i) * weight;
     value += signal * power;
     power *= s.roughness;
   }
   return value;
+}
+
+float fractal_of(const float* noise, const FractalSettings& s) {
+  switch (s.type) {
+    case NoiseType::MULTIFRACTAL: return multifractal(noise, s);
+    case NoiseType::RIDGED_MULTIFRACTAL: return ridged_multifractal(noise, s);
+    case NoiseType::HYBRID_MULTIFRACTAL: return hybrid_multifractal(noise, s);
+    case NoiseType::FBM: return fbm(noise, s);
+    case NoiseType::HETERO_TERRAIN: return hetero_terrain(noise, s);
+  }
+  return 0;
 }
 
 // Offsets in 100..200 stand in for a seed.
@@ -162,38 +166,45 @@ Point<N> moved(Point<N> p, float seed) {
 template <int N>
 void noise_in(Frame& f, const uint32_t* w, Point<N> p, float distortion, const FractalSettings& s) {
   if (distortion != 0) {
-    const Point<N> start = p;
-    for (int d = 0; d < N; ++d) p.c[d] += signed_noise(moved(start, static_cast<float>(d))) * distortion;
+    Batch<N> batch;
+    for (int d = 0; d < N; ++d) batch.add(moved(p, static_cast<float>(d)));
+    const float* noise = batch.evaluate();
+    for (int d = 0; d < N; ++d) p.c[d] += noise[d] * distortion;
   }
-  const float value = fractal_noise(p, s);
+  const bool colored = w[1] != kUnused;
+  Batch<N> batch;
+  add_octaves(batch, p, s);
+  if (colored) {
+    add_octaves(batch, moved(p, N), s);
+    add_octaves(batch, moved(p, N + 1), s);
+  }
+  const float* noise = batch.evaluate();
+  const float value = fractal_of(noise, s);
   f.set(w[0], value);
-  if (w[1] == kUnused) return;
-  f.set(w[1], Vec3{value, fractal_noise(moved(p, N), s), fractal_noise(moved(p, N + 1), s)});
+  if (!colored) return;
+  const uint32_t n = octaves_of(s);
+  f.set(w[1], Vec3{value, fractal_of(noise + n, s), fractal_of(noise + 2 * n, s)});
 }
 
 }  // namespace
 
-template <int N>
-float signed_noise(const Point<N>& p) {
-  Point<N> q = p;
-  for (int d = 0; d < N; ++d) {
-    if (std::abs(q.c[d]) < 100000.0f) continue;
-    if (!std::isfinite(q.c[d])) return 0;
-    q.c[d] = std::fmod(q.c[d], 100000.0f) + (std::abs(q.c[d]) >= 1000000.0f ? 0.5f : 0.0f);
-  }
-  return kScale[N] * perlin(q);
+NoiseKernel choose_noise_kernel(const std::string& name) {
+#if defined(__x86_64__) && defined(__GNUC__)
+  __builtin_cpu_init();
+  const bool avx512 = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
+                      __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw");
+  if (avx512 && (name.empty() || name == "avx512")) return noise_avx512;
+  if (__builtin_cpu_supports("avx2") && (name.empty() || name == "avx2")) return noise_avx2;
+  if (__builtin_cpu_supports("sse4.2") && (name.empty() || name == "sse42")) return noise_sse42;
+#endif
+  return name.empty() || name == "generic" ? noise_generic : nullptr;
 }
 
 template <int N>
 float fractal_noise(Point<N> p, const FractalSettings& s) {
-  switch (s.type) {
-    case NoiseType::MULTIFRACTAL: return multifractal(p, s);
-    case NoiseType::RIDGED_MULTIFRACTAL: return ridged_multifractal(p, s);
-    case NoiseType::HYBRID_MULTIFRACTAL: return hybrid_multifractal(p, s);
-    case NoiseType::FBM: return fbm(p, s);
-    case NoiseType::HETERO_TERRAIN: return hetero_terrain(p, s);
-  }
-  return 0;
+  Batch<N> batch;
+  add_octaves(batch, p, s);
+  return fractal_of(batch.evaluate(), s);
 }
 
 template float fractal_noise(Point<3>, const FractalSettings&);

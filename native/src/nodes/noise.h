@@ -16,9 +16,6 @@ struct FractalSettings {
   bool normalize = true;
 };
 
-// Signed noise in about [-1, 1], repeating every 100,000 units.
-template <int N>
-float signed_noise(const Point<N>& p);
 template <int N>
 float fractal_noise(Point<N> p, const FractalSettings& s);
 

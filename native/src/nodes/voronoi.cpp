@@ -2,6 +2,7 @@
 // distances to edges by Quilez ("Voronoi edges"), smooth minimum over cells; octaves of them.
 #include "frame.h"
 #include "hashes.h"
+#include "lanes.h"
 #include "noise.h"
 
 namespace photon_splat::nodes {
