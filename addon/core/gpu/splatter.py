@@ -1,9 +1,10 @@
 """Feeds the graphics card: while it draws one batch of photons, the CPU traces the next.
 
 The CPU finds which blocks of points each photon may reach, with the tree that its own splatter uses. It does the kernel
-masses M(x) too: measured on two cores, they are 0.4 to 0.7 % of a render of 200,000 photons a pass and 3 to 7 % of one of
-20,000, once a pass, while walks along patch edges that differ in length from point to point are the work that suits a
-graphics card least. M on the card has not been tried; tests/bench/gpu.py says what it could save at most.
+masses M(x) too, once a pass, while the card waits: measured on two cores, they are 0.2 to 0.6 % of a render at 1920x1080, and
+of small pictures 0.4 to 0.7 % with 200,000 photons a pass and 3 to 7 % with 20,000. More could not be gained by M(x) on the
+card, if it took no time there, and walks along patch edges that differ in length from point to point are the work that suits
+a card least. tests/bench/gpu.py says how much it would be on another machine.
 """
 
 from __future__ import annotations
