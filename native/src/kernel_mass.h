@@ -9,11 +9,9 @@ namespace photon_splat {
 // w as in point_block.h.
 // - Planar patch: exact from its boundary edges alone; the divergence theorem turns the integral into one over edges of
 //   G(r) (r.n)/r^2, G(r) = integral of K(s) s ds. Cost does not grow with tessellation.
-// - Bent patch: exact as a sum over the triangles within the disc, if they are few; else as a sum over 1,024 points
-//   spread over the patch (good to some per cent), if enough of them lie within the disc.
-// - Gently curved or finely tessellated patch: the Euclidean ball's mass, 1 (exact on spheres, 1 + h^2/32 (k1 - k2)^2 in
-//   general), less what lies beyond edges projected to the tangent plane; `exact` is false.
-// - Bent and finely tessellated: mass 0, not exact; a smaller h must be tried.
+// - Bent patch: a sum over its triangles (bent_mass.h).
+// - Gently curved patch: the Euclidean ball's mass, 1 (exact on spheres, 1 + h^2/32 (k1 - k2)^2 in general), less what lies
+//   beyond edges projected to the tangent plane; `exact` is false.
 // `normal` is the geometric normal at x, on either side. An exact mass is at least kSmallestMass.
 // `narrow` is the mass of the kernel of radius kNarrow * h, found on the way.
 struct KernelMass {

@@ -1,5 +1,6 @@
 #include "scene.h"
 
+#include <atomic>
 #include <new>
 #include <set>
 
@@ -82,10 +83,21 @@ void Scene::throw_on_error(const CancelFlag& cancel) const {
     throw std::runtime_error(std::string("Embree failed: ") + rtcGetErrorString(error));
 }
 
-void Scene::commit(RTCScene scene, const CancelFlag& cancel) {
+void Mesh::describe_surface(const CancelFlag& cancel) {
+  topology = build_topology(positions, triangles, cancel);
+  edge_tree = std::make_unique<EdgeTree>(topology.edges);
+  surface_tree = std::make_unique<SurfaceTree>(positions, triangles, topology, cancel);
+}
+
+void Scene::commit(RTCScene scene, const CancelFlag& cancel, const std::function<void()>& meanwhile) {
   rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
   rtcSetSceneProgressMonitorFunction(scene, report_progress, const_cast<CancelFlag*>(&cancel));
-  pool_.run_on_all([&](int) { rtcJoinCommitScene(scene); });
+  pool_.run_on_all([&](int worker) {
+    const bool begins = worker == pool_.size() - 1;  // one with Embree, the others with what can be done meanwhile
+    if (!begins && meanwhile) meanwhile();
+    rtcJoinCommitScene(scene);
+    if (begins && meanwhile) meanwhile();
+  });
   rtcSetSceneProgressMonitorFunction(scene, nullptr, nullptr);
   throw_on_error(cancel);
 }
@@ -119,13 +131,6 @@ void Scene::build(const CancelFlag& cancel) {
     instance.scale = 1;
   }
 
-  pool_.for_each(meshes.size(), cancel, [&](size_t m, int) {
-    Mesh& mesh = meshes[m];
-    if (!uses[m]) return;
-    mesh.topology = build_topology(mesh.positions, mesh.triangles, cancel);
-    mesh.edge_tree = std::make_unique<EdgeTree>(mesh.topology.edges);
-  });
-
   top_ = rtcNewScene(device_);
   mesh_scenes_.assign(meshes.size(), nullptr);
   for (uint32_t i = 0; i < instances.size(); ++i) {
@@ -151,7 +156,14 @@ void Scene::build(const CancelFlag& cancel) {
     rtcAttachGeometryByID(top_, geometry, i);
     rtcReleaseGeometry(geometry);
   }
-  commit(top_, cancel);
+  std::atomic<size_t> next{0};
+  const auto describe_surfaces = [&] {
+    for (size_t m; (m = next++) < meshes.size();) {
+      cancel.check();
+      if (uses[m]) meshes[m].describe_surface(cancel);
+    }
+  };
+  commit(top_, cancel, describe_surfaces);
   update_features();
   if (!instances.empty()) {
     RTCBounds b;

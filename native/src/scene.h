@@ -11,7 +11,7 @@
 #include "nodes/program.h"
 #include "parallel.h"
 #include "texture.h"
-#include "topology.h"
+#include "surface_tree.h"
 
 namespace photon_splat {
 
@@ -36,6 +36,10 @@ struct Mesh {
   GeneratedSpace generated;
   Topology topology;
   std::unique_ptr<EdgeTree> edge_tree;
+  std::unique_ptr<SurfaceTree> surface_tree;
+
+  // Makes the last three from the others. Throws Cancelled.
+  void describe_surface(const CancelFlag& cancel);
 
   const MeshAttribute* attribute(uint32_t id) const {
     for (const MeshAttribute& a : attributes)
@@ -178,7 +182,8 @@ class Scene {
     Vec3 normal;  // Embree's, unnormalised, in the coordinates of the instance
   };
   void fill_surface(const RawHit& hit, const Vec3& origin, const Vec3& direction, Surface& surface) const;
-  void commit(RTCScene scene, const CancelFlag& cancel);
+  // Every thread calls `meanwhile` once.
+  void commit(RTCScene scene, const CancelFlag& cancel, const std::function<void()>& meanwhile = {});
   void throw_on_error(const CancelFlag& cancel) const;
 
   ThreadPool pool_;

@@ -88,42 +88,6 @@ uint32_t find_root(std::vector<uint32_t>& parent, uint32_t i) {
   return i;
 }
 
-// Stratified in area along the order of triangles, and by Roberts' R2 sequence within each triangle.
-void sample_patches(const std::vector<Vec3>& positions, const std::vector<Triangle>& triangles, const std::vector<Vec3>& normal,
-                    const std::vector<float>& area, Topology& out) {
-  const size_t patches = out.planar.size();
-  std::vector<uint32_t> count(patches);
-  std::vector<double> total(patches), so_far(patches);
-  for (uint32_t t = 0; t < triangles.size(); ++t) {
-    ++count[out.patch[t]];
-    total[out.patch[t]] += area[t];
-  }
-  out.first_sample.assign(patches + 1, 0);
-  for (size_t p = 0; p < patches; ++p) {
-    const bool wanted = !out.planar[p] && count[p] > Topology::kManyTriangles && total[p] > 0;
-    out.first_sample[p + 1] = out.first_sample[p] + (wanted ? Topology::kSamplesPerPatch : 0);
-  }
-  out.samples.resize(out.first_sample.back());
-  std::vector<uint32_t> taken(patches);
-  for (uint32_t t = 0; t < triangles.size() && !out.samples.empty(); ++t) {
-    const uint32_t p = out.patch[t], wanted = out.first_sample[p + 1] - out.first_sample[p];
-    so_far[p] += area[t];
-    while (taken[p] < wanted && (taken[p] + 0.5) * total[p] <= so_far[p] * wanted * (1 + 1e-12)) {
-      const double i = taken[p] + 1;
-      double u = i * 0.7548776662466927, v = i * 0.5698402909980532;
-      u -= std::floor(u);
-      v -= std::floor(v);
-      if (u + v > 1) {
-        u = 1 - u;
-        v = 1 - v;
-      }
-      const Vec3 &a = positions[triangles[t][0]], &b = positions[triangles[t][1]], &c = positions[triangles[t][2]];
-      const Vec3 place = a + (b - a) * static_cast<float>(u) + (c - a) * static_cast<float>(v);
-      out.samples[out.first_sample[p] + taken[p]++] = {place, normal[t], static_cast<float>(total[p] / wanted)};
-    }
-  }
-}
-
 }  // namespace
 
 Topology build_topology(const std::vector<Vec3>& positions, const std::vector<Triangle>& triangles,
@@ -187,8 +151,6 @@ Topology build_topology(const std::vector<Vec3>& positions, const std::vector<Tr
 
   out.patch_area.assign(patches, 0.0f);
   for (uint32_t t = 0; t < count; ++t) out.patch_area[out.patch[t]] += area[t];
-
-  sample_patches(positions, triangles, normal, area, out);
 
   // A crease between triangles that are joined some other way round is no end: photons beyond it count.
   const auto is_boundary = [&](uint32_t half) {

@@ -17,12 +17,6 @@ struct BoundaryEdge {
   uint32_t patch;
 };
 
-// A point of a patch that stands for `area` of it, m^2 in mesh coordinates.
-struct PatchSample {
-  Vec3 position, normal;
-  float area;
-};
-
 // Triangles joined across edges whose dihedral angle is below the crease angle make a patch. Vertices at the same
 // position count as one, whatever their index; an edge shared by three or more triangles ends a patch.
 struct Topology {
@@ -33,10 +27,6 @@ struct Topology {
   std::vector<float> curvature;          // 1/m in mesh coordinates per triangle; empty when all patches are planar
   std::vector<float> patch_curvature;    // the largest of each patch
   std::vector<float> patch_area, patch_rim;  // m^2; length of its boundary, m: in mesh coordinates
-  // Points spread evenly over bent patches of many triangles, to integrate over them without visiting each one.
-  static constexpr uint32_t kManyTriangles = 256, kSamplesPerPatch = 1024;
-  std::vector<PatchSample> samples;      // sorted by patch
-  std::vector<uint32_t> first_sample;    // per patch, and one past the end
   std::vector<BoundaryEdge> edges;       // sorted by patch
   std::vector<uint32_t> first_edge;      // per patch, and one past the end
 

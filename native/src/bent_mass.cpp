@@ -1,0 +1,154 @@
+#include "bent_mass.h"
+
+#include "kernel_mass.h"
+#include "point_block.h"
+
+namespace photon_splat {
+namespace {
+
+constexpr double kNarrow2 = double(kNarrow) * kNarrow;
+constexpr double kSmall2 = 0.04;      // squared edges of small triangles, in squared radii
+constexpr float kSmall = 0.2f;       // radius of small branches, in h
+constexpr float kTiny = 0.02f;        // of those that are taken whole whatever their normals
+constexpr float kEven = 0.97f;        // length of the mean normal of branches that are nearly flat
+
+// One piece of surface, in world space.
+struct Piece {
+  double area;
+  float weight;      // w(n_x.n_y)
+  double mean2;      // mean squared distance from x, m^2
+  double variance;   // of that distance towards x, m^2
+};
+
+struct Sum {
+  const Scene& scene;
+  const Instance& placed;
+  const Mesh& mesh;
+  Vec3 x, normal;
+  float h;
+  float side;          // -1: x is on the triangles' back
+  float gram[6] = {1, 1, 1, 0, 0, 0};  // of the transform: |to_world v|^2 = v.G v; xx, yy, zz, xy, xz, yz, those twice
+  Masses mass{};
+
+  float weight_of(const Vec3& front) const { return std::clamp(kNormalWeightSlope * side * dot(front, normal), 0.0f, 1.0f); }
+
+  // Mean over a piece of max(0, 1 - d^2/r^2), were 1 - d^2/r^2 even between its mean +- sqrt(3) times its deviation.
+  static double mean_kernel(const Piece& piece, double r2) {
+    const double k = 1 - piece.mean2 / r2, reach = 2 * std::sqrt(3 * piece.mean2 * piece.variance) / r2;
+    if (k >= reach) return k;
+    return k <= -reach ? 0 : (k + reach) * (k + reach) / (4 * reach);
+  }
+
+  // `near` and `far`: between which distances from x the piece lies.
+  static double kernel_of(const Piece& piece, double near, double far, double r) {
+    return near >= r ? 0 : far <= r ? 1 - piece.mean2 / (r * r) : mean_kernel(piece, r * r);
+  }
+
+  // Whether its children must be looked at.
+  bool enter(const SurfaceNode& node) {
+    const Vec3 way = (placed.shared ? placed.to_world.point(node.centre) : node.centre) - x;
+    const float radius = node.radius * placed.scale, distance = length(way);
+    if (distance - radius >= h || node.area <= 0) return false;
+    const float even = length(node.normal);
+    if (even < kEven && radius > kTiny * h) return true;
+    const float near = distance - radius, far = distance + radius, narrow = kNarrow * h;
+    const bool whole = far <= narrow || (far <= h && near >= narrow);
+    if ((!whole && radius > kSmall * h) || even <= 0) return true;
+    Vec3 front = node.normal / even;
+    Piece piece{node.area, 0, length2(way), 0};
+    if (placed.shared) {  // an area element grows by |det M| |M^-T n|
+      front = placed.to_local.transposed_vector(front);
+      const float stretch = length(front);
+      front = front / stretch;
+      piece.area *= stretch * std::abs(determinant(placed.to_world));
+    }
+    double spread = 0;
+    for (int i = 0; i < 6; ++i) spread += double(gram[i]) * node.spread[i];
+    piece.weight = weight_of(front);
+    piece.mean2 += spread;
+    piece.variance = spread / 2;  // a surface has two directions
+    const double factor = piece.weight * piece.area * 2 / M_PI;
+    mass.wide += factor / (double(h) * h) * kernel_of(piece, near, far, h);
+    mass.narrow += factor / (double(narrow) * narrow) * kernel_of(piece, near, far, narrow);
+    return false;
+  }
+
+  void add(uint32_t triangle) {
+    Vec3 corner[3];
+    for (int i = 0; i < 3; ++i) corner[i] = placed.to_world.point(mesh.positions[mesh.triangles[triangle][i]]);
+    if (placed.mirrored) std::swap(corner[1], corner[2]);
+    const Vec3 n = cross(corner[1] - corner[0], corner[2] - corner[0]);
+    const float len = length(n);
+    if (!(len > 0)) return;
+    const Vec3 front = n / len;
+    const float weight = weight_of(front);
+    const float height = dot(x - corner[0], front), relative = height / h;
+    if (weight <= 0) return;
+    // Wholly within a ball the kernel is a polynomial: the mean of d^2 over a triangle is (sum of the corners' + |sum of corners|^2)/12.
+    double squares[3], most = 0, sum_of_squares = 0;
+    for (int i = 0; i < 3; ++i) {
+      squares[i] = length2(corner[i] - x);
+      most = std::max(most, squares[i]);
+      sum_of_squares += squares[i];
+    }
+    const double h2 = double(h) * h, narrow2 = h2 * kNarrow2;
+    const double mean = (sum_of_squares + length2(corner[0] + corner[1] + corner[2] - x * 3.0f)) / 12;
+    const double area = 0.5 * len;
+    const bool wide_done = most <= h2, narrow_done = most <= narrow2;
+    if (wide_done) mass.wide += weight * area * 2 / (M_PI * h2) * (1 - mean / h2);
+    if (narrow_done) mass.narrow += weight * area * 2 / (M_PI * narrow2) * (1 - mean / narrow2);
+    if (wide_done && narrow_done) return;
+    if (std::max({length2(corner[1] - corner[0]), length2(corner[2] - corner[1]), length2(corner[0] - corner[2])}) < kSmall2 * h2) {
+      // Small ones on the rim, where the kernel fades to 0: seven points (corners 1/20, middles of edges 2/15, centre 9/20).
+      double wide = 0, narrow = 0;
+      const auto at = [&](double d2, double share) {
+        wide += share * std::max(0.0, 1 - d2 / h2);
+        narrow += share * std::max(0.0, 1 - d2 / narrow2);
+      };
+      for (int i = 0; i < 3; ++i) {
+        at(squares[i], 1.0 / 20);
+        at(length2((corner[i] + corner[(i + 1) % 3]) * 0.5f - x), 2.0 / 15);
+      }
+      at(length2((corner[0] + corner[1] + corner[2]) * (1.0f / 3) - x), 9.0 / 20);
+      if (!wide_done) mass.wide += weight * area * 2 / (M_PI * h2) * wide;
+      if (!narrow_done) mass.narrow += weight * area * 2 / (M_PI * narrow2) * narrow;
+      return;
+    }
+    // Squared radii, in h, of the discs that the balls cut from the plane.
+    const double cut2 = 1 - relative * relative, narrow_cut2 = cut2 - (1 - kNarrow2);
+    if (cut2 <= 0) return;
+    const Vec3 foot = x - front * height;
+    EdgeInPlane e;
+    Masses share;
+    for (int i = 0; i < 3; ++i) {
+      if (!project(foot, front, h, corner[i], corner[(i + 1) % 3], e)) continue;
+      if (!wide_done) share.wide += triangle_mass(rescaled(e, std::sqrt(cut2)));
+      if (!narrow_done && narrow_cut2 > 0) share.narrow += triangle_mass(rescaled(e, std::sqrt(narrow_cut2)));
+    }
+    mass.wide += weight * cut2 * cut2 * share.wide;  // the kernel on that plane is cut2^2 times one of the smaller radius
+    if (!narrow_done && narrow_cut2 > 0) mass.narrow += weight * std::pow(narrow_cut2 / kNarrow2, 2) * share.narrow;
+  }
+};
+
+}  // namespace
+
+Masses bent_mass(const Scene& scene, uint32_t instance, uint32_t triangle, const Vec3& x, const Vec3& normal, float h) {
+  const Instance& placed = scene.instances[instance];
+  const Mesh& mesh = scene.meshes[placed.mesh];
+  Sum sum{scene, placed, mesh, x, normal, h, 1};
+  const Triangle& t = mesh.triangles[triangle];
+  const Vec3 a = placed.to_world.point(mesh.positions[t[0]]);
+  const Vec3 own = cross(placed.to_world.point(mesh.positions[t[1]]) - a, placed.to_world.point(mesh.positions[t[2]]) - a);
+  // A patch has one side towards the viewer; `normal` is on it, so that the triangles' fronts all agree or all disagree.
+  sum.side = (dot(own, normal) >= 0) != placed.mirrored ? 1.0f : -1.0f;
+  if (placed.shared) {
+    const Vec3 c[3] = {placed.to_world.column(0), placed.to_world.column(1), placed.to_world.column(2)};
+    const float gram[6] = {dot(c[0], c[0]), dot(c[1], c[1]), dot(c[2], c[2]), 2 * dot(c[0], c[1]), 2 * dot(c[0], c[2]), 2 * dot(c[1], c[2])};
+    std::copy(gram, gram + 6, sum.gram);
+  }
+  mesh.surface_tree->visit(mesh.topology.patch[triangle], [&](const SurfaceNode& node) { return sum.enter(node); },
+                           [&](uint32_t leaf) { sum.add(leaf); });
+  return sum.mass;
+}
+
+}  // namespace photon_splat
