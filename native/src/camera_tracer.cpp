@@ -1,5 +1,7 @@
 #include "camera_tracer.h"
 
+#include <atomic>
+
 namespace photon_splat {
 namespace {
 
@@ -67,29 +69,47 @@ struct CameraTracer::Job {
   const SampleChoice* choice;  // none: one sample
   int max_bounces;
   bool records, learns;
+  bool again = false;  // of pixels that have changed only
 };
 
 void CameraTracer::trace_tiles(const Job& job, Film& film, const CancelFlag& cancel) {
   const int across = (film.width + kTileSize - 1) / kTileSize, down = (film.height + kTileSize - 1) / kTileSize;
   tiles_.resize(static_cast<size_t>(across) * down);
-  scene_.pool().for_each(tiles_.size(), cancel, [&](size_t t, int) {
-    Tile& tile = tiles_[t];
-    tile.records.clear();
-    tile.sightings.clear();
-    tile.rays = tile.bad_samples = tile.places = tile.fallbacks = 0;
-    const int x_begin = static_cast<int>(t % across) * kTileSize, y_begin = static_cast<int>(t / across) * kTileSize;
-    const int x_end = std::min(x_begin + kTileSize, film.width), y_end = std::min(y_begin + kTileSize, film.height);
-    for (int y = y_begin; y < y_end; ++y)
-      for (int x = x_begin; x < x_end; ++x) trace_pixel(job, x, y, film, tile);
-  });
-  last_rays_ = 0;
+  scene_.pool().for_each(tiles_.size(), cancel, [&](size_t t, int) { trace_tile(job, t, film); });
+  if (!job.again) last_rays_ = 0;
   for (const Tile& tile : tiles_) {
     last_rays_ += tile.rays;
+    rays_ += tile.rays;
     bad_samples_ += tile.bad_samples;
     places_ += tile.places;
     fallbacks_ += tile.fallbacks;
   }
-  rays_ += last_rays_;
+}
+
+void CameraTracer::trace_tile(const Job& job, size_t t, Film& film) {
+  Tile& tile = tiles_[t];
+  tile.sightings.clear();
+  tile.rays = tile.bad_samples = tile.places = tile.fallbacks = 0;
+  if (job.again && tile.kept.empty()) return;
+  tile.records.clear();
+  const int across = (film.width + kTileSize - 1) / kTileSize;
+  const int x_begin = static_cast<int>(t % across) * kTileSize, y_begin = static_cast<int>(t / across) * kTileSize;
+  const int x_end = std::min(x_begin + kTileSize, film.width), y_end = std::min(y_begin + kTileSize, film.height);
+  size_t next = 0;  // of those kept, which are in the order of pixels
+  for (int y = y_begin; y < y_end; ++y)
+    for (int x = x_begin; x < x_end; ++x) {
+      if (job.again) {
+        const uint32_t pixel = static_cast<uint32_t>(y) * film.width + x;
+        const size_t first = next;
+        while (next < tile.kept.size() && tile.kept[next].pixel == pixel) ++next;
+        if (first == next || !tile.changed[first]) {
+          tile.records.insert(tile.records.end(), tile.kept.begin() + first, tile.kept.begin() + next);
+          continue;
+        }
+      }
+      trace_pixel(job, x, y, film, tile);
+    }
+  tile.kept.clear();
 }
 
 void CameraTracer::trace_pixel(const Job& job, int x, int y, Film& film, Tile& tile) const {
@@ -360,11 +380,41 @@ bool CameraTracer::scatter(Path& path, const Surface& hit, const Bsdf& bsdf, con
   return true;
 }
 
-const std::vector<Record>& CameraTracer::trace(uint32_t pass, const SampleChoice& choice, SkyGuide& sky, int max_bounces, Film& film,
+const Records& CameraTracer::trace(uint32_t pass, const SampleChoice& choice, SkyGuide& sky, int max_bounces, Film& film,
                                                 const CancelFlag& cancel) {
-  const bool learns = sky.learning() && !lights_.environment().black();
-  trace_tiles({pass, &choice, max_bounces, true, learns}, film, cancel);
-  if (learns) {
+  trace_records({pass, &choice, max_bounces, true, false}, sky, film, cancel);
+  return records_;
+}
+
+bool CameraTracer::trace_again(uint32_t pass, const SampleChoice& choice, SkyGuide& sky, int max_bounces, Film& film,
+                               const CancelFlag& cancel) {
+  std::atomic<bool> any{false};
+  scene_.pool().for_each(tiles_.size(), cancel, [&](size_t t, int) {
+    Tile& tile = tiles_[t];
+    tile.changed.assign(tile.records.size(), 0);
+    bool some = false;
+    for (size_t first = 0, end; first < tile.records.size(); first = end) {
+      bool changed = false;
+      for (end = first; end < tile.records.size() && tile.records[end].pixel == tile.records[first].pixel; ++end) {
+        const Record& r = tile.records[end];
+        changed = changed || fallback_->at(r.key, r.position, r.instance, r.triangle, radius_factor_);
+      }
+      tile.changed[first] = changed;
+      some |= changed;
+    }
+    if (!some) return;
+    tile.kept.swap(tile.records);
+    any.store(true, std::memory_order_relaxed);
+  });
+  if (any) trace_records({pass, &choice, max_bounces, true, false, true}, sky, film, cancel);
+  return any;
+}
+
+void CameraTracer::trace_records(const Job& job, SkyGuide& sky, Film& film, const CancelFlag& cancel) {
+  Job learning = job;
+  learning.learns = sky.learning() && !lights_.environment().black();
+  trace_tiles(learning, film, cancel);
+  if (learning.learns) {
     for (const Tile& tile : tiles_) sky.learn(tile.sightings);
     sky.end_pass();
   }
@@ -374,7 +424,6 @@ const std::vector<Record>& CameraTracer::trace(uint32_t pass, const SampleChoice
   scene_.pool().for_each(tiles_.size(), cancel, [&](size_t t, int) {
     std::copy(tiles_[t].records.begin(), tiles_[t].records.end(), records_.begin() + ranges_[t]);
   });
-  return records_;
 }
 
 void CameraTracer::trace_reference(uint32_t sample, int max_bounces, Film& film, const CancelFlag& cancel) {

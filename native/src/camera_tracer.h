@@ -25,6 +25,8 @@ struct Record {
   bool wandered = false;       // the path has gone on from such a place
 };
 
+using Records = LargeArray<Record>;
+
 class CameraTracer {
  public:
   CameraTracer(Scene& scene, const Lights& lights, const Camera& camera, uint32_t seed)
@@ -33,7 +35,7 @@ class CameraTracer {
   // The camera samples of pass `pass`, as many as `choice` says, instead of what `film` held; returns the records in tile
   // order. Paths go through at most `max_bounces` lobes.
   // Tells `sky` what it has seen of the world, as long as that wants to learn.
-  const std::vector<Record>& trace(uint32_t pass, const SampleChoice& choice, SkyGuide& sky, int max_bounces, Film& film,
+  const Records& trace(uint32_t pass, const SampleChoice& choice, SkyGuide& sky, int max_bounces, Film& film,
                                    const CancelFlag& cancel);
 
   // From now on paths go on for the indirect light where `fallback` says so (nullptr: nowhere); with `caustics` photons bring
@@ -43,6 +45,10 @@ class CameraTracer {
     caustic_photons_ = caustics;
     radius_factor_ = radius_factor;
   }
+
+  // trace() once more, in the same `film`, of the pixels with records where paths go on by now; others stay as they are. False if
+  // there are none.
+  bool trace_again(uint32_t pass, const SampleChoice& choice, SkyGuide& sky, int max_bounces, Film& film, const CancelFlag& cancel);
 
   // One sample per pixel of the unbiased path tracer, indirect light included; leaves no records.
   void trace_reference(uint32_t sample, int max_bounces, Film& film, const CancelFlag& cancel);
@@ -62,11 +68,15 @@ class CameraTracer {
     std::vector<Record> records;
     std::vector<SkyGuide::Sighting> sightings;
     uint64_t rays = 0, bad_samples = 0, places = 0, fallbacks = 0;
+    std::vector<Record> kept;      // while some pixels are traced again: all there were
+    std::vector<uint8_t> changed;  // for the first of each pixel, whether that is among them
   };
   struct Path;
   enum class Passing { kStays, kPasses, kAbsorbed };
   struct Job;
   void trace_tiles(const Job& job, Film& film, const CancelFlag& cancel);
+  void trace_tile(const Job& job, size_t t, Film& film);
+  void trace_records(const Job& job, SkyGuide& sky, Film& film, const CancelFlag& cancel);
   void trace_pixel(const Job& job, int x, int y, Film& film, Tile& tile) const;
   void trace_path(Path& path) const;
   void add_met(Path& path, const Rgb& radiance, Rgb& seen, int16_t light_group = kNoLightGroup) const;
@@ -88,7 +98,7 @@ class CameraTracer {
   const Camera& camera_;
   uint32_t seed_;
   std::vector<Tile> tiles_;
-  std::vector<Record> records_;
+  Records records_;
   std::vector<size_t> ranges_;
   uint64_t rays_ = 0, last_rays_ = 0, bad_samples_ = 0, places_ = 0, fallbacks_ = 0;
   const Fallback* fallback_ = nullptr;

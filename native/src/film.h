@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "large_pages.h"
 #include "vec.h"
 
 namespace photon_splat {
@@ -41,7 +42,7 @@ inline constexpr float kBackgroundDepth = 1e10f;
 struct Film {
   int width = 0, height = 0;
   uint32_t passes = 0;  // in it so far
-  std::vector<Pixel> pixels;
+  LargeArray<Pixel> pixels;
   int light_groups = 0;
   std::vector<Rgb> by_group;  // of each pixel its light by group, sums like those of the pixel
 

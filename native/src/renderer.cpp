@@ -104,33 +104,41 @@ void Renderer::make_fallback() {
   fallback_.emplace(scene, *indirect.radii, indirect.photons_per_disc, static_cast<double>(indirect.paths_per_pass));
 }
 
-// Needs records of places that have not fallen back, and replaces them. What paths meet that go on from there is learnt of as well.
+// Needs records of places that have not fallen back, and replaces them. What paths meet that go on from there is learnt of as well,
+// if it is new.
 void Renderer::learn_fallback(uint32_t pass) {
-  learn(*layers_.front());
+  Layer& indirect = *layers_.front();
+  const KeyFilter known = keys_seen(indirect);
+  learn(indirect);
   make_fallback();
-  const float factor = radius_factor(pass);
-  const bool wanted = std::any_of(records_->begin(), records_->end(), [&](const Record& r) {
-    return fallback_->at(r.key, r.position, r.instance, r.triangle, factor);
-  });
-  if (!wanted) {
-    fallback_.reset();
-    return;
+  camera_tracer_->set_fallback(&*fallback_, layers_.size() > 1, radius_factor(pass));
+  {
+    Timer timer(seconds_.camera);
+    if (!camera_tracer_->trace_again(pass, samples_, sky_, options.max_bounces, pass_film_, cancel_)) {
+      fallback_.reset();
+      return;
+    }
   }
-  trace_records(pass);
-  learn(*layers_.front());
+  const bool more = std::any_of(records_->begin(), records_->end(), [&](const Record& r) { return !known.contains(r.key); });
+  if (!more) return;
+  learn(indirect);
   make_fallback();
+}
+
+// The surfaces that photons of a layer are wanted on.
+KeyFilter Renderer::keys_seen(const Layer& layer) const {
+  KeyFilter keys;
+  if (options.kept_photon_bytes) keys.add_all();
+  else
+    for (const Record& r : *records_)
+      if (!r.caustics_only || layer.stream == PhotonStream::kCaustic) keys.add(r.key);
+  return keys;
 }
 
 // A pilot teaches where useful photons start and how dense they land.
 void Renderer::learn(Layer& layer) {
   Timer timer(seconds_.photons);
-  KeyFilter keys;
-  if (options.kept_photon_bytes) {
-    keys.add_all();
-  } else {
-    for (const Record& r : *records_)
-      if (!r.caustics_only || layer.stream == PhotonStream::kCaustic) keys.add(r.key);
-  }
+  const KeyFilter keys = keys_seen(layer);
   const uint64_t paths = std::max<uint64_t>(1, std::min(layer.paths_per_pass, kPilotPaths));
   const std::vector<Photon>* pilot = layer.tracer->learn_emission(paths, hash_combine(layer.seed, 4), keys, cancel_);
   if (!pilot) pilot = &layer.tracer->trace(0, paths, static_cast<double>(paths), hash_combine(layer.seed, 3), keys, cancel_);
@@ -227,7 +235,7 @@ void Renderer::resolve() {
 
 // Of records that camera paths have left behind a fallback, whose noise is the camera's; or of all others.
 void Renderer::add_irradiance(Layer& layer, bool wandered) {
-  const std::vector<Record>& records = *records_;
+  const Records& records = *records_;
   const std::vector<PointBlock>& blocks = layer.points.blocks();
   const std::vector<size_t>& ranges = camera_tracer_->tile_ranges();
   scene.pool().for_each(ranges.size() - 1, cancel_, [&](size_t tile, int) {

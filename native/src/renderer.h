@@ -147,6 +147,7 @@ class Renderer {
   void trace_records(uint32_t pass);
   void make_fallback();
   void learn_fallback(uint32_t pass);
+  KeyFilter keys_seen(const Layer& layer) const;
   float radius_factor(uint32_t pass) const;
   void add_irradiance(Layer& layer, bool wandered);
   void check_light_groups() const;
@@ -169,7 +170,7 @@ class Renderer {
   SampleChoice samples_;
   SkyGuide sky_;
   ErrorEstimate errors_;
-  const std::vector<Record>* records_ = nullptr;
+  const Records* records_ = nullptr;
   std::vector<Photon> given_photons_;
   const std::vector<Photon>* photons_ = &given_photons_;
   const std::vector<int16_t>* photon_groups_ = &no_groups_;  // of those photons, or empty

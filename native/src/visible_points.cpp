@@ -37,14 +37,14 @@ float quantized(float h) { return std::exp2(std::round(std::log2(h) * 4) / 4); }
 
 }  // namespace
 
-void VisiblePoints::build(Scene& scene, const std::vector<Record>& records, const RadiusMap& radii,
+void VisiblePoints::build(Scene& scene, const Records& records, const RadiusMap& radii,
                           const PointSettings& settings, uint32_t pass, uint32_t seed, const CancelFlag& cancel) {
   find_cells(scene, records, radii, settings, pass, seed, cancel);
   pick_points(scene, cancel);
   fill_blocks(scene, records, cancel);
 }
 
-void VisiblePoints::find_cells(Scene& scene, const std::vector<Record>& records, const RadiusMap& radii,
+void VisiblePoints::find_cells(Scene& scene, const Records& records, const RadiusMap& radii,
                                const PointSettings& s, uint32_t pass, uint32_t seed, const CancelFlag& cancel) {
   cells_.resize(records.size());
   Random random(pass, hash_combine(seed, 0x9017u));
@@ -152,7 +152,7 @@ void VisiblePoints::pick_points(Scene& scene, const CancelFlag& cancel) {
   });
 }
 
-void VisiblePoints::fill_blocks(Scene& scene, const std::vector<Record>& records, const CancelFlag& cancel) {
+void VisiblePoints::fill_blocks(Scene& scene, const Records& records, const CancelFlag& cancel) {
   // Morton order makes blocks compact.
   Bounds all;
   for (const Point& p : points_) all.add(records[p.record].position);

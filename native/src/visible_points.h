@@ -24,7 +24,7 @@ struct PointSettings {
 class VisiblePoints {
  public:
   // Chooses radii and points for `records`; `pass` decides the random places of the cells.
-  void build(Scene& scene, const std::vector<Record>& records, const RadiusMap& radii, const PointSettings& settings,
+  void build(Scene& scene, const Records& records, const RadiusMap& radii, const PointSettings& settings,
              uint32_t pass, uint32_t seed, const CancelFlag& cancel);
 
   // Kernel masses of all points (the seed's boundary term), kept apart so that it can be timed. `occlusion`: less what
@@ -56,10 +56,10 @@ class VisiblePoints {
     float h;        // 0: none
     uint32_t rank;  // the lowest of a cell gives the point
   };
-  void find_cells(Scene& scene, const std::vector<Record>& records, const RadiusMap& radii, const PointSettings& s,
+  void find_cells(Scene& scene, const Records& records, const RadiusMap& radii, const PointSettings& s,
                   uint32_t pass, uint32_t seed, const CancelFlag& cancel);
   void pick_points(Scene& scene, const CancelFlag& cancel);
-  void fill_blocks(Scene& scene, const std::vector<Record>& records, const CancelFlag& cancel);
+  void fill_blocks(Scene& scene, const Records& records, const CancelFlag& cancel);
 
   std::vector<Cell> cells_;
   std::vector<Point> points_;
