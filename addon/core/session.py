@@ -24,7 +24,7 @@ from .splatter import CpuSplatter, Splatter, SplatterFailed
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-PHOTONS_PER_BATCH = 1 << 17
+PHOTONS_PER_BATCH = 1 << 18
 """Photon paths in memory at once; a pass of more streams them."""
 LEAST_PHOTONS_PER_BATCH = 1 << 14
 BATCHES_PER_PASS = 8

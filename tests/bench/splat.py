@@ -16,7 +16,7 @@ from tests.bench.scenes import from_blend
 
 SIZE = (960, 540)
 PHOTONS = 1_000_000
-BATCH = 1 << 17
+BATCH = 1 << 18
 REPEATS = 5
 RADII = (0.35, 0.5, 0.7, 1.0, 1.4, 2.0, 2.8)
 """Times the default: an 8-fold range."""
