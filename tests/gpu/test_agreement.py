@@ -26,12 +26,12 @@ def method(request: pytest.FixtureRequest, opengl: None) -> str:
 
 @pytest.mark.parametrize("radius_scale", [0.25, 1.0, 4.0])
 @pytest.mark.parametrize("scene", [scenes.room, scenes.floor])
-def test_scenes(scene, radius_scale: float, method: str) -> None:
-    compare(scene(), method, photons_per_pass=20_000, radius_scale=radius_scale)
+def test_scenes(scene, radius_scale: float) -> None:
+    compare(scene(), photons_per_pass=20_000, radius_scale=radius_scale)
 
 
-def test_a_point_per_sample(method: str) -> None:
-    compare(scenes.room(24), method, photons_per_pass=5_000, point_spacing=0.0)
+def test_a_point_per_sample() -> None:
+    compare(scenes.room(24), photons_per_pass=5_000, point_spacing=0.0)
 
 
 @pytest.fixture(scope="module")
