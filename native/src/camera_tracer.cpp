@@ -162,6 +162,7 @@ void CameraTracer::trace_path(Path& path) const {
     }
     const Vec3 wo = -path.direction;
     path.info.length = hit.distance;
+    path.info.footprint = camera_.footprint_at(path.ray, path.travelled + hit.distance);
     Bsdf bsdf(Transport::kRadiance, wo, hit.ng, hit.ns, hit.back);
     scene_.shade(hit, wo, path.info, bsdf);
     add_emission(path, hit, bsdf.emission());
@@ -320,12 +321,11 @@ bool CameraTracer::falls_back(Path& path, const Surface& hit, const Bsdf& bsdf) 
 }
 
 void CameraTracer::leave_records(Path& path, const Surface& hit, const Bsdf& bsdf, bool caustics_only) const {
-  const float footprint = camera_.footprint_at(path.ray, path.travelled + hit.distance);
   const auto leave = [&](const Rgb& albedo, uint32_t key, const Vec3& ng) {
     const Rgb throughput = path.throughput * albedo * (1 / kPi);
     if (is_black(throughput)) return;
     if (!is_finite(throughput)) ++path.tile.bad_samples;
-    else path.tile.records.push_back({hit.position, key, ng, footprint, throughput, path.pixel_index, hit.instance, hit.triangle,
+    else path.tile.records.push_back({hit.position, key, ng, path.info.footprint, throughput, path.pixel_index, hit.instance, hit.triangle,
                                        path.part, caustics_only, path.wandered});
   };
   leave(bsdf.gather(), hit.key, hit.ng);

@@ -70,7 +70,7 @@ inline ShadingPoint point_on(const Scene& scene, float u, float v, bool back = f
   point.instance = point.triangle = 0;
   point.u = u;
   point.v = v;
-  point.footprint = 0.01f;
+  point.ray.footprint = 0.01f;
   return point;
 }
 

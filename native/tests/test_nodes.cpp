@@ -202,7 +202,7 @@ TEST_CASE("no operation fails or lets out what is not a number, whatever numbers
         REQUIRE(refusal(scene, p) == "");
         ShadingPoint point = point_on(scene, random.next(), random.next(), i % 2 != 0);
         if (i % 5 == 0) point.instance = ShadingPoint::kNoInstance;
-        if (i % 7 == 0) point.footprint = 0;
+        if (i % 7 == 0) point.ray.footprint = 0;
         if (i % 3 == 0) point.ray.length = INFINITY;
         Bsdf bsdf(Transport::kRadiance, point.wo, point.ng, point.ns, point.back);
         run_program(scene, p, point, bsdf);

@@ -165,11 +165,12 @@ nb::dict shade_rays(Renderer& r, Array<float, nb::shape<-1, 3>> origins, Array<f
         const Material& material = r.scene.material_of(s.instance, s.triangle);
         if (material.program < 0) continue;
         program = &r.scene.programs[material.program];
-        point = {s.position, s.ng, s.ns, -direction, s.back, s.instance, s.triangle, s.u, s.v, cone ? footprint * s.distance : footprint, info};
+        point = {s.position, s.ng, s.ns, -direction, s.back, s.instance, s.triangle, s.u, s.v, info};
         point.ray.length = s.distance;
+        point.ray.footprint = cone ? footprint * s.distance : footprint;
       } else if (r.scene.world_program >= 0) {
         program = &r.scene.programs[r.scene.world_program];
-        point = {direction, -direction, -direction, -direction, false, ShadingPoint::kNoInstance, 0, 0, 0, 0, info};
+        point = {direction, -direction, -direction, -direction, false, ShadingPoint::kNoInstance, 0, 0, 0, info};
       } else {
         continue;
       }

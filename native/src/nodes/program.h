@@ -36,6 +36,7 @@ struct RayInfo {
   Kind kind = kCamera;
   bool singular = false;       // left a delta lobe
   float length = 0;
+  float footprint = 0;         // width of a camera sample where it meets something, m: how far apart Bump looks; 0: not known
   uint16_t depth = 0, diffuse_depth = 0, glossy_depth = 0, transmission_depth = 0, transparent_depth = 0;
 };
 
@@ -54,7 +55,6 @@ struct ShadingPoint {
   bool back = false;
   uint32_t instance = kNoInstance, triangle = 0;
   float u = 0, v = 0;          // barycentric
-  float footprint = 0;         // width of a pixel here, m: how far apart Bump looks; 0: not known
   RayInfo ray;
   const LampPlace* lamp = nullptr;
 };
