@@ -74,6 +74,8 @@ BACKFACING = node("NewGeometry", "Backfacing")
 GOLD = {"IOR": (0.17, 0.42, 1.37), "Extinction": (3.1, 2.35, 1.77)}
 _HILLS = node("TexNoise", "Factor", Vector=node("TexCoord", "Object"), Scale=4.0, Detail=0.0)
 WAVES = node("Bump", Strength=0.7, Distance=0.1, Height=_HILLS)
+_GRAIN = node("TexNoise", "Factor", Vector=node("TexCoord", "Object"), Scale=400.0, Detail=0.0)
+GRAINY = node("Bump", Strength=0.7, Distance=0.005, Height=_GRAIN)  # finer than a pixel: what it finds depends on how far apart it looks
 CARVED = node("NormalMap", Strength=1.0, Color=node("TexImage", "Color", {"image": "normals"}))
 UV_TANGENT = node("Tangent", modes={"direction_type": "UV_MAP"})
 
@@ -185,6 +187,7 @@ def _normals() -> dict[str, Spec]:
     return {
         "normal_map_diffuse": diffuse(Normal=CARVED),
         "bump_diffuse": diffuse(Normal=WAVES),
+        "bump_grain": diffuse(Normal=GRAINY),
         "bump_glossy": glossy("GGX", 0.2, Normal=WAVES),
         "bump_metal": principled(Metallic=1.0, Roughness=0.1, Normal=WAVES),
     }

@@ -51,6 +51,7 @@ TELLING = (
     "principled_film",
     "principled_everything",
     "normal_map_diffuse",
+    "bump_grain",
 )
 
 
