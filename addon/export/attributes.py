@@ -13,6 +13,8 @@ from .arrays import read, read_copy
 from .compile.inputs import property_value
 from .compile.node import Want
 from .compile.random_numbers import name_random, number_random
+from .curvature import pointiness
+from .instance_attributes import InstanceAttributes
 from .mesh import Triangles, sound_triangles
 
 NUMBERS = {"FLOAT", "INT", "INT8", "BOOLEAN"}
@@ -38,6 +40,8 @@ def mesh_shading(mesh: Any, name: str, wants: dict[int, Want], left: NDArray[np.
             found = _tangents(mesh, want.name, name, triangles, report)
         elif want.kind == "island":
             found = Domain.FACE, island_randoms(mesh)[triangles.vertices[:, 0], None]
+        elif want.kind == "pointiness":
+            found = Domain.POINT, pointiness(mesh)[:, None]
         elif want.kind == "color":
             found = _values(mesh, _color_attribute(mesh, want.name), triangles, left)
         else:
@@ -168,7 +172,7 @@ def width_of(want: Want) -> int:
     return INSTANCE_WIDTHS.get(f"{want.kind}/{want.name}", 1)
 
 
-def instance_value(instance: Any, want: Want, depsgraph: Any) -> Any:
+def instance_value(instance: Any, want: Want, depsgraph: Any, of_nodes: InstanceAttributes) -> Any:
     """A number or tuple for one of the graph's instances; 0 where it has nothing of the kind."""
     ob = instance.object
     if want.kind == "info":
@@ -178,6 +182,11 @@ def instance_value(instance: Any, want: Want, depsgraph: Any) -> Any:
     owners = [ob, ob.data]
     if want.kind == "instancer" and instance.is_instance and instance.parent is not None:
         owners = [instance.parent, instance.parent.data, *owners]
+        if instance.particle_system is not None:
+            owners = [instance.particle_system.settings, *owners]
+        found = of_nodes.find(instance, want.name)
+        if found is not None:
+            return found
     return property_value(owners, want.name) or (0.0, 0.0, 0.0, 0.0)
 
 

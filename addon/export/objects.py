@@ -14,6 +14,8 @@ from ..core.shading import InstanceAttribute, MeshShading
 from ..report import Report
 from .attributes import instance_value, mesh_shading, width_of
 from .compile.node import Want, Wants
+from .flat_uv_maps import report_flat_uv_maps
+from .instance_attributes import InstanceAttributes
 from .kept import Kept, identity
 from .lights import export_light
 from .linking import Linking
@@ -85,9 +87,11 @@ class Objects:
             return
         names = {number: want for want, number in wants.ids.items()}
         mesh_wants = {number: names[number] for number in sorted(of_meshes)}
+        askers = {number: list(found) for number, found in wants.askers.items() if number in of_meshes}
         instance_wants = {number: names[number] for number in sorted(of_instances)}
         values = {number: np.zeros((len(self._rows), width_of(want)), np.float32) for number, want in instance_wants.items()}
         done: set[int] = set()
+        of_nodes = InstanceAttributes(self._report)
         for place, instance in enumerate(depsgraph.object_instances):
             row = self._row_of.get(place)
             if row is None:
@@ -97,8 +101,9 @@ class Objects:
                 done.add(index)
                 ob = instance.object
                 self.meshes[index] = replace(self.meshes[index], shading=self._mesh_shading(ob, mesh_wants, self._flat.get(index)))
+                report_flat_uv_maps(ob, mesh_wants, askers, self._report)
             for number, want in instance_wants.items():
-                values[number][row] = instance_value(instance, want, depsgraph)
+                values[number][row] = instance_value(instance, want, depsgraph, of_nodes)
         self._attributes = [InstanceAttribute(number, found) for number, found in values.items()]
 
     def _mesh_shading(self, ob: Any, wants: dict[int, Want], left: NDArray[np.bool_] | None) -> MeshShading:

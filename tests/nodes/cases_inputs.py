@@ -26,6 +26,7 @@ def _hits() -> list[Case]:
         "ShaderNodeNewGeometry",
         ("Position", "Normal", "Tangent", "True Normal", "Incoming", "Parametric", "Backfacing", "Random Per Island"),
     )
+    found += _outputs("ShaderNodeNewGeometry", ("Pointiness",), (*THINGS, "bumps"))
     found += _outputs("ShaderNodeObjectInfo", ("Location", "Color", "Alpha", "Object Index", "Material Index", "Random"))
     found += _outputs("ShaderNodeCameraData", ("View Vector", "View Z Depth", "View Distance"))
     path = ("Is Camera Ray", "Is Shadow Ray", "Is Diffuse Ray", "Is Glossy Ray", "Is Singular Ray", "Is Reflection Ray")

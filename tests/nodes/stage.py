@@ -26,9 +26,9 @@ def build(cases: list[Case]) -> None:
     bpy.ops.wm.read_factory_settings(use_empty=True)
     scene = bpy.context.scene
     side = board(len(cases))
-    plane, sphere = _plane(), _sphere()
+    things = {"plane": _plane(), "sphere": _sphere(), "bumps": _bumps()}
     for k, case in enumerate(cases):
-        ob = bpy.data.objects.new(case.name, (sphere if case.thing == "sphere" else plane).copy())
+        ob = bpy.data.objects.new(case.name, things[case.thing].copy())
         ob.location = (k % side + 0.5, k // side + 0.5, 0.0)
         if case.thing == "sphere":
             ob.rotation_euler, ob.scale = (0.3, 0.5, 0.7), (1.0, 0.9, 1.1)
@@ -69,6 +69,25 @@ def _plane() -> Any:
     faces = [face for a in first for face in ((a, a + 1, a + columns + 2), (a, a + columns + 2, a + columns + 1))]
     mesh = bpy.data.meshes.new("Plane")
     mesh.from_pydata(vertices, [], faces)
+    _layers(mesh, lambda v: (v.co.x + 0.5, v.co.y + 0.5))
+    return mesh
+
+
+def _bumps() -> Any:
+    """Ridges and grooves of two sheets that share the places of a row of vertices, without being joined there."""
+    import bpy
+
+    vertices: list[tuple[float, float, float]] = []
+    faces = []
+    for first in (0, 4):
+        start = len(vertices)
+        places = [(i, j) for j in range(9) for i in range(first, first + 5)]
+        vertices += [(i / 8 - 0.5, j / 8 - 0.5, 0.2 * math.sin(2.1 * i) * math.cos(1.3 * j)) for i, j in places]
+        corners = [start + 5 * j + i for j in range(8) for i in range(4)]
+        faces += [(a, a + 1, a + 6, a + 5) for a in corners]
+    mesh = bpy.data.meshes.new("Bumps")
+    mesh.from_pydata(vertices, [], faces)
+    mesh.polygons.foreach_set("use_smooth", [True] * len(mesh.polygons))
     _layers(mesh, lambda v: (v.co.x + 0.5, v.co.y + 0.5))
     return mesh
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import time
 from pathlib import Path
 from typing import Any
@@ -276,6 +277,9 @@ def test_a_uv_map_without_area_does_no_harm() -> None:
     layer = ob.data.uv_layers.new(name="Nowhere")
     layer.uv.foreach_set("vector", np.full(8, 0.5, np.float32))
     what = stage.exported()
+    for said in what.warnings:
+        assert re.match(r"Material 'Flat', node '.+': no face of the UV map 'Nowhere' has an area, .+ 'Flat'$", said), said
+    assert {said.split("'")[3] for said in what.warnings} == {"Tangent", "Normal Map"}
     renderer = native.load().Renderer(1)
     fill_renderer(renderer, what, RenderSettings())
     renderer.build()
@@ -283,6 +287,10 @@ def test_a_uv_map_without_area_does_no_harm() -> None:
     found = renderer.shade_rays(np.array([[0.2, 0.3, 4.0]], np.float32), down)
     assert all(np.isfinite(found[name]).all() for name in ("emission", "gather", "albedo"))
     assert bpy.data.materials["Flat"].name == "Flat"
+    layer.uv.foreach_set("vector", np.array([0, 0, 1, 0, 1, 1, 0, 1], np.float32))
+    ob.data.update_tag()
+    bpy.context.view_layer.update()
+    assert stage.exported().warnings == []
 
 
 @in_blender

@@ -71,8 +71,7 @@ def geometry(n: Node) -> Outputs:
     side = n.owner.backfacing
     found["Backfacing"] = n.graph.one("Backfacing") if side is None else (ONE if side else ZERO)
     if n.wanted("Pointiness"):
-        n.warn("Pointiness is not supported; taken as 0.5, which is flat")
-        found["Pointiness"] = number(0.5)
+        found["Pointiness"] = n.graph.add("Attribute", attribute=n.around.wants.id("pointiness"))["factor"]
     if n.wanted("Random Per Island"):
         found["Random Per Island"] = n.graph.add("Attribute", attribute=n.around.wants.id("island"))["factor"]
     return found
@@ -195,7 +194,7 @@ def tangent(n: Node) -> Outputs:
     node = n.node
     if node.direction_type == "RADIAL":
         return {"Tangent": n.graph.one("TangentRadial", axis=node.axis)}
-    return {"Tangent": n.graph.one("TangentUv", tangent=n.around.wants.id("tangent", node.uv_map), uv=uv_id(n, node.uv_map))}
+    return {"Tangent": n.graph.one("TangentUv", tangent=n.tangent_id(node.uv_map), uv=uv_id(n, node.uv_map))}
 
 
 def normal_map(n: Node) -> Outputs:
@@ -204,7 +203,7 @@ def normal_map(n: Node) -> Outputs:
     if getattr(node, "convention", "OPENGL") == "DIRECTX":
         flipped = n.graph.one("OneMinus", a=color.component(1))
         color = n.graph.one("CombineColor", a=color.component(0), b=flipped, c=color.component(2), mode="RGB")
-    tangent_id = n.around.wants.id("tangent", node.uv_map) if node.space == "TANGENT" else NONE
+    tangent_id = n.tangent_id(node.uv_map) if node.space == "TANGENT" else NONE
     uv_of = uv_id(n, node.uv_map) if node.space == "TANGENT" else NONE
     strength = n.number("Strength", 1.0)
     unit = bpy.app.version >= (5, 0, 0)

@@ -17,8 +17,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Want:
-    """Something that programs read. Of a mesh: kind "uv", "attribute", "color", "tangent", "island" or "generated", of the layer `name`
-    ("": the active one). Of instances: "object" or "instancer" for a property `name`, "particle" or "info" for what nodes name.
+    """Something that programs read. Of a mesh: kind "uv", "attribute", "color", "tangent", "island", "pointiness" or "generated", of
+    the layer `name` ("": the active one). Of instances: "object" or "instancer" for a property `name`, "particle" or "info" for what
+    nodes name.
     """
 
     kind: str
@@ -30,6 +31,7 @@ class Wants:
 
     def __init__(self) -> None:
         self.ids: dict[Want, int] = {Want("generated"): GENERATED}
+        self.askers: dict[int, dict[tuple[str, str], None]] = {}  # of tangents: (owner, node) by how warnings name them
 
     def id(self, kind: str, name: str = "") -> int:
         return self.ids.setdefault(Want(kind, name), len(self.ids))
@@ -141,6 +143,12 @@ class Node:
             self.warn(f"its {socket.name} is not a finite number; taken as 0")
             numbers = [v if math.isfinite(v) else 0.0 for v in numbers]
         return number(numbers[0]) if len(numbers) == 1 else vector([*numbers, 0.0, 0.0][:3])
+
+    def tangent_id(self, uv_map: str) -> int:
+        """Of the tangents along a UV map ("": the render-active one)."""
+        found = self.around.wants.id("tangent", uv_map)
+        self.around.wants.askers.setdefault(found, {})[self.owner.name, label(self.node)] = None
+        return found
 
     # --- what inputs hold that are neither linked nor given a value ---
 

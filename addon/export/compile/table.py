@@ -102,7 +102,7 @@ NODES: dict[str, Entry] = {
     "UVMAP": Entry("input", "UV Map", i.uv_map),
     "ATTRIBUTE": Entry("input", "Attribute", i.attribute),
     "VERTEX_COLOR": Entry("input", "Color Attribute", i.color_attribute),
-    "NEW_GEOMETRY": Entry("input", "Geometry", i.geometry, "Pointiness is 0.5"),
+    "NEW_GEOMETRY": Entry("input", "Geometry", i.geometry),
     "OBJECT_INFO": Entry("input", "Object Info", i.object_info),
     "PARTICLE_INFO": Entry("input", "Particle Info", i.particle_info),
     "CAMERA": Entry("input", "Camera Data", i.camera_data),

@@ -1,0 +1,93 @@
+"""Attributes that Geometry Nodes have given to instances: what an Attribute node of type Instancer looks for first."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..report import Report
+from .arrays import read_copy
+
+NO_LEVEL = 0x7FFFFFFF  # in a persistent id, beyond its levels
+# Of a type of attribute: the property that holds its value, and how many numbers that is.
+STORED = {"FLOAT": ("value", 1), "INT": ("value", 1), "BOOLEAN": ("value", 1), "FLOAT_VECTOR": ("vector", 3)}
+STORED |= {"FLOAT2": ("vector", 2), "FLOAT_COLOR": ("color", 4), "BYTE_COLOR": ("color", 4)}
+
+
+class InstanceAttributes:
+    """Looks attributes of the instances of one dependency graph up, each geometry read once."""
+
+    def __init__(self, report: Report) -> None:
+        self._report = report
+        self._of_parent: dict[int, _Level | None] = {}
+
+    def find(self, instance: Any, name: str) -> tuple[float, ...] | None:
+        """RGBA of the innermost level of instances that has an attribute `name`; None: no level has, or the instance is of another kind."""
+        parent = instance.parent if instance.is_instance else None
+        if parent is None or not any(modifier.type == "NODES" for modifier in parent.modifiers):
+            return None
+        key = parent.as_pointer()
+        if key not in self._of_parent:
+            self._of_parent[key] = self._top(parent, name)
+        level, found = self._of_parent[key], None
+        for index in reversed([index for index in instance.persistent_id if index != NO_LEVEL]):  # from the outermost one on
+            if level is None:
+                break
+            found = level.value(name, index) or found
+            level = level.below(index)
+        return found
+
+    def _top(self, parent: Any, name: str) -> _Level | None:
+        if not hasattr(parent, "evaluated_geometry"):
+            said = f"Attribute '{name}' of instances made by Geometry Nodes cannot be read before Blender 4.5:"
+            self._report.warn(f"{said} {{}}", parent.name)
+            return None
+        return _Level(parent.evaluated_geometry())
+
+
+class _Level:
+    """The instances of one geometry (bpy.types.GeometrySet)."""
+
+    def __init__(self, geometry: Any) -> None:
+        self._geometry = geometry
+        self._cloud = geometry.instances_pointcloud()
+        self._values: dict[str, NDArray[np.float32] | None] = {}
+        self._below: dict[int, _Level] = {}
+        self._reference_of: NDArray[np.int32] = np.empty(0, np.int32)
+        if self._cloud is not None:
+            self._reference_of = read_copy(self._cloud.attributes[".reference_index"].data, "value", np.int32)
+
+    def value(self, name: str, index: int) -> tuple[float, ...] | None:
+        """RGBA; a number is grey, what has no alpha is opaque."""
+        if name not in self._values:
+            self._values[name] = self._read(name)
+        values = self._values[name]
+        return None if values is None or index >= len(values) else tuple(values[index].tolist())
+
+    def below(self, index: int) -> _Level | None:
+        """The instances within an instance, where that is a geometry itself."""
+        if index >= len(self._reference_of):
+            return None
+        number = int(self._reference_of[index])
+        if number not in self._below:
+            references = self._geometry.instance_references()
+            reference = references[number] if 0 <= number < len(references) else None
+            if not hasattr(reference, "instances_pointcloud"):
+                return None
+            self._below[number] = _Level(reference)
+        return self._below[number]
+
+    def _read(self, name: str) -> NDArray[np.float32] | None:
+        attribute = None if self._cloud is None else self._cloud.attributes.get(name)
+        if attribute is None or attribute.data_type not in STORED:
+            return None
+        stored, width = STORED[attribute.data_type]
+        dtype = {"INT": np.int32, "BOOLEAN": np.bool_}.get(attribute.data_type, np.float32)
+        values = read_copy(attribute.data, stored, dtype, width).astype(np.float32).reshape(-1, width)
+        values = np.nan_to_num(values, posinf=0.0, neginf=0.0)
+        whole = np.zeros((len(values), 4), np.float32)
+        whole[:, 3] = 1.0
+        whole[:, : 3 if width == 1 else width] = values
+        return whole
