@@ -57,6 +57,7 @@ Camera::Camera(const CameraSettings& settings) : s_(settings) {
     const double before = bin ? cdf[bin - 1] : 0, inside = (target - before) / (cdf[bin] - before);
     filter_quantiles_[i] = static_cast<float>(((bin + std::clamp(inside, 0.0, 1.0)) / kFilterTable - 0.5) * width);
   }
+  if (const auto middle = ray(s_.region_width / 2, s_.region_height / 2, {0.5f, 0.5f}, {0.5f, 0.5f})) step_ = middle->footprint;
 }
 
 float Camera::filter_offset(float u) const {

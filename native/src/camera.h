@@ -46,6 +46,8 @@ class Camera {
   // A ray through pixel (x, y) of the region, its place in the pixel drawn from the filter's density (u), its place on
   // the lens from the aperture (lens). nullopt outside a panorama's image circle.
   std::optional<CameraRay> ray(int x, int y, const Vec2& u, const Vec2& lens) const;
+  // Width of a camera sample at a point, in view or not, m.
+  float footprint_from(const Vec3& x) const { return s_.orthographic ? step_ : step_ * length(x - position_); }
   float footprint_at(const CameraRay& ray, float distance) const {
     return s_.orthographic ? ray.footprint : ray.footprint * distance;
   }
@@ -59,6 +61,7 @@ class Camera {
 
   CameraSettings s_;
   Vec3 right_, up_, back_, position_;
+  float step_ = 0;  // footprint of a ray in the middle
   std::vector<float> filter_quantiles_;  // offset in pixels at equal steps of probability
 };
 

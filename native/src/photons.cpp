@@ -111,6 +111,7 @@ bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const Phot
   ray.singular = ray.kind != RayInfo::kDiffuse;
   ray.depth = path.bounces;
   ray.transparent_depth = path.passed;
+  if (viewer_) ray.footprint = viewer_->footprint_from(hit.position);
   Bsdf bsdf(Transport::kFlux, -direction, hit.ng, hit.ns, hit.back);
   scene_.shade(hit, -direction, ray, bsdf);
   const bool blocking = blocks(path, hit, start);

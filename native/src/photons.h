@@ -1,6 +1,7 @@
 // Photons: where light arrived on a diffuse surface after at least one bounce.
 #pragma once
 
+#include "camera.h"
 #include "lights.h"
 
 namespace photon_splat {
@@ -47,6 +48,8 @@ class PhotonTracer {
 
   const std::vector<Photon>& trace(uint64_t first, uint64_t count, double total, uint32_t seed,
                                    const KeyFilter& visible, const CancelFlag& cancel);
+  // Who is to see what the photons leave: Bump looks as far apart as that one's samples are wide (nullptr: nobody in particular).
+  void set_viewer(const Camera* viewer) { viewer_ = viewer; }
   // From now on light_groups() tells the group of the light that each of the photons last traced came from; else it is empty.
   void keep_light_groups() { keeps_groups_ = true; }
   const std::vector<int16_t>& light_groups() const { return groups_; }
@@ -102,6 +105,7 @@ class PhotonTracer {
   const Lights& lights_;
   int max_bounces_;
   PhotonStream stream_;
+  const Camera* viewer_ = nullptr;
   std::optional<EmissionGuide> guide_;
   std::optional<EmissionTargets> targets_;
   std::vector<Chunk> chunks_;

@@ -140,6 +140,7 @@ void Renderer::learn(Layer& layer) {
   Timer timer(seconds_.photons);
   const KeyFilter keys = keys_seen(layer);
   const uint64_t paths = std::max<uint64_t>(1, std::min(layer.paths_per_pass, kPilotPaths));
+  layer.tracer->set_viewer(viewer());
   const std::vector<Photon>* pilot = layer.tracer->learn_emission(paths, hash_combine(layer.seed, 4), keys, cancel_);
   if (!pilot) pilot = &layer.tracer->trace(0, paths, static_cast<double>(paths), hash_combine(layer.seed, 3), keys, cancel_);
   layer.radii = std::make_unique<RadiusMap>(scene, *pilot, static_cast<double>(paths));
@@ -181,6 +182,7 @@ void Renderer::trace_photons(uint32_t pass, uint64_t first, uint64_t count) {
     photon_groups_ = &kept->light_groups;
     layer.reused += kept->photons.size();
   } else {
+    layer.tracer->set_viewer(viewer());
     const bool keep = options.kept_photon_bytes > kept_photon_bytes() && !layer.kept.full();
     KeyFilter everywhere;
     if (keep) everywhere.add_all();

@@ -148,6 +148,8 @@ class Renderer {
   void make_fallback();
   void learn_fallback(uint32_t pass);
   KeyFilter keys_seen(const Layer& layer) const;
+  // Of photons that are kept: none, as they serve all views.
+  const Camera* viewer() const { return options.kept_photon_bytes ? nullptr : camera_.get(); }
   float radius_factor(uint32_t pass) const;
   void add_irradiance(Layer& layer, bool wandered);
   void check_light_groups() const;
