@@ -2,6 +2,7 @@
 
 #include <bit>
 
+#include "enclosure.h"
 #include "kernel_mass.h"
 #include "sampling.h"
 
@@ -13,6 +14,7 @@ constexpr int kDirections = 24;  // in all, where a scout met something
 constexpr int kProbes = 3;       // looked at beyond it, per direction
 constexpr float kHeight = 0.03f; // of the rays over the surface, in h: what is lower is no obstacle
 constexpr int kCoverScouts = 16, kCoverProbes = 80;  // the mass divides: few probes would make it too small on average
+constexpr float kRim = 0.98f;    // in h: beyond, the kernel is nothing, and probes would lie in the blocker itself
 constexpr float kCover = 0.12f;  // what lies closer over the surface than this, in h, keeps photons off it
 constexpr float kTouching = 1e-3f;
 constexpr float kGolden = 2.39996323f;
@@ -69,14 +71,9 @@ bool on_patch(const Scene& scene, uint32_t instance, uint32_t patch, const Vec3&
 // What lies close over a point is looked for from above it, down to just before the surface.
 float length_of_look(const Vec3& y, float h) { return kCover * h - std::max(kTouching * h, ray_epsilon(y, h)); }
 
-// Whether what is there lets no light through and gives none.
 bool is_cover(const Scene& scene, const Vec3& y, const Vec3& normal, float h) {
   Surface hit;
-  if (!scene.intersect(y + normal * (kCover * h), -normal, 0, length_of_look(y, h), false, hit)) return false;
-  if (!hit.program) return is_black(hit.side->emission);
-  Bsdf bsdf(Transport::kRadiance, normal, hit.ng, hit.ns, hit.back);
-  scene.shade(hit, normal, {}, bsdf);
-  return is_black(bsdf.transparency()) && is_black(bsdf.emission()) && !bsdf.transmits();
+  return scene.intersect(y + normal * (kCover * h), -normal, 0, length_of_look(y, h), false, hit) && is_dark(scene, hit, normal);
 }
 
 bool covered(const Scene& scene, const Vec3& y, const Vec3& normal, float h) {
@@ -148,6 +145,7 @@ DiscOcclusion disc_occlusion(const Scene& scene, uint32_t instance, uint32_t tri
     distance = hit.distance;
     return true;
   };
+  Enclosures enclosures(scene, key, basis, kHeight * h, seed);
   float distance[kDirections];
   bool blocked[kDirections] = {}, any = false;
   add_covered(scene, instance, patch, x, normal, basis, h, seed, out);
@@ -157,13 +155,13 @@ DiscOcclusion disc_occlusion(const Scene& scene, uint32_t instance, uint32_t tri
     if (i % (kDirections / kScouts)) blocked[i] = met(i, distance[i]);
     if (!blocked[i]) continue;
     const float first = distance[i] / h;
+    if (first > kRim) continue;
     for (int k = 0; k < kProbes; ++k) {
       const float inner = first + (1 - first) * static_cast<float>(k) / kProbes, outer = first + (1 - first) * static_cast<float>(k + 1) / kProbes;
       const Vec3 y = x + direction_of(i) * (h * 0.5f * (inner + outer));
       if (!on_patch(scene, instance, patch, y, normal, 0.25f * kHeight * h)) continue;
       if (covered(scene, y, normal, h)) continue;  // counted already
-      Surface above;
-      if (scene.intersect(y + normal * (kHeight * h), normal, 0, INFINITY, false, above) && above.back && above.key != key) {
+      if (enclosures.hold(y)) {
         out.hidden += (mass_within(outer) - mass_within(inner)) / kDirections;
         out.narrow_hidden += (mass_within(outer / kNarrow) - mass_within(inner / kNarrow)) / kDirections;
       } else {

@@ -6,7 +6,7 @@
 namespace photon_splat {
 
 // `hidden` and `narrow_hidden`: the parts of the kernels of radius h and kNarrow * h that lie on the patch of x where no photon
-// lands: inside of closed things (a ray along the normal meets a back), or covered by something opaque that lies, or hovers, closer
+// lands: inside of closed things (enclosure.h), or covered by something opaque that lies, or hovers, closer
 // over the surface than a small share of h. The kernel mass without them is M minus these. `clear`: how far the disc may reach before
 // it takes in surface on the other side of a wall, at most h. Walls and closed things are found by rays that graze the surface from
 // x to the rim of its disc; only where one meets something is the surface beyond looked at. Bent patches are taken for unobstructed.

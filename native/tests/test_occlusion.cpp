@@ -95,6 +95,17 @@ TEST_CASE("a sheet on the floor hides nothing, and no disc reaches past it") {
   CHECK(at_floor(scene, 0.25f, 0.5f, 0.2f).clear == 0.2f);
 }
 
+TEST_CASE("under an awning next to nothing is hidden: one sees its back, but not all around") {
+  Scene scene(1);
+  Mesh awning;  // over x < 0.5, from a wall of its own at x = 0.5 down to x = 0.1
+  awning.positions = {{0.5f, 0, 0}, {0.5f, 1, 0}, {0.5f, 1, 0.3f}, {0.5f, 0, 0.3f}, {0.9f, 0, 0.2f}, {0.9f, 1, 0.2f}};
+  awning.triangles = {{0, 2, 1}, {0, 3, 2}, {3, 4, 5}, {3, 5, 2}};
+  fill_all(scene, floor_and(std::move(awning)));
+  const DiscOcclusion o = at_floor(scene, 0.45f, 0.5f, 0.2f);
+  CHECK(o.hidden < 0.1f * mass_beyond(0.05f, 0.2f));
+  CHECK(o.clear == doctest::Approx(0.05).epsilon(0.05));
+}
+
 TEST_CASE("where the floor ends at the wall there is nothing beyond") {
   Scene scene(1);
   fill_all(scene, floor_and(make_sheet(1.0f)));

@@ -1,0 +1,47 @@
+#include "enclosure.h"
+
+namespace photon_splat {
+namespace {
+
+constexpr uint32_t kLooks = 24;  // by which a closed thing is told from a sheet
+
+}  // namespace
+
+bool is_dark(const Scene& scene, const Surface& hit, const Vec3& wo) {
+  if (!hit.program) return is_black(hit.side->emission);
+  Bsdf bsdf(Transport::kRadiance, wo, hit.ng, hit.ns, hit.back);
+  scene.shade(hit, wo, {}, bsdf);
+  return is_black(bsdf.transparency()) && is_black(bsdf.emission()) && !bsdf.transmits();
+}
+
+bool Enclosures::hold(const Vec3& point) {
+  const Vec3 origin = point + basis_.normal * height_;
+  Surface above;
+  if (!scene_.intersect(origin, basis_.normal, 0, INFINITY, false, above) || !above.back || above.key == key_) return false;
+  for (int i = 0; i < known_; ++i)
+    if (keys_[i] == above.key) return closed_[i];
+  const bool closed = is_dark(scene_, above, -basis_.normal) && backs_all_around(origin);
+  if (known_ < kKnown) {
+    keys_[known_] = above.key;
+    closed_[known_++] = closed;
+  }
+  return closed;
+}
+
+bool Enclosures::backs_all_around(const Vec3& origin) {
+  constexpr uint32_t kTogether = Scene::kPacket;
+  static_assert(kLooks % kTogether == 0);
+  Surface hits[kTogether];
+  Vec3 origins[kTogether], ways[kTogether];
+  for (uint32_t look = 0; look < kLooks; look += kTogether) {
+    for (uint32_t i = 0; i < kTogether; ++i) {
+      origins[i] = origin;
+      ways[i] = basis_.to_world(sample_cosine_hemisphere(random_.next2()));
+    }
+    if (scene_.intersect_packet(origins, ways, kTogether, hits) != (1u << kTogether) - 1) return false;
+    if (!std::all_of(hits, hits + kTogether, [&](const Surface& hit) { return hit.back && hit.key != key_; })) return false;
+  }
+  return true;
+}
+
+}  // namespace photon_splat
