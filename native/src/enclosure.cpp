@@ -3,7 +3,7 @@
 namespace photon_splat {
 namespace {
 
-constexpr uint32_t kLooks = 16;  // by which a closed thing is told from a sheet
+constexpr uint32_t kLooks = 24;  // by which a closed thing is told from a sheet
 
 }  // namespace
 
