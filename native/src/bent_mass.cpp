@@ -27,6 +27,7 @@ struct Sum {
   Vec3 x, normal;
   float h;
   float side;          // -1: x is on the triangles' back
+  double volume = 1;   // |det M| of the transform
   float gram[6] = {1, 1, 1, 0, 0, 0};  // of the transform: |to_world v|^2 = v.G v; xx, yy, zz, xy, xz, yz, those twice
   Masses mass{};
 
@@ -60,7 +61,7 @@ struct Sum {
       front = placed.to_local.transposed_vector(front);
       const float stretch = length(front);
       front = front / stretch;
-      piece.area *= stretch * std::abs(determinant(placed.to_world));
+      piece.area *= stretch * volume;
     }
     double spread = 0;
     for (int i = 0; i < 6; ++i) spread += double(gram[i]) * node.spread[i];
@@ -145,6 +146,7 @@ Masses bent_mass(const Scene& scene, uint32_t instance, uint32_t triangle, const
     const Vec3 c[3] = {placed.to_world.column(0), placed.to_world.column(1), placed.to_world.column(2)};
     const float gram[6] = {dot(c[0], c[0]), dot(c[1], c[1]), dot(c[2], c[2]), 2 * dot(c[0], c[1]), 2 * dot(c[0], c[2]), 2 * dot(c[1], c[2])};
     std::copy(gram, gram + 6, sum.gram);
+    sum.volume = std::abs(determinant(placed.to_world));
   }
   mesh.surface_tree->visit(mesh.topology.patch[triangle], [&](const SurfaceNode& node) { return sum.enter(node); },
                            [&](uint32_t leaf) { sum.add(leaf); });

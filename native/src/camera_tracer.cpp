@@ -68,8 +68,9 @@ struct CameraTracer::Job {
   uint32_t pass;
   const SampleChoice* choice;  // none: one sample
   int max_bounces;
-  bool records, learns;
+  bool records;
   bool again = false;  // of pixels that have changed only
+  bool learns = false;
 };
 
 void CameraTracer::trace_tiles(const Job& job, Film& film, const CancelFlag& cancel) {
@@ -109,7 +110,8 @@ void CameraTracer::trace_tile(const Job& job, size_t t, Film& film) {
       }
       trace_pixel(job, x, y, film, tile);
     }
-  tile.kept.clear();
+  tile.kept = std::vector<Record>();  // once in a render: not worth keeping the memory
+  tile.changed = std::vector<uint8_t>();
 }
 
 void CameraTracer::trace_pixel(const Job& job, int x, int y, Film& film, Tile& tile) const {
@@ -381,8 +383,8 @@ bool CameraTracer::scatter(Path& path, const Surface& hit, const Bsdf& bsdf, con
 }
 
 const Records& CameraTracer::trace(uint32_t pass, const SampleChoice& choice, SkyGuide& sky, int max_bounces, Film& film,
-                                                const CancelFlag& cancel) {
-  trace_records({pass, &choice, max_bounces, true, false}, sky, film, cancel);
+                                   const CancelFlag& cancel) {
+  trace_records({pass, &choice, max_bounces, true}, sky, film, cancel);
   return records_;
 }
 
@@ -406,15 +408,14 @@ bool CameraTracer::trace_again(uint32_t pass, const SampleChoice& choice, SkyGui
     tile.kept.swap(tile.records);
     any.store(true, std::memory_order_relaxed);
   });
-  if (any) trace_records({pass, &choice, max_bounces, true, false, true}, sky, film, cancel);
+  if (any) trace_records({pass, &choice, max_bounces, true, true}, sky, film, cancel);
   return any;
 }
 
-void CameraTracer::trace_records(const Job& job, SkyGuide& sky, Film& film, const CancelFlag& cancel) {
-  Job learning = job;
-  learning.learns = sky.learning() && !lights_.environment().black();
-  trace_tiles(learning, film, cancel);
-  if (learning.learns) {
+void CameraTracer::trace_records(Job job, SkyGuide& sky, Film& film, const CancelFlag& cancel) {
+  job.learns = sky.learning() && !lights_.environment().black();
+  trace_tiles(job, film, cancel);
+  if (job.learns) {
     for (const Tile& tile : tiles_) sky.learn(tile.sightings);
     sky.end_pass();
   }
@@ -427,7 +428,7 @@ void CameraTracer::trace_records(const Job& job, SkyGuide& sky, Film& film, cons
 }
 
 void CameraTracer::trace_reference(uint32_t sample, int max_bounces, Film& film, const CancelFlag& cancel) {
-  trace_tiles({sample, nullptr, max_bounces, false, false}, film, cancel);
+  trace_tiles({sample, nullptr, max_bounces, false}, film, cancel);
 }
 
 }  // namespace photon_splat

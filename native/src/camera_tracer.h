@@ -36,7 +36,7 @@ class CameraTracer {
   // order. Paths go through at most `max_bounces` lobes.
   // Tells `sky` what it has seen of the world, as long as that wants to learn.
   const Records& trace(uint32_t pass, const SampleChoice& choice, SkyGuide& sky, int max_bounces, Film& film,
-                                   const CancelFlag& cancel);
+                       const CancelFlag& cancel);
 
   // From now on paths go on for the indirect light where `fallback` says so (nullptr: nowhere); with `caustics` photons bring
   // caustics there all the same. `radius_factor`: of the pass to come, on all radii.
@@ -76,7 +76,7 @@ class CameraTracer {
   struct Job;
   void trace_tiles(const Job& job, Film& film, const CancelFlag& cancel);
   void trace_tile(const Job& job, size_t t, Film& film);
-  void trace_records(const Job& job, SkyGuide& sky, Film& film, const CancelFlag& cancel);
+  void trace_records(Job job, SkyGuide& sky, Film& film, const CancelFlag& cancel);
   void trace_pixel(const Job& job, int x, int y, Film& film, Tile& tile) const;
   void trace_path(Path& path) const;
   void add_met(Path& path, const Rgb& radiance, Rgb& seen, int16_t light_group = kNoLightGroup) const;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "morton.h"
+
 #if defined(__SSE2__)
 #include <emmintrin.h>
 #endif
@@ -17,15 +19,6 @@ constexpr size_t kGroup = 16;        // photons that search together
 constexpr size_t kRun = 1 << 20;     // photons sorted at once
 constexpr int kCurveBits = 10;       // of each axis
 constexpr float kRounded = 1.000001f;  // no photon within a disc is outside its bounds
-
-// Puts two zeros before each of the lowest 10 bits.
-uint64_t spread_bits(uint32_t x) {
-  uint64_t v = x & 0x3ff;
-  v = (v | v << 16) & 0x070000ff0000ffull;
-  v = (v | v << 8) & 0x0700f00f00f00full;
-  v = (v | v << 4) & 0x10c30c30c30c30c3ull;
-  return (v | v << 2) & 0x1249249249249249ull;
-}
 
 }  // namespace
 
@@ -148,8 +141,7 @@ void Splatter::sort_photons(const Photon* photons, size_t count, ThreadPool& poo
   pool.for_each(chunk_count, never, [&](size_t c, int) {
     for (size_t i = c * kChunk; i < std::min(count, (c + 1) * kChunk); ++i) {
       const Vec3 cell = (photons[i].position - all.lower) * scale;
-      const uint64_t place = spread_bits(static_cast<uint32_t>(cell.x)) | spread_bits(static_cast<uint32_t>(cell.y)) << 1 |
-                             spread_bits(static_cast<uint32_t>(cell.z)) << 2;
+      const uint64_t place = morton(static_cast<uint32_t>(cell.x), static_cast<uint32_t>(cell.y), static_cast<uint32_t>(cell.z));
       curve_[i] = place << 32 | static_cast<uint32_t>(i);
     }
   });

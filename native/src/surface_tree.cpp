@@ -2,6 +2,8 @@
 
 #include <bit>
 
+#include "morton.h"
+
 namespace photon_splat {
 namespace {
 
@@ -16,22 +18,16 @@ struct Moments {
   }
 };
 
-// Every third bit of 30.
-uint32_t spread_bits(uint32_t x) {
-  x = (x | x << 16) & 0x030000ff;
-  x = (x | x << 8) & 0x0300f00f;
-  x = (x | x << 4) & 0x030c30c3;
-  return (x | x << 2) & 0x09249249;
-}
+constexpr int kPairs[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}};  // axes of the entries of a symmetric matrix
 
-uint32_t morton(const Vec3& p, const Bounds& b) {
-  const float size = max_component(b.upper - b.lower);  // of all axes, for branches to be compact
-  uint32_t code = 0;
-  for (int axis = 0; axis < 3; ++axis) {
+// Among 1,024 cells along the longest axis of the bounds, the same on all axes, for branches to be compact.
+uint64_t place_in(const Bounds& b, const Vec3& p) {
+  const float size = max_component(b.upper - b.lower);
+  const auto cell = [&](int axis) {
     const float u = size > 0 ? (p[axis] - b.lower[axis]) / size : 0;
-    code |= spread_bits(static_cast<uint32_t>(std::clamp(u * 1024.0f, 0.0f, 1023.0f))) << axis;
-  }
-  return code;
+    return static_cast<uint64_t>(std::clamp(u * 1024.0f, 0.0f, 1023.0f));
+  };
+  return morton(cell(0), cell(1), cell(2));
 }
 
 }  // namespace
@@ -58,7 +54,6 @@ struct SurfaceTree::Builder {
       m.first[i] = m.area * sum[i] / 3;
       m.normal[i] = 0.5 * n[i];
     }
-    constexpr int kPairs[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}};
     for (int i = 0; i < 6; ++i) {
       const auto [p, q] = kPairs[i];
       m.second[i] = m.area / 12 * (double(a[p]) * a[q] + double(b[p]) * b[q] + double(c[p]) * c[q] + double(sum[p]) * sum[q]);
@@ -96,7 +91,6 @@ struct SurfaceTree::Builder {
     node.centre = m.area > 0 ? origin + offset : centroid(tree.order_[first]);
     node.normal = {static_cast<float>(m.normal[0] * scale), static_cast<float>(m.normal[1] * scale), static_cast<float>(m.normal[2] * scale)};
     node.area = static_cast<float>(m.area);
-    constexpr int kPairs[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}};
     for (int i = 0; i < 6; ++i)
       node.spread[i] = static_cast<float>(m.second[i] * scale - mean[kPairs[i][0]] * mean[kPairs[i][1]]);
     if (right) {
@@ -131,7 +125,7 @@ SurfaceTree::SurfaceTree(const std::vector<Vec3>& positions, const std::vector<T
   sorted.reserve(count);
   for (uint32_t t = 0; t < triangles.size(); ++t)
     if (const uint32_t p = topology.patch[t]; !topology.planar[p])
-      sorted.emplace_back(uint64_t{p} << 30 | morton(builder.centroid(t), bounds[p]), t);
+      sorted.emplace_back(uint64_t{p} << 30 | place_in(bounds[p], builder.centroid(t)), t);
   cancel.check();
   std::sort(sorted.begin(), sorted.end());
   cancel.check();

@@ -4,6 +4,7 @@
 #include <bit>
 #include <numeric>
 
+#include "morton.h"
 #include "occlusion.h"
 
 namespace photon_splat {
@@ -22,15 +23,6 @@ constexpr float kLeastUnhidden = 0.1f;    // of a kernel's mass, whatever the pr
 constexpr float kFootprintFloor = 2.0f;   // of a kernel's radius in camera samples, in the first pass
 
 size_t chunks_of(size_t count) { return (count + kChunk - 1) / kChunk; }
-
-uint64_t spread_bits(uint64_t x) {  // 21 bits to every third place
-  x &= 0x1fffff;
-  x = (x | x << 32) & 0x1f00000000ffffull;
-  x = (x | x << 16) & 0x1f0000ff0000ffull;
-  x = (x | x << 8) & 0x100f00f00f00f00full;
-  x = (x | x << 4) & 0x10c30c30c30c30c3ull;
-  return (x | x << 2) & 0x1249249249249249ull;
-}
 
 // Radii come in steps of 2^(1/4), so that neighbours share cells.
 float quantized(float h) { return std::exp2(std::round(std::log2(h) * 4) / 4); }
@@ -161,8 +153,7 @@ void VisiblePoints::fill_blocks(Scene& scene, const Records& records, const Canc
   std::vector<std::pair<uint64_t, uint32_t>> order(points_.size());
   for (uint32_t i = 0; i < order.size(); ++i) {
     const Vec3 q = (records[points_[i].record].position - all.lower) * (2097151.0f / extent);
-    order[i] = {spread_bits(static_cast<uint64_t>(q.x)) | spread_bits(static_cast<uint64_t>(q.y)) << 1 |
-                    spread_bits(static_cast<uint64_t>(q.z)) << 2, i};
+    order[i] = {morton(static_cast<uint64_t>(q.x), static_cast<uint64_t>(q.y), static_cast<uint64_t>(q.z)), i};
   }
   std::sort(order.begin(), order.end());
   std::vector<uint32_t> place(order.size());
@@ -221,7 +212,7 @@ void VisiblePoints::correct_boundaries(Scene& scene, bool occlusion, const Cance
       const Vec3 x{block.x[lane], block.y[lane], block.z[lane]}, n{block.nx[lane], block.ny[lane], block.nz[lane]};
       float h = 1 / std::sqrt(block.inverse_h2[lane]);
       KernelMass m = kernel_mass(scene, instance, triangle, x, n, h);
-      // Where the mass is unknown, or a guess because edges crowd, a smaller disc sees less of the trouble.
+      // Where the mass is a guess because edges crowd, a smaller disc sees less of the trouble.
       for (int halving = 0; !m.exact && m.mass < kTrustedMass && halving < kMostHalvings; ++halving) {
         h *= 0.5f;
         m = kernel_mass(scene, instance, triangle, x, n, h);

@@ -10,13 +10,13 @@ import numpy as np
 from photon_splat.core.native import load
 from photon_splat.core.native_scene import fill_renderer
 from photon_splat.core.scene import Mesh, Scene
+from photon_splat.core.session import PHOTONS_PER_BATCH
 from photon_splat.core.settings import RenderSettings
 
 from tests.bench.scenes import from_blend
 
 SIZE = (960, 540)
 PHOTONS = 1_000_000
-BATCH = 1 << 18
 REPEATS = 5
 RADII = (0.35, 0.5, 0.7, 1.0, 1.4, 2.0, 2.8)
 """Times the default: an 8-fold range."""
@@ -66,9 +66,9 @@ def seconds_of(scene: Scene, radius: float = 1.0) -> dict[str, float]:
         before = renderer.statistics()
         first = stored = 0
         while stored < PHOTONS:
-            renderer.trace_photons(number, first, BATCH)
+            renderer.trace_photons(number, first, PHOTONS_PER_BATCH)
             renderer.splat()
-            first += BATCH
+            first += PHOTONS_PER_BATCH
             stored = renderer.statistics()["photons"]["stored"] - before["photons"]["stored"]
         now = renderer.statistics()
         seconds.append((now["seconds"]["splat"] - before["seconds"]["splat"]) * PHOTONS / stored)

@@ -25,6 +25,7 @@ import numpy as np
 from tests.bench.scenes import ROOT, from_blend
 from tests.chart.plan import CASES
 from tests.chart.runs import truth
+from tests.compare import LUMINANCE
 
 HERE = Path(__file__).parent
 SCENES = {case.scene: case for case in CASES}
@@ -37,7 +38,6 @@ NOTHING = 1e-4
 KEPT = ROOT / "build" / "calibration"
 LOW, HIGH = 0.7, 1.5
 MOST = 1.3
-LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 Figures = dict[str, Any]
 
 

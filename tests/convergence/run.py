@@ -24,6 +24,7 @@ from photon_splat.core.session import render
 from photon_splat.core.settings import Integrator, RenderSettings
 
 from tests import corescene as c
+from tests.compare import LUMINANCE
 from tests.stability.cases import box_on_floor, caustic_rim
 
 HERE = Path(__file__).parent
@@ -36,7 +37,6 @@ COUNTS = tuple(8 << k for k in range(7))
 SEEDS = 3
 RADII = tuple(float(r) for r in np.geomspace(0.03, 0.48, 7))
 MOST = 1.2
-LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
 
 def corner() -> Scene:

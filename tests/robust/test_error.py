@@ -7,9 +7,8 @@ import pytest
 from photon_splat.core.settings import Integrator
 
 from tests import corescene as c
+from tests.compare import LUMINANCE
 from tests.robust.test_degenerate import room
-
-LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
 
 @pytest.mark.parametrize("integrator", c.BOTH)
