@@ -16,7 +16,7 @@ from typing import Any, NoReturn
 
 from .core.result import Progress, RenderResult
 from .core.scene import Frame
-from .core.settings import FORCEABLE, SWITCHES, Backend, Integrator, RenderSettings
+from .core.settings import FORCEABLE, SWITCHES, Backend, FinalGather, Integrator, RenderSettings
 from .exr import WriteError, channels_of, replace_file, write_exr
 
 UNLIMITED_PASSES = 1 << 30
@@ -87,6 +87,7 @@ def parser() -> argparse.ArgumentParser:
     r.add_argument("--no-adaptive-radius", dest="adaptive_radius", action="store_const", const=False, help="one law for all pixels")
     r.add_argument("--no-adaptive-samples", dest="adaptive_samples", action="store_const", const=False, help="as many for all pixels")
     r.add_argument("--no-fallback", dest="fallback", action="store_const", const=False, help="no camera paths where photons serve badly")
+    r.add_argument("--final-gather", choices=[g.value for g in FinalGather], type=str.upper, help="photons light the second place of paths")
     r.add_argument(
         "--component",
         type=_component,
@@ -125,6 +126,8 @@ def _settings(options: argparse.Namespace) -> Callable[[RenderSettings], RenderS
     given["force"] = tuple(dict.fromkeys(name for name, on in options.component if on and name in FORCEABLE))
     if options.integrator is not None:
         given["integrator"] = Integrator(options.integrator)
+    if options.final_gather is not None:
+        given["final_gather"] = FinalGather(options.final_gather)
     if options.backend is not None:
         given["backend"] = Backend(options.backend)
     if options.error is not None or options.seconds is not None:

@@ -8,7 +8,7 @@ from typing import Any
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty
 
-from .core.settings import Backend, RenderSettings
+from .core.settings import Backend, FinalGather, RenderSettings
 
 DEFAULTS = RenderSettings()
 
@@ -84,6 +84,17 @@ class PhotonSplatSettings(bpy.types.PropertyGroup):
         name="Camera Path Fallback",
         description="Let paths from the camera find the indirect light where surfaces are too small, too bent or too dark for photons",
         default=DEFAULTS.fallback,
+        update=_tell,
+    )
+    final_gather: EnumProperty(  # type: ignore[valid-type]
+        name="Final Gather",
+        description="Camera paths take one more bounce before photons light them: noisier, but without blur (final renders only)",
+        items=[
+            (FinalGather.AUTO.value, "Automatic", "Where the picture is denoised and no error threshold ends the render"),
+            (FinalGather.ON.value, "On", "Always"),
+            (FinalGather.OFF.value, "Off", "Photons light what the camera sees"),
+        ],
+        default=DEFAULTS.final_gather.value,
         update=_tell,
     )
     denoise: BoolProperty(  # type: ignore[valid-type]
@@ -181,6 +192,7 @@ def render_settings(scene: Any) -> RenderSettings:
         radius_scale=group.radius_scale,
         boundary_correction=group.boundary_correction,
         fallback=group.fallback,
+        final_gather=FinalGather(group.final_gather),
         denoise=group.denoise,
         backend=Backend(group.backend),
         seed=group.seed,
@@ -198,6 +210,7 @@ def viewport_settings(scene: Any) -> RenderSettings:
         photons_per_pass=group.viewport_photons_per_pass,
         time_limit=group.viewport_time_limit,
         error_threshold=0.0,
+        final_gather=FinalGather.OFF,
         denoise=False,
     )
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .scene import ALL_GROUPS, NO_LIGHT_GROUP, NO_PROGRAM, Camera, Frame, Mesh, Scene, Side
-from .settings import RenderSettings
+from .settings import FinalGather, RenderSettings
 
 if TYPE_CHECKING:
     from photon_splat_native import Renderer
@@ -65,6 +65,7 @@ def fill_renderer(renderer: Renderer, scene: Scene, settings: RenderSettings) ->
         adaptive_samples=settings.adaptive_samples,
         occlusion=settings.occlusion,
         fallback=settings.fallback,
+        final_gather=settings.final_gather == FinalGather.ON,
     )
 
 

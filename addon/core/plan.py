@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from .scene import NO_PROGRAM, NO_TEXTURE, Scene
-from .settings import Integrator, RenderSettings
+from .settings import FinalGather, Integrator, RenderSettings
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,10 +20,9 @@ class Plan:
 
     def applied_to(self, settings: RenderSettings) -> RenderSettings:
         """`settings` without what the plan leaves out."""
-        if self.flags["photons"] and self.flags["occlusion"]:
-            return settings
         photons = settings.photons_per_pass if self.flags["photons"] else 0
-        return replace(settings, photons_per_pass=photons, occlusion=self.flags["occlusion"])
+        gather = FinalGather.ON if self.flags["final_gather"] else FinalGather.OFF
+        return replace(settings, photons_per_pass=photons, occlusion=self.flags["occlusion"], final_gather=gather)
 
 
 def make_plan(scene: Scene, settings: RenderSettings) -> Plan:
@@ -59,6 +58,7 @@ def make_plan(scene: Scene, settings: RenderSettings) -> Plan:
         "adaptive_radius": splat and settings.adaptive_radius,
         "adaptive_samples": splat and settings.adaptive_samples,
         "fallback": splat and settings.fallback and not why_not,
+        "final_gather": splat and not why_not and _gathers(settings),
     }
     sentences = []
     if not splat:
@@ -79,11 +79,20 @@ def make_plan(scene: Scene, settings: RenderSettings) -> Plan:
         sentences.append("Adaptive samples are switched off.")
     if splat and not settings.caustics:
         sentences.append("Caustic photons are switched off: caustics are blurred like other light.")
+    if flags["final_gather"]:
+        sentences.append("Final gathering: camera paths take one more bounce before photons light them.")
     if splat and not settings.fallback:
         sentences.append("Paths from the camera never stand in for photons: small things may be blotchy.")
     if splat and settings.force:
         sentences.append(f"Forced on: {', '.join(settings.force)}.")
     return Plan(sentences, flags)
+
+
+def _gathers(settings: RenderSettings) -> bool:
+    """A denoiser takes the noise of camera paths away, but not what discs blur. Caustics have to come by photons of their own then."""
+    if settings.final_gather == FinalGather.AUTO:
+        return settings.denoise and not settings.error_threshold and settings.caustics
+    return settings.final_gather == FinalGather.ON
 
 
 def pilot_sentences(statistics: dict[str, Any]) -> list[str]:

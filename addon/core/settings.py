@@ -17,6 +17,12 @@ class Backend(StrEnum):
     GPU = "GPU"
 
 
+class FinalGather(StrEnum):
+    AUTO = "AUTO"
+    ON = "ON"
+    OFF = "OFF"
+
+
 FORCEABLE = ("photons", "caustics", "occlusion")
 SWITCHES = ("boundary_correction", "caustics", "occlusion", "fallback", "adaptive_radius", "adaptive_samples")
 """Components with a setting of their own that leaves them out."""
@@ -37,6 +43,8 @@ class RenderSettings:
     denoise              run Open Image Denoise on the finished picture
     occlusion            look for things that stand inside of the discs, and for walls; part of boundary_correction
     fallback             camera paths go on for indirect light where surfaces are too small, too bent or too dark for photons
+    final_gather         photons light what camera paths meet after one more bounce, instead of what they see first: noisier, and sharp.
+                         AUTO: where the picture is denoised and no error_threshold ends the render; the plan makes ON or OFF of it
     adaptive_radius      radii per pixel, from how discs of two sizes have differed in earlier passes
     adaptive_samples     more camera samples where lamps, edges and direct light are noisier than the rest of the picture
     threads              0 = all of the machine
@@ -55,6 +63,7 @@ class RenderSettings:
     denoise: bool = False
     occlusion: bool = True
     fallback: bool = True
+    final_gather: FinalGather = FinalGather.AUTO
     adaptive_radius: bool = True
     adaptive_samples: bool = True
     backend: Backend = Backend.AUTO

@@ -59,6 +59,7 @@ class PHOTON_SPLAT_PT_sampling_advanced(RenderPanel, bpy.types.Panel):
         layout.prop(settings, "point_spacing")
         layout.prop(settings, "boundary_correction")
         layout.prop(settings, "fallback")
+        layout.prop(settings, "final_gather")
 
 
 class PHOTON_SPLAT_PT_light_paths(RenderPanel, bpy.types.Panel):

@@ -316,8 +316,10 @@ Rgb CameraTracer::light_through(const LightSample& light, const Surface& hit, co
 bool CameraTracer::falls_back(Path& path, const Surface& hit, const Bsdf& bsdf) const {
   const bool here = !is_black(bsdf.gather());
   if (!here && is_black(bsdf.gather_through())) return false;
+  if (!fallback_) return false;
+  if (fallback_->gathers() && !path.wandered) return true;
   ++path.tile.places;
-  if (!fallback_ || !fallback_->at(here ? hit.key : hit.key ^ 1u, hit.position, hit.instance, hit.triangle, radius_factor_)) return false;
+  if (!fallback_->at(here ? hit.key : hit.key ^ 1u, hit.position, hit.instance, hit.triangle, radius_factor_)) return false;
   ++path.tile.fallbacks;
   return true;
 }
@@ -399,7 +401,7 @@ bool CameraTracer::trace_again(uint32_t pass, const SampleChoice& choice, SkyGui
       bool changed = false;
       for (end = first; end < tile.records.size() && tile.records[end].pixel == tile.records[first].pixel; ++end) {
         const Record& r = tile.records[end];
-        changed = changed || fallback_->at(r.key, r.position, r.instance, r.triangle, radius_factor_);
+        changed = changed || (!r.caustics_only && fallback_->at(r.key, r.position, r.instance, r.triangle, radius_factor_));
       }
       tile.changed[first] = changed;
       some |= changed;

@@ -1,4 +1,5 @@
-// Which visible points photons serve badly: there camera paths go on for the indirect light, as if photons brought none.
+// Where camera paths go on for the indirect light, as if photons brought none: at visible points that photons serve badly, or at the
+// first of every path, so that photons light the next one (final gathering: Jensen, Global Illumination using Photon Maps, 1996).
 #pragma once
 
 #include "radius_map.h"
@@ -7,21 +8,29 @@ namespace photon_splat {
 
 // Things that are small or bent against the discs that the photons' density asks for: leaves, pebbles, slivers, or surfaces that
 // hardly any photon meets. What decides is the pilot and the shape of the surface, never the photons that would be gathered.
-// Constant after it is made; any thread may ask.
+// Constant while paths are traced; any thread may ask.
 class Fallback {
  public:
-  // `photons`: wanted in a disc from a pass of `paths` paths. `radii` must outlive it.
-  Fallback(const Scene& scene, const RadiusMap& radii, double photons, double paths)
-      : scene_(scene), radii_(radii), photons_(photons), paths_(paths) {}
+  Fallback(const Scene& scene, bool gathers) : scene_(scene), gathers_(gathers) {}
 
+  // `photons`: wanted in a disc from a pass of `paths` paths. `radii` must outlive it. Until then photons serve every point well.
+  void learn(const RadiusMap& radii, double photons, double paths) {
+    radii_ = &radii;
+    photons_ = photons;
+    paths_ = paths;
+  }
+
+  // Whether paths go on at the first point that each meets.
+  bool gathers() const { return gathers_; }
   // Whether too few photons of a pass come into the largest disc about x that neither bends nor reaches past its patch.
   // `radius_factor`: on all radii of that pass.
   bool at(uint32_t key, const Vec3& x, uint32_t instance, uint32_t triangle, float radius_factor) const;
 
  private:
   const Scene& scene_;
-  const RadiusMap& radii_;
-  double photons_, paths_;
+  const bool gathers_;
+  const RadiusMap* radii_ = nullptr;
+  double photons_ = 0, paths_ = 0;
 };
 
 }  // namespace photon_splat

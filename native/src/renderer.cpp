@@ -29,7 +29,9 @@ PhotonCounts since(const PhotonCounts& before, const PhotonCounts& now) {
 void Renderer::add_layer(PhotonStream stream, double photons_per_disc, uint64_t paths_per_pass) {
   const uint32_t seed = stream == PhotonStream::kCaustic ? hash_combine(options.seed, 5) : options.seed;
   auto layer = std::make_unique<Layer>(Layer{stream, photons_per_disc, seed, paths_per_pass, nullptr});
-  layer->tracer = std::make_unique<PhotonTracer>(scene, *lights_, options.max_bounces, stream);
+  // Where photons light what paths meet one bounce on, theirs are one less.
+  const int bounces = std::max(0, options.max_bounces - (options.final_gather && stream != PhotonStream::kCaustic));
+  layer->tracer = std::make_unique<PhotonTracer>(scene, *lights_, bounces, stream);
   layer->splatter = std::make_unique<Splatter>(options.kernel);
   if (scene.light_groups) layer->tracer->keep_light_groups();
   layers_.push_back(std::move(layer));
@@ -88,20 +90,28 @@ void Renderer::trace_records(uint32_t pass) {
 
 void Renderer::trace_camera(uint32_t pass) {
   Layer& indirect = (selected(), *layers_.front());
-  const bool learns = !fallback_learnt_ && options.fallback && indirect.paths_per_pass > 0;
+  const bool photons = indirect.paths_per_pass > 0, learns = !fallback_learnt_ && options.fallback && photons;
+  if (!fallback_ && options.final_gather && photons) fallback_.emplace(scene, true);
   if (learns && options.kept_photon_bytes) {  // the pilot asks for no view
     if (!indirect.radii) learn(indirect);
     make_fallback();
   }
   trace_records(pass);
   if (learns && !options.kept_photon_bytes) learn_fallback(pass);
-  else if (learns && !camera_tracer_->fallbacks()) fallback_.reset();
+  else if (learns && !camera_tracer_->fallbacks()) forget_fallback();
   fallback_learnt_ = true;
 }
 
 void Renderer::make_fallback() {
   const Layer& indirect = *layers_.front();
-  fallback_.emplace(scene, *indirect.radii, indirect.photons_per_disc, static_cast<double>(indirect.paths_per_pass));
+  if (!fallback_) fallback_.emplace(scene, false);
+  fallback_->learn(*indirect.radii, indirect.photons_per_disc, static_cast<double>(indirect.paths_per_pass));
+}
+
+// Nothing in view needs it.
+void Renderer::forget_fallback() {
+  fallback_.reset();
+  if (options.final_gather) fallback_.emplace(scene, true);
 }
 
 // Needs records of places that have not fallen back, and replaces them. What paths meet that go on from there is learnt of as well,
@@ -115,7 +125,7 @@ void Renderer::learn_fallback(uint32_t pass) {
   {
     Timer timer(seconds_.camera);
     if (!camera_tracer_->trace_again(pass, samples_, sky_, options.max_bounces, pass_film_, cancel_)) {
-      fallback_.reset();
+      forget_fallback();
       return;
     }
   }

@@ -28,6 +28,7 @@ struct RenderOptions {
   bool adaptive_samples = true;
   bool occlusion = true;  // inside of discs; part of the boundary correction
   bool fallback = true;   // camera paths go on for indirect light where photons serve badly
+  bool final_gather = false;  // they go on everywhere once, and photons light what they meet
   uint32_t seed = 0;
   std::string kernel;  // of the splatter; empty: the fastest
   // Of photons that renders of other views find again (begin_again). 0: none, and photons are aimed at what the view sees;
@@ -146,6 +147,7 @@ class Renderer {
   void learn(Layer& layer);
   void trace_records(uint32_t pass);
   void make_fallback();
+  void forget_fallback();
   void learn_fallback(uint32_t pass);
   KeyFilter keys_seen(const Layer& layer) const;
   // Of photons that are kept: none, as they serve all views.

@@ -163,7 +163,7 @@ def main() -> int:
     sweeps = [sweep_names[name] for name in names if name in sweep_names]
     OUT.mkdir(parents=True, exist_ok=True)
     started = time.monotonic()
-    tasks: list[Task] = [(case_row, case, by) for case in cases for by in (INTEGRATORS if case.splat else INTEGRATORS[1:])]
+    tasks: list[Task] = [(case_row, case, by) for case in cases for by in (INTEGRATORS if case.splat else INTEGRATORS[-1:])]
     tasks += [(sweep_row, kind, by) for kind in sweeps for by in INTEGRATORS]
     rows = [row for row in finished_rows() if row.name in names] if options.resume else []
     if not options.resume:

@@ -11,6 +11,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
+from photon_splat.core.settings import FinalGather
 
 from tests.oracle.gallery import STEPS, SWEEPS, sweep_case
 from tests.oracle.worker import Worker
@@ -46,9 +47,11 @@ def measure(worker: Worker, kind: str, integrator: str) -> list[list[float]]:
     steps = []
     for roughness in STEPS:
         case = sweep_case(kind, roughness)
-        seeds, passes = (list(range(4)), 32) if integrator == "splat" else ([11, 12], 192)
+        seeds, passes = ([11, 12], 192) if integrator == "reference" else (list(range(4)), 32)
         settings = {"passes": passes, "photons_per_pass": 20_000, "max_bounces": 64, "threads": 1}
-        steps.append(means(worker.render(case, integrator, seeds, **settings)[0]))
+        if integrator == "gather":
+            settings["final_gather"] = FinalGather.ON
+        steps.append(means(worker.render(case, "reference" if integrator == "reference" else "splat", seeds, **settings)[0]))
     return steps
 
 

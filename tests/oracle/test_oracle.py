@@ -18,6 +18,7 @@ SHARE = 12
 """Of the cases that are no scenes of their own, one of so many; which ones differs between the integrators."""
 QUICK_SPLAT = [case for k, case in enumerate(SPLAT_CASES) if case.name not in TEXTURED and (case.name in SCENES or k % SHARE == 0)]
 QUICK_SPLAT += [case for case in LAMP_TREES if case.name in {"lamp_area_checker", "lamp_point_linear", "lamp_spot_ies"}]
+QUICK_GATHER = [case for k, case in enumerate(SPLAT_CASES) if case.name in {"cornell_box", "interior"} or k % (4 * SHARE) == 2]
 QUICK_REFERENCE = [case for k, case in enumerate(CASES) if case.name not in TEXTURED and (case.name in SCENES or k % SHARE == 1)]
 
 FAILURES = Path(__file__).resolve().parents[2] / "out" / "failures"
@@ -34,6 +35,11 @@ def compare(case: Case, integrator: str, ours: np.ndarray) -> None:
 @pytest.mark.parametrize("case", QUICK_SPLAT, ids=lambda case: case.name)
 def test_splat(worker: Worker, case: Case) -> None:
     compare(case, "splat", render(worker, case, "splat"))
+
+
+@pytest.mark.parametrize("case", QUICK_GATHER, ids=lambda case: case.name)
+def test_final_gathering(worker: Worker, case: Case) -> None:
+    compare(case, "gather", render(worker, case, "gather"))
 
 
 @pytest.mark.parametrize("case", QUICK_REFERENCE, ids=lambda case: case.name)

@@ -1,14 +1,16 @@
 """Whether a picture agrees with Cycles': the whole picture's mean, and every 8x8 block by z-test with both variances.
 
-Both integrators are held to it. The path tracer must agree within `reference_bias` (shading normals and float texture
-lookups differ a little between any two renderers); the splat may show its kernel's bias, `block_bias`.
+All integrators are held to it. The path tracer must agree within `reference_bias` (shading normals and float texture
+lookups differ a little between any two renderers); the splat may show its kernel's bias, `block_bias`, with final gathering half of it.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from photon_splat.core.settings import FinalGather
 
 from tests.compare import Blocks, block_test, mean_ratio, within_known_bias
 from tests.oracle.cases import SCENES, Case
@@ -20,7 +22,8 @@ FAMILY_LEVEL = 0.01 / len(ALL)
 """Chance that a picture of equal expectation fails; over the whole table one per cent."""
 DARK = 0.002
 """Deviation allowed to a block beside the relative one, in units of the picture's mean."""
-INTEGRATORS = ("splat", "reference")
+INTEGRATORS = ("splat", "gather", "reference")
+"""The second: splat, with final gathering."""
 
 
 @dataclass
@@ -45,12 +48,12 @@ def judge(case: Case, integrator: str, ours: np.ndarray) -> Verdict:
     if not np.isfinite(ours).all():
         count = int((~np.isfinite(ours)).sum())
         return Verdict(np.nan_to_num(ours).mean(0), reference.mean(0), np.nan, np.nan, np.inf, [f"{count} values are not finite"])
-    splat = integrator == "splat"
+    splat = integrator != "reference"
     blocks = Blocks.of(reference, independent_pixels=True)
     result = block_test(
         Blocks.of(ours, independent_pixels=not splat),
         blocks,
-        relative=case.block_bias if splat else case.reference_bias,
+        relative={"splat": case.block_bias, "gather": case.block_bias / 2, "reference": case.reference_bias}[integrator],
         absolute=DARK * float(reference.mean()),
         family_level=FAMILY_LEVEL,
     )
@@ -59,7 +62,7 @@ def judge(case: Case, integrator: str, ours: np.ndarray) -> Verdict:
     failures = []
     if abs(ratio - 1) > tolerance:
         failures.append(f"mean is {ratio:.4f} +- {error:.4f} of Cycles'")
-    if not result.passed and not (splat and case.name in SCENES and within_known_bias(result, blocks)):
+    if not result.passed and not (integrator == "splat" and case.name in SCENES and within_known_bias(result, blocks)):
         failures.append(str(result))
     beyond = float(np.log(max(result.p_values.min(), 1e-300)) / np.log(result.level))
     excess = max(abs(ratio - 1) / tolerance, min(beyond, 50.0) if failures else min(beyond, 1.0))
@@ -67,10 +70,10 @@ def judge(case: Case, integrator: str, ours: np.ndarray) -> Verdict:
 
 
 def render(worker: Worker, case: Case, integrator: str, threads: int = 0) -> np.ndarray:
-    """(K, height, width, 4): six splats, or two path-traced pictures. 0 threads: all of the machine's."""
-    if integrator == "splat":
-        settings: dict[str, int] = {"passes": case.passes, "photons_per_pass": case.photons_per_pass}
-    else:
-        settings = {"passes": 96 if case.name in SCENES else 256}
-    seeds = list(range(6)) if integrator == "splat" else [11, 12]
-    return worker.render(case, integrator, seeds, max_bounces=64, threads=threads, **settings)[0]
+    """(K, height, width, 4): six splats, gathered or not, or two path-traced pictures. 0 threads: all of the machine's."""
+    if integrator == "reference":
+        settings: dict[str, Any] = {"passes": 96 if case.name in SCENES else 256}
+        return worker.render(case, integrator, [11, 12], max_bounces=64, threads=threads, **settings)[0]
+    gather = FinalGather.ON if integrator == "gather" else FinalGather.OFF
+    settings = {"passes": case.passes, "photons_per_pass": case.photons_per_pass, "final_gather": gather}
+    return worker.render(case, "splat", list(range(6)), max_bounces=64, threads=threads, **settings)[0]

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from photon_splat.core import denoise
 from photon_splat.core.scene import LightKind, Scene
+from photon_splat.core.settings import FinalGather
 
 from tests import corescene as c
 
@@ -20,7 +21,7 @@ def _box() -> Scene:
 
 def test_less_noise_and_the_same_light() -> None:
     truth = c.picture(_box(), passes=64, photons_per_pass=30_000, seed=5)
-    noisy, clean = (c.shoot(_box(), passes=1, photons_per_pass=5_000, denoise=on) for on in (False, True))
+    noisy, clean = (c.shoot(_box(), passes=1, photons_per_pass=5_000, denoise=on, final_gather=FinalGather.OFF) for on in (False, True))
     error = {
         name: float(((r.passes["Combined"][..., :3] - truth[..., :3]) ** 2).mean()) for name, r in (("noisy", noisy), ("clean", clean))
     }
@@ -60,7 +61,7 @@ def test_a_missing_library_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(denoise, "LIBRARY", "libNoSuchDenoiser.so.2")
     denoise._library.cache_clear()
     try:
-        result = c.shoot(_box(), passes=1, photons_per_pass=1000, denoise=True)
+        result = c.shoot(_box(), passes=1, photons_per_pass=1000, denoise=True, final_gather=FinalGather.OFF)
         plain = c.shoot(_box(), passes=1, photons_per_pass=1000)
     finally:
         denoise._library.cache_clear()

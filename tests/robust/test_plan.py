@@ -52,7 +52,7 @@ def test_words_and_flags() -> None:
     assert "Things or walls stand in" in text
     assert plan["flags"] == {
         "photons": True, "world": False, "textures": False, "boundary": True, "occlusion": True, "adaptive_radius": True,
-        "adaptive_samples": True, "fallback": True,
+        "adaptive_samples": True, "fallback": True, "final_gather": False,
     }  # fmt: skip
 
 

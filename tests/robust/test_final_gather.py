@@ -1,0 +1,76 @@
+"""Final gathering: the path tracer's mean, no blur where things touch, and on only where it pays."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from photon_splat.core.plan import make_plan
+from photon_splat.core.scene import Scene
+from photon_splat.core.settings import FinalGather, Integrator, RenderSettings
+
+from tests import corescene as c
+from tests.robust.test_degenerate import room
+from tests.robust.test_fallback import leaves
+
+ON = FinalGather.ON
+
+
+@pytest.mark.parametrize("roughness", [None, 0.05, 0.3])
+def test_the_mean_is_the_path_tracers(roughness: float | None) -> None:
+    """Without shiny things, with caustic photons of their own, and with a gloss that both share."""
+    truth = c.picture(leaves(roughness), Integrator.REFERENCE, passes=800, max_bounces=12, seed=1)
+    picture = c.picture(leaves(roughness), passes=100, photons_per_pass=20_000, max_bounces=12, seed=2, final_gather=ON)
+    assert picture.mean() == pytest.approx(truth.mean(), rel=0.01)
+
+
+@pytest.mark.parametrize("bounces", [1, 2])
+def test_bounces_are_counted_as_elsewhere(bounces: int) -> None:
+    truth = c.picture(room(), Integrator.REFERENCE, passes=600, max_bounces=bounces, seed=1)
+    picture = c.picture(room(), passes=100, photons_per_pass=20_000, max_bounces=bounces, seed=2, final_gather=ON)
+    assert picture.mean() == pytest.approx(truth.mean(), rel=0.01)
+
+
+def contact() -> Scene:
+    """A board of 2 cm that floats 6 cm over a floor under a bright ceiling: what reaches the floor below it has bounced."""
+    board = c.box((-0.5, -0.5, 0.06), (0.5, 0.5, 0.08))
+    things = [(c.box((-1, -1, 0), (1, 1, 2), inwards=True), c.lambert(0.7)), (board, c.lambert(0.7))]
+    return c.scene(
+        c.perspective((0.0, -0.95, 0.9), (0.0, 0.0, 0.0), 24, 24, 1.0), things, [c.lamp(c.LightKind.POINT, 30.0, (0.0, 0.0, 1.5))]
+    )
+
+
+def test_shadows_of_contacts_are_not_blurred() -> None:
+    truth = c.picture(contact(), Integrator.REFERENCE, passes=1500, max_bounces=12, seed=1)
+
+    def bias(gather: FinalGather) -> float:
+        """Root of the mean square, free of noise, as two pictures of other seeds have none in common."""
+        one, two = (c.picture(contact(), passes=40, photons_per_pass=5_000, max_bounces=12, seed=s, final_gather=gather) for s in (2, 3))
+        return float(np.sqrt(max(0.0, ((one - truth) * (two - truth)).mean())) / truth.mean())
+
+    assert bias(ON) < 0.5 * bias(FinalGather.OFF)
+
+
+@pytest.mark.parametrize(
+    ("settings", "gathers"),
+    [
+        ({}, False),
+        ({"denoise": True}, True),
+        ({"denoise": True, "error_threshold": 0.02}, False),
+        ({"denoise": True, "caustics": False}, False),
+        ({"denoise": True, "final_gather": FinalGather.OFF}, False),
+        ({"final_gather": ON}, True),
+        ({"final_gather": ON, "photons_per_pass": 0}, False),
+        ({"final_gather": ON, "integrator": Integrator.REFERENCE}, False),
+    ],
+)
+def test_the_plan_decides(settings: dict, gathers: bool) -> None:
+    plan = make_plan(room(), RenderSettings(**settings))
+    assert plan.flags["final_gather"] == gathers
+    assert any("Final gathering" in sentence for sentence in plan.sentences) == gathers
+    applied = plan.applied_to(RenderSettings(**settings))
+    assert applied.final_gather == (ON if gathers else FinalGather.OFF)
+
+
+def test_threads_do_not_matter_and_persistent_data_neither() -> None:
+    one, two = (c.picture(leaves(0.3), passes=3, photons_per_pass=20_000, threads=n, final_gather=ON) for n in (1, 3))
+    assert np.array_equal(one, two)
