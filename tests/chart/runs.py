@@ -43,15 +43,12 @@ def version(method: str) -> str:
 
 def shot(case: Case, method: Method | str, seconds: float, seed: int) -> Shot:
     """The render, from the cache if it has been made. RuntimeError if the process failed."""
-    asked = Method.SPLAT if method == Method.SPLAT_DENOISED else method
     blend = ROOT / "blend_scenes" / f"{case.scene}.blend"
-    what = f"{asked}|{version(str(asked))}|{hashlib.sha256(blend.read_bytes()).hexdigest()}|{case.width}x{case.height}|{seconds:g}|{seed}"
+    what = f"{method}|{version(str(method))}|{hashlib.sha256(blend.read_bytes()).hexdigest()}|{case.width}x{case.height}|{seconds:g}|{seed}"
     path = CACHE / f"{case.scene}_{hashlib.sha256(what.encode()).hexdigest()[:20]}.npz"
     if not path.exists():
-        _render(asked, case, blend, seconds, seed, path)
+        _render(method, case, blend, seconds, seed, path)
     with np.load(path) as data:
-        if method == Method.SPLAT_DENOISED:
-            return Shot(data["denoised"], float(data["denoised_seconds"]))
         return Shot(data["picture"], float(data["seconds"]))
 
 

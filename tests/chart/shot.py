@@ -28,7 +28,7 @@ def main(arguments: list[str]) -> None:
     scene = bpy.context.scene
     scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = int(width), int(height), 100
     scene.render.use_border = False
-    if method in (Method.SPLAT, "truth-paths", "truth-photons"):
+    if method in (Method.SPLAT, Method.SPLAT_DENOISED, "truth-paths", "truth-photons"):
         found = _photon_splat(method, float(seconds), int(seed))
     else:
         found = _cycles(Method(method), float(seconds), int(seed))
@@ -36,10 +36,9 @@ def main(arguments: list[str]) -> None:
 
 
 def _photon_splat(method: str, seconds: float, seed: int) -> dict[str, object]:
-    """The picture, and denoised what the same render becomes a little later."""
     import photon_splat
     from photon_splat.core.result import RenderResult
-    from photon_splat.core.settings import Integrator, RenderSettings
+    from photon_splat.core.settings import FinalGather, Integrator, RenderSettings
     from photon_splat.job import observer
 
     photon_splat.register()
@@ -47,8 +46,10 @@ def _photon_splat(method: str, seconds: float, seed: int) -> dict[str, object]:
     scene.render.engine = "PHOTON_SPLAT"
 
     def settings(own: RenderSettings) -> RenderSettings:
-        given = replace(own, passes=ENDLESS, time_limit=seconds, error_threshold=0.0, seed=seed, denoise=method == Method.SPLAT)
-        return replace(given, integrator=Integrator.REFERENCE, max_bounces=64) if method == "truth-paths" else given
+        given = replace(own, passes=ENDLESS, time_limit=seconds, error_threshold=0.0, seed=seed, denoise=method == Method.SPLAT_DENOISED)
+        if method == "truth-paths":
+            return replace(given, integrator=Integrator.REFERENCE, max_bounces=64)
+        return replace(given, final_gather=FinalGather.ON) if method == "truth-photons" else given
 
     results: list[RenderResult] = []
     observer.settings = settings
@@ -56,12 +57,7 @@ def _photon_splat(method: str, seconds: float, seed: int) -> dict[str, object]:
     started = time.monotonic()
     bpy.ops.render.render()
     took = time.monotonic() - started
-    result = results[0]
-    combined = result.passes["Combined"][..., :3]
-    if result.noisy is None:
-        return {"picture": combined, "seconds": took}
-    before = took - result.statistics["seconds"]["denoise"]
-    return {"picture": result.noisy, "seconds": before, "denoised": combined, "denoised_seconds": took}
+    return {"picture": results[0].passes["Combined"][..., :3], "seconds": took}
 
 
 def _cycles(method: Method, seconds: float, seed: int) -> dict[str, object]:
