@@ -22,6 +22,8 @@ LUMINANCE = (0.2126, 0.7152, 0.0722)
 WINDOW = 2
 """Half the side of the square over which pixels share what is known of noise and blur."""
 CAUTION = 8.0
+DOUBT = 2.0
+"""What noise is taken for, over its estimate, which may be half of the truth: with blur that was none noise comes back."""
 
 _MONITOR = ctypes.CFUNCTYPE(ctypes.c_bool, ctypes.c_void_p, ctypes.c_double)
 
@@ -81,7 +83,7 @@ def blend(noisy: NDArray[np.float32], denoised: NDArray[np.float32], variance: N
     variance: of the noisy picture's luminance, (height, width), as estimated after `passes` passes; few passes are trusted less.
     """
     difference = (noisy - denoised) @ np.asarray(LUMINANCE, np.float32)
-    square, noise = _window_mean(difference**2), _window_mean(variance) * (1.0 + CAUTION / passes)
+    square, noise = _window_mean(difference**2), _window_mean(variance) * DOUBT * (1.0 + CAUTION / passes)
     blur = np.maximum(square - noise, 0.0)
     share = np.divide(blur, blur + noise, out=np.zeros_like(blur), where=(blur > 0) & ~_alone(difference**2))[..., None]
     return denoised + share * (noisy - denoised)
