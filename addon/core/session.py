@@ -92,7 +92,7 @@ class _Worker(threading.Thread):
         self.prepare()
         self.prepared = True
         while self.passes_done < self.settings.passes:
-            began = time.monotonic()
+            began, learnt, samples = time.monotonic(), self.renderer.pilot_seconds, self.renderer.samples_per_pass
             self.stage = f"Pass {self.passes_done + 1}"
             if self.settings.integrator is Integrator.REFERENCE:
                 self.renderer.trace_reference(self.passes_done)
@@ -106,8 +106,10 @@ class _Worker(threading.Thread):
             if converged:
                 return
             now = time.monotonic()
-            # Another pass takes as long as this one did: it is begun only if it fits.
-            if self.settings.time_limit and now + (now - began) > self.started + self.settings.time_limit:
+            # Another pass takes as long as this one did, but for the pilot, or as much longer as it has more samples: it is begun
+            # only if it fits.
+            another = (now - began - (self.renderer.pilot_seconds - learnt)) * max(1.0, self.renderer.samples_per_pass / samples)
+            if self.settings.time_limit and now + another > self.started + self.settings.time_limit:
                 return
 
     def _choose_splatter(self) -> Splatter:

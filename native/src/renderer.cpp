@@ -8,6 +8,7 @@ namespace {
 constexpr uint64_t kPilotPaths = 65536;
 constexpr double kPhotonsPerDisc = 200;  // from one pass, before radii shrink
 constexpr double kCausticPhotonsPerDisc = 25;
+constexpr float kGatheredSpacing = 2;  // times that of points that are seen: a pixel's paths meet many
 constexpr double kShrinkExponent = -1.0 / 6.0;  // h ~ pass^(-1/6): variance and squared bias fall alike (Knaus & Zwicker 2011)
 
 class Timer {
@@ -123,7 +124,7 @@ void Renderer::learn_fallback(uint32_t pass) {
   make_fallback();
   camera_tracer_->set_fallback(&*fallback_, layers_.size() > 1, radius_factor(pass));
   {
-    Timer timer(seconds_.camera);
+    Timer timer(seconds_.camera), pilot(seconds_.pilot);
     if (!camera_tracer_->trace_again(pass, samples_, sky_, options.max_bounces, pass_film_, cancel_)) {
       forget_fallback();
       return;
@@ -147,7 +148,7 @@ KeyFilter Renderer::keys_seen(const Layer& layer) const {
 
 // A pilot teaches where useful photons start and how dense they land.
 void Renderer::learn(Layer& layer) {
-  Timer timer(seconds_.photons);
+  Timer timer(seconds_.photons), pilot_timer(seconds_.pilot);
   const KeyFilter keys = keys_seen(layer);
   const uint64_t paths = std::max<uint64_t>(1, std::min(layer.paths_per_pass, kPilotPaths));
   layer.tracer->set_viewer(viewer());
@@ -169,6 +170,7 @@ void Renderer::make_points(uint32_t pass) {
     s.radius_factor = radius_factor(pass);
     s.caustics = layer.stream == PhotonStream::kCaustic;
     s.spacing = options.point_spacing;
+    if (options.final_gather) s.wandered_spacing = kGatheredSpacing * options.point_spacing;
     s.steady = options.kept_photon_bytes > 0;
     s.fixed_radius = options.fixed_radius;
     if (options.adaptive_radius) s.pixel_factors = layer.choice.factors().data();

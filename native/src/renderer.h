@@ -44,6 +44,7 @@ struct alignas(64) GroupSums {
 
 struct StageSeconds {
   double acceleration = 0, camera = 0, photons = 0, splat = 0, boundary = 0, error = 0;
+  double pilot = 0;  // of those: what a render's first pass does beyond any other
 };
 
 // Photons of one kind and the points they are splatted on, with kernels of their own.
@@ -84,6 +85,8 @@ class Renderer {
   const Layer& layer(size_t i) const { return *layers_.at(i); }
   // The layer that the following stages are about; 0, the indirect light, at first.
   void select_layer(size_t i) { current_ = layers_.at(i).get(); }
+  // Camera samples of the next pass, in each pixel on average.
+  double samples_per_pass() const { return options.adaptive_samples ? samples_.mean_count() : 1; }
   uint64_t paths_per_pass() const { return current_ ? current_->paths_per_pass : 0; }
   // Visible points for those records; the first call traces the pilot that chooses radii.
   void make_points(uint32_t pass);

@@ -1,6 +1,7 @@
 #include "sample_choice.h"
 
 #include <bit>
+#include <numeric>
 
 #include "pixel_blur.h"
 
@@ -47,6 +48,10 @@ void SampleChoice::see(const Film& pass, Moments& moments, ThreadPool& pool) con
     for (size_t i = row * width_; i < (row + 1) * width_; ++i)
       moments.add(i, luminance(pass.pixels[i].combined()) * pass.pixels[i].share(), pass.pixels[i].samples);
   });
+}
+
+double SampleChoice::mean_count() const {
+  return count_.empty() ? 1 : std::accumulate(count_.begin(), count_.end(), 0.0) / static_cast<double>(count_.size());
 }
 
 void SampleChoice::see_camera(const Film& pass, ThreadPool& pool) { see(pass, camera_, pool); }

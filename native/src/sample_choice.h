@@ -20,6 +20,7 @@ class SampleChoice {
   // Of pixel i in pass `pass` of the film: numbers [first, first + count) of its sequence.
   uint32_t first(size_t i, uint32_t pass) const { return pass + extra_[i]; }
   uint32_t count(size_t i) const { return count_[i]; }
+  double mean_count() const;  // of all pixels, in the next pass
 
   // The pass' film when it holds what camera paths found, and again when photons have been added.
   void see_camera(const Film& pass, ThreadPool& pool);

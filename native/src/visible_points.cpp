@@ -64,7 +64,8 @@ void VisiblePoints::find_cells(Scene& scene, const Records& records, const Radiu
       uint64_t hash = i;
       uint32_t rank = hash_combine(static_cast<uint32_t>(i), pass);
       if (s.spacing > 0) {
-        const float inverse = 1 / (s.spacing * h);
+        const bool sparse = r.wandered && s.wandered_spacing > s.spacing;
+        const float inverse = 1 / ((sparse ? s.wandered_spacing : s.spacing) * h);
         const auto index = [&](float p, float d) {
           return static_cast<uint64_t>(static_cast<int64_t>(std::floor(p * inverse + d)));
         };
@@ -75,7 +76,8 @@ void VisiblePoints::find_cells(Scene& scene, const Records& records, const Radiu
         }
         const uint64_t place = hash64(index(r.position.x, shift.x)) ^ hash64(index(r.position.y, shift.y) + 0x51ed27ull) * 3 ^
                                hash64(index(r.position.z, shift.z) + 0xa0761dull) * 5;
-        hash = hash64(place ^ (uint64_t{r.key} << 32 | static_cast<uint32_t>(std::lround(std::log2(h) * 4))));
+        const auto size = static_cast<uint32_t>(std::lround(std::log2(h) * 4));
+        hash = hash64(place ^ (uint64_t{r.key} << 32 | (sparse ? ~size : size)));
       }
       cells_[i] = {hash, static_cast<uint32_t>(i), h, rank};
     }

@@ -14,6 +14,7 @@ struct PointSettings {
   double paths_per_pass = 0;
   float radius_factor = 1;       // user's scale times the shrinking over passes
   float spacing = 1.0f / 3.0f;   // of points, in kernel radii; 0: a point per record
+  float wandered_spacing = 0;    // of points for records of paths that went on, if it is more
   bool boundary_correction = true;
   const float* pixel_factors = nullptr;  // on the radius, by the record's pixel; none: 1
   bool caustics = false;         // these points are for caustics: records that want nothing else count
