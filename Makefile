@@ -22,13 +22,15 @@ NATIVE_SOURCES := $(shell find native -path native/.cache -prune -o -path native
 # What is built in the virtual environment must find its tools there: cmake and ninja.
 IN_VENV = PATH="$(CURDIR)/$(@D)/bin:$$PATH"
 
-.PHONY: help setup setup-old render test lint test-native test-python test-old extension extension-test viewport-test bench bench-viewport bench-persistent bench-gpu bench-nodes chart stability convergence calibration references scenes oracle nodes node-list sanitize wheel clean
+.PHONY: help setup setup-old setup-rivals render test lint test-native test-python test-old extension extension-test viewport-test bench bench-viewport bench-persistent bench-gpu bench-nodes chart stability convergence calibration references scenes oracle nodes node-list sanitize wheel clean
 
 help:
 	@sed -n 's/^\([a-z-]*\):.*## /  make \1\t/p' $(MAKEFILE_LIST) | expand -t 20
 
 setup: $(VENV)/.native $(VENV)/.addon ## virtual environment with Blender as a module, the native module and the add-on
 setup-old: $(VENV_OLD)/.native $(VENV_OLD)/.addon ## the same for Python 3.11 and Blender 4.5 LTS
+
+setup-rivals: .venv-rivals/.packages ## Mitsuba and LuxCore, which make chart then draws too (not needed for anything else)
 
 # --- set-up: each step leaves a stamp, so that nothing is done twice ------------------------------------------------
 
@@ -54,6 +56,11 @@ $(VENV_OLD)/.made:
 %/.addon: %/.packages pyproject.toml setup.py addon/blender_manifest.toml $(wildcard addon/__init__.py)
 	@echo "== $(@D): installing the add-on (editable)"
 	$(@D)/bin/python -m pip install --disable-pip-version-check --no-build-isolation --no-deps -q -e .
+	@touch $@
+
+.venv-rivals/.packages: requirements-rivals.txt
+	@python=$$(tools/find_python.sh 3.13 3.11) && echo "== .venv-rivals: $$python" && "$$python" -m venv --clear .venv-rivals
+	.venv-rivals/bin/python -m pip install --disable-pip-version-check -r requirements-rivals.txt
 	@touch $@
 
 .PRECIOUS: %/.made %/.packages %/.native %/.addon
@@ -163,7 +170,7 @@ bench-nodes: setup ## a hit on a shader of 200 nodes, beside Cycles'
 bench-gpu: setup ## the GPU splatter on a graphics card (GPU_OPTIONS: see python -m tests.bench.gpu --help)
 	$(PY) -m tests.bench.gpu $(GPU_OPTIONS)
 
-chart: setup ## error against time, ours and Cycles': tests/chart (CHART_OPTIONS: see python -m tests.chart --help)
+chart: setup ## error against time, ours, Cycles' and rivals': tests/chart (CHART_OPTIONS: see python -m tests.chart --help)
 	$(PY) -m tests.chart $(CHART_OPTIONS)
 	$(PY) -m tests.chart.seed_comparison
 
@@ -180,4 +187,4 @@ wheel: setup ## dist/*.whl of the native module and of the add-on
 	PATH="$(CURDIR)/$(VENV)/bin:$$PATH" $(PY) -m pip wheel --disable-pip-version-check --no-build-isolation --no-deps -w dist ./native .
 
 clean: ## removes everything that was built, installed or rendered
-	rm -rf $(VENV) $(VENV_OLD) build dist out .cache native/.cache *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) $(VENV_OLD) .venv-rivals build dist out .cache native/.cache *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis

@@ -1,7 +1,9 @@
-"""Error against time, ours and Cycles': `python -m tests.chart [--seeds N] [--budgets S,S,...] [SCENE ...]` (`make chart`).
+"""Error against time, ours, Cycles' and rivals': `python -m tests.chart [--seeds N] [--budgets S,S,...] [SCENE ...]` (`make chart`).
 
 Writes tests/chart/SCENE.png, figures.csv and equal_time.png. Renders are kept in build/chart by scene and version: a second run only
-draws. Measure on a machine that does nothing else.
+draws. Measure on a machine that does nothing else. Rivals (Mitsuba, LuxCore) are drawn where they are installed (`make setup-rivals`)
+and can say the scene exactly; one that gets another mean on the Cornell box is refused. `--long SCENE ...` gives Cycles a quarter of an
+hour there, by samples (plan.LONG); once made, it is drawn by every run.
 """
 
 from __future__ import annotations
@@ -12,20 +14,49 @@ import dataclasses
 import sys
 from pathlib import Path
 
+import numpy as np
+
 from tests.chart import draw, figures, runs
-from tests.chart.plan import BUDGETS, CASES, Case, Method, seeds
+from tests.chart.plan import BUDGETS, CASES, LONG, MEAN_CASE, MEAN_SECONDS, MEAN_TOLERANCE, RIVALS, Case, Method, seeds
+from tests.chart.rivals import driver
 
 FOLDER = Path(__file__).resolve().parent
 METHODS = (Method.SPLAT, Method.SPLAT_DENOISED, Method.CYCLES, Method.CYCLES_DENOISED)
 
 
-def measure(case: Case, budgets: list[float], most_seeds: int) -> dict[Method, list[figures.Point]]:
+def rivals_of(case: Case) -> list[Method]:
+    """Those that are charted; says of the others why not."""
+    checked = next(c for c in CASES if c.scene == MEAN_CASE)
+    fit = []
+    for method in RIVALS:
+        if not driver.version(method):
+            print(f"   {method}: not installed, left out")
+        elif isinstance(reason := driver.description(case, method), str):
+            print(f"   {method}: left out, as {reason}")
+        else:
+            try:
+                mean = float(runs.shot(checked, method, MEAN_SECONDS, 1).picture.mean(dtype=np.float64) / np.mean(runs.truth(checked)))
+            except RuntimeError as error:
+                print(f"   {method}: left out, as it failed: {error}")
+                continue
+            if abs(mean - 1) > MEAN_TOLERANCE:
+                print(f"   {method}: left out, as its mean on {checked.scene} is {mean:.4f} times the truth's")
+            else:
+                fit.append(method)
+    return fit
+
+
+def measure(case: Case, budgets: list[float], most_seeds: int, long: bool) -> dict[Method, list[figures.Point]]:
+    """`long`: renders Cycles' quarter of an hour; that is taken up wherever it has been made."""
     halves = runs.truth(case)
-    found: dict[Method, list[figures.Point]] = {method: [] for method in METHODS}
-    for budget in budgets:
-        for method in METHODS:
-            shots = [runs.shot(case, method, budget, seed) for seed in seeds(budget, most_seeds)]
-            found[method].append(figures.point(budget, [s.picture for s in shots], [s.seconds for s in shots], halves))
+    methods = [*METHODS, *rivals_of(case)]
+    asked = [(method, budget) for budget in budgets for method in methods]
+    if long or runs.path_of(case, Method.CYCLES, LONG, 1).exists():
+        asked.append((Method.CYCLES, LONG))
+    found: dict[Method, list[figures.Point]] = {method: [] for method in methods}
+    for method, budget in asked:
+        shots = [runs.shot(case, method, budget, seed) for seed in seeds(budget, most_seeds, method)]
+        found[method].append(figures.point(budget, [s.picture for s in shots], [s.seconds for s in shots], halves))
     return found
 
 
@@ -40,7 +71,13 @@ def ratios(found: dict[Method, list[figures.Point]]) -> list[str]:
         lines.append(f"   equal error {theirs.rmse:.5f}: Cycles {theirs.seconds:.1f} s, ours {text}")
     for p in ours:
         times = figures.seconds_to(cycles, p.rmse) / p.seconds
-        lines.append(f"   our error {p.rmse:.5f} after {p.seconds:.2f} s: Cycles {times:.0f} times as long")
+        bound = f", {cycles[-1].seconds / p.seconds:.0f} at least" if cycles[-1].rmse > p.rmse else ""
+        lines.append(f"   our error {p.rmse:.5f} after {p.seconds:.2f} s: Cycles {times:.0f} times as long{bound}")
+    for method in found.keys() - set(METHODS):
+        for theirs in found[method]:
+            mine = figures.seconds_to(ours, theirs.rmse)
+            text = f"under {ours[0].seconds:.2g} s" if mine != mine else f"{mine:.2f} s: {theirs.seconds / mine:.1f}x"
+            lines.append(f"   equal error {theirs.rmse:.5f}: {method} {theirs.seconds:.1f} s, ours {text}")
     for theirs in found[Method.CYCLES_DENOISED]:
         best = min(figures.rel_mse_at(found[method], theirs.seconds) for method in (Method.SPLAT, Method.SPLAT_DENOISED))
         times = theirs.rel_mse / best
@@ -55,15 +92,19 @@ def main(arguments: list[str]) -> int:
     parser.add_argument("scenes", nargs="*", metavar="SCENE", help="of " + ", ".join(case.scene for case in CASES))
     parser.add_argument("--seeds", type=int, default=5)
     parser.add_argument("--budgets", default=",".join(f"{b:g}" for b in BUDGETS), help="seconds, with commas")
+    parser.add_argument("--long", nargs="+", default=[], metavar="SCENE", help="Cycles for a quarter of an hour on these")
+    parser.add_argument("--rivals", type=Path, default=driver.python, metavar="PYTHON", help="that has mitsuba and pyluxcore")
     options = parser.parse_args(arguments)
+    driver.python = options.rivals
     budgets = [float(b) for b in options.budgets.split(",")]
-    wanted = [case for case in CASES if not options.scenes or case.scene in options.scenes]
-    if not wanted or len(wanted) < len(options.scenes):
+    named = {*options.scenes, *options.long}
+    wanted = [case for case in CASES if not named or case.scene in named]
+    if len(wanted) < len(named):
         parser.error("no such scene")
-    rows = _old_rows({case.scene for case in wanted})
+    rows: list[dict[str, object]] = []
     for case in wanted:
         print(f"== {case.scene} ({case.kind}), {case.width}x{case.height}", flush=True)
-        found = measure(case, budgets, options.seeds)
+        found = measure(case, budgets, options.seeds, case.scene in options.long)
         for method, points in found.items():
             for p in points:
                 print(
@@ -75,6 +116,7 @@ def main(arguments: list[str]) -> int:
         print("\n".join(ratios(found)), flush=True)
         draw.chart(case, found, FOLDER / f"{case.scene}.png")
         draw.equal_time(case, budgets, runs.truth(case), FOLDER / f"{case.scene}_equal_time.png")
+    rows = sorted(_old_rows(rows) + rows, key=_place)
     with (FOLDER / "figures.csv").open("w", newline="") as file:
         writer = csv.DictWriter(file, list(rows[0]))
         writer.writeheader()
@@ -82,13 +124,23 @@ def main(arguments: list[str]) -> int:
     return 0
 
 
-def _old_rows(anew: set[str]) -> list[dict[str, object]]:
-    """Of scenes that are not measured now."""
+def _key(row: dict[str, object]) -> tuple[str, str, float]:
+    return str(row["scene"]), str(row["method"]), float(str(row["budget"]))
+
+
+def _place(row: dict[str, object]) -> tuple[int, int, float]:
+    scene, method, budget = _key(row)
+    return [case.scene for case in CASES].index(scene), list(Method).index(Method(method)), budget
+
+
+def _old_rows(anew: list[dict[str, object]]) -> list[dict[str, object]]:
+    """Of what has not been measured now."""
     path = FOLDER / "figures.csv"
     if not path.exists():
         return []
+    replaced = {_key(row) for row in anew}
     with path.open(newline="") as file:
-        return [dict(row) for row in csv.DictReader(file) if row["scene"] not in anew]
+        return [row for row in map(dict, csv.DictReader(file)) if _key(row) not in replaced]
 
 
 if __name__ == "__main__":

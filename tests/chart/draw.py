@@ -10,7 +10,7 @@ import numpy as np
 
 from tests.chart import runs
 from tests.chart.figures import Point, slope
-from tests.chart.plan import Case, Method
+from tests.chart.plan import RIVALS, Case, Method
 
 mpl.use("Agg")
 from matplotlib import pyplot as plt
@@ -20,6 +20,11 @@ STYLE = {
     Method.SPLAT_DENOISED: ("#d95f02", "--", "s"),
     Method.CYCLES: ("#4477aa", "-", "o"),
     Method.CYCLES_DENOISED: ("#4477aa", "--", "s"),
+    Method.MITSUBA: ("#228833", "-", "^"),
+    Method.MITSUBA_PARTICLES: ("#228833", ":", "v"),
+    Method.LUXCORE: ("#aa3377", "-", "^"),
+    Method.LUXCORE_BIDIRECTIONAL: ("#aa3377", "-.", "<"),
+    Method.LUXCORE_PHOTONS: ("#aa3377", ":", "v"),
 }
 SHOWN = (Method.SPLAT, Method.SPLAT_DENOISED, Method.CYCLES, Method.CYCLES_DENOISED)
 
@@ -30,13 +35,14 @@ def chart(case: Case, found: dict[Method, list[Point]], path: Path) -> None:
     for method, points in found.items():
         color, line, mark = STYLE[method]
         times = [p.seconds for p in points]
-        axes[0].loglog(times, [p.rmse for p in points], line, marker=mark, color=color, ms=4, label=f"{method} ({slope(points):.2f})")
+        thin = {"lw": 0.8, "ms": 3} if method in RIVALS else {"lw": 1.6, "ms": 4}
+        axes[0].loglog(times, [p.rmse for p in points], line, marker=mark, color=color, label=f"{method} ({slope(points):.2f})", **thin)
         axes[0].fill_between(times, [p.low for p in points], [p.high for p in points], color=color, alpha=0.15, lw=0)
-        axes[1].loglog(times, [max(p.rel_mse, 1e-9) for p in points], line, marker=mark, color=color, ms=4, label=str(method))
+        axes[1].loglog(times, [max(p.rel_mse, 1e-9) for p in points], line, marker=mark, color=color, label=str(method), **thin)
     for axis, name in zip(axes, ("RMSE", "relMSE"), strict=True):
         axis.set(xlabel="seconds of the render call", ylabel=name)
         axis.grid(which="both", alpha=0.25)
-    axes[0].legend(fontsize=8, title="(slope)", title_fontsize=8)
+    axes[0].legend(fontsize=7 if len(found) > 4 else 8, title="(slope)", title_fontsize=8)
     figure.suptitle(f"{case.scene}, {case.width}x{case.height}: {case.kind}")
     figure.tight_layout()
     figure.savefig(path, dpi=100)

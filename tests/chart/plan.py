@@ -8,6 +8,10 @@ from enum import StrEnum
 BUDGETS = (1.0, 3.0, 10.0, 30.0)
 """Seconds of the render call that each method is given."""
 
+LONG = 900.0
+"""Seconds that Cycles gets for scenes of which it hardly finds the light, one seed. From this budget on it is given the samples that it
+makes in that time with the machine to itself, and its seconds are processor time over threads: a quarter of an hour need not be quiet."""
+
 
 class Method(StrEnum):
     """Cycles solves the same problem (no clamp, no end of paths before 64 bounces); DEFAULT is as Blender sets it up."""
@@ -17,6 +21,16 @@ class Method(StrEnum):
     CYCLES = "Cycles"
     CYCLES_DENOISED = "Cycles, denoised"
     CYCLES_DEFAULT = "Cycles, defaults"
+    MITSUBA = "Mitsuba"
+    MITSUBA_PARTICLES = "Mitsuba, particle tracer"
+    LUXCORE = "LuxCore"
+    LUXCORE_BIDIRECTIONAL = "LuxCore, bidirectional"
+    LUXCORE_PHOTONS = "LuxCore, PhotonGI"
+
+
+RIVALS = tuple(method for method in Method if method.startswith(("Mitsuba", "LuxCore")))
+MEAN_TOLERANCE, MEAN_CASE, MEAN_SECONDS = 0.02, "cornell_box", 30.0
+"""A rival whose picture of that scene has another mean solves another problem, and is not charted."""
 
 
 @dataclass(frozen=True)
@@ -42,6 +56,8 @@ CASES = (
 )
 
 
-def seeds(seconds: float, most: int) -> range:
-    """Fewer of the long renders: their errors scatter less."""
+def seeds(seconds: float, most: int, method: Method) -> range:
+    """Fewer of the long renders: their errors scatter less; and of the rivals."""
+    if method in RIVALS:
+        return range(1, 1 + (min(most, 2) if seconds <= 3 else 1))
     return range(1, 1 + (most if seconds <= 3 else min(most, 3) if seconds <= 10 else 1))

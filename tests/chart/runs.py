@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-import os
-import subprocess
+import pickle
 import sys
 import tempfile
 from dataclasses import dataclass
@@ -12,7 +11,8 @@ from pathlib import Path
 
 import numpy as np
 
-from tests.chart.plan import Case, Method
+from tests.chart.plan import LONG, RIVALS, Case, Method
+from tests.chart.rivals import driver
 
 ROOT = Path(__file__).resolve().parents[2]
 CACHE = ROOT / "build" / "chart"
@@ -41,36 +41,44 @@ def version(method: str) -> str:
     return digest.hexdigest()[:12]
 
 
+def path_of(case: Case, method: Method | str, seconds: float, seed: int) -> Path:
+    """Where the cache has the render, or will have it."""
+    if method in RIVALS:
+        made_by, asked = driver.version(str(method)), pickle.dumps(driver.description(case, str(method)))
+    else:
+        made_by, asked = version(str(method)), _blend(case).read_bytes()
+    what = f"{method}|{made_by}|{hashlib.sha256(asked).hexdigest()}|{case.width}x{case.height}|{seconds:g}|{seed}"
+    return CACHE / f"{case.scene}_{hashlib.sha256(what.encode()).hexdigest()[:20]}.npz"
+
+
 def shot(case: Case, method: Method | str, seconds: float, seed: int) -> Shot:
     """The render, from the cache if it has been made. RuntimeError if the process failed."""
-    blend = ROOT / "blend_scenes" / f"{case.scene}.blend"
-    what = f"{method}|{version(str(method))}|{hashlib.sha256(blend.read_bytes()).hexdigest()}|{case.width}x{case.height}|{seconds:g}|{seed}"
-    path = CACHE / f"{case.scene}_{hashlib.sha256(what.encode()).hexdigest()[:20]}.npz"
+    path = path_of(case, method, seconds, seed)
     if not path.exists():
-        _render(method, case, blend, seconds, seed, path)
+        _render(str(method), case, seconds, seed, path)
     with np.load(path) as data:
         return Shot(data["picture"], float(data["seconds"]))
 
 
-def _render(method: str, case: Case, blend: Path, seconds: float, seed: int, path: Path) -> None:
+def _blend(case: Case) -> Path:
+    return ROOT / "blend_scenes" / f"{case.scene}.blend"
+
+
+def _render(method: str, case: Case, seconds: float, seed: int, path: Path) -> None:
     CACHE.mkdir(parents=True, exist_ok=True)
     print(f"   {case.scene}: {method}, {seconds:g} s, seed {seed}", file=sys.stderr, flush=True)
     with tempfile.TemporaryDirectory(prefix="photon_splat_chart_") as scratch:
         output = Path(scratch, "shot.npz")
-        command = [sys.executable, "-m", "tests.chart.shot", method, str(blend), str(case.width), str(case.height), str(seconds), str(seed)]
-        environment = os.environ | {"BLENDER_USER_RESOURCES": str(Path(scratch, "blender"))}
-        done = subprocess.run(
-            [*command, str(output)],
-            cwd=ROOT,
-            env=environment,
-            timeout=10 * seconds + 300,
-            check=False,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-        )
+        if method in RIVALS:
+            said = driver.render(case, method, seconds, seed, output)
+        else:
+            size = (str(case.width), str(case.height))
+            shot_of = [sys.executable, "-m", "tests.chart.shot", method, str(_blend(case)), *size, str(seconds), str(seed), str(output)]
+            if seconds >= LONG:
+                shot_of.append(str(path.with_suffix("")))
+            said = driver.run(shot_of, seconds)
         if not output.exists():
-            raise RuntimeError(f"{case.scene} by {method}: status {done.returncode}\n{done.stdout[-2000:]}")
+            raise RuntimeError(f"{case.scene} by {method}: {said[-2000:]}")
         path.write_bytes(output.read_bytes())
 
 
