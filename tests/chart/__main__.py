@@ -56,8 +56,11 @@ def measure(case: Case, budgets: list[float], most_seeds: int, long: bool) -> di
     found: dict[Method, list[figures.Point]] = {method: [] for method in methods}
     for method, budget in asked:
         shots = [runs.shot(case, method, budget, seed) for seed in seeds(budget, most_seeds, method)]
+        if not all(shot.picture.any() for shot in shots):
+            print(f"   {method}: no picture yet after {budget:g} s")
+            continue
         found[method].append(figures.point(budget, [s.picture for s in shots], [s.seconds for s in shots], halves))
-    return found
+    return {method: points for method, points in found.items() if points}
 
 
 def ratios(found: dict[Method, list[figures.Point]]) -> list[str]:
@@ -73,7 +76,7 @@ def ratios(found: dict[Method, list[figures.Point]]) -> list[str]:
         times = figures.seconds_to(cycles, p.rmse) / p.seconds
         bound = f", {cycles[-1].seconds / p.seconds:.0f} at least" if cycles[-1].rmse > p.rmse else ""
         lines.append(f"   our error {p.rmse:.5f} after {p.seconds:.2f} s: Cycles {times:.0f} times as long{bound}")
-    for method in found.keys() - set(METHODS):
+    for method in (m for m in found if m in RIVALS):
         for theirs in found[method]:
             mine = figures.seconds_to(ours, theirs.rmse)
             text = f"under {ours[0].seconds:.2g} s" if mine != mine else f"{mine:.2f} s: {theirs.seconds / mine:.1f}x"

@@ -37,7 +37,8 @@ def chart(case: Case, found: dict[Method, list[Point]], path: Path) -> None:
         times = [p.seconds for p in points]
         thin = {"lw": 0.8, "ms": 3} if method in RIVALS else {"lw": 1.6, "ms": 4}
         axes[0].loglog(times, [p.rmse for p in points], line, marker=mark, color=color, label=f"{method} ({slope(points):.2f})", **thin)
-        axes[0].fill_between(times, [p.low for p in points], [p.high for p in points], color=color, alpha=0.15, lw=0)
+        if method not in RIVALS:
+            axes[0].fill_between(times, [p.low for p in points], [p.high for p in points], color=color, alpha=0.15, lw=0)
         axes[1].loglog(times, [max(p.rel_mse, 1e-9) for p in points], line, marker=mark, color=color, label=str(method), **thin)
     for axis, name in zip(axes, ("RMSE", "relMSE"), strict=True):
         axis.set(xlabel="seconds of the render call", ylabel=name)

@@ -17,13 +17,13 @@ PHOTONS = {
     "path.photongi.indirect.enabled": True,
     "path.photongi.indirect.maxsize": 0,  # until its own threshold of convergence
     "path.photongi.indirect.haltthreshold": 0.05,
-    "path.photongi.indirect.lookup.radius": 0.15,
+    "path.photongi.indirect.lookup.radius": 0.05,
     "path.photongi.caustic.enabled": True,
     "path.photongi.caustic.maxsize": 1_000_000,
-    "path.photongi.caustic.lookup.radius": 0.03,
+    "path.photongi.caustic.lookup.radius": 0.01,
     "path.photongi.caustic.updatespp": 8,
     "path.photongi.caustic.updatespp.radiusreduction": 0.96,
-    "path.photongi.caustic.updatespp.minradius": 0.003,
+    "path.photongi.caustic.updatespp.minradius": 0.002,
 }
 """As its add-on for Blender sets the cache up, but for discs that fit scenes a metre wide and shrink, and photons that are ready within
 seconds: the add-on's twenty millions by its Metropolis sampler take minutes before the first sample."""
