@@ -99,7 +99,10 @@ def version() -> str:
 
 
 def render(description: dict[str, Any], seconds: float, seed: int, threads: int) -> tuple[np.ndarray, float]:
-    """The picture, (height, width, 3) float32 with row 0 at the bottom, and the seconds that loading and rendering took."""
+    """The picture, (height, width, 3) float32 with row 0 at the bottom, and the seconds that loading and rendering took.
+
+    Black if not every pixel has had a sample.
+    """
     lux = _load()
     lux.Init()
     lux.SetLogHandler(lambda kind, message: None)
@@ -113,10 +116,13 @@ def render(description: dict[str, Any], seconds: float, seed: int, threads: int)
     session.Start()
     while time.monotonic() - started < seconds:
         time.sleep(min(0.02, max(seconds - (time.monotonic() - started), 0.0)))
+    session.UpdateStats()
+    finished = session.GetStats().Get("stats.renderengine.pass").GetInt() >= 1
     session.Stop()
     width, height = description["config"]["film.width"], description["config"]["film.height"]
     picture = np.zeros((height, width, 3), np.float32)
-    session.GetFilm().GetOutputFloat(lux.FilmOutputType.RGB_IMAGEPIPELINE, picture, 0)
+    if finished:
+        session.GetFilm().GetOutputFloat(lux.FilmOutputType.RGB_IMAGEPIPELINE, picture, 0)
     return picture, time.monotonic() - started
 
 
