@@ -41,7 +41,11 @@ class PowerLaw {
     const float all = 2 * trust_ / lent;
     for (int s = 0; s < kSlopes; ++s) {
       const float a = 1 + kSlopeStep * static_cast<float>(s);
-      of_mean_[s] = static_cast<float>(std::pow(double(passes), double(-a)) / (2 - std::exp2(1 - a)));
+      // The law holds for blocks that the sequence fills evenly: the passes are as many as the binary digits of their number say.
+      double of_all = 0;
+      for (uint32_t digit = 1; digit && digit <= passes; digit *= 2)
+        if (passes & digit) of_all += std::pow(double(digit) / passes, 2) * std::pow(double(digit), double(-a));
+      of_mean_[s] = static_cast<float>(of_all / (2 - std::exp2(1 - a)));
       penalty_[s] = (a - prior.slope) * (a - prior.slope) / (2 * prior.spread * prior.spread);
       for (size_t i = 0; i < levels_; ++i) {
         power_[s][i] = std::pow(k[i], a) * pairs[i] / all;
