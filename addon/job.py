@@ -41,7 +41,8 @@ class Observer:
     started: float | None = None
     settings: Callable[[RenderSettings], RenderSettings] = lambda settings: settings
     on_progress: Callable[[Progress], None] = lambda progress: None
-    on_result: Callable[[RenderResult, Frame], None] = lambda result, frame: None
+    on_result: Callable[[RenderResult, Frame], None] | None = None
+    """Sees all passes; without it those alone are made that Blender asks for."""
     on_error: Callable[[BaseException], None] = lambda error: None
     should_cancel: Callable[[], bool] = lambda: False
 
@@ -64,7 +65,8 @@ def render_view_layer(engine: Any, depsgraph: Any) -> None:
         result = _render(engine, depsgraph, frame, blender_result, started, held)
         fill_passes(blender_result, result.passes)
         _finish(engine, depsgraph, result)
-        observer.on_result(result, frame)
+        if observer.on_result:
+            observer.on_result(result, frame)
         failed = False
     except NoCameraError as error:
         if not engine.is_preview:
@@ -105,6 +107,7 @@ def _render(engine: Any, depsgraph: Any, frame: Frame, blender_result: Any, star
         want_interim=not (bpy.app.background or engine.is_preview),
         persistent=held.persistent if held else None,
         release_textures=True,
+        wanted=None if observer.on_result else {p.name for layer in blender_result.layers for p in layer.passes},
     )
     result.statistics.setdefault("peak_memory_bytes", peak_memory_bytes())
     result.statistics.setdefault("warnings", list(scene.warnings))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -38,17 +38,24 @@ PASSES = (
 
 LIGHT_GROUP_CHANNELS = "RGB"
 
-LIGHT = (
-    "diffuse_direct",
-    "diffuse_indirect",
-    "glossy_direct",
-    "glossy_indirect",
-    "transmission_direct",
-    "transmission_indirect",
-    "emission",
-    "environment",
-)
-"""What the film keeps apart and the picture is the sum of."""
+FILM_ARRAYS = {
+    "Combined": "combined",
+    "Depth": "depth",
+    "Normal": "normal",
+    "Diffuse Direct": "diffuse_direct_per_albedo",
+    "Diffuse Indirect": "diffuse_indirect_per_albedo",
+    "Diffuse Color": "diffuse_color",
+    "Glossy Direct": "glossy_direct",
+    "Glossy Indirect": "glossy_indirect",
+    "Transmission Direct": "transmission_direct",
+    "Transmission Indirect": "transmission_indirect",
+    "Emission": "emission",
+    "Photon Density": "photon_density",
+    "Surface ID": "surface_id",
+    "Error": "error",
+}
+"""Which array of the native film each pass is. Diffuse light is divided by the albedo, as Cycles divides it (0 where that is black);
+glossy and transmitted light has its colour in it."""
 
 
 @dataclass(slots=True)
@@ -63,8 +70,8 @@ class Progress:
 
 @dataclass(slots=True)
 class RenderResult:
-    """passes: name → (height, width, channels) float32, row 0 at the bottom. statistics: the --stats object. noisy: the RGB of Combined
-    before it was denoised, if it was."""
+    """passes: name → (height, width, channels) float32, row 0 at the bottom, of those that were wanted. statistics: the --stats object.
+    noisy: the RGB of Combined before it was denoised, if it was."""
 
     passes: Passes
     cancelled: bool
@@ -83,33 +90,16 @@ def infos_of(passes: Passes) -> list[PassInfo]:
     return [*PASSES, *(PassInfo(name, LIGHT_GROUP_CHANNELS) for name in passes if name not in known)]
 
 
+def film_arrays(wanted: Collection[str] | None = None) -> list[str]:
+    """What passes_from_film() needs of a film for the passes `wanted` (None: all) and those of light groups."""
+    return [array for name, array in FILM_ARRAYS.items() if wanted is None or name in wanted] + ["light_groups"]
+
+
 def passes_from_film(film: dict[str, Any], light_groups: Sequence[str] = ()) -> Passes:
-    """Diffuse light is divided by the albedo, as Cycles divides it (0 where that is black); glossy and
-    transmitted light has its colour in it. `light_groups`: names of those that the film has."""
-    color = film["diffuse_color"]
-
-    def per_albedo(light: NDArray[np.float32]) -> NDArray[np.float32]:
-        return np.divide(light, color, out=np.zeros_like(light), where=color > 0)
-
-    combined = np.empty((*color.shape[:2], 4), np.float32)
-    combined[..., :3] = sum(film[light] for light in LIGHT)
-    combined[..., 3:] = film["alpha"]
-    return {
-        "Combined": combined,
-        "Depth": film["depth"],
-        "Normal": film["normal"],
-        "Diffuse Direct": per_albedo(film["diffuse_direct"]),
-        "Diffuse Indirect": per_albedo(film["diffuse_indirect"]),
-        "Diffuse Color": color,
-        "Glossy Direct": film["glossy_direct"],
-        "Glossy Indirect": film["glossy_indirect"],
-        "Transmission Direct": film["transmission_direct"],
-        "Transmission Indirect": film["transmission_indirect"],
-        "Emission": film["emission"],
-        "Photon Density": film["photon_density"],
-        "Surface ID": film["surface_id"],
-        "Error": film["error"],
-    } | {light_group_pass(name).name: film["light_groups"][i] for i, name in enumerate(light_groups)}
+    """Those whose arrays are in `film`. `light_groups`: names of those that the film has."""
+    return {name: film[array] for name, array in FILM_ARRAYS.items() if array in film} | {
+        light_group_pass(name).name: film["light_groups"][i] for i, name in enumerate(light_groups)
+    }
 
 
 def black_passes(width: int, height: int, light_groups: Sequence[str] = ()) -> Passes:

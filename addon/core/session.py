@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,7 +16,7 @@ from .memory import peak_memory_bytes
 from .native import load
 from .persistent import Persistent, Start, start_anew
 from .plan import make_plan, pilot_sentences
-from .result import Passes, Progress, RenderResult, black_passes, passes_from_film
+from .result import Passes, Progress, RenderResult, black_passes, film_arrays, passes_from_film
 from .scene import Scene
 from .settings import Backend, Integrator, RenderSettings
 from .splatter import CpuSplatter, Splatter, SplatterFailed
@@ -29,6 +29,8 @@ PHOTONS_PER_BATCH = 1 << 18
 LEAST_PHOTONS_PER_BATCH = 1 << 14
 BATCHES_PER_PASS = 8
 """At least so many, if they are not too small, where a graphics card splats one while the CPU traces the next."""
+OF_DENOISING = ("Combined", "Diffuse Color", "Normal")
+"""Passes that the denoiser reads."""
 POLL_SECONDS = 0.05
 FEWEST_PASSES_TO_STOP = 8
 """Before so many the error's estimate is too rough to end a render."""
@@ -42,7 +44,15 @@ def next_estimate(passes: int) -> int:
 class _Worker(threading.Thread):
     """Does the passes off the caller's thread, which meanwhile reports progress and polls for cancellation."""
 
-    def __init__(self, start: Start, settings: RenderSettings, light_groups: list[str], started: float, want_interim: bool) -> None:
+    def __init__(
+        self,
+        start: Start,
+        settings: RenderSettings,
+        light_groups: list[str],
+        started: float,
+        want_interim: bool,
+        wanted: Collection[str] | None,
+    ) -> None:
         super().__init__(name="Photon Splat", daemon=True)
         self.renderer = start.renderer
         self.prepare = start.prepare
@@ -51,6 +61,7 @@ class _Worker(threading.Thread):
         self.light_groups = light_groups
         self.started = started
         self.want_interim = want_interim
+        self.wanted = wanted
         self.stage = "Building acceleration structure"
         self.passes_done = 0
         self.next_estimate = 1
@@ -100,16 +111,18 @@ class _Worker(threading.Thread):
                 self._splat_pass(self.passes_done)
             self.passes_done += 1
             converged = self._estimate_error()
-            if self.want_interim and self.interim is None:
-                self.interim = passes_from_film(self.renderer.film(), self.light_groups)
+            if self.want_interim and self.interim is None and self.passes_done < self.settings.passes:
+                self.interim = passes_from_film(self.renderer.film(film_arrays(self.wanted)), self.light_groups)
             self.pass_finished.set()
             if converged:
                 return
+            if not self.settings.time_limit:
+                continue
             now = time.monotonic()
             # Another pass takes as long as this one did, but for the pilot, or as much longer as it has more samples: it is begun
             # only if it fits.
             another = (now - began - (self.renderer.pilot_seconds - learnt)) * max(1.0, self.renderer.samples_per_pass / samples)
-            if self.settings.time_limit and now + another > self.started + self.settings.time_limit:
+            if now + another > self.started + self.settings.time_limit:
                 return
 
     def _choose_splatter(self) -> Splatter:
@@ -183,21 +196,25 @@ def render(
     want_interim: bool = False,
     persistent: Persistent | None = None,
     release_textures: bool = False,
+    wanted: Collection[str] | None = None,
 ) -> RenderResult:
     """Renders `scene`. `started` is `time.monotonic()` when the render call began, export included; `persistent` holds what the
     last render has left for this one, and then what this one leaves. `release_textures`: nobody renders `scene` again, so that its
-    pixels need not be kept beside native code's; not with `persistent`.
+    pixels need not be kept beside native code's; not with `persistent`. `wanted`: names of the passes to give
+    back besides those of light groups (None: all).
 
     Both callbacks run on the caller's thread about every 50 ms. A cancelled render returns what is there.
     Errors: ValueError for a scene or setting that cannot be rendered, a GPU that is not there among them; RuntimeError and
     MemoryError from native code.
     """
+    if wanted is not None and settings.denoise:
+        wanted = {*wanted, *OF_DENOISING}
     start = start_anew(scene, settings) if persistent is None else persistent.start(scene, settings)
     renderer = start.renderer
     if release_textures and persistent is None:
         for texture in scene.textures:
             texture.pixels = np.empty((0, 0, 4), texture.pixels.dtype)
-    worker = _Worker(start, settings, scene.light_groups, started, want_interim)
+    worker = _Worker(start, settings, scene.light_groups, started, want_interim, wanted)
     worker.start()
     try:
         while not worker.finished:
@@ -220,7 +237,7 @@ def render(
         on_progress(worker.progress())
     if worker.passes_done:
         renderer.make_error_estimate()
-    film = renderer.film() if worker.passes_done else None
+    film = renderer.film([*film_arrays(wanted), "variance"]) if worker.passes_done else None
     passes = passes_from_film(film, scene.light_groups) if film else black_passes(width, height, scene.light_groups)
     denoising, noisy = 0.0, None
     if settings.denoise and film and not worker.cancelled:

@@ -104,7 +104,7 @@ def _sound_triangles(positions: NDArray, vertices: NDArray, name: str, report: R
 
 def scaled_normals(positions: NDArray, vertices: NDArray) -> tuple[NDArray, NDArray, NDArray]:
     """x, y and z (T,) of the triangles' normals, as long as twice their areas."""
-    a, b, c = (np.ascontiguousarray(vertices[:, corner]) for corner in range(3))
+    a, b, c = (np.ascontiguousarray(vertices[:, corner], np.intp) for corner in range(3))
     edges = []
     for axis in range(3):
         values = np.ascontiguousarray(positions[:, axis])
@@ -119,15 +119,21 @@ def _corner_normals(mesh: Any, positions: NDArray, corners: NDArray, vertices: N
     domain = mesh.normals_domain
     if domain == "FACE":
         return None
-    if domain == "POINT":
-        normals = np.take(read(mesh.vertex_normals, "vector", np.float32, 3), vertices, axis=0)
-    else:
-        normals = np.take(read(mesh.corner_normals, "vector", np.float32, 3), corners, axis=0)
-    lengths = np.einsum("tci,tci->tc", normals, normals)
-    bad = ~((lengths > 0.5) & (lengths < 2.0))
+    by_vertex = domain == "POINT"
+    all_normals = read(mesh.vertex_normals if by_vertex else mesh.corner_normals, "vector", np.float32, 3)
+    normals = np.take(all_normals, vertices if by_vertex else corners, axis=0)
+    if not _far_from_unit(all_normals).any():
+        return normals
+    bad = _far_from_unit(normals)
     if bad.any():
         normals[bad] = _unit_normals(positions, vertices[bad.any(axis=1)])[np.cumsum(bad.any(axis=1))[np.nonzero(bad)[0]] - 1]
     return normals
+
+
+def _far_from_unit(normals: NDArray) -> NDArray[np.bool_]:
+    """Of normals (..., 3); those that are not finite are."""
+    squares = np.einsum("...i,...i->...", normals, normals)
+    return ~((squares > 0.5) & (squares < 2.0))
 
 
 def _unit_normals(positions: NDArray, vertices: NDArray) -> NDArray[np.float32]:

@@ -10,6 +10,7 @@ constexpr double kNarrow2 = double(kNarrow) * kNarrow;
 constexpr double kSmall2 = 0.04;      // squared edges of small triangles, in squared radii
 constexpr float kSmall = 0.2f;       // radius of small branches, in h
 constexpr float kTiny = 0.02f;        // of those that are taken whole whatever their normals
+constexpr float kClear = 1.00001f;    // times a squared distance: farther, whatever the rounding
 constexpr float kEven = 0.97f;        // length of the mean normal of branches that are nearly flat
 
 // One piece of surface, in world space.
@@ -48,15 +49,17 @@ struct Sum {
   // Whether its children must be looked at.
   bool enter(const SurfaceNode& node) {
     const Vec3 way = (placed.shared ? placed.to_world.point(node.centre) : node.centre) - x;
-    const float radius = node.radius * placed.scale, distance = length(way);
+    const float radius = node.radius * placed.scale, distance2 = length2(way);
+    if (distance2 > kClear * (h + radius) * (h + radius)) return false;  // most of them: without a root
+    const float distance = std::sqrt(distance2);
     if (distance - radius >= h || node.area <= 0) return false;
-    const float even = length(node.normal);
+    const float even = node.even;
     if (even < kEven && radius > kTiny * h) return true;
     const float near = distance - radius, far = distance + radius, narrow = kNarrow * h;
     const bool whole = far <= narrow || (far <= h && near >= narrow);
     if ((!whole && radius > kSmall * h) || even <= 0) return true;
     Vec3 front = node.normal / even;
-    Piece piece{node.area, 0, length2(way), 0};
+    Piece piece{node.area, 0, distance2, 0};
     if (placed.shared) {  // an area element grows by |det M| |M^-T n|
       front = placed.to_local.transposed_vector(front);
       const float stretch = length(front);

@@ -4,8 +4,12 @@
 
 namespace photon_splat {
 
-void add_pass(Film& sum, const Film& pass, ThreadPool& pool) {
-  const bool first = sum.passes == 0;
+void add_pass(Film& sum, Film& pass, ThreadPool& pool) {
+  if (++sum.passes == 1) {
+    sum.pixels.swap(pass.pixels);
+    sum.by_group.swap(pass.by_group);
+    return;
+  }
   const CancelFlag never;  // a sum is never left half done
   pool.for_each(static_cast<size_t>(sum.height), never, [&](size_t row, int) {
     for (size_t i = row * sum.width; i < (row + 1) * sum.width; ++i) {
@@ -25,13 +29,8 @@ void add_pass(Film& sum, const Film& pass, ThreadPool& pool) {
       to.photon_density += from.photon_density;
       to.samples += from.samples;
       for (int g = 0; g < sum.light_groups; ++g) sum.groups_of(i)[g] += pass.by_group[i * sum.light_groups + g];
-      if (first) {
-        to.depth = from.depth;
-        to.surface_id = from.surface_id;
-      }
     }
   });
-  ++sum.passes;
 }
 
 }  // namespace photon_splat

@@ -44,21 +44,24 @@ struct Film {
   uint32_t passes = 0;  // in it so far
   LargeArray<Pixel> pixels;
   int light_groups = 0;
-  std::vector<Rgb> by_group;  // of each pixel its light by group, sums like those of the pixel
+  LargeArray<Rgb> by_group;  // of each pixel its light by group, sums like those of the pixel
 
+  // Pixels are then to be written before they are read; of a sum of no passes there need not be any.
   void reset(int new_width, int new_height, int groups = 0) {
     width = new_width;
     height = new_height;
     passes = 0;
     light_groups = groups;
-    pixels.assign(static_cast<size_t>(width) * height, Pixel{});
-    by_group.assign(pixels.size() * groups, Rgb{});
+    pixels.clear();
+    pixels.resize(static_cast<size_t>(width) * height);
+    by_group.clear();
+    by_group.resize(pixels.size() * groups);
   }
   // Of one pixel; nullptr where light is not kept by group.
   Rgb* groups_of(size_t pixel) { return light_groups ? &by_group[pixel * light_groups] : nullptr; }
 };
 
-// Adds one pass' film to the sum; the first one gives depth and surface id.
-void add_pass(Film& sum, const Film& pass, class ThreadPool& pool);
+// Adds one pass' film to the sum. The first one becomes the sum, and gives depth and surface id; `pass` is then of no use.
+void add_pass(Film& sum, Film& pass, class ThreadPool& pool);
 
 }  // namespace photon_splat

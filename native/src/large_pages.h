@@ -1,11 +1,13 @@
 // Memory for large arrays that are filled once and soon: in pages of 2 MB where the system has them, as touching small ones takes
-// longer than a pass' arithmetic on them.
+// longer than a pass' arithmetic on them. resize() leaves what it adds as it comes, for the threads that fill it to touch first.
 #pragma once
 
 #include <cstddef>
 #include <cstdlib>
 #include <memory>
 #include <new>
+#include <type_traits>
+#include <utility>
 #include <vector>
 #ifdef __linux__
 #include <sys/mman.h>
@@ -41,6 +43,15 @@ struct LargePages {
     if (count >= kLeast / sizeof(T)) return std::free(memory);
 #endif
     std::allocator<T>{}.deallocate(memory, count);
+  }
+
+  template <class U>
+  void construct(U*) noexcept {
+    static_assert(std::is_trivially_copyable_v<U> && std::is_trivially_destructible_v<U>);
+  }
+  template <class U, class First, class... Rest>
+  void construct(U* at, First&& first, Rest&&... rest) {
+    ::new (static_cast<void*>(at)) U(std::forward<First>(first), std::forward<Rest>(rest)...);
   }
 
   bool operator==(const LargePages&) const = default;

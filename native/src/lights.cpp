@@ -336,7 +336,7 @@ void Lights::triangle_corners(uint32_t instance, uint32_t triangle, Vec3 corner[
 
 bool Lights::sample_mesh(const Emitter& e, const Vec3& x, const Vec2& u, LightSample& out) const {
   const auto emitted = [&](size_t triangle, float b1, float b2, bool back) {
-    return scene_.emission(scene_.surface_at(e.instance, e.triangles[triangle], b1, b2, back), -out.direction, {RayInfo::kEmission});
+    return scene_.emission_at(e.instance, e.triangles[triangle], b1, b2, back, -out.direction);
   };
   if (CloseLamp close; see_close(e, x, close)) {
     CloseLamp::Place place;

@@ -97,8 +97,7 @@ void Lights::weigh_mesh(const Emitter& e, const MeshPoint& p, Draft& draft) cons
   start.power = {};
   if (!(draft.natural > 0)) return;
   start.origin = p.position + (on_back ? -p.normal : p.normal) * ray_epsilon(p.position, 0);
-  const Surface s = scene_.surface_at(e.instance, e.triangles[p.triangle], p.u, p.v, on_back);
-  start.power = scene_.emission(s, start.direction, {RayInfo::kEmission}) * (kPi / (p.pdf * side_share));
+  start.power = scene_.emission_at(e.instance, e.triangles[p.triangle], p.u, p.v, on_back, start.direction) * (kPi / (p.pdf * side_share));
 }
 
 Lights::Draft Lights::natural_draft(uint32_t index, const Vec2& pick, const Vec2& place, const Vec2& way) const {

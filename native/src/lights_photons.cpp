@@ -323,8 +323,7 @@ PhotonStart Lights::emit_mesh(const Emitter& e, float pick, const Vec2& place, c
   PhotonStart start;
   start.origin = p.position + normal * ray_epsilon(p.position, 0);
   start.direction = Basis(normal).to_world(sample_cosine_hemisphere(way));
-  const Surface s = scene_.surface_at(e.instance, e.triangles[p.triangle], p.u, p.v, on_back);
-  start.power = scene_.emission(s, start.direction, {RayInfo::kEmission}) * (kPi / (p.pdf * (on_back ? 1 - front_share : front_share)));
+  start.power = scene_.emission_at(e.instance, e.triangles[p.triangle], p.u, p.v, on_back, start.direction) * (kPi / (p.pdf * (on_back ? 1 - front_share : front_share)));
   return start;
 }
 

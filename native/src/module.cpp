@@ -1,6 +1,5 @@
 // Python's view of the renderer. Arrays come in and go out as numpy; the GIL is released while stages run.
-#include <functional>
-#include <list>
+#include <atomic>
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
@@ -37,6 +36,15 @@ Affine relative(const Matrix& matrix, const double origin[3]) {
   return out;
 }
 
+// numpy's memory into the first `count` elements of ours, by all threads; visit(element) sees each.
+template <class T, class Source, class Visit>
+void copy_in_parts(ThreadPool& pool, const Source* from, LargeArray<T>* to, size_t count, Visit&& visit) {
+  const T* source = reinterpret_cast<const T*>(from);
+  pool.for_parts(count, 1 << 15, CancelFlag{}, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) visit((*to)[i] = source[i]);
+  });
+}
+
 uint32_t add_mesh(Renderer& r, Array<float, nb::shape<-1, 3>> positions, Array<uint32_t, nb::shape<-1, 3>> triangles,
                   std::optional<Array<float, nb::shape<-1, 3, 3>>> corner_normals,
                   std::optional<Array<float, nb::shape<-1, 3, 2>>> uv, std::optional<Array<uint16_t, nb::shape<-1>>> slots) {
@@ -45,25 +53,26 @@ uint32_t add_mesh(Renderer& r, Array<float, nb::shape<-1, 3>> positions, Array<u
   if ((corner_normals && corner_normals->shape(0) != count) || (uv && uv->shape(0) != count) ||
       (slots && slots->shape(0) != count))
     throw std::invalid_argument("a mesh's corner data does not fit its triangles");
-  const uint32_t* index = triangles.data();
-  for (size_t i = 0; i < 3 * count; ++i)
-    if (index[i] >= vertices) throw std::invalid_argument("a mesh's triangle names a vertex that does not exist");
   Mesh mesh;
-  const Vec3* p = reinterpret_cast<const Vec3*>(positions.data());
-  for (size_t i = 0; i < vertices; ++i)
-    if (!is_finite(p[i])) throw std::invalid_argument("a mesh has a vertex that is not finite");
-  mesh.positions.reserve(vertices + 1);
-  mesh.positions.assign(p, p + vertices);
-  mesh.positions.push_back({});  // Embree reads 16 bytes at the last vertex
-  const Triangle* t = reinterpret_cast<const Triangle*>(index);
-  mesh.triangles.assign(t, t + count);
+  std::atomic<bool> outside{false}, not_finite{false};
+  mesh.triangles.resize(count);
+  copy_in_parts(r.scene.pool(), triangles.data(), &mesh.triangles, count, [&](const Triangle& t) {
+    if (std::max({t[0], t[1], t[2]}) >= vertices) outside.store(true, std::memory_order_relaxed);
+  });
+  if (outside) throw std::invalid_argument("a mesh's triangle names a vertex that does not exist");
+  mesh.positions.resize(vertices + 1);
+  mesh.positions.back() = {};  // Embree reads 16 bytes at the last vertex
+  copy_in_parts(r.scene.pool(), positions.data(), &mesh.positions, vertices, [&](const Vec3& p) {
+    if (!is_finite(p)) not_finite.store(true, std::memory_order_relaxed);
+  });
+  if (not_finite) throw std::invalid_argument("a mesh has a vertex that is not finite");
   if (corner_normals) {
-    const Vec3* n = reinterpret_cast<const Vec3*>(corner_normals->data());
-    mesh.corner_normals.assign(n, n + 3 * count);
+    mesh.corner_normals.resize(3 * count);
+    copy_in_parts(r.scene.pool(), corner_normals->data(), &mesh.corner_normals, 3 * count, [](const Vec3&) {});
   }
   if (uv) {
-    const Vec2* v = reinterpret_cast<const Vec2*>(uv->data());
-    mesh.uv.assign(v, v + 3 * count);
+    mesh.uv.resize(3 * count);
+    copy_in_parts(r.scene.pool(), uv->data(), &mesh.uv, 3 * count, [](const Vec2&) {});
   }
   if (slots) mesh.slots.assign(slots->data(), slots->data() + count);
   r.scene.meshes.push_back(std::move(mesh));
@@ -209,57 +218,6 @@ void set_panorama(Renderer& r, const std::string& kind, std::array<float, 2> lon
   p.polynomial = polynomial;
   p.u_min = cylinder[0], p.u_max = cylinder[1], p.v_min = cylinder[2], p.v_max = cylinder[3];
   r.camera_settings.panorama = p;
-}
-
-nb::dict film_arrays(Renderer& r) {
-  // One array per mean over samples. Rows from the bottom up.
-  const Film& film = r.film();
-  const size_t width = film.width, height = film.height;
-  struct Values {
-    const char* name;
-    size_t channels;
-    std::vector<float> values;
-    std::function<void(size_t row)> fill;
-  };
-  std::list<Values> all;
-  const auto add = [&](const char* name, size_t channels, auto&& get) {
-    Values& made = all.emplace_back(Values{name, channels, std::vector<float>(width * height * channels), {}});
-    made.fill = [&made, &film, width, channels, get](size_t row) {
-      for (size_t i = row * width; i < (row + 1) * width; ++i) get(film.pixels[i], &made.values[i * channels]);
-    };
-  };
-  const auto rgb = [](const Rgb& c, float* v) { v[0] = c.x; v[1] = c.y; v[2] = c.z; };
-  add("diffuse_direct", 3, [=](const Pixel& p, float* v) { rgb(p.diffuse_direct * p.share(), v); });
-  add("diffuse_indirect", 3, [=](const Pixel& p, float* v) { rgb(p.diffuse_indirect * p.share(), v); });
-  add("glossy_direct", 3, [=](const Pixel& p, float* v) { rgb(p.glossy_direct * p.share(), v); });
-  add("glossy_indirect", 3, [=](const Pixel& p, float* v) { rgb(p.glossy_indirect * p.share(), v); });
-  add("transmission_direct", 3, [=](const Pixel& p, float* v) { rgb(p.transmission_direct * p.share(), v); });
-  add("transmission_indirect", 3, [=](const Pixel& p, float* v) { rgb(p.transmission_indirect * p.share(), v); });
-  add("diffuse_color", 3, [=](const Pixel& p, float* v) { rgb(p.diffuse_color * p.share(), v); });
-  add("emission", 3, [=](const Pixel& p, float* v) { rgb(p.emission * p.share(), v); });
-  add("environment", 3, [=](const Pixel& p, float* v) { rgb(p.environment * p.share(), v); });
-  add("normal", 3, [=](const Pixel& p, float* v) { rgb(p.normal * p.share(), v); });
-  add("alpha", 1, [](const Pixel& p, float* v) { *v = p.alpha * p.share(); });
-  add("photon_density", 1, [](const Pixel& p, float* v) { *v = p.photon_density * p.share(); });
-  add("depth", 1, [](const Pixel& p, float* v) { *v = p.depth; });
-  add("surface_id", 1, [](const Pixel& p, float* v) { *v = p.surface_id; });
-  add("samples", 1, [](const Pixel& p, float* v) { *v = p.samples; });
-  {
-    nb::gil_scoped_release release;
-    r.scene.pool().for_each(height, CancelFlag(), [&](size_t row, int) {
-      for (const Values& made : all) made.fill(row);
-    });
-  }
-  nb::dict out;
-  for (Values& made : all) out[made.name] = to_numpy(std::move(made.values), {height, width, made.channels});
-  std::vector<float> by_group(3 * film.by_group.size());  // (light group, row, column, RGB)
-  for (int g = 0; g < film.light_groups; ++g)
-    for (size_t i = 0; i < film.pixels.size(); ++i)
-      rgb(film.by_group[i * film.light_groups + g] * film.pixels[i].share(), &by_group[3 * (g * film.pixels.size() + i)]);
-  out["light_groups"] = to_numpy(std::move(by_group), {static_cast<size_t>(film.light_groups), height, width, 3});
-  out["variance"] = to_numpy(std::vector<float>(r.errors().variance()), {height, width, 1});  // of luminance, of the mean
-  out["error"] = to_numpy(std::vector<float>(r.errors().error()), {height, width, 1});
-  return out;
 }
 
 nb::dict statistics(Renderer& r) {
@@ -452,7 +410,6 @@ NB_MODULE(photon_splat_native, m) {
       .def("resolve", &Renderer::resolve, released)
       .def("trace_reference", &Renderer::trace_reference, "sample"_a, released)
       .def("cancel", &Renderer::cancel, "Makes the running stage, and every later one, raise Cancelled. From any thread.")
-      .def("film", &film_arrays)
       .def("make_error_estimate", &Renderer::make_error_estimate, "Brings film()['error'] and statistics()['error'] up to date.", released)
       .def("squared_errors", [](const Renderer& r) {
         const size_t width = static_cast<size_t>(r.film().width), height = static_cast<size_t>(r.film().height);
@@ -482,6 +439,7 @@ NB_MODULE(photon_splat_native, m) {
       }, "paths"_a, "Traces photon paths, then replays their rays by Embree alone.");
   bind_shading(m, renderer);
   bind_world(m, renderer);
+  bind_film(renderer);
   bind_splatting(renderer);
   bind_viewport(renderer);
 }

@@ -1,6 +1,7 @@
 // The engine's own threads, and the flag that stops them.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <condition_variable>
 #include <cstddef>
@@ -44,6 +45,13 @@ class ThreadPool {
 
   // Calls work(chunk, worker) for chunks 0 .. count-1 in any order; stops with Cancelled when `cancel` is set.
   void for_each(size_t count, const CancelFlag& cancel, const std::function<void(size_t chunk, int worker)>& work);
+
+  // Calls work(begin, end) for parts of 0 .. count, in any order; what is one part alone wakes no thread.
+  template <class Work>
+  void for_parts(size_t count, size_t part, const CancelFlag& cancel, Work&& work) {
+    if (count <= part) return work(size_t{0}, count);
+    for_each((count + part - 1) / part, cancel, [&](size_t i, int) { work(i * part, std::min(count, (i + 1) * part)); });
+  }
 
  private:
   void worker_loop(int worker);

@@ -57,14 +57,18 @@ void Renderer::learn_sky_anew() {
 }
 
 void Renderer::reset_film() {
-  film_.reset(camera_settings.region_width, camera_settings.region_height, scene.light_groups);
-  pass_film_.reset(film_.width, film_.height, scene.light_groups);
+  film_.passes = 0;
+  film_.width = camera_settings.region_width;
+  film_.height = camera_settings.region_height;
+  film_.light_groups = scene.light_groups;
   errors_.reset(film_.width, film_.height);
   samples_.reset(film_.width, film_.height);
   for (const auto& layer : layers_) layer->choice.reset(film_.width, film_.height);
   fallback_.reset();  // of other records
   fallback_learnt_ = false;
 }
+
+void Renderer::begin_pass_film() { pass_film_.reset(film_.width, film_.height, film_.light_groups); }
 
 void Renderer::make_layers() {
   layers_.clear();
@@ -86,6 +90,8 @@ float Renderer::radius_factor(uint32_t pass) const {
 void Renderer::trace_records(uint32_t pass) {
   Timer timer(seconds_.camera);
   camera_tracer_->set_fallback(fallback_ ? &*fallback_ : nullptr, layers_.size() > 1, radius_factor(pass));
+  begin_pass_film();
+  samples_.begin_pass(scene.pool());
   records_ = &camera_tracer_->trace(pass, samples_, sky_, options.max_bounces, pass_film_, cancel_);
 }
 
@@ -295,9 +301,11 @@ double Renderer::camera_work() const {
 }
 
 void Renderer::finish_pass() {
+  {
+    Timer timer(seconds_.error);
+    errors_.add(pass_film_, scene.pool());
+  }
   add_pass(film_, pass_film_, scene.pool());
-  Timer timer(seconds_.error);
-  errors_.add(pass_film_, scene.pool());
 }
 
 void Renderer::make_error_estimate() {
@@ -309,6 +317,7 @@ void Renderer::make_error_estimate() {
 void Renderer::trace_reference(uint32_t sample) {
   selected();
   Timer timer(seconds_.camera);
+  begin_pass_film();
   camera_tracer_->trace_reference(sample, options.max_bounces, pass_film_, cancel_);
   finish_pass();
 }

@@ -86,7 +86,10 @@ class Renderer {
   // The layer that the following stages are about; 0, the indirect light, at first.
   void select_layer(size_t i) { current_ = layers_.at(i).get(); }
   // Camera samples of the next pass, in each pixel on average.
-  double samples_per_pass() const { return options.adaptive_samples ? samples_.mean_count() : 1; }
+  double samples_per_pass() {
+    if (options.adaptive_samples) samples_.begin_pass(scene.pool());
+    return options.adaptive_samples ? samples_.mean_count() : 1;
+  }
   uint64_t paths_per_pass() const { return current_ ? current_->paths_per_pass : 0; }
   // Visible points for those records; the first call traces the pilot that chooses radii.
   void make_points(uint32_t pass);
@@ -162,6 +165,7 @@ class Renderer {
   void swap_sums(Layer& layer, int group);
   void join_groups(Layer& layer);
   void reset_film();
+  void begin_pass_film();
   void learn_sky_anew();
 
   CancelFlag cancel_;

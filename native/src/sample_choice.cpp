@@ -34,6 +34,7 @@ void SampleChoice::reset(int width, int height) {
   width_ = width;
   height_ = height;
   passes_ = 0;
+  to_choose_ = false;
   const size_t pixels = static_cast<size_t>(width) * height;
   camera_.reset(pixels);
   all_.reset(pixels);
@@ -58,11 +59,20 @@ void SampleChoice::see_camera(const Film& pass, ThreadPool& pool) { see(pass, ca
 
 void SampleChoice::end_pass(const Film& pass, double work, ThreadPool& pool) {
   see(pass, all_, pool);
-  for (size_t i = 0; i < samples_.size(); ++i) {
-    samples_[i] += pass.pixels[i].samples;
-    extra_[i] += count_[i] - 1u;
-  }
-  if (std::has_single_bit(++passes_)) choose(work, pool);
+  const CancelFlag never;
+  pool.for_each(static_cast<size_t>(height_), never, [&](size_t row, int) {
+    for (size_t i = row * width_; i < (row + 1) * width_; ++i) {
+      samples_[i] += pass.pixels[i].samples;
+      extra_[i] += count_[i] - 1u;
+    }
+  });
+  to_choose_ = std::has_single_bit(++passes_);
+  work_ = work;
+}
+
+void SampleChoice::begin_pass(ThreadPool& pool) {
+  if (to_choose_) choose(pool);
+  to_choose_ = false;
 }
 
 // Of one sample; after one pass alone, from how neighbours differ.
@@ -89,7 +99,7 @@ std::vector<float> SampleChoice::deviations(const Moments& moments, ThreadPool& 
   return result;
 }
 
-void SampleChoice::choose(double work, ThreadPool& pool) {
+void SampleChoice::choose(ThreadPool& pool) {
   const std::vector<float> camera = deviations(camera_, pool), all = deviations(all_, pool);
   const auto mean_below = [&](double limit) {
     double sum = 0;
@@ -104,7 +114,7 @@ void SampleChoice::choose(double work, ThreadPool& pool) {
     wanted += c;
   }
   const double pixels = static_cast<double>(all.size());
-  const double unit = std::max(std::sqrt(photons / pixels * std::max(work, kLeastWork)), wanted / pixels / kMostMean);
+  const double unit = std::max(std::sqrt(photons / pixels * std::max(work_, kLeastWork)), wanted / pixels / kMostMean);
   for (size_t i = 0; i < count_.size(); ++i) {
     const double samples = unit > 0 ? std::clamp(camera[i] / unit, 1.0, kMost) : 1;
     count_[i] = static_cast<uint8_t>(std::bit_floor(static_cast<uint32_t>(samples * std::sqrt(2.0))));

@@ -11,12 +11,14 @@ namespace photon_splat {
 // A sum of squared errors falls fastest, for equal work, where samples go as the standard deviation of one of them (Neyman
 // allocation). With s_i that of a pixel's camera samples alone - lamps, emission, direct light -, S the variance that photons
 // add, summed over pixels, and r the work of one camera sample in each of n pixels over that of a pass' photons,
-// (sum s_i^2/n_i + S) (r sum n_i / n + 1) is least for n_i = s_i sqrt(n / (r S)). Choices are made after pass 1, 2, 4, 8, ...
-// and are for the passes that follow: samples never judge themselves.
+// (sum s_i^2/n_i + S) (r sum n_i / n + 1) is least for n_i = s_i sqrt(n / (r S)). Choices are made from pass 1, 2, 4, 8, ...,
+// when another begins, and are for the passes that follow: samples never judge themselves.
 class SampleChoice {
  public:
   void reset(int width, int height);
 
+  // Before the samples of a pass are asked for; again does no harm.
+  void begin_pass(ThreadPool& pool);
   // Of pixel i in pass `pass` of the film: numbers [first, first + count) of its sequence.
   uint32_t first(size_t i, uint32_t pass) const { return pass + extra_[i]; }
   uint32_t count(size_t i) const { return count_[i]; }
@@ -37,10 +39,12 @@ class SampleChoice {
   };
   void see(const Film& pass, Moments& moments, ThreadPool& pool) const;
   std::vector<float> deviations(const Moments& moments, ThreadPool& pool) const;
-  void choose(double work, ThreadPool& pool);
+  void choose(ThreadPool& pool);
 
   int width_ = 0, height_ = 0;
   uint32_t passes_ = 0;
+  bool to_choose_ = false;
+  double work_ = 1;             // of the last pass
   Moments camera_, all_;
   std::vector<float> samples_;  // so far
   std::vector<uint32_t> extra_;  // samples so far beyond one a pass

@@ -22,6 +22,17 @@ RTCGeometry make_geometry(RTCDevice device, const Mesh& mesh) {
   return geometry;
 }
 
+// Has the memory of what fill_surface() reads of a triangle come while others are worked on.
+void fetch_ahead(const Mesh& mesh, uint32_t triangle) {
+#if defined(__GNUC__) || defined(__clang__)
+  if (!mesh.corner_normals.empty()) __builtin_prefetch(&mesh.corner_normals[3 * static_cast<size_t>(triangle)]);
+  if (mesh.topology.planar.size() != 1) __builtin_prefetch(&mesh.topology.patch[triangle]);
+  if (!mesh.slots.empty()) __builtin_prefetch(&mesh.slots[triangle]);
+#else
+  static_cast<void>(mesh), static_cast<void>(triangle);
+#endif
+}
+
 float largest_stretch(const Affine& a) {
   // The Frobenius norm over sqrt(3) is exact for similarities; the longest column covers the rest well enough.
   return std::max({length(a.column(0)), length(a.column(1)), length(a.column(2))});
@@ -32,6 +43,13 @@ Vec3 transform_exactly(const std::array<double, 12>& m, const Vec3& p) {
     return static_cast<float>(m[4 * r] * p.x + m[4 * r + 1] * p.y + m[4 * r + 2] * p.z + m[4 * r + 3]);
   };
   return {row(0), row(1), row(2)};
+}
+
+template <class Change>
+void change_all(LargeArray<Vec3>& values, ThreadPool& pool, const CancelFlag& cancel, Change&& change) {
+  pool.for_parts(values.size(), 1 << 14, cancel, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) change(values[i]);
+  });
 }
 
 }  // namespace
@@ -112,12 +130,12 @@ void Scene::build(const CancelFlag& cancel) {
     if (instance.shared) continue;
     Mesh& mesh = meshes[instance.mesh];
     cancel.check();
-    for (Vec3& p : mesh.positions) p = transform_exactly(instance.exact, p);
-    for (Vec3& n : mesh.corner_normals) {
+    change_all(mesh.positions, pool_, cancel, [&](Vec3& p) { p = transform_exactly(instance.exact, p); });
+    change_all(mesh.corner_normals, pool_, cancel, [&](Vec3& n) {
       const Vec3 world = instance.to_local.transposed_vector(n);
       const float len = length(world);
       n = len > 0 ? world / len : n;
-    }
+    });
     if (instance.mirrored) {  // restore the winding, so that the front stays the front
       for (size_t t = 0; t < mesh.triangles.size(); ++t) {
         std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
@@ -230,6 +248,11 @@ unsigned Scene::intersect_packet(const Vec3* origins, const Vec3* directions, ui
   for (uint32_t k = 0; k < count; ++k) {
     if (hit.hit.geomID[k] == RTC_INVALID_GEOMETRY_ID) continue;
     found |= 1u << k;
+    const bool instanced = hit.hit.instID[0][k] != RTC_INVALID_GEOMETRY_ID;
+    fetch_ahead(meshes[instances[instanced ? hit.hit.instID[0][k] : hit.hit.geomID[k]].mesh], hit.hit.primID[k]);
+  }
+  for (uint32_t k = 0; k < count; ++k) {
+    if (!(found >> k & 1)) continue;
     const bool instanced = hit.hit.instID[0][k] != RTC_INVALID_GEOMETRY_ID;
     fill_surface({instanced ? hit.hit.instID[0][k] : hit.hit.geomID[k], hit.hit.primID[k], instanced, hit.hit.u[k],
                   hit.hit.v[k], hit.ray.tfar[k], {hit.hit.Ng_x[k], hit.hit.Ng_y[k], hit.hit.Ng_z[k]}},
@@ -365,6 +388,13 @@ void Scene::shade(const Surface& s, const Vec3& wo, const RayInfo& ray, Bsdf& bs
     bsdf.add_emission(textured(s.side->emission, s.side->emission_texture, s));
   }
   bsdf.finish();
+}
+
+Rgb Scene::emission_at(uint32_t instance, uint32_t triangle, float u, float v, bool back, const Vec3& wo) const {
+  const Material& material = material_of(instance, triangle);
+  const MaterialSide& side = back ? material.back : material.front;
+  if (material.program < 0 && side.emission_texture < 0) return side.emission;
+  return emission(surface_at(instance, triangle, u, v, back), wo, {RayInfo::kEmission});
 }
 
 Rgb Scene::emission(const Surface& s, const Vec3& wo, const RayInfo& ray) const {

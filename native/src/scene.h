@@ -8,6 +8,7 @@
 
 #include "attributes.h"
 #include "bsdf/bsdf.h"
+#include "large_pages.h"
 #include "nodes/program.h"
 #include "parallel.h"
 #include "texture.h"
@@ -27,10 +28,10 @@ struct Material {
 };
 
 struct Mesh {
-  std::vector<Vec3> positions;
-  std::vector<Triangle> triangles;
-  std::vector<Vec3> corner_normals;  // 3 per triangle, or empty: flat
-  std::vector<Vec2> uv;              // 3 per triangle, or empty
+  LargeArray<Vec3> positions;
+  LargeArray<Triangle> triangles;
+  LargeArray<Vec3> corner_normals;   // 3 per triangle, or empty: flat
+  LargeArray<Vec2> uv;               // 3 per triangle, or empty
   std::vector<uint16_t> slots;       // per triangle, or empty
   std::vector<MeshAttribute> attributes;
   GeneratedSpace generated;
@@ -158,6 +159,8 @@ class Scene {
   Rgb albedo(const Surface& s) const { return textured(s.side->albedo, s.side->albedo_texture, s); }
   // Radiance towards `wo`.
   Rgb emission(const Surface& s, const Vec3& wo, const RayInfo& ray) const;
+  // That of a point of a triangle for whoever samples lights: surface_at() is left out where it tells nothing.
+  Rgb emission_at(uint32_t instance, uint32_t triangle, float u, float v, bool back, const Vec3& wo) const;
   // Whether the material lets light through without scattering it, or could (its program knows).
   bool may_be_transparent(const Surface& s) const { return s.program && s.program->features & kProgramTransparent; }
   // Features of any material in use, as ProgramFeature bits; the plain ones gather and emit.

@@ -33,8 +33,8 @@ uint64_t place_in(const Bounds& b, const Vec3& p) {
 }  // namespace
 
 struct SurfaceTree::Builder {
-  const std::vector<Vec3>& positions;
-  const std::vector<Triangle>& triangles;
+  std::span<const Vec3> positions;
+  std::span<const Triangle> triangles;
   SurfaceTree& tree;
   const CancelFlag& cancel;
   std::vector<uint64_t> keys;  // patch << 30 | Morton code, sorted
@@ -90,6 +90,7 @@ struct SurfaceTree::Builder {
     const Vec3 offset{static_cast<float>(mean[0]), static_cast<float>(mean[1]), static_cast<float>(mean[2])};
     node.centre = m.area > 0 ? origin + offset : centroid(tree.order_[first]);
     node.normal = {static_cast<float>(m.normal[0] * scale), static_cast<float>(m.normal[1] * scale), static_cast<float>(m.normal[2] * scale)};
+    node.even = length(node.normal);
     node.area = static_cast<float>(m.area);
     for (int i = 0; i < 6; ++i)
       node.spread[i] = static_cast<float>(m.second[i] * scale - mean[kPairs[i][0]] * mean[kPairs[i][1]]);
@@ -109,7 +110,7 @@ struct SurfaceTree::Builder {
   }
 };
 
-SurfaceTree::SurfaceTree(const std::vector<Vec3>& positions, const std::vector<Triangle>& triangles, const Topology& topology,
+SurfaceTree::SurfaceTree(std::span<const Vec3> positions, std::span<const Triangle> triangles, const Topology& topology,
                          const CancelFlag& cancel) {
   const size_t patches = topology.planar.size();
   std::vector<Bounds> bounds(patches);

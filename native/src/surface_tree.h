@@ -11,6 +11,7 @@ struct SurfaceNode {
   Vec3 centre;       // mean position over the area
   float radius;      // of a ball about `centre` that holds all triangles
   Vec3 normal;       // mean of the unit normals over the area: the shorter, the more they differ
+  float even;        // length of that mean
   float area;
   float spread[6];   // covariance of positions over the area, m^2: xx, yy, zz, xy, xz, yz
   uint32_t first;    // of its triangles, in order()
@@ -20,7 +21,7 @@ struct SurfaceNode {
 
 class SurfaceTree {
  public:
-  SurfaceTree(const std::vector<Vec3>& positions, const std::vector<Triangle>& triangles, const Topology& topology,
+  SurfaceTree(std::span<const Vec3> positions, std::span<const Triangle> triangles, const Topology& topology,
               const CancelFlag& cancel);
 
   // Descends from a bent patch' root: enter(node) says whether to look at its children; leaf(triangle) is called below leaves that

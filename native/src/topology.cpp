@@ -18,7 +18,7 @@ void check_now_and_then(uint64_t iteration, const CancelFlag& cancel) {
 constexpr float kPlanarCosine = 0.9999995f;  // 0.06 degrees
 
 // Gives vertices at the same position the same number.
-std::vector<uint32_t> weld(const std::vector<Vec3>& positions, const CancelFlag& cancel) {
+std::vector<uint32_t> weld(std::span<const Vec3> positions, const CancelFlag& cancel) {
   const size_t count = positions.size();
   size_t capacity = 16;
   while (capacity < 2 * count) capacity *= 2;
@@ -47,7 +47,7 @@ struct HalfEdges {
   std::vector<uint32_t> first;
   std::vector<End> ends;
 
-  HalfEdges(const std::vector<uint32_t>& welded, const std::vector<Triangle>& triangles, const CancelFlag& cancel)
+  HalfEdges(const std::vector<uint32_t>& welded, std::span<const Triangle> triangles, const CancelFlag& cancel)
       : first(welded.size() + 1), ends(3 * triangles.size()) {
     const auto vertices = [&](uint32_t half) {
       const Triangle& t = triangles[half / 3];
@@ -90,7 +90,7 @@ uint32_t find_root(std::vector<uint32_t>& parent, uint32_t i) {
 
 }  // namespace
 
-Topology build_topology(const std::vector<Vec3>& positions, const std::vector<Triangle>& triangles,
+Topology build_topology(std::span<const Vec3> positions, std::span<const Triangle> triangles,
                         const CancelFlag& cancel) {
   const uint32_t count = static_cast<uint32_t>(triangles.size());
   const std::vector<uint32_t> partner = find_partners(HalfEdges(weld(positions, cancel), triangles, cancel), cancel);

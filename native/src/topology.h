@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "parallel.h"
@@ -34,7 +35,7 @@ struct Topology {
 };
 
 // Throws Cancelled.
-Topology build_topology(const std::vector<Vec3>& positions, const std::vector<Triangle>& triangles,
+Topology build_topology(std::span<const Vec3> positions, std::span<const Triangle> triangles,
                         const CancelFlag& cancel = {});
 
 // Finds the boundary edges near a point; a median-split tree over their bounds.

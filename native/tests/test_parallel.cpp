@@ -20,6 +20,22 @@ TEST_CASE("every chunk is worked on once, whatever the number of threads") {
   }
 }
 
+TEST_CASE("parts cover everything once, and a single one stays with the caller") {
+  ThreadPool pool(3);
+  const CancelFlag cancel;
+  for (size_t count : {0u, 1u, 10u, 11u, 1000u}) {
+    std::vector<int> done(count);
+    const std::thread::id caller = std::this_thread::get_id();
+    std::atomic<int> elsewhere{0};
+    pool.for_parts(count, 10, cancel, [&](size_t begin, size_t end) {
+      for (size_t i = begin; i < end; ++i) ++done[i];
+      elsewhere += std::this_thread::get_id() != caller;
+    });
+    CHECK(done == std::vector<int>(count, 1));
+    if (count <= 10) CHECK(elsewhere == 0);
+  }
+}
+
 TEST_CASE("many short runs in a row") {
   ThreadPool pool(3);
   const CancelFlag cancel;

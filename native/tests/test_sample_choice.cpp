@@ -32,6 +32,7 @@ SampleChoice after(uint32_t passes, Camera&& camera_noise, Photons&& photon_nois
       p.diffuse_indirect += Rgb{1, 1, 1} * (p.samples * (1 + noise(photon_noise(static_cast<int>(i % kWidth)))));
     }
     choice.end_pass(film, 1, pool);
+    choice.begin_pass(pool);
   }
   return choice;
 }

@@ -69,7 +69,8 @@ TEST_CASE("vertices at one place are one vertex") {
 
 TEST_CASE("an edge of three triangles ends every patch there") {
   const std::vector<Vec3> positions{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, -1, 0.01f}};
-  const Topology topology = build_topology(positions, {{0, 1, 2}, {1, 0, 3}, {1, 0, 4}});
+  const std::vector<Triangle> triangles{{0, 1, 2}, {1, 0, 3}, {1, 0, 4}};
+  const Topology topology = build_topology(positions, triangles);
   CHECK(std::set<uint32_t>(topology.patch.begin(), topology.patch.end()).size() == 3);
 }
 

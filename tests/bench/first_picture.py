@@ -17,13 +17,10 @@ def measure() -> dict[str, Any]:
     """Seconds of the render call, export and acceleration structure included, for one pass; the first of a process, then the least."""
     import bpy
     import photon_splat
-    from photon_splat.core.result import RenderResult
-    from photon_splat.job import observer
+    from photon_splat.job import last_renders, observer
 
     photon_splat.register()
     observer.settings = lambda settings: replace(settings, passes=1, time_limit=0.0, error_threshold=0.0, denoise=False)
-    results: list[RenderResult] = []
-    observer.on_result = lambda result, frame: results.append(result)
     figures: dict[str, Any] = {}
     for name, size in (("cornell_box", (512, 512)), ("sheet_1M", (960, 540))):
         if name == "cornell_box":
@@ -39,7 +36,7 @@ def measure() -> dict[str, Any]:
             began = time.monotonic()
             bpy.ops.render.render()
             seconds.append(time.monotonic() - began)
-        stages = {stage: round(s, 3) for stage, s in results[-1].statistics["seconds"].items()}
+        stages = {stage: round(s, 3) for stage, s in last_renders[scene.name].statistics["seconds"].items()}
         figures[name] = {"first_seconds": seconds[0], "least_seconds": min(seconds), "stages": stages}
     return figures | {"kept": all(figures[name]["least_seconds"] < limit for name, limit in LIMITS.items())}
 

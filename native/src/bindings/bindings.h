@@ -9,11 +9,15 @@
 namespace photon_splat {
 
 // Hands a vector over to numpy.
+template <class T, class Memory>
+nanobind::ndarray<nanobind::numpy, T> to_numpy(std::unique_ptr<std::vector<T, Memory>> values, std::initializer_list<size_t> shape) {
+  T* const data = values->data();
+  nanobind::capsule owner(values.release(), [](void* p) noexcept { delete static_cast<std::vector<T, Memory>*>(p); });
+  return nanobind::ndarray<nanobind::numpy, T>(data, shape, owner);
+}
 template <class T>
 nanobind::ndarray<nanobind::numpy, T> to_numpy(std::vector<T>&& values, std::initializer_list<size_t> shape) {
-  auto* kept = new std::vector<T>(std::move(values));
-  nanobind::capsule owner(kept, [](void* p) noexcept { delete static_cast<std::vector<T>*>(p); });
-  return nanobind::ndarray<nanobind::numpy, T>(kept->data(), shape, owner);
+  return to_numpy(std::make_unique<std::vector<T>>(std::move(values)), shape);
 }
 
 // Shader programs, what they read from meshes and instances, and their table of operations.
@@ -29,6 +33,9 @@ E named(const std::string& name, std::initializer_list<std::pair<const char*, E>
 
 // World, skies and suns.
 void bind_world(nanobind::module_& m, nanobind::class_<Renderer>& renderer);
+
+// The picture: means over the film's samples as arrays.
+void bind_film(nanobind::class_<Renderer>& renderer);
 
 // What a splatter outside of the native module needs: photons, pairs, points as an atlas, sums.
 void bind_splatting(nanobind::class_<Renderer>& renderer);

@@ -9,8 +9,8 @@ namespace {
 // (height, width, 4): mean premultiplied scene-linear RGB and alpha, row 0 at the bottom.
 nb::ndarray<nb::numpy, float> picture(Renderer& r) {
   const Film& film = r.film();
-  std::vector<float> values(film.pixels.size() * 4);
-  {
+  std::vector<float> values(static_cast<size_t>(film.width) * film.height * 4);
+  if (film.passes) {
     nb::gil_scoped_release release;
     r.scene.pool().for_each(static_cast<size_t>(film.height), CancelFlag{}, [&](size_t row, int) {
       for (size_t i = row * film.width; i < (row + 1) * film.width; ++i) {
