@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable, Collection
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -21,16 +21,15 @@ from .scene import Scene
 from .settings import Backend, Integrator, RenderSettings
 from .splatter import CpuSplatter, Splatter, SplatterFailed
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
 PHOTONS_PER_BATCH = 1 << 18
 """Photon paths in memory at once; a pass of more streams them."""
 LEAST_PHOTONS_PER_BATCH = 1 << 14
 BATCHES_PER_PASS = 8
 """At least so many, if they are not too small, where a graphics card splats one while the CPU traces the next."""
-OF_DENOISING = ("Combined", "Diffuse Color", "Normal")
+OF_DENOISING = ("Combined", "Normal")
 """Passes that the denoiser reads."""
+FOR_DENOISING = ("albedo", "variance")
+"""And arrays of the film that are no passes."""
 POLL_SECONDS = 0.05
 FEWEST_PASSES_TO_STOP = 8
 """Before so many the error's estimate is too rough to end a render."""
@@ -237,12 +236,12 @@ def render(
         on_progress(worker.progress())
     if worker.passes_done:
         renderer.make_error_estimate()
-    film = renderer.film([*film_arrays(wanted), "variance"]) if worker.passes_done else None
+    film = renderer.film([*film_arrays(wanted), *FOR_DENOISING]) if worker.passes_done else None
     passes = passes_from_film(film, scene.light_groups) if film else black_passes(width, height, scene.light_groups)
     denoising, noisy = 0.0, None
     if settings.denoise and film and not worker.cancelled:
         noisy = passes["Combined"][..., :3].copy()
-        denoising = _denoise(passes, film["variance"][..., 0], worker, should_cancel)
+        denoising = _denoise(passes, film, worker, should_cancel)
         if scene.light_groups:
             worker.warnings.append("Only Combined is denoised; the passes of light groups are not, so that their sum is noisier.")
     statistics = _statistics(start, worker, scene, started, export_seconds)
@@ -253,14 +252,14 @@ def render(
     return RenderResult(passes, worker.cancelled, statistics, noisy)
 
 
-def _denoise(passes: Passes, variance: NDArray[np.float32], worker: _Worker, should_cancel: Callable[[], bool] | None) -> float:
-    """Takes the noise out of Combined, whose luminance has `variance`; seconds it took. Where that cannot be done the picture stays
+def _denoise(passes: Passes, film: dict[str, Any], worker: _Worker, should_cancel: Callable[[], bool] | None) -> float:
+    """Takes the noise out of Combined, with what `film` knows of it; seconds it took. Where that cannot be done the picture stays
     and a warning says why."""
     began = time.monotonic()
     noisy = passes["Combined"][..., :3]
     try:
-        clean = denoise(noisy, passes["Diffuse Color"], passes["Normal"], threads=worker.settings.threads, should_cancel=should_cancel)
-        noisy[...] = blend(noisy, clean, variance, worker.passes_done)
+        clean = denoise(noisy, film["albedo"], passes["Normal"], threads=worker.settings.threads, should_cancel=should_cancel)
+        noisy[...] = blend(noisy, clean, film["variance"][..., 0], worker.passes_done)
     except (DenoiserMissing, RuntimeError) as error:
         worker.warnings.append(f"The picture has not been denoised: {error}.")
     return time.monotonic() - began

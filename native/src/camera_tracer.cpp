@@ -180,6 +180,7 @@ void CameraTracer::trace_path(Path& path) const {
       path.pixel.depth = hit.distance * path.ray.cosine;
       path.pixel.surface_id = static_cast<float>(hit.key & 0xffffff);
       path.pixel.diffuse_color += bsdf.diffuse_albedo() * path.throughput;
+      path.pixel.albedo += bsdf.albedo() * path.throughput;
     }
     if (!bsdf.scatters() || !(max_abs(path.throughput) > 0)) return;
     const Receiver receiver{hit.position, bsdf.transmits() ? Vec3{} : hit.ng, bsdf.has_rest(), scene_.instances[hit.instance].group};

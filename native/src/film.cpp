@@ -22,6 +22,7 @@ void add_pass(Film& sum, Film& pass, ThreadPool& pool) {
       to.transmission_direct += from.transmission_direct;
       to.transmission_indirect += from.transmission_indirect;
       to.diffuse_color += from.diffuse_color;
+      to.albedo += from.albedo;
       to.emission += from.emission;
       to.environment += from.environment;
       to.normal += from.normal;

@@ -12,6 +12,7 @@ struct Pixel {
   // Light by the lobe that sent it to the camera; its colour included.
   Rgb diffuse_direct, diffuse_indirect, glossy_direct, glossy_indirect, transmission_direct, transmission_indirect;
   Rgb diffuse_color, emission, environment, normal;
+  Rgb albedo;  // of all lobes, for a denoiser: what diffuse_color calls black may be copper
   float alpha = 0, photon_density = 0;
   float samples = 0;                     // camera samples in the sums
   float detail = 0;                      // luminance that discs of half the area would take away

@@ -49,7 +49,7 @@ class Case:
 CASES = (
     Case("cornell_box", 512, 512, "diffuse"),
     Case("interior", 400, 250, "interior"),
-    Case("kitchen", 360, 240, "textured", "photons", 200.0),  # the sun in its pans: on the wall paths find it once in 10,000
+    Case("kitchen", 360, 240, "textured", "photons", 120.0),  # the sun in its pans: on the wall paths find it once in 10,000
     Case("many_lights", 400, 266, "many lights", truth_seconds=300.0),  # lamps all but touch surfaces: a few pixels have most of the noise
     Case("caustic_glass", 400, 300, "caustic", "photons"),
     Case("caustic_pool", 400, 300, "pool", "photons"),

@@ -83,6 +83,7 @@ constexpr Source kSources[] = {
     {"transmission_direct", 3, &fill_mean<&Pixel::transmission_direct>},
     {"transmission_indirect", 3, &fill_mean<&Pixel::transmission_indirect>},
     {"diffuse_color", 3, &fill_mean<&Pixel::diffuse_color>},
+    {"albedo", 3, &fill_mean<&Pixel::albedo>},
     {"emission", 3, &fill_mean<&Pixel::emission>},
     {"environment", 3, &fill_mean<&Pixel::environment>},
     {"normal", 3, &fill_mean<&Pixel::normal>},
