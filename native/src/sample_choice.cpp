@@ -3,12 +3,10 @@
 #include <bit>
 #include <numeric>
 
-#include "pixel_blur.h"
-
 namespace photon_splat {
 namespace {
 
-constexpr int kNear = 1;            // half side of the window over which pixels lend their statistics
+constexpr int kAround = 8;          // pixels around one, in a ring
 constexpr double kMost = 64;        // samples of a pixel in one pass
 constexpr double kMostMean = 2;     // of all pixels: passes stay short
 constexpr double kOutlier = 100;    // times the mean deviation: more counts as that much
@@ -75,27 +73,37 @@ void SampleChoice::begin_pass(ThreadPool& pool) {
   to_choose_ = false;
 }
 
-// Of one sample; after one pass alone, from how neighbours differ.
+// Of one sample, as the eight pixels around tell; after one pass alone, from how those next to each other differ. The pixel's own
+// samples have no say: what is bright by chance would get more company than what is dark by chance, and the mean come out too dark.
 std::vector<float> SampleChoice::deviations(const Moments& moments, ThreadPool& pool) const {
-  std::vector<float> variance(samples_.size()), result;
+  constexpr int kAcross[kAround + 1] = {-1, 0, 1, 1, 1, 0, -1, -1, -1}, kDown[kAround + 1] = {-1, -1, -1, 0, 1, 1, 1, 0, -1};
+  const bool alone = passes_ == 1;
+  std::vector<float> own(alone ? 0 : samples_.size()), result(samples_.size());
+  const auto known = [](float v) { return v < 1e30f ? v : 0; };
   const CancelFlag never;
+  if (!alone)
+    pool.for_each(static_cast<size_t>(height_), never, [&](size_t row, int) {
+      for (size_t i = row * width_; i < (row + 1) * width_; ++i)
+        own[i] = known(moments.variance(i, std::max(samples_[i], 1.0f), static_cast<float>(passes_)));
+    });
   pool.for_each(static_cast<size_t>(height_), never, [&](size_t row, int) {
     for (int x = 0; x < width_; ++x) {
-      const size_t i = row * width_ + x;
-      if (passes_ > 1) {
-        variance[i] = moments.variance(i, std::max(samples_[i], 1.0f), static_cast<float>(passes_));
-        continue;
+      const auto at = [&](int k) -> int64_t {  // -1: outside
+        const int64_t column = x + kAcross[k], line = static_cast<int64_t>(row) + kDown[k];
+        return column < 0 || column >= width_ || line < 0 || line >= height_ ? -1 : line * width_ + column;
+      };
+      float sum = 0;
+      int count = 0;
+      for (int k = 0; k < kAround; ++k) {
+        const int64_t one = at(k), next = alone ? at(k + 1) : one;
+        if (one < 0 || next < 0) continue;
+        const float difference = alone ? moments.sum[one] - moments.sum[next] : 0;
+        sum += alone ? known(0.5f * difference * difference) : own[one];
+        ++count;
       }
-      const float here = moments.sum[i];
-      const float right = x + 1 < width_ ? moments.sum[i + 1] : here;
-      const float up = row + 1 < static_cast<size_t>(height_) ? moments.sum[i + width_] : here;
-      variance[i] = 0.25f * ((here - right) * (here - right) + (here - up) * (here - up));
+      result[row * width_ + x] = count ? std::sqrt(sum / static_cast<float>(count)) : 0;
     }
   });
-  for (float& v : variance)
-    if (!(v < 1e30f)) v = 0;
-  blur(variance, width_, height_, kNear, result);
-  for (float& v : result) v = std::sqrt(v);
   return result;
 }
 
