@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import time
+
 import numpy as np
 import pytest
+from photon_splat.core.persistent import Persistent
 from photon_splat.core.plan import make_plan
 from photon_splat.core.scene import Scene
+from photon_splat.core.session import render
 from photon_splat.core.settings import FinalGather, Integrator, RenderSettings
 
 from tests import corescene as c
@@ -71,6 +75,14 @@ def test_the_plan_decides(settings: dict, gathers: bool) -> None:
     assert applied.final_gather == (ON if gathers else FinalGather.OFF)
 
 
-def test_threads_do_not_matter_and_persistent_data_neither() -> None:
+def test_threads_do_not_matter() -> None:
     one, two = (c.picture(leaves(0.3), passes=3, photons_per_pass=20_000, threads=n, final_gather=ON) for n in (1, 3))
     assert np.array_equal(one, two)
+
+
+def test_a_render_that_finds_its_photons_again_is_the_same() -> None:
+    what, kept = leaves(0.3), Persistent()
+    settings = RenderSettings(passes=3, photons_per_pass=20_000, final_gather=ON)
+    first, again = (render(what, settings, started=time.monotonic(), persistent=kept) for _ in range(2))
+    assert again.statistics["reused"]["photons"] > 0
+    assert np.array_equal(first.passes["Combined"], again.passes["Combined"])
