@@ -336,7 +336,7 @@ void Lights::triangle_corners(uint32_t instance, uint32_t triangle, Vec3 corner[
 
 bool Lights::sample_mesh(const Emitter& e, const Vec3& x, const Vec2& u, LightSample& out) const {
   const auto emitted = [&](size_t triangle, float b1, float b2, bool back) {
-    return scene_.emission_at(e.instance, e.triangles[triangle], b1, b2, back, -out.direction);
+    return emission_of(e, e.triangles[triangle], b1, b2, back, -out.direction);
   };
   if (CloseLamp close; see_close(e, x, close)) {
     CloseLamp::Place place;
@@ -357,28 +357,21 @@ bool Lights::sample_mesh(const Emitter& e, const Vec3& x, const Vec2& u, LightSa
   const float share = e.cdf[pick] - low;
   if (!(share > 0)) return false;
   const float again = std::clamp((target - low) / share, 0.0f, 1.0f);
-  Vec3 corner[3];
-  triangle_corners(e.instance, e.triangles[pick], corner);
+  const EmissiveTriangle& t = e.triangles[pick];
   const float root = std::sqrt(again), b1 = root * (1 - u.y), b2 = root * u.y;
-  const Vec3 point = corner[0] * (1 - root) + corner[1] * b1 + corner[2] * b2;
-  Vec3 normal = cross(corner[1] - corner[0], corner[2] - corner[0]);
-  const float twice_area = length(normal);
-  if (!(twice_area > 0)) return false;
-  normal = normal / twice_area;
-  if (scene_.instances[e.instance].mirrored) normal = -normal;
+  const Vec3 point = t.corner[0] * (1 - root) + t.corner[1] * b1 + t.corner[2] * b2;
 
   const Vec3 to = point - x;
   const float d2 = length2(to);
   if (!(d2 > 0)) return false;
   out.distance = std::sqrt(d2);
   out.direction = to / out.distance;
-  const float cosine = std::abs(dot(out.direction, normal));
+  const float facing = dot(out.direction, t.normal), cosine = std::abs(facing);
   if (cosine <= 1e-7f) return false;
-  const float pdf_area = share / e.cdf.back() / (0.5f * twice_area);
-  out.pdf = pdf_area * d2 / cosine;
-  const bool back = dot(out.direction, normal) > 0;
+  out.pdf = t.pdf * d2 / cosine;
+  const bool back = facing > 0;
   out.weight = emitted(pick, b1, b2, back) / out.pdf;
-  out.normal = back ? -normal : normal;
+  out.normal = back ? -t.normal : t.normal;
   return !is_black(out.weight);
 }
 

@@ -154,6 +154,15 @@ class Lights {
     float angle_high = 1;
     LampPlace place;                       // of those with a program
   };
+  // All that sampling reads of a triangle that emits: one line of the cache.
+  struct alignas(64) EmissiveTriangle {
+    Vec3 corner[3];
+    Vec3 normal;        // unit, on the front side
+    float pdf;          // of its places, area measure, among all of the emitter
+    float front_share;  // of its power
+    uint32_t triangle;  // of the mesh
+    uint32_t material;  // into Scene::materials
+  };
   // Something that emits: a lamp or an emissive instance. `importance` over squared distance ranks them.
   struct Emitter {
     int lamp = -1;
@@ -165,9 +174,8 @@ class Lights {
     uint64_t lit_groups = ~uint64_t{0}, blockers = ~uint64_t{0};
     int16_t light_group = kNoLightGroup;
     double power = 0;
-    std::vector<uint32_t> triangles;
+    std::vector<EmissiveTriangle> triangles;
     std::vector<float> cdf;                 // over triangles, by power
-    std::vector<float> front_share;         // of each triangle's power
     std::vector<uint32_t> cdf_start;        // where to begin looking, for equal steps of the cdf
 
     // The triangle whose share of the cdf holds `target`: a look-up and a step or two instead of a search.
@@ -178,26 +186,30 @@ class Lights {
       while (i + 1 < cdf.size() && cdf[i] <= target) ++i;
       return i;
     }
-    // Of the whole: what `triangle` is picked with; 0 where it does not emit.
+    // Of the whole: what the mesh's `triangle` is picked with; 0 where it does not emit.
     float share_of(uint32_t triangle) const {
-      const auto at = std::lower_bound(triangles.begin(), triangles.end(), triangle);
-      if (at == triangles.end() || *at != triangle) return 0;
-      const size_t i = at - triangles.begin();
+      size_t i = size_t{triangle} - triangles.front().triangle;  // right where no other stands between them
+      if (i >= triangles.size() || triangles[i].triangle != triangle)
+        i = std::lower_bound(triangles.begin(), triangles.end(), triangle,
+                             [](const EmissiveTriangle& t, uint32_t number) { return t.triangle < number; }) - triangles.begin();
+      if (i == triangles.size() || triangles[i].triangle != triangle) return 0;
       return (cdf[i] - (i ? cdf[i - 1] : 0)) / cdf.back();
     }
   };
 
   // A place on an emissive mesh, in proportion to the power from there.
   struct MeshPoint {
-    Vec3 position, normal;      // on the front side
-    size_t triangle;            // of the emitter's
+    Vec3 position;
+    const EmissiveTriangle* triangle;
     float u, v;
-    float pdf;                  // area measure
     float side;                 // uniform in [0, 1), to choose the side by
   };
   void add_lamp(const LampSettings& settings);
   void add_emissive_instances();
   void add_emissive_triangles(uint32_t instance, Emitter& emitter, Bounds& bounds, double& sum) const;
+  Rgb emission_of(const Emitter& e, const EmissiveTriangle& t, float u, float v, bool back, const Vec3& wo) const {
+    return scene_.emission_at(scene_.materials[t.material], e.instance, t.triangle, u, v, back, wo);
+  }
   float emitter_weight(const Emitter& e, const Receiver& to) const;
   bool shares_with_rays(const Emitter& e, const Receiver& to) const;
   struct Pick {

@@ -90,14 +90,15 @@ void Lights::weigh_lamp(const Lamp& lamp, Draft& draft) const {
 
 void Lights::weigh_mesh(const Emitter& e, const MeshPoint& p, Draft& draft) const {
   PhotonStart& start = draft.start;
-  const float cosine = dot(start.direction, p.normal);
+  const EmissiveTriangle& t = *p.triangle;
+  const float cosine = dot(start.direction, t.normal);
   const bool on_back = cosine < 0;
-  const float side_share = on_back ? 1 - e.front_share[p.triangle] : e.front_share[p.triangle];
+  const float side_share = on_back ? 1 - t.front_share : t.front_share;
   draft.natural = side_share * std::abs(cosine) / kPi;
   start.power = {};
   if (!(draft.natural > 0)) return;
-  start.origin = p.position + (on_back ? -p.normal : p.normal) * ray_epsilon(p.position, 0);
-  start.power = scene_.emission_at(e.instance, e.triangles[p.triangle], p.u, p.v, on_back, start.direction) * (kPi / (p.pdf * side_share));
+  start.origin = p.position + (on_back ? -t.normal : t.normal) * ray_epsilon(p.position, 0);
+  start.power = emission_of(e, t, p.u, p.v, on_back, start.direction) * (kPi / (t.pdf * side_share));
 }
 
 Lights::Draft Lights::natural_draft(uint32_t index, const Vec2& pick, const Vec2& place, const Vec2& way) const {

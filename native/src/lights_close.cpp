@@ -17,7 +17,7 @@ bool Lights::see_close(const Emitter& e, const Vec3& x, CloseLamp& out) const {
   if (e.lamp < 0) {
     if (e.triangles.size() > CloseLamp::kMost) return false;
     out.count = static_cast<int>(e.triangles.size());
-    for (int i = 0; i < out.count; ++i) triangle_corners(e.instance, e.triangles[i], corner[i]);
+    for (int i = 0; i < out.count; ++i) std::copy_n(e.triangles[i].corner, 3, corner[i]);
   } else {
     const Lamp& lamp = lamps_[e.lamp];
     if (lamp.s.kind != LampKind::kArea || lamp.s.ellipse || lamp.normalize_spread != 0) return false;

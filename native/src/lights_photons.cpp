@@ -183,36 +183,41 @@ void Lights::add_emissive_instances() {
 void Lights::add_emissive_triangles(uint32_t instance, Emitter& e, Bounds& bounds, double& sum) const {
   const uint32_t count = static_cast<uint32_t>(scene_.meshes[scene_.instances[instance].mesh].triangles.size());
   std::vector<float> areas, front, back;
-  std::vector<bool> probed;
   double probed_power = 0, probed_area = 0;
   for (uint32_t t = 0; t < count; ++t) {
     const Material& m = scene_.material_of(instance, t);
     if (!may_emit(scene_, m)) continue;
-    Vec3 corner[3];
-    triangle_corners(instance, t, corner);
-    const float area = 0.5f * length(cross(corner[1] - corner[0], corner[2] - corner[0]));
+    EmissiveTriangle out{};
+    triangle_corners(instance, t, out.corner);
+    const Vec3 normal = cross(out.corner[1] - out.corner[0], out.corner[2] - out.corner[0]);
+    const float twice_area = length(normal), area = 0.5f * twice_area;
     if (!(area > 0)) continue;
-    for (const Vec3& p : corner) bounds.add(p);
-    e.triangles.push_back(t);
+    for (const Vec3& p : out.corner) bounds.add(p);
+    out.normal = scene_.instances[instance].mirrored ? -(normal / twice_area) : normal / twice_area;
+    out.triangle = t;
+    out.material = static_cast<uint32_t>(&m - scene_.materials.data());
+    e.triangles.push_back(out);
     areas.push_back(area);
-    probed.push_back(m.program >= 0);
     front.push_back(mean_emission(scene_, m, instance, t, false));
     back.push_back(mean_emission(scene_, m, instance, t, true));
-    if (!probed.back()) continue;
+    if (m.program < 0) continue;
     probed_power += double(area) * (front.back() + back.back());
     probed_area += area;
   }
   const float floor = probed_area > 0 ? static_cast<float>(kProbeFloor * probed_power / probed_area) : 0;
   for (size_t i = 0; i < areas.size(); ++i) {
-    const bool constant = !probed[i] || scene_.programs[scene_.material_of(instance, e.triangles[i]).program].features &
-                                            kProgramConstantEmission;
-    if (!constant) {
+    const int program = scene_.materials[e.triangles[i].material].program;
+    if (program >= 0 && !(scene_.programs[program].features & kProgramConstantEmission)) {
       front[i] += floor;
       back[i] += floor;
     }
     const float weight = front[i] + back[i];
-    e.front_share.push_back(weight > 0 ? front[i] / weight : 0.5f);
+    e.triangles[i].front_share = weight > 0 ? front[i] / weight : 0.5f;
     e.cdf.push_back(static_cast<float>(sum += double(areas[i]) * weight));
+  }
+  for (size_t i = 0; i < areas.size(); ++i) {
+    const float share = std::max(e.cdf[i] - (i ? e.cdf[i - 1] : 0), 1e-37f);
+    e.triangles[i].pdf = share / e.cdf.back() / std::max(areas[i], 1e-37f);
   }
 }
 
@@ -297,33 +302,28 @@ PhotonStart Lights::emit_lamp(const Lamp& lamp, float coin, const Vec2& place, c
 
 Lights::MeshPoint Lights::point_on_mesh(const Emitter& e, float pick, const Vec2& place) const {
   const float target = pick * e.cdf.back();
+  const size_t i = e.triangle_at(target);
+  const float low = i ? e.cdf[i - 1] : 0, share = std::max(e.cdf[i] - low, 1e-37f);
   MeshPoint p;
-  p.triangle = e.triangle_at(target);
-  const float low = p.triangle ? e.cdf[p.triangle - 1] : 0, share = std::max(e.cdf[p.triangle] - low, 1e-37f);
+  p.triangle = &e.triangles[i];
   p.side = std::clamp((target - low) / share, 0.0f, 1.0f);
-  Vec3 corner[3];
-  triangle_corners(e.instance, e.triangles[p.triangle], corner);
   const float root = std::sqrt(place.x);
   p.u = root * (1 - place.y);
   p.v = root * place.y;
+  const Vec3* corner = p.triangle->corner;
   p.position = corner[0] * (1 - root) + corner[1] * p.u + corner[2] * p.v;
-  p.normal = cross(corner[1] - corner[0], corner[2] - corner[0]);
-  const float twice_area = length(p.normal);
-  p.normal = twice_area > 0 ? p.normal / twice_area : Vec3{0, 0, 1};
-  if (scene_.instances[e.instance].mirrored) p.normal = -p.normal;
-  p.pdf = share / e.cdf.back() / std::max(0.5f * twice_area, 1e-37f);
   return p;
 }
 
 PhotonStart Lights::emit_mesh(const Emitter& e, float pick, const Vec2& place, const Vec2& way) const {
   const MeshPoint p = point_on_mesh(e, pick, place);
-  const float front_share = e.front_share[p.triangle];
-  const bool on_back = p.side >= front_share;
-  const Vec3 normal = on_back ? -p.normal : p.normal;
+  const EmissiveTriangle& t = *p.triangle;
+  const bool on_back = p.side >= t.front_share;
+  const Vec3 normal = on_back ? -t.normal : t.normal;
   PhotonStart start;
   start.origin = p.position + normal * ray_epsilon(p.position, 0);
   start.direction = Basis(normal).to_world(sample_cosine_hemisphere(way));
-  start.power = scene_.emission_at(e.instance, e.triangles[p.triangle], p.u, p.v, on_back, start.direction) * (kPi / (p.pdf * (on_back ? 1 - front_share : front_share)));
+  start.power = emission_of(e, t, p.u, p.v, on_back, start.direction) * (kPi / (t.pdf * (on_back ? 1 - t.front_share : t.front_share)));
   return start;
 }
 

@@ -171,61 +171,62 @@ PhotonStart PhotonTracer::start(uint64_t index, uint32_t seed) const {
 
 // All paths of a chunk advance by one ray at a time, in packets.
 void PhotonTracer::trace_chunk(uint64_t first, uint64_t count, double total, uint32_t seed, const KeyFilter& visible,
-                               Chunk& chunk) const {
+                               Travellers& travellers, Chunk& chunk) const {
+  auto& [starts, paths, origins, directions] = travellers;
   chunk.photons.clear();
   chunk.groups.clear();
   chunk.ray_log.clear();
   chunk.rays = 0;
-  chunk.starts.clear();
-  chunk.paths.clear();
-  chunk.origins.clear();
-  chunk.directions.clear();
+  starts.clear();
+  paths.clear();
+  origins.clear();
+  directions.clear();
   chunk.useful.assign(count, 0);
   for (uint64_t index = first; index < first + count; ++index) {
     const PhotonStart start = this->start(index, seed);
-    chunk.starts.push_back(start);
+    starts.push_back(start);
     Path path;
     path.power = start.power * static_cast<float>(1.0 / total);
     path.reference = max_component(path.power);
     path.random = Random(index, seed);
     path.place = static_cast<uint32_t>(index - first);
     if (!(path.reference > 0) || !std::isfinite(path.reference)) continue;
-    chunk.paths.push_back(path);
-    chunk.origins.push_back(start.origin);
-    chunk.directions.push_back(start.direction);
+    paths.push_back(path);
+    origins.push_back(start.origin);
+    directions.push_back(start.direction);
   }
   Surface hits[Scene::kPacket];
-  while (!chunk.paths.empty()) {
-    const uint32_t alive = static_cast<uint32_t>(chunk.paths.size());
+  while (!paths.empty()) {
+    const uint32_t alive = static_cast<uint32_t>(paths.size());
     chunk.rays += alive;
     uint32_t kept = 0;
     for (uint32_t begin = 0; begin < alive; begin += Scene::kPacket) {
       const uint32_t lanes = std::min(Scene::kPacket, alive - begin);
       if (ray_log)
         for (uint32_t i = begin; i < begin + lanes; ++i) {
-          const Vec3 o = chunk.origins[i], d = chunk.directions[i];
+          const Vec3 o = origins[i], d = directions[i];
           const float ray[8] = {o.x, o.y, o.z, 0, d.x, d.y, d.z, INFINITY};
           chunk.ray_log.insert(chunk.ray_log.end(), ray, ray + 8);
         }
-      const unsigned found = scene_.intersect_packet(&chunk.origins[begin], &chunk.directions[begin], lanes, hits);
+      const unsigned found = scene_.intersect_packet(&origins[begin], &directions[begin], lanes, hits);
       for (uint32_t k = 0; k < lanes; ++k) {
         if (!(found >> k & 1)) continue;
-        Path path = chunk.paths[begin + k];
-        Vec3 origin = chunk.origins[begin + k], direction = chunk.directions[begin + k];
+        Path path = paths[begin + k];
+        Vec3 origin = origins[begin + k], direction = directions[begin + k];
         const size_t stored = chunk.photons.size();
-        const bool alive_still = shade(path, hits[k], chunk.starts[path.place], first + path.place, seed, visible, origin,
+        const bool alive_still = shade(path, hits[k], starts[path.place], first + path.place, seed, visible, origin,
                                        direction, chunk.photons);
         chunk.useful[path.place] += static_cast<uint16_t>(chunk.photons.size() - stored);
-        if (keeps_groups_) chunk.groups.resize(chunk.photons.size(), chunk.starts[path.place].light_group);
+        if (keeps_groups_) chunk.groups.resize(chunk.photons.size(), starts[path.place].light_group);
         if (!alive_still) continue;
-        chunk.paths[kept] = path;
-        chunk.origins[kept] = origin;
-        chunk.directions[kept++] = direction;
+        paths[kept] = path;
+        origins[kept] = origin;
+        directions[kept++] = direction;
       }
     }
-    chunk.paths.resize(kept);
-    chunk.origins.resize(kept);
-    chunk.directions.resize(kept);
+    paths.resize(kept);
+    origins.resize(kept);
+    directions.resize(kept);
   }
 }
 
@@ -236,9 +237,10 @@ const std::vector<Photon>& PhotonTracer::trace(uint64_t first, uint64_t count, d
   if (lights_.total_power() <= 0 || max_bounces_ < 1) return photons_;
   const size_t chunk_count = (count + kPathsPerChunk - 1) / kPathsPerChunk;
   if (chunks_.size() < chunk_count) chunks_.resize(chunk_count);
-  scene_.pool().for_each(chunk_count, cancel, [&](size_t c, int) {
+  travellers_.resize(scene_.pool().size());
+  scene_.pool().for_each(chunk_count, cancel, [&](size_t c, int worker) {
     const uint64_t begin = c * kPathsPerChunk;
-    trace_chunk(first + begin, std::min(kPathsPerChunk, count - begin), total, seed, visible, chunks_[c]);
+    trace_chunk(first + begin, std::min(kPathsPerChunk, count - begin), total, seed, visible, travellers_[worker], chunks_[c]);
   });
   std::vector<size_t> offset(chunk_count + 1);
   uint64_t rays = 0;

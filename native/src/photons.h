@@ -79,17 +79,22 @@ class PhotonTracer {
     RayInfo::Kind kind = RayInfo::kDiffuse;
     bool guessed = false;
   };
+  // What a run of paths leaves.
   struct Chunk {
     std::vector<Photon> photons;
     std::vector<int16_t> groups;   // likewise
     uint64_t rays = 0;
     std::vector<float> ray_log;
-    std::vector<PhotonStart> starts;
-    std::vector<Path> paths;
     std::vector<uint16_t> useful;  // photons stored per path, by index
+  };
+  // The paths of a chunk on their way; a worker's own, so that it stays in its cache from chunk to chunk.
+  struct Travellers {
+    std::vector<PhotonStart> starts;  // of all
+    std::vector<Path> paths;          // of those that are left, and so are the rays below
     std::vector<Vec3> origins, directions;
   };
-  void trace_chunk(uint64_t first, uint64_t count, double total, uint32_t seed, const KeyFilter& visible, Chunk& chunk) const;
+  void trace_chunk(uint64_t first, uint64_t count, double total, uint32_t seed, const KeyFilter& visible, Travellers& travellers,
+                   Chunk& chunk) const;
   PhotonStart start(uint64_t index, uint32_t seed) const;
   bool lit(const Path& path, const Surface& hit, const PhotonStart& start) const;
   bool blocks(const Path& path, const Surface& hit, const PhotonStart& start) const;
@@ -109,6 +114,7 @@ class PhotonTracer {
   std::optional<EmissionGuide> guide_;
   std::optional<EmissionTargets> targets_;
   std::vector<Chunk> chunks_;
+  std::vector<Travellers> travellers_;  // by worker
   std::vector<Photon> photons_;
   bool keeps_groups_ = false;
   std::vector<int16_t> groups_;

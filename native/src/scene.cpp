@@ -390,8 +390,8 @@ void Scene::shade(const Surface& s, const Vec3& wo, const RayInfo& ray, Bsdf& bs
   bsdf.finish();
 }
 
-Rgb Scene::emission_at(uint32_t instance, uint32_t triangle, float u, float v, bool back, const Vec3& wo) const {
-  const Material& material = material_of(instance, triangle);
+Rgb Scene::emission_at(const Material& material, uint32_t instance, uint32_t triangle, float u, float v, bool back,
+                       const Vec3& wo) const {
   const MaterialSide& side = back ? material.back : material.front;
   if (material.program < 0 && side.emission_texture < 0) return side.emission;
   return emission(surface_at(instance, triangle, u, v, back), wo, {RayInfo::kEmission});

@@ -159,8 +159,8 @@ class Scene {
   Rgb albedo(const Surface& s) const { return textured(s.side->albedo, s.side->albedo_texture, s); }
   // Radiance towards `wo`.
   Rgb emission(const Surface& s, const Vec3& wo, const RayInfo& ray) const;
-  // That of a point of a triangle for whoever samples lights: surface_at() is left out where it tells nothing.
-  Rgb emission_at(uint32_t instance, uint32_t triangle, float u, float v, bool back, const Vec3& wo) const;
+  // That of a point of a triangle of this material, for whoever samples lights: surface_at() is left out where it tells nothing.
+  Rgb emission_at(const Material& material, uint32_t instance, uint32_t triangle, float u, float v, bool back, const Vec3& wo) const;
   // Whether the material lets light through without scattering it, or could (its program knows).
   bool may_be_transparent(const Surface& s) const { return s.program && s.program->features & kProgramTransparent; }
   // Features of any material in use, as ProgramFeature bits; the plain ones gather and emit.
