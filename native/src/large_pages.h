@@ -15,6 +15,13 @@
 
 namespace photon_splat {
 
+// Has the memory come while other things are worked on.
+inline void prefetch([[maybe_unused]] const void* memory) {
+#if defined(__GNUC__) || defined(__clang__)
+  __builtin_prefetch(memory);
+#endif
+}
+
 template <class T>
 struct LargePages {
   using value_type = T;

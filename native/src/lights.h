@@ -127,6 +127,9 @@ class Lights {
   // Photon number `index` of the stream `seed` starts in proportion to power, or where `guide` sends it.
   EmissionPrimary primary(uint64_t index, uint32_t seed, const EmissionGuide* guide) const;
   PhotonStart emit(const EmissionPrimary& primary) const;
+  // Have the memory come that emit() reads of a mesh: what fetch_triangle() reads first.
+  void fetch_table(const EmissionPrimary& primary) const;
+  void fetch_triangle(const EmissionPrimary& primary) const;
   // What the program of the photon's lamp makes of its power at the first surface that scatters it, `distance` away at `receiver`.
   Rgb first_hit_factor(const PhotonStart& start, const Vec3& receiver, float distance) const;
   // A guide for these emitters that has learnt nothing yet.
@@ -178,10 +181,13 @@ class Lights {
     std::vector<float> cdf;                 // over triangles, by power
     std::vector<uint32_t> cdf_start;        // where to begin looking, for equal steps of the cdf
 
+    size_t step_at(float target) const {
+      const float at = target / cdf.back() * static_cast<float>(cdf_start.size());
+      return std::min(static_cast<size_t>(at), cdf_start.size() - 1);
+    }
     // The triangle whose share of the cdf holds `target`: a look-up and a step or two instead of a search.
     size_t triangle_at(float target) const {
-      const float at = target / cdf.back() * static_cast<float>(cdf_start.size());
-      size_t i = cdf_start[std::min(static_cast<size_t>(at), cdf_start.size() - 1)];
+      size_t i = cdf_start[step_at(target)];
       while (i > 0 && cdf[i - 1] > target) --i;
       while (i + 1 < cdf.size() && cdf[i] <= target) ++i;
       return i;

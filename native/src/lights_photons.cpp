@@ -12,7 +12,8 @@ constexpr float kSmallestSpread = 0.1f * kPi / 180;
 
 Vec3 around_axis(const Vec3& x, const Vec3& y, const Vec3& z, float cosine, float turn) {
   const float sine = std::sqrt(std::max(0.0f, 1 - cosine * cosine));
-  return x * (sine * std::cos(2 * kPi * turn)) + y * (sine * std::sin(2 * kPi * turn)) + z * cosine;
+  const Vec2 around = cos_sin_of_turn(turn);
+  return x * (sine * around.x) + y * (sine * around.y) + z * cosine;
 }
 
 }  // namespace
@@ -338,6 +339,20 @@ EmissionPrimary Lights::primary(uint64_t index, uint32_t seed, const EmissionGui
   const size_t chosen = std::upper_bound(power_cdf_.begin(), power_cdf_.end(), target) - power_cdf_.begin();
   p.emitter = static_cast<uint32_t>(std::min(chosen, emitters_.size()));
   return p;
+}
+
+void Lights::fetch_table(const EmissionPrimary& p) const {
+  if (p.emitter == emitters_.size() || emitters_[p.emitter].lamp >= 0) return;
+  const Emitter& e = emitters_[p.emitter];
+  prefetch(&e.cdf_start[e.step_at(p.pick.y * e.cdf.back())]);
+}
+
+void Lights::fetch_triangle(const EmissionPrimary& p) const {
+  if (p.emitter == emitters_.size() || emitters_[p.emitter].lamp >= 0) return;
+  const Emitter& e = emitters_[p.emitter];
+  const size_t i = e.cdf_start[e.step_at(p.pick.y * e.cdf.back())];
+  prefetch(&e.cdf[i]);
+  prefetch(&e.triangles[i]);
 }
 
 PhotonStart Lights::emit(const EmissionPrimary& p) const {

@@ -169,10 +169,25 @@ PhotonStart PhotonTracer::start(uint64_t index, uint32_t seed) const {
   return lights_.emit(lights_.primary(index, seed, guide_ ? &*guide_ : nullptr));
 }
 
+void PhotonTracer::start(uint64_t first, uint64_t count, uint32_t seed, Travellers& travellers) const {
+  std::vector<PhotonStart>& starts = travellers.starts;
+  if (targets_) {
+    for (uint64_t i = 0; i < count; ++i) starts.push_back(start(first + i, seed));
+    return;
+  }
+  // Many small triangles that emit are not in the cache: one stage fetches what the next one reads.
+  std::vector<EmissionPrimary>& primaries = travellers.primaries;
+  primaries.resize(count);
+  const EmissionGuide* guide = guide_ ? &*guide_ : nullptr;
+  for (uint64_t i = 0; i < count; ++i) lights_.fetch_table(primaries[i] = lights_.primary(first + i, seed, guide));
+  for (const EmissionPrimary& p : primaries) lights_.fetch_triangle(p);
+  for (const EmissionPrimary& p : primaries) starts.push_back(lights_.emit(p));
+}
+
 // All paths of a chunk advance by one ray at a time, in packets.
 void PhotonTracer::trace_chunk(uint64_t first, uint64_t count, double total, uint32_t seed, const KeyFilter& visible,
                                Travellers& travellers, Chunk& chunk) const {
-  auto& [starts, paths, origins, directions] = travellers;
+  auto& [primaries, starts, paths, origins, directions] = travellers;
   chunk.photons.clear();
   chunk.groups.clear();
   chunk.ray_log.clear();
@@ -182,9 +197,9 @@ void PhotonTracer::trace_chunk(uint64_t first, uint64_t count, double total, uin
   origins.clear();
   directions.clear();
   chunk.useful.assign(count, 0);
+  start(first, count, seed, travellers);
   for (uint64_t index = first; index < first + count; ++index) {
-    const PhotonStart start = this->start(index, seed);
-    starts.push_back(start);
+    const PhotonStart& start = starts[index - first];
     Path path;
     path.power = start.power * static_cast<float>(1.0 / total);
     path.reference = max_component(path.power);

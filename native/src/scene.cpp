@@ -24,13 +24,9 @@ RTCGeometry make_geometry(RTCDevice device, const Mesh& mesh) {
 
 // Has the memory of what fill_surface() reads of a triangle come while others are worked on.
 void fetch_ahead(const Mesh& mesh, uint32_t triangle) {
-#if defined(__GNUC__) || defined(__clang__)
-  if (!mesh.corner_normals.empty()) __builtin_prefetch(&mesh.corner_normals[3 * static_cast<size_t>(triangle)]);
-  if (mesh.topology.planar.size() != 1) __builtin_prefetch(&mesh.topology.patch[triangle]);
-  if (!mesh.slots.empty()) __builtin_prefetch(&mesh.slots[triangle]);
-#else
-  static_cast<void>(mesh), static_cast<void>(triangle);
-#endif
+  if (!mesh.corner_normals.empty()) prefetch(&mesh.corner_normals[3 * static_cast<size_t>(triangle)]);
+  if (mesh.topology.planar.size() != 1) prefetch(&mesh.topology.patch[triangle]);
+  if (!mesh.slots.empty()) prefetch(&mesh.slots[triangle]);
 }
 
 float largest_stretch(const Affine& a) {
