@@ -328,11 +328,11 @@ PhotonStart Lights::emit_mesh(const Emitter& e, float pick, const Vec2& place, c
   return start;
 }
 
-EmissionPrimary Lights::primary(uint64_t index, uint32_t seed, const EmissionGuide* guide) const {
-  const uint32_t i = static_cast<uint32_t>(index), s = hash_combine(seed, static_cast<uint32_t>(index >> 32));
-  EmissionPrimary p{0, sobol_2d(i, 0, s), sobol_2d(i, 1, s), sobol_2d(i, 2, s)};
+EmissionPrimary Lights::primary(uint64_t index, const EmissionSequence& sequence, const EmissionGuide* guide) const {
+  const uint32_t i = static_cast<uint32_t>(index);
+  EmissionPrimary p{0, sequence.pick.at(i), sequence.place.at(i), sequence.way.at(i)};
   if (guide) {
-    guide->warp(p, {p.pick.x, sobol_2d(i, 4, s).x});
+    guide->warp(p, {p.pick.x, sequence.guided.at(i).x});
     return p;
   }
   const double target = p.pick.x * total_power_;

@@ -66,9 +66,9 @@ bool PhotonTracer::light_up(Path& path, const Surface& hit, const PhotonStart& s
 }
 
 // Stores a photon where one belongs and sends the path on; false where it ends.
-bool PhotonTracer::shade(Path& path, const Surface& hit, const PhotonStart& start, uint64_t index, uint32_t seed,
-                         const KeyFilter& visible, Vec3& origin, Vec3& direction, std::vector<Photon>& photons) const {
-  if (hit.program) return scatter_by_program(path, hit, start, index, seed, visible, origin, direction, photons);
+bool PhotonTracer::shade(Path& path, const Surface& hit, const PhotonStart& start, const Draws& draws, const KeyFilter& visible,
+                         Vec3& origin, Vec3& direction, std::vector<Photon>& photons) const {
+  if (hit.program) return scatter_by_program(path, hit, start, draws, visible, origin, direction, photons);
   const bool accepted = lit(path, hit, start);
   if (!blocks(path, hit, start)) {  // the light goes on and is scattered: either, by chance
     if (!accepted) return go_straight_on(path, hit, {1, 1, 1}, origin);
@@ -86,11 +86,8 @@ bool PhotonTracer::shade(Path& path, const Surface& hit, const PhotonStart& star
   const float survival = std::min(1.0f, max_component(path.power) / path.reference);
   if (!(survival > 0) || path.random.next() >= survival) return false;
   path.power *= 1 / survival;
-  const Vec3 local = sample_cosine_hemisphere(
-      path.bounces == 0 ? sobol_2d(static_cast<uint32_t>(index), 3, seed) : path.random.next2());
-  if (!(local.z > 0)) return false;
   origin = hit.position + hit.ng * ray_epsilon(hit.position, hit.distance);
-  direction = Basis(hit.ng).to_world(local);
+  draws.bounces.add(draws.place, hit.ng, draws.next(path));
   ++path.bounces;
   path.caustic = 0;
   path.guessed = false;
@@ -101,7 +98,7 @@ bool PhotonTracer::shade(Path& path, const Surface& hit, const PhotonStart& star
 // whose kind says by which lobe the photon will scatter there: not known yet. So it is guessed, and the next vertex then stores
 // photons for diffuse rays and scatters by lobes of that kind alone. What is passed on the way to the next vertex is seen by the
 // same ray; straight from the lamp by a shadow ray, which deltas do not send, or from a delta lobe.
-bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const PhotonStart& start, uint64_t index, uint32_t seed,
+bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const PhotonStart& start, const Draws& draws,
                                       const KeyFilter& visible, Vec3& origin, Vec3& direction,
                                       std::vector<Photon>& photons) const {
   const bool direct = path.bounces == 0, asked = hit.program->asks_kind;
@@ -141,7 +138,7 @@ bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const Phot
   }
   if (!accepted || path.bounces == max_bounces_ || !bsdf.scatters() || !light_up(path, hit, start)) return false;
   const float choice = path.random.next();
-  const auto s = bsdf.sample(choice, path.bounces == 0 ? sobol_2d(static_cast<uint32_t>(index), 3, seed) : path.random.next2());
+  const auto s = bsdf.sample(choice, draws.next(path));
   if (!s) return false;
   if (path.guessed) {
     const bool delta = s->pdf <= 0;
@@ -179,7 +176,11 @@ void PhotonTracer::start(uint64_t first, uint64_t count, uint32_t seed, Travelle
   std::vector<EmissionPrimary>& primaries = travellers.primaries;
   primaries.resize(count);
   const EmissionGuide* guide = guide_ ? &*guide_ : nullptr;
-  for (uint64_t i = 0; i < count; ++i) lights_.fetch_table(primaries[i] = lights_.primary(first + i, seed, guide));
+  EmissionSequence sequence(first, seed);
+  for (uint64_t i = 0; i < count; ++i) {
+    if (!static_cast<uint32_t>(first + i)) sequence = EmissionSequence(first + i, seed);
+    lights_.fetch_table(primaries[i] = lights_.primary(first + i, sequence, guide));
+  }
   for (const EmissionPrimary& p : primaries) lights_.fetch_triangle(p);
   for (const EmissionPrimary& p : primaries) starts.push_back(lights_.emit(p));
 }
@@ -210,6 +211,8 @@ void PhotonTracer::trace_chunk(uint64_t first, uint64_t count, double total, uin
     origins.push_back(start.origin);
     directions.push_back(start.direction);
   }
+  const SobolPair first_bounce(3, seed);
+  DiffuseBounces bounces(directions);
   Surface hits[Scene::kPacket];
   while (!paths.empty()) {
     const uint32_t alive = static_cast<uint32_t>(paths.size());
@@ -229,8 +232,8 @@ void PhotonTracer::trace_chunk(uint64_t first, uint64_t count, double total, uin
         Path path = paths[begin + k];
         Vec3 origin = origins[begin + k], direction = directions[begin + k];
         const size_t stored = chunk.photons.size();
-        const bool alive_still = shade(path, hits[k], starts[path.place], first + path.place, seed, visible, origin,
-                                       direction, chunk.photons);
+        const Draws draws{first_bounce, static_cast<uint32_t>(first + path.place), bounces, kept};
+        const bool alive_still = shade(path, hits[k], starts[path.place], draws, visible, origin, direction, chunk.photons);
         chunk.useful[path.place] += static_cast<uint16_t>(chunk.photons.size() - stored);
         if (keeps_groups_) chunk.groups.resize(chunk.photons.size(), starts[path.place].light_group);
         if (!alive_still) continue;
@@ -239,6 +242,7 @@ void PhotonTracer::trace_chunk(uint64_t first, uint64_t count, double total, uin
         directions[kept++] = direction;
       }
     }
+    bounces.finish();
     paths.resize(kept);
     origins.resize(kept);
     directions.resize(kept);

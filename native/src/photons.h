@@ -2,6 +2,7 @@
 #pragma once
 
 #include "camera.h"
+#include "diffuse_bounces.h"
 #include "lights.h"
 
 namespace photon_splat {
@@ -94,19 +95,28 @@ class PhotonTracer {
     std::vector<Path> paths;          // of those that are left, and so are the rays below
     std::vector<Vec3> origins, directions;
   };
+  // Where a path's next direction comes from.
+  struct Draws {
+    const SobolPair& first_bounce;
+    uint32_t index;           // of the path
+    DiffuseBounces& bounces;  // fill in the direction of what is reflected by a Lambertian surface without a program
+    uint32_t place;           // the direction's, there
+
+    Vec2 next(Path& path) const { return path.bounces == 0 ? first_bounce.at(index) : path.random.next2(); }
+  };
   void trace_chunk(uint64_t first, uint64_t count, double total, uint32_t seed, const KeyFilter& visible, Travellers& travellers,
                    Chunk& chunk) const;
   PhotonStart start(uint64_t index, uint32_t seed) const;
   void start(uint64_t first, uint64_t count, uint32_t seed, Travellers& travellers) const;
   bool lit(const Path& path, const Surface& hit, const PhotonStart& start) const;
   bool blocks(const Path& path, const Surface& hit, const PhotonStart& start) const;
-  bool shade(Path& path, const Surface& hit, const PhotonStart& start, uint64_t index, uint32_t seed, const KeyFilter& visible,
+  bool shade(Path& path, const Surface& hit, const PhotonStart& start, const Draws& draws, const KeyFilter& visible,
              Vec3& origin, Vec3& direction, std::vector<Photon>& photons) const;
   bool go_straight_on(Path& path, const Surface& hit, const Rgb& weight, Vec3& origin) const;
   void store(const Path& path, const Surface& hit, const Vec3& direction, const KeyFilter& visible, std::vector<Photon>& photons) const;
   bool light_up(Path& path, const Surface& hit, const PhotonStart& start) const;
-  bool scatter_by_program(Path& path, const Surface& hit, const PhotonStart& start, uint64_t index, uint32_t seed,
-                          const KeyFilter& visible, Vec3& origin, Vec3& direction, std::vector<Photon>& photons) const;
+  bool scatter_by_program(Path& path, const Surface& hit, const PhotonStart& start, const Draws& draws, const KeyFilter& visible,
+                          Vec3& origin, Vec3& direction, std::vector<Photon>& photons) const;
 
   Scene& scene_;
   const Lights& lights_;

@@ -76,16 +76,26 @@ inline uint32_t owen_scramble_reversed(uint32_t x, uint32_t seed) {
 }
 
 // Owen-scrambled Sobol' points, padded from 2D pairs (Burley 2020, "Practical hash-based Owen scrambling").
-// `index` counts samples of one sequence; `dimension` picks a pair decorrelated from all others.
-inline Vec2 sobol_2d(uint32_t index, uint32_t dimension, uint32_t seed) {
-  const uint32_t key = hash_combine(seed, dimension);
-  // The shuffled index; its first Sobol' dimension is its bits reversed, so that the index itself is that dimension reversed.
-  const uint32_t i = reverse_bits(owen_scramble_reversed(reverse_bits(index), key));
-  const uint32_t second_reversed = kSecond.table[0][i & 255] ^ kSecond.table[1][i >> 8 & 255] ^
-                                   kSecond.table[2][i >> 16 & 255] ^ kSecond.table[3][i >> 24];
-  return {to_unit_float(reverse_bits(owen_scramble_reversed(i, hash32(key ^ 0x68bc21ebu)))),
-          to_unit_float(reverse_bits(owen_scramble_reversed(second_reversed, hash32(key ^ 0x02e5be93u))))};
-}
+// `dimension` picks a pair decorrelated from all others.
+class SobolPair {
+ public:
+  SobolPair(uint32_t dimension, uint32_t seed)
+      : key_(hash_combine(seed, dimension)), x_key_(hash32(key_ ^ 0x68bc21ebu)), y_key_(hash32(key_ ^ 0x02e5be93u)) {}
+
+  Vec2 at(uint32_t index) const {
+    // The shuffled index; its first Sobol' dimension is its bits reversed, so that the index itself is that dimension reversed.
+    const uint32_t i = reverse_bits(owen_scramble_reversed(reverse_bits(index), key_));
+    const uint32_t second_reversed = kSecond.table[0][i & 255] ^ kSecond.table[1][i >> 8 & 255] ^
+                                     kSecond.table[2][i >> 16 & 255] ^ kSecond.table[3][i >> 24];
+    return {to_unit_float(reverse_bits(owen_scramble_reversed(i, x_key_))),
+            to_unit_float(reverse_bits(owen_scramble_reversed(second_reversed, y_key_)))};
+  }
+
+ private:
+  uint32_t key_, x_key_, y_key_;
+};
+// `index` counts samples of one sequence.
+inline Vec2 sobol_2d(uint32_t index, uint32_t dimension, uint32_t seed) { return SobolPair(dimension, seed).at(index); }
 
 // Of an angle within [-pi/4, pi/4], to the last bit or one beside it: Taylor series. The library's functions take many times as long.
 inline Vec2 cos_sin_of_octant(float t) {
@@ -108,10 +118,9 @@ inline Vec2 cos_sin_of_turn(float turn) {
 
 inline Vec2 sample_disk(const Vec2& u) {  // concentric map, uniform in area (Shirley & Chiu 1997)
   const float a = 2 * u.x - 1, b = 2 * u.y - 1;
-  if (a == 0 && b == 0) return {0, 0};
   const bool wide = std::abs(a) > std::abs(b);
   const float r = select(wide, a, b);
-  const Vec2 v = cos_sin_of_octant(kPi / 4 * (select(wide, b, a) / r));
+  const Vec2 v = cos_sin_of_octant(kPi / 4 * (select(wide, b, a) / select(r == 0, 1, r)));
   return {r * select(wide, v.x, v.y), r * select(wide, v.y, v.x)};
 }
 inline Vec3 sample_cosine_hemisphere(const Vec2& u) {  // pdf cos(theta)/pi

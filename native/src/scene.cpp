@@ -210,9 +210,11 @@ bool Scene::intersect(const Vec3& origin, const Vec3& direction, float near, flo
   rtcIntersect1(top_, &hit, &arguments);
   if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
   const bool instanced = hit.hit.instID[0] != RTC_INVALID_GEOMETRY_ID;
-  fill_surface({instanced ? hit.hit.instID[0] : hit.hit.geomID, hit.hit.primID, instanced, hit.hit.u, hit.hit.v,
-                hit.ray.tfar, {hit.hit.Ng_x, hit.hit.Ng_y, hit.hit.Ng_z}},
-               origin, direction, surface);
+  const uint32_t instance = instanced ? hit.hit.instID[0] : hit.hit.geomID;
+  Vec3 normal{hit.hit.Ng_x, hit.hit.Ng_y, hit.hit.Ng_z};
+  if (instanced) normal = instances[instance].to_local.transposed_vector(normal);
+  fill_surface({instance, hit.hit.primID, hit.hit.u, hit.hit.v, hit.ray.tfar, origin + direction * hit.ray.tfar, normalize(normal)},
+               direction, surface);
   return true;
 }
 
@@ -236,24 +238,37 @@ unsigned Scene::intersect_packet(const Vec3* origins, const Vec3* directions, ui
     hit.ray.mask[k] = ~0u;
     hit.ray.id[k] = hit.ray.flags[k] = 0;
     hit.hit.geomID[k] = hit.hit.instID[0][k] = RTC_INVALID_GEOMETRY_ID;
+    hit.hit.Ng_x[k] = hit.hit.Ng_y[k] = hit.hit.Ng_z[k] = 1;
   }
   RTCIntersectArguments arguments;
   rtcInitIntersectArguments(&arguments);
   arguments.flags = RTC_RAY_QUERY_FLAG_INCOHERENT;
   rtcIntersect8(valid, top_, &hit, &arguments);
+  alignas(64) uint32_t instance[kPacket];
   for (uint32_t k = 0; k < count; ++k) {
     if (hit.hit.geomID[k] == RTC_INVALID_GEOMETRY_ID) continue;
     found |= 1u << k;
     const bool instanced = hit.hit.instID[0][k] != RTC_INVALID_GEOMETRY_ID;
-    fetch_ahead(meshes[instances[instanced ? hit.hit.instID[0][k] : hit.hit.geomID[k]].mesh], hit.hit.primID[k]);
+    instance[k] = instanced ? hit.hit.instID[0][k] : hit.hit.geomID[k];
+    fetch_ahead(meshes[instances[instance[k]].mesh], hit.hit.primID[k]);
+    if (!instanced) continue;
+    const Vec3 n = instances[instance[k]].to_local.transposed_vector({hit.hit.Ng_x[k], hit.hit.Ng_y[k], hit.hit.Ng_z[k]});
+    hit.hit.Ng_x[k] = n.x, hit.hit.Ng_y[k] = n.y, hit.hit.Ng_z[k] = n.z;
   }
-  for (uint32_t k = 0; k < count; ++k) {
-    if (!(found >> k & 1)) continue;
-    const bool instanced = hit.hit.instID[0][k] != RTC_INVALID_GEOMETRY_ID;
-    fill_surface({instanced ? hit.hit.instID[0][k] : hit.hit.geomID[k], hit.hit.primID[k], instanced, hit.hit.u[k],
-                  hit.hit.v[k], hit.ray.tfar[k], {hit.hit.Ng_x[k], hit.hit.Ng_y[k], hit.hit.Ng_z[k]}},
-                 origins[k], directions[k], surfaces[k]);
+  // All lanes side by side, those that missed as well.
+  alignas(64) float x[kPacket], y[kPacket], z[kPacket];
+  for (uint32_t k = 0; k < kPacket; ++k) {
+    const Vec3 n = normalize({hit.hit.Ng_x[k], hit.hit.Ng_y[k], hit.hit.Ng_z[k]});
+    hit.hit.Ng_x[k] = n.x, hit.hit.Ng_y[k] = n.y, hit.hit.Ng_z[k] = n.z;
+    x[k] = hit.ray.org_x[k] + hit.ray.dir_x[k] * hit.ray.tfar[k];
+    y[k] = hit.ray.org_y[k] + hit.ray.dir_y[k] * hit.ray.tfar[k];
+    z[k] = hit.ray.org_z[k] + hit.ray.dir_z[k] * hit.ray.tfar[k];
   }
+  for (uint32_t k = 0; k < count; ++k)
+    if (found >> k & 1)
+      fill_surface({instance[k], hit.hit.primID[k], hit.hit.u[k], hit.hit.v[k], hit.ray.tfar[k], {x[k], y[k], z[k]},
+                    {hit.hit.Ng_x[k], hit.hit.Ng_y[k], hit.hit.Ng_z[k]}},
+                   directions[k], surfaces[k]);
   return found;
 }
 
@@ -306,25 +321,23 @@ bool Scene::anything_within(const Vec3& x, float radius) const {
   return found;
 }
 
-void Scene::fill_surface(const RawHit& hit, const Vec3& origin, const Vec3& direction, Surface& s) const {
-  const bool instanced = hit.instanced;
+void Scene::fill_surface(const RawHit& hit, const Vec3& direction, Surface& s) const {
   s.instance = hit.instance;
   s.triangle = hit.triangle;
   s.u = hit.u;
   s.v = hit.v;
   s.distance = hit.distance;
-  s.position = origin + direction * hit.distance;
+  s.position = hit.position;
   const Instance& instance = instances[s.instance];
   const Mesh& mesh = meshes[instance.mesh];
-  Vec3 ng = instanced ? instance.to_local.transposed_vector(hit.normal) : hit.normal;
+  Vec3 ng = hit.normal;
   // Blender keeps a mirrored object's front where the mesh's normals, mirrored with it, point.
-  ng = normalize(ng);
   s.back = dot(ng, direction) > 0;
   s.ns = ng;
   if (!mesh.corner_normals.empty()) {
     const Vec3* n = &mesh.corner_normals[3 * static_cast<size_t>(s.triangle)];
     Vec3 ns = n[0] * (1 - s.u - s.v) + n[1] * s.u + n[2] * s.v;
-    if (instanced) ns = instance.to_local.transposed_vector(ns);
+    if (instance.shared) ns = instance.to_local.transposed_vector(ns);
     const float len = length(ns);
     if (len > 0) s.ns = ns / len;
   }
@@ -350,7 +363,7 @@ Surface Scene::surface_at(uint32_t index, uint32_t triangle, float u, float v, b
   const Vec3 normal = cross(ab, ac);
   const Vec3 front = instance.shared ? instance.to_local.transposed_vector(normal) : normal;
   Surface s;
-  fill_surface({index, triangle, instance.shared, u, v, 0, normal}, instance.to_world.point(a + ab * u + ac * v),
+  fill_surface({index, triangle, u, v, 0, instance.to_world.point(a + ab * u + ac * v), normalize(front)},
                normalize(back ? front : -front), s);
   return s;
 }

@@ -180,11 +180,11 @@ class Scene {
   Rgb textured(const Rgb& factor, int texture, const Surface& s) const;
   struct RawHit {
     uint32_t instance, triangle;
-    bool instanced;
     float u, v, distance;
-    Vec3 normal;  // Embree's, unnormalised, in the coordinates of the instance
+    Vec3 position;
+    Vec3 normal;  // unit length, of the front
   };
-  void fill_surface(const RawHit& hit, const Vec3& origin, const Vec3& direction, Surface& surface) const;
+  void fill_surface(const RawHit& hit, const Vec3& direction, Surface& surface) const;
   // Every thread calls `meanwhile` once.
   void commit(RTCScene scene, const CancelFlag& cancel, const std::function<void()>& meanwhile = {});
   void throw_on_error(const CancelFlag& cancel) const;
