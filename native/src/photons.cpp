@@ -5,6 +5,7 @@
 namespace photon_splat {
 namespace {
 constexpr uint64_t kPathsPerChunk = 512;  // their state stays in the cache
+constexpr uint32_t kStartsAtOnce = 64;
 constexpr int kMaxTransparent = 4096;      // layers that let a path through before it is given up
 constexpr double kUsefulShare = 0.3;       // of unguided paths, from which on they are left unguided
 
@@ -166,50 +167,49 @@ PhotonStart PhotonTracer::start(uint64_t index, uint32_t seed) const {
   return lights_.emit(lights_.primary(index, seed, guide_ ? &*guide_ : nullptr));
 }
 
-void PhotonTracer::start(uint64_t first, uint64_t count, uint32_t seed, Travellers& travellers) const {
-  std::vector<PhotonStart>& starts = travellers.starts;
+void PhotonTracer::start(uint64_t first, uint32_t count, uint32_t seed, PhotonStart* starts) const {
   if (targets_) {
-    for (uint64_t i = 0; i < count; ++i) starts.push_back(start(first + i, seed));
+    for (uint32_t i = 0; i < count; ++i) starts[i] = start(first + i, seed);
     return;
   }
   // Many small triangles that emit are not in the cache: one stage fetches what the next one reads.
-  std::vector<EmissionPrimary>& primaries = travellers.primaries;
-  primaries.resize(count);
-  const EmissionGuide* guide = guide_ ? &*guide_ : nullptr;
+  EmissionPrimary primaries[kStartsAtOnce];
   EmissionSequence sequence(first, seed);
-  for (uint64_t i = 0; i < count; ++i) {
+  const EmissionGuide* guide = guide_ ? &*guide_ : nullptr;
+  for (uint32_t i = 0; i < count; ++i) {
     if (!static_cast<uint32_t>(first + i)) sequence = EmissionSequence(first + i, seed);
     lights_.fetch_table(primaries[i] = lights_.primary(first + i, sequence, guide));
   }
-  for (const EmissionPrimary& p : primaries) lights_.fetch_triangle(p);
-  for (const EmissionPrimary& p : primaries) starts.push_back(lights_.emit(p));
+  for (uint32_t i = 0; i < count; ++i) lights_.fetch_triangle(primaries[i]);
+  for (uint32_t i = 0; i < count; ++i) starts[i] = lights_.emit(primaries[i]);
 }
 
 // All paths of a chunk advance by one ray at a time, in packets.
 void PhotonTracer::trace_chunk(uint64_t first, uint64_t count, double total, uint32_t seed, const KeyFilter& visible,
                                Travellers& travellers, Chunk& chunk) const {
-  auto& [primaries, starts, paths, origins, directions] = travellers;
+  auto& [starts, paths, origins, directions] = travellers;
   chunk.photons.clear();
   chunk.groups.clear();
   chunk.ray_log.clear();
   chunk.rays = 0;
-  starts.clear();
+  starts.resize(count);
   paths.clear();
   origins.clear();
   directions.clear();
   chunk.useful.assign(count, 0);
-  start(first, count, seed, travellers);
-  for (uint64_t index = first; index < first + count; ++index) {
-    const PhotonStart& start = starts[index - first];
+  for (uint32_t place = 0; place < count; ++place) {
+    const uint64_t index = first + place;
+    if (place % kStartsAtOnce == 0)
+      start(index, static_cast<uint32_t>(std::min<uint64_t>(kStartsAtOnce, count - place)), seed, &starts[place]);
     Path path;
-    path.power = start.power * static_cast<float>(1.0 / total);
+    path.power = starts[place].power * static_cast<float>(1.0 / total);
     path.reference = max_component(path.power);
     path.random = Random(index, seed);
-    path.place = static_cast<uint32_t>(index - first);
+    path.place = place;
     if (!(path.reference > 0) || !std::isfinite(path.reference)) continue;
     paths.push_back(path);
-    origins.push_back(start.origin);
-    directions.push_back(start.direction);
+    origins.push_back(starts[place].origin);
+    directions.push_back(starts[place].direction);
   }
   const SobolPair first_bounce(3, seed);
   DiffuseBounces bounces(directions);

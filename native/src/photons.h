@@ -90,7 +90,6 @@ class PhotonTracer {
   };
   // The paths of a chunk on their way; a worker's own, so that it stays in its cache from chunk to chunk.
   struct Travellers {
-    std::vector<EmissionPrimary> primaries;
     std::vector<PhotonStart> starts;  // of all
     std::vector<Path> paths;          // of those that are left, and so are the rays below
     std::vector<Vec3> origins, directions;
@@ -107,7 +106,7 @@ class PhotonTracer {
   void trace_chunk(uint64_t first, uint64_t count, double total, uint32_t seed, const KeyFilter& visible, Travellers& travellers,
                    Chunk& chunk) const;
   PhotonStart start(uint64_t index, uint32_t seed) const;
-  void start(uint64_t first, uint64_t count, uint32_t seed, Travellers& travellers) const;
+  void start(uint64_t first, uint32_t count, uint32_t seed, PhotonStart* starts) const;
   bool lit(const Path& path, const Surface& hit, const PhotonStart& start) const;
   bool blocks(const Path& path, const Surface& hit, const PhotonStart& start) const;
   bool shade(Path& path, const Surface& hit, const PhotonStart& start, const Draws& draws, const KeyFilter& visible,
