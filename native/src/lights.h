@@ -64,16 +64,6 @@ struct LightSample {
   int16_t light_group = kNoLightGroup;
 };
 
-// The numbers that photons of one stream start with, for indices that share their upper 32 bits with `index`.
-struct EmissionSequence {
-  SobolPair pick, place, way, guided;
-
-  EmissionSequence(uint64_t index, uint32_t seed) : EmissionSequence(hash_combine(seed, static_cast<uint32_t>(index >> 32))) {}
-
- private:
-  explicit EmissionSequence(uint32_t key) : pick(0, key), place(1, key), way(2, key), guided(4, key) {}
-};
-
 // Where a photon path starts. `power` is that of the whole light field divided by the pdf: W for one photon of one.
 struct PhotonStart {
   Vec3 origin, direction;
@@ -135,10 +125,13 @@ class Lights {
   double total_power() const { return total_power_; }  // W, mean over RGB
 
   // Photon number `index` of the stream `seed` starts in proportion to power, or where `guide` sends it.
-  EmissionPrimary primary(uint64_t index, const EmissionSequence& sequence, const EmissionGuide* guide) const;
   EmissionPrimary primary(uint64_t index, uint32_t seed, const EmissionGuide* guide) const {
-    return primary(index, EmissionSequence(index, seed), guide);
+    EmissionPrimary out;
+    primaries(index, 1, seed, guide, &out);
+    return out;
   }
+  // The same for `count` <= SobolPair::kMost indices in a row.
+  void primaries(uint64_t first, uint32_t count, uint32_t seed, const EmissionGuide* guide, EmissionPrimary* out) const;
   PhotonStart emit(const EmissionPrimary& primary) const;
   // Have the memory come that emit() reads of a mesh: what fetch_triangle() reads first.
   void fetch_table(const EmissionPrimary& primary) const;

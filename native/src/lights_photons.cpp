@@ -328,17 +328,28 @@ PhotonStart Lights::emit_mesh(const Emitter& e, float pick, const Vec2& place, c
   return start;
 }
 
-EmissionPrimary Lights::primary(uint64_t index, const EmissionSequence& sequence, const EmissionGuide* guide) const {
-  const uint32_t i = static_cast<uint32_t>(index);
-  EmissionPrimary p{0, sequence.pick.at(i), sequence.place.at(i), sequence.way.at(i)};
-  if (guide) {
-    guide->warp(p, {p.pick.x, sequence.guided.at(i).x});
-    return p;
+void Lights::primaries(uint64_t first, uint32_t count, uint32_t seed, const EmissionGuide* guide, EmissionPrimary* out) const {
+  const uint32_t low = static_cast<uint32_t>(first), key = hash_combine(seed, static_cast<uint32_t>(first >> 32));
+  if (count > 1 && low + (count - 1) < low) {  // the upper half of the index changes on the way
+    const uint32_t before = 0u - low;
+    primaries(first, before, seed, guide, out);
+    return primaries(first + before, count - before, seed, guide, out + before);
   }
-  const double target = p.pick.x * total_power_;
-  const size_t chosen = std::upper_bound(power_cdf_.begin(), power_cdf_.end(), target) - power_cdf_.begin();
-  p.emitter = static_cast<uint32_t>(std::min(chosen, emitters_.size()));
-  return p;
+  Vec2 pick[SobolPair::kMost], place[SobolPair::kMost], way[SobolPair::kMost], again[SobolPair::kMost];
+  SobolPair(0, key).fill(low, count, pick);
+  SobolPair(1, key).fill(low, count, place);
+  SobolPair(2, key).fill(low, count, way);
+  if (guide) SobolPair(4, key).fill(low, count, again);
+  for (uint32_t i = 0; i < count; ++i) {
+    EmissionPrimary& p = out[i] = {0, pick[i], place[i], way[i]};
+    if (guide) {
+      guide->warp(p, {p.pick.x, again[i].x});
+      continue;
+    }
+    const double target = p.pick.x * total_power_;
+    const size_t chosen = std::upper_bound(power_cdf_.begin(), power_cdf_.end(), target) - power_cdf_.begin();
+    p.emitter = static_cast<uint32_t>(std::min(chosen, emitters_.size()));
+  }
 }
 
 void Lights::fetch_table(const EmissionPrimary& p) const {

@@ -5,7 +5,7 @@
 namespace photon_splat {
 namespace {
 constexpr uint64_t kPathsPerChunk = 512;  // their state stays in the cache
-constexpr uint32_t kStartsAtOnce = 64;
+constexpr uint32_t kStartsAtOnce = SobolPair::kMost;
 constexpr int kMaxTransparent = 4096;      // layers that let a path through before it is given up
 constexpr double kUsefulShare = 0.3;       // of unguided paths, from which on they are left unguided
 
@@ -174,12 +174,8 @@ void PhotonTracer::start(uint64_t first, uint32_t count, uint32_t seed, PhotonSt
   }
   // Many small triangles that emit are not in the cache: one stage fetches what the next one reads.
   EmissionPrimary primaries[kStartsAtOnce];
-  EmissionSequence sequence(first, seed);
-  const EmissionGuide* guide = guide_ ? &*guide_ : nullptr;
-  for (uint32_t i = 0; i < count; ++i) {
-    if (!static_cast<uint32_t>(first + i)) sequence = EmissionSequence(first + i, seed);
-    lights_.fetch_table(primaries[i] = lights_.primary(first + i, sequence, guide));
-  }
+  lights_.primaries(first, count, seed, guide_ ? &*guide_ : nullptr, primaries);
+  for (uint32_t i = 0; i < count; ++i) lights_.fetch_table(primaries[i]);
   for (uint32_t i = 0; i < count; ++i) lights_.fetch_triangle(primaries[i]);
   for (uint32_t i = 0; i < count; ++i) starts[i] = lights_.emit(primaries[i]);
 }

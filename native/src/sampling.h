@@ -41,22 +41,15 @@ class Random {
   uint64_t state_;
 };
 
-// The second Sobol' dimension with its bits reversed: table[byte][value] is the XOR of the reversed direction numbers of
-// that byte's set bits. Reversed, a point can be scrambled without turning its bits round first.
-struct SecondDimension {
-  uint32_t table[4][256];
-
-  constexpr SecondDimension() : table{} {
-    uint32_t direction = 0x80000000u;
-    for (int i = 0; i < 32; ++i, direction ^= direction >> 1) {
-      uint32_t reversed = 0;
-      for (int bit = 0; bit < 32; ++bit) reversed |= (direction >> bit & 1) << (31 - bit);
-      for (int value = 0; value < 256; ++value)
-        if (value >> (i % 8) & 1) table[i / 8][value] ^= reversed;
-    }
-  }
-};
-inline constexpr SecondDimension kSecond;
+// The second Sobol' dimension with its bits reversed. Its generator matrix is Pascal's triangle modulo 2, a Kronecker power of
+// that of two rows, so that five steps do. Reversed, a point can be scrambled without turning its bits round first.
+inline uint32_t second_dimension_reversed(uint32_t i) {
+  i ^= i >> 1 & 0x55555555u;
+  i ^= i >> 2 & 0x33333333u;
+  i ^= i >> 4 & 0x0f0f0f0fu;
+  i ^= i >> 8 & 0x00ff00ffu;
+  return i ^ i >> 16;
+}
 
 inline uint32_t reverse_bits(uint32_t x) {
   x = __builtin_bswap32(x);
@@ -85,10 +78,13 @@ class SobolPair {
   Vec2 at(uint32_t index) const {
     // The shuffled index; its first Sobol' dimension is its bits reversed, so that the index itself is that dimension reversed.
     const uint32_t i = reverse_bits(owen_scramble_reversed(reverse_bits(index), key_));
-    const uint32_t second_reversed = kSecond.table[0][i & 255] ^ kSecond.table[1][i >> 8 & 255] ^
-                                     kSecond.table[2][i >> 16 & 255] ^ kSecond.table[3][i >> 24];
     return {to_unit_float(reverse_bits(owen_scramble_reversed(i, x_key_))),
-            to_unit_float(reverse_bits(owen_scramble_reversed(second_reversed, y_key_)))};
+            to_unit_float(reverse_bits(owen_scramble_reversed(second_dimension_reversed(i), y_key_)))};
+  }
+  // Of `count` <= kMost indices in a row; vectors of lanes.
+  static constexpr uint32_t kMost = 64;
+  void fill(uint32_t first, uint32_t count, Vec2* out) const {
+    for (uint32_t k = 0; k < count; ++k) out[k] = at(first + k);
   }
 
  private:

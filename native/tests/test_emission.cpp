@@ -137,6 +137,27 @@ TEST_CASE("aimed emission brings the flux that natural emission brings, to its t
   }
 }
 
+TEST_CASE("paths that start together start as they do one by one, where the upper half of their number changes as well") {
+  Scene scene(1);
+  Named lights{"area", {lamp_of(LampKind::kArea)}};
+  fill_for(scene, lights);
+  const Lights all(scene, lights.lamps);
+  for (const uint64_t first : {uint64_t{7}, (uint64_t{3} << 32) - 21, uint64_t{1} << 32}) {
+    EmissionPrimary together[SobolPair::kMost];
+    all.primaries(first, SobolPair::kMost, 3, nullptr, together);
+    for (uint32_t i = 0; i < SobolPair::kMost; ++i) {
+      const uint64_t index = first + i;
+      const uint32_t key = hash_combine(3, static_cast<uint32_t>(index >> 32));
+      const Vec2 place = sobol_2d(static_cast<uint32_t>(index), 1, key), way = sobol_2d(static_cast<uint32_t>(index), 2, key);
+      CHECK(together[i].place.x == place.x);
+      CHECK(together[i].place.y == place.y);
+      CHECK(together[i].way.x == way.x);
+      CHECK(together[i].way.y == way.y);
+      CHECK(together[i].emitter == 0);
+    }
+  }
+}
+
 TEST_CASE("targets that nothing can reach, of no size or of no weight leave natural emission alone") {
   Scene scene(1);
   Named lights{"area", {lamp_of(LampKind::kArea)}};
