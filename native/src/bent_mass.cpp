@@ -8,17 +8,27 @@ namespace {
 
 constexpr double kNarrow2 = double(kNarrow) * kNarrow;
 constexpr double kSmall2 = 0.04;      // squared edges of small triangles, in squared radii
-constexpr float kSmall = 0.2f;       // radius of small branches, in h
+constexpr float kSmall = 0.28f;      // radius of small branches, in h
 constexpr float kTiny = 0.02f;        // of those that are taken whole whatever their normals
 constexpr float kClear = 1.00001f;    // times a squared distance: farther, whatever the rounding
 constexpr float kEven = 0.97f;        // length of the mean normal of branches that are nearly flat
 
-// One piece of surface, in world space.
+// A piece of surface, in world space, as a ball about x sees it.
 struct Piece {
-  double area;
-  float weight;      // w(n_x.n_y)
+  float near, far;   // distances from x that it lies between, m
   double mean2;      // mean squared distance from x, m^2
-  double variance;   // of that distance towards x, m^2
+  double variance;   // of half that squared distance, were the piece far away, m^4
+
+  // Mean over the piece of max(0, 1 - d^2/r^2), given r and 1/r^2. On the rim as if 1 - d^2/r^2 were even between its mean +- sqrt(3)
+  // times its deviation.
+  double kernel(float r, double inverse_r2) const {
+    if (near >= r) return 0;
+    const double k = 1 - mean2 * inverse_r2;
+    if (far <= r) return k;
+    const double reach = 2 * std::sqrt(3 * variance) * inverse_r2;
+    if (k >= reach) return k;
+    return k <= -reach ? 0 : (k + reach) * (k + reach) / (4 * reach);
+  }
 };
 
 struct Sum {
@@ -27,24 +37,13 @@ struct Sum {
   const Mesh& mesh;
   Vec3 x, normal;
   float h;
-  float side;          // -1: x is on the triangles' back
+  float side = 1;      // -1: x is on the triangles' back
   double volume = 1;   // |det M| of the transform
   float gram[6] = {1, 1, 1, 0, 0, 0};  // of the transform: |to_world v|^2 = v.G v; xx, yy, zz, xy, xz, yz, those twice
+  double inverse_h2 = 1 / (double(h) * h), inverse_narrow2 = inverse_h2 / kNarrow2;
   Masses mass{};
 
   float weight_of(const Vec3& front) const { return std::clamp(kNormalWeightSlope * side * dot(front, normal), 0.0f, 1.0f); }
-
-  // Mean over a piece of max(0, 1 - d^2/r^2), were 1 - d^2/r^2 even between its mean +- sqrt(3) times its deviation.
-  static double mean_kernel(const Piece& piece, double r2) {
-    const double k = 1 - piece.mean2 / r2, reach = 2 * std::sqrt(3 * piece.mean2 * piece.variance) / r2;
-    if (k >= reach) return k;
-    return k <= -reach ? 0 : (k + reach) * (k + reach) / (4 * reach);
-  }
-
-  // `near` and `far`: between which distances from x the piece lies.
-  static double kernel_of(const Piece& piece, double near, double far, double r) {
-    return near >= r ? 0 : far <= r ? 1 - piece.mean2 / (r * r) : mean_kernel(piece, r * r);
-  }
 
   // Whether its children must be looked at.
   bool enter(const SurfaceNode& node) {
@@ -59,21 +58,22 @@ struct Sum {
     const bool whole = far <= narrow || (far <= h && near >= narrow);
     if ((!whole && radius > kSmall * h) || even <= 0) return true;
     Vec3 front = node.normal / even;
-    Piece piece{node.area, 0, distance2, 0};
+    Vec3 towards = way;
+    double area = node.area, spread = 0;
     if (placed.shared) {  // an area element grows by |det M| |M^-T n|
       front = placed.to_local.transposed_vector(front);
       const float stretch = length(front);
       front = front / stretch;
-      piece.area *= stretch * volume;
+      area *= stretch * volume;
+      towards = placed.to_world.transposed_vector(way);
+      for (int i = 0; i < 6; ++i) spread += double(gram[i]) * node.spread[i];
+    } else {
+      spread = double(node.spread[0]) + node.spread[1] + node.spread[2];
     }
-    double spread = 0;
-    for (int i = 0; i < 6; ++i) spread += double(gram[i]) * node.spread[i];
-    piece.weight = weight_of(front);
-    piece.mean2 += spread;
-    piece.variance = spread / 2;  // a surface has two directions
-    const double factor = piece.weight * piece.area * 2 / M_PI;
-    mass.wide += factor / (double(h) * h) * kernel_of(piece, near, far, h);
-    mass.narrow += factor / (double(narrow) * narrow) * kernel_of(piece, near, far, narrow);
+    const Piece piece{near, far, distance2 + spread, node.variance_along(towards)};
+    const double factor = weight_of(front) * area * (2 / M_PI);
+    mass.wide += factor * inverse_h2 * piece.kernel(h, inverse_h2);
+    if (near < narrow) mass.narrow += factor * inverse_narrow2 * piece.kernel(narrow, inverse_narrow2);
     return false;
   }
 
@@ -139,7 +139,7 @@ struct Sum {
 Masses bent_mass(const Scene& scene, uint32_t instance, uint32_t triangle, const Vec3& x, const Vec3& normal, float h) {
   const Instance& placed = scene.instances[instance];
   const Mesh& mesh = scene.meshes[placed.mesh];
-  Sum sum{scene, placed, mesh, x, normal, h, 1};
+  Sum sum{scene, placed, mesh, x, normal, h};
   const Triangle& t = mesh.triangles[triangle];
   const Vec3 a = placed.to_world.point(mesh.positions[t[0]]);
   const Vec3 own = cross(placed.to_world.point(mesh.positions[t[1]]) - a, placed.to_world.point(mesh.positions[t[2]]) - a);

@@ -6,6 +6,8 @@ namespace photon_splat {
 namespace {
 
 constexpr int kTileSize = 16;
+constexpr int kScoutEvery = 8, kScoutShift = 3;  // tiles: one in so many of a row, in the next row so many on
+constexpr size_t kFewTiles = 256;                // all of them are scouts
 // Paths of little throughput go on with a probability of this times their throughput.
 constexpr float kRoulette = 8;
 // What diffuse lobes keep of their chance where photons bring their light: rays share some direct light with light samples.
@@ -21,6 +23,11 @@ void add_finite(Rgb& sum, const Rgb& value, uint64_t& bad) {
   if (is_finite(value)) sum += value;
   else ++bad;
 }
+
+size_t tiles_along(int pixels) { return static_cast<size_t>((pixels + kTileSize - 1) / kTileSize); }
+
+// The place in the picture alone decides.
+bool is_scout(size_t tile, size_t across) { return (tile % across + kScoutShift * (tile / across)) % kScoutEvery == 0; }
 
 }  // namespace
 
@@ -38,6 +45,7 @@ struct CameraTracer::Path {
   Rgb* groups = nullptr; // the pixel's light by group, if wanted
   bool learns = false;   // what it sees of the world is noted
   bool wandered = false; // went on for light that photons were to bring
+  bool fell_back = false;  // because they would bring it badly
   bool records = false;  // photons bring the diffuse part of the light; else the path goes on for it
 
   Vec3 origin, direction;
@@ -69,37 +77,60 @@ struct CameraTracer::Job {
   const SampleChoice* choice;  // none: one sample
   int max_bounces;
   bool records;
-  bool again = false;  // of pixels that have changed only
+  Tiles tiles = Tiles::kAll;
   bool learns = false;
 };
 
+bool CameraTracer::sends_scouts(const Film& film) { return tiles_along(film.width) * tiles_along(film.height) >= kFewTiles; }
+
+void CameraTracer::Tile::clear() {
+  rays = bad_samples = places = fallbacks = 0;
+  again = false;
+}
+
 void CameraTracer::trace_tiles(const Job& job, Film& film, const CancelFlag& cancel) {
-  const int across = (film.width + kTileSize - 1) / kTileSize, down = (film.height + kTileSize - 1) / kTileSize;
-  tiles_.resize(static_cast<size_t>(across) * down);
-  scene_.pool().for_each(tiles_.size(), cancel, [&](size_t t, int) { trace_tile(job, t, film); });
-  if (!job.again) last_rays_ = 0;
+  const size_t across = tiles_along(film.width);
+  const bool scouts = job.tiles == Tiles::kScouts, rest = job.tiles == Tiles::kRest;
+  tiles_.resize(across * tiles_along(film.height));
+  scene_.pool().for_each(tiles_.size(), cancel, [&](size_t t, int) {
+    Tile& tile = tiles_[t];
+    const bool scout = (scouts || rest) && is_scout(t, across);
+    tile.clear();
+    if (scouts && !scout) {
+      tile.records.clear();
+      return;
+    }
+    if (job.tiles == Tiles::kAgain || (rest && scout)) {
+      tile.again = find_changed(tile);
+      if (!tile.again) return;
+    } else {
+      tile.sightings.clear();
+    }
+    trace_tile(job, t, film);
+  });
+  if (job.tiles == Tiles::kAll || scouts) last_rays_ = 0;
+  last_fallbacks_ = 0;
   for (const Tile& tile : tiles_) {
     last_rays_ += tile.rays;
     rays_ += tile.rays;
     bad_samples_ += tile.bad_samples;
     places_ += tile.places;
-    fallbacks_ += tile.fallbacks;
+    last_fallbacks_ += tile.fallbacks;
   }
+  fallbacks_ += last_fallbacks_;
 }
 
 void CameraTracer::trace_tile(const Job& job, size_t t, Film& film) {
   Tile& tile = tiles_[t];
-  tile.sightings.clear();
-  tile.rays = tile.bad_samples = tile.places = tile.fallbacks = 0;
-  if (job.again && tile.kept.empty()) return;
   tile.records.clear();
-  const int across = (film.width + kTileSize - 1) / kTileSize;
+  tile.records.reserve(kTileSize * kTileSize);  // of most
+  const size_t across = tiles_along(film.width);
   const int x_begin = static_cast<int>(t % across) * kTileSize, y_begin = static_cast<int>(t / across) * kTileSize;
   const int x_end = std::min(x_begin + kTileSize, film.width), y_end = std::min(y_begin + kTileSize, film.height);
   size_t next = 0;  // of those kept, which are in the order of pixels
   for (int y = y_begin; y < y_end; ++y)
     for (int x = x_begin; x < x_end; ++x) {
-      if (job.again) {
+      if (tile.again) {
         const uint32_t pixel = static_cast<uint32_t>(y) * film.width + x;
         const size_t first = next;
         while (next < tile.kept.size() && tile.kept[next].pixel == pixel) ++next;
@@ -320,8 +351,11 @@ bool CameraTracer::falls_back(Path& path, const Surface& hit, const Bsdf& bsdf) 
   if (!fallback_) return false;
   if (fallback_->gathers() && !path.wandered) return true;
   ++path.tile.places;
-  if (!fallback_->at(here ? hit.key : hit.key ^ 1u, hit.position, hit.instance, hit.triangle, radius_factor_)) return false;
+  const uint32_t key = here ? hit.key : hit.key ^ 1u;
+  if (!(path.fell_back && !fallback_->knows(key)) && !fallback_->at(key, hit.position, hit.instance, hit.triangle, radius_factor_))
+    return false;
   ++path.tile.fallbacks;
+  path.fell_back = true;
   return true;
 }
 
@@ -385,49 +419,42 @@ bool CameraTracer::scatter(Path& path, const Surface& hit, const Bsdf& bsdf, con
   return true;
 }
 
-const Records& CameraTracer::trace(uint32_t pass, const SampleChoice& choice, SkyGuide& sky, int max_bounces, Film& film,
-                                   const CancelFlag& cancel) {
-  trace_records({pass, &choice, max_bounces, true}, sky, film, cancel);
-  return records_;
-}
-
-bool CameraTracer::trace_again(uint32_t pass, const SampleChoice& choice, SkyGuide& sky, int max_bounces, Film& film,
-                               const CancelFlag& cancel) {
-  std::atomic<bool> any{false};
-  scene_.pool().for_each(tiles_.size(), cancel, [&](size_t t, int) {
-    Tile& tile = tiles_[t];
-    tile.changed.assign(tile.records.size(), 0);
-    bool some = false;
-    for (size_t first = 0, end; first < tile.records.size(); first = end) {
-      bool changed = false;
-      for (end = first; end < tile.records.size() && tile.records[end].pixel == tile.records[first].pixel; ++end) {
-        const Record& r = tile.records[end];
-        changed = changed || (!r.caustics_only && fallback_->at(r.key, r.position, r.instance, r.triangle, radius_factor_));
-      }
-      tile.changed[first] = changed;
-      some |= changed;
+// Whether paths go on by now at records of a tile, and at those of which pixels.
+bool CameraTracer::find_changed(Tile& tile) const {
+  tile.changed.assign(tile.records.size(), 0);
+  bool any = false;
+  for (size_t first = 0, end; first < tile.records.size(); first = end) {
+    bool changed = false;
+    for (end = first; end < tile.records.size() && tile.records[end].pixel == tile.records[first].pixel; ++end) {
+      const Record& r = tile.records[end];
+      changed = changed || (!r.caustics_only && fallback_->at(r.key, r.position, r.instance, r.triangle, radius_factor_));
     }
-    if (!some) return;
-    tile.kept.swap(tile.records);
-    any.store(true, std::memory_order_relaxed);
-  });
-  if (any) trace_records({pass, &choice, max_bounces, true, true}, sky, film, cancel);
+    tile.changed[first] = changed;
+    any |= changed;
+  }
+  if (any) tile.kept.swap(tile.records);
   return any;
 }
 
-void CameraTracer::trace_records(Job job, SkyGuide& sky, Film& film, const CancelFlag& cancel) {
-  job.learns = sky.learning() && !lights_.environment().black();
-  trace_tiles(job, film, cancel);
-  if (job.learns) {
-    for (const Tile& tile : tiles_) sky.learn(tile.sightings);
+const Records& CameraTracer::trace(uint32_t pass, const SampleChoice& choice, SkyGuide& sky, int max_bounces, Film& film,
+                                   const CancelFlag& cancel, Tiles tiles) {
+  const bool learns = sky.learning() && !lights_.environment().black();
+  trace_tiles({pass, &choice, max_bounces, true, tiles, learns}, film, cancel);
+  if (learns) {
+    for (Tile& tile : tiles_) {
+      sky.learn(tile.sightings);
+      tile.sightings.clear();
+    }
     sky.end_pass();
   }
   ranges_.assign(tiles_.size() + 1, 0);
   for (size_t t = 0; t < tiles_.size(); ++t) ranges_[t + 1] = ranges_[t] + tiles_[t].records.size();
+  records_.clear();
   records_.resize(ranges_.back());
   scene_.pool().for_each(tiles_.size(), cancel, [&](size_t t, int) {
     std::copy(tiles_[t].records.begin(), tiles_[t].records.end(), records_.begin() + ranges_[t]);
   });
+  return records_;
 }
 
 void CameraTracer::trace_reference(uint32_t sample, int max_bounces, Film& film, const CancelFlag& cancel) {

@@ -32,11 +32,17 @@ class CameraTracer {
   CameraTracer(Scene& scene, const Lights& lights, const Camera& camera, uint32_t seed)
       : scene_(scene), lights_(lights), camera_(camera), seed_(seed) {}
 
-  // The camera samples of pass `pass`, as many as `choice` says, instead of what `film` held; returns the records in tile
-  // order. Paths go through at most `max_bounces` lobes.
+  // Which tiles of the picture one call traces. Scouts: an eighth of them, all over the picture, or all of a small one.
+  // Rest: those that have been no scouts; of scouts the pixels with records where paths go on by now. Again: the same of all tiles.
+  enum class Tiles { kAll, kScouts, kRest, kAgain };
+
+  // The camera samples of pass `pass`, as many as `choice` says, instead of what `film` held; returns the records of the pass so
+  // far in tile order. Paths go through at most `max_bounces` lobes.
   // Tells `sky` what it has seen of the world, as long as that wants to learn.
   const Records& trace(uint32_t pass, const SampleChoice& choice, SkyGuide& sky, int max_bounces, Film& film,
-                       const CancelFlag& cancel);
+                       const CancelFlag& cancel, Tiles tiles = Tiles::kAll);
+  // Whether scouts are less than all.
+  static bool sends_scouts(const Film& film);
 
   // From now on paths go on for the indirect light where `fallback` says so (nullptr: nowhere); with `caustics` photons bring
   // caustics there all the same. `radius_factor`: of the pass to come, on all radii.
@@ -45,10 +51,6 @@ class CameraTracer {
     caustic_photons_ = caustics;
     radius_factor_ = radius_factor;
   }
-
-  // trace() once more, in the same `film`, of the pixels with records where paths go on by now; others stay as they are. False if
-  // there are none.
-  bool trace_again(uint32_t pass, const SampleChoice& choice, SkyGuide& sky, int max_bounces, Film& film, const CancelFlag& cancel);
 
   // One sample per pixel of the unbiased path tracer, indirect light included; leaves no records.
   void trace_reference(uint32_t sample, int max_bounces, Film& film, const CancelFlag& cancel);
@@ -60,6 +62,7 @@ class CameraTracer {
   // Places where indirect light was wanted, over all calls of trace(), and those of them where paths went on for it.
   uint64_t places() const { return places_; }
   uint64_t fallbacks() const { return fallbacks_; }
+  uint64_t last_fallbacks() const { return last_fallbacks_; }  // of the last call
   // Records of tile t are [tile_ranges()[t], tile_ranges()[t + 1]); no two tiles share a pixel.
   const std::vector<size_t>& tile_ranges() const { return ranges_; }
 
@@ -70,13 +73,15 @@ class CameraTracer {
     uint64_t rays = 0, bad_samples = 0, places = 0, fallbacks = 0;
     std::vector<Record> kept;      // while some pixels are traced again: all there were
     std::vector<uint8_t> changed;  // for the first of each pixel, whether that is among them
+    bool again = false;            // whether that is so
+    void clear();
   };
   struct Path;
   enum class Passing { kStays, kPasses, kAbsorbed };
   struct Job;
   void trace_tiles(const Job& job, Film& film, const CancelFlag& cancel);
   void trace_tile(const Job& job, size_t t, Film& film);
-  void trace_records(Job job, SkyGuide& sky, Film& film, const CancelFlag& cancel);
+  bool find_changed(Tile& tile) const;
   void trace_pixel(const Job& job, int x, int y, Film& film, Tile& tile) const;
   void trace_path(Path& path) const;
   void add_met(Path& path, const Rgb& radiance, Rgb& seen, int16_t light_group = kNoLightGroup) const;
@@ -100,7 +105,7 @@ class CameraTracer {
   std::vector<Tile> tiles_;
   Records records_;
   std::vector<size_t> ranges_;
-  uint64_t rays_ = 0, last_rays_ = 0, bad_samples_ = 0, places_ = 0, fallbacks_ = 0;
+  uint64_t rays_ = 0, last_rays_ = 0, bad_samples_ = 0, places_ = 0, fallbacks_ = 0, last_fallbacks_ = 0;
   const Fallback* fallback_ = nullptr;
   bool caustic_photons_ = false;
   float radius_factor_ = 1;

@@ -13,15 +13,18 @@ class Fallback {
  public:
   Fallback(const Scene& scene, bool gathers) : scene_(scene), gathers_(gathers) {}
 
-  // `photons`: wanted in a disc from a pass of `paths` paths. `radii` must outlive it. Until then photons serve every point well.
-  void learn(const RadiusMap& radii, double photons, double paths) {
+  // `photons`: wanted in a disc from a pass of `paths` paths. `radii` must outlive it. `known`: surfaces that photons are aimed at.
+  // Until then photons serve every point well.
+  void learn(const RadiusMap& radii, const KeyFilter& known, double photons, double paths) {
     radii_ = &radii;
+    known_ = known;
     photons_ = photons;
     paths_ = paths;
   }
 
   // Whether paths go on at the first point that each meets.
   bool gathers() const { return gathers_; }
+  bool knows(uint32_t key) const { return !radii_ || known_.contains(key); }
   // Whether too few photons of a pass come into the largest disc about x that neither bends nor reaches past its patch.
   // `radius_factor`: on all radii of that pass.
   bool at(uint32_t key, const Vec3& x, uint32_t instance, uint32_t triangle, float radius_factor) const;
@@ -30,6 +33,7 @@ class Fallback {
   const Scene& scene_;
   const bool gathers_;
   const RadiusMap* radii_ = nullptr;
+  KeyFilter known_;
   double photons_ = 0, paths_ = 0;
 };
 

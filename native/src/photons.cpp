@@ -182,7 +182,7 @@ void PhotonTracer::start(uint64_t first, uint32_t count, uint32_t seed, PhotonSt
 
 // All paths of a chunk advance by one ray at a time, in packets.
 void PhotonTracer::trace_chunk(uint64_t first, uint64_t count, double total, uint32_t seed, const KeyFilter& visible,
-                               Travellers& travellers, Chunk& chunk) const {
+                               const KeyFilter* useful, Travellers& travellers, Chunk& chunk) const {
   auto& [starts, paths, origins, directions] = travellers;
   chunk.photons.clear();
   chunk.groups.clear();
@@ -230,7 +230,8 @@ void PhotonTracer::trace_chunk(uint64_t first, uint64_t count, double total, uin
         const size_t stored = chunk.photons.size();
         const Draws draws{first_bounce, static_cast<uint32_t>(first + path.place), bounces, kept};
         const bool alive_still = shade(path, hits[k], starts[path.place], draws, visible, origin, direction, chunk.photons);
-        chunk.useful[path.place] += static_cast<uint16_t>(chunk.photons.size() - stored);
+        for (size_t i = stored; i < chunk.photons.size(); ++i)
+          chunk.useful[path.place] += !useful || useful->contains(chunk.photons[i].key);
         if (keeps_groups_) chunk.groups.resize(chunk.photons.size(), starts[path.place].light_group);
         if (!alive_still) continue;
         paths[kept] = path;
@@ -246,7 +247,7 @@ void PhotonTracer::trace_chunk(uint64_t first, uint64_t count, double total, uin
 }
 
 const std::vector<Photon>& PhotonTracer::trace(uint64_t first, uint64_t count, double total, uint32_t seed,
-                                               const KeyFilter& visible, const CancelFlag& cancel) {
+                                               const KeyFilter& visible, const CancelFlag& cancel, const KeyFilter* useful) {
   photons_.clear();
   groups_.clear();
   if (lights_.total_power() <= 0 || max_bounces_ < 1) return photons_;
@@ -255,7 +256,7 @@ const std::vector<Photon>& PhotonTracer::trace(uint64_t first, uint64_t count, d
   travellers_.resize(scene_.pool().size());
   scene_.pool().for_each(chunk_count, cancel, [&](size_t c, int worker) {
     const uint64_t begin = c * kPathsPerChunk;
-    trace_chunk(first + begin, std::min(kPathsPerChunk, count - begin), total, seed, visible, travellers_[worker], chunks_[c]);
+    trace_chunk(first + begin, std::min(kPathsPerChunk, count - begin), total, seed, visible, useful, travellers_[worker], chunks_[c]);
   });
   std::vector<size_t> offset(chunk_count + 1);
   uint64_t rays = 0;
@@ -275,7 +276,8 @@ const std::vector<Photon>& PhotonTracer::trace(uint64_t first, uint64_t count, d
   return photons_;
 }
 
-const std::vector<Photon>* PhotonTracer::learn_emission(uint64_t paths, uint32_t seed, const KeyFilter& visible, const CancelFlag& cancel) {
+const std::vector<Photon>* PhotonTracer::learn_emission(uint64_t paths, uint32_t seed, const KeyFilter& visible,
+                                                        const KeyFilter& stored, const CancelFlag& cancel) {
   guide_.reset();
   targets_.reset();
   if (lights_.total_power() <= 0 || max_bounces_ < 1) return nullptr;
@@ -286,7 +288,7 @@ const std::vector<Photon>* PhotonTracer::learn_emission(uint64_t paths, uint32_t
     targets_->finish();
     return nullptr;
   }
-  const std::vector<Photon>& photons = trace(0, paths, static_cast<double>(paths), seed, visible, cancel);
+  const std::vector<Photon>& photons = trace(0, paths, static_cast<double>(paths), seed, stored, cancel, &visible);
   EmissionGuide guide = lights_.make_guide();
   uint64_t useful_paths = 0;
   for (uint64_t i = 0; i < paths; ++i) {

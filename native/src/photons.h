@@ -22,6 +22,9 @@ class KeyFilter {
   KeyFilter() : bits_(kBits / 64) {}
   void clear() { std::fill(bits_.begin(), bits_.end(), 0); }
   void add_all() { std::fill(bits_.begin(), bits_.end(), ~uint64_t{0}); }
+  void add(const KeyFilter& other) {
+    for (size_t i = 0; i < bits_.size(); ++i) bits_[i] |= other.bits_[i];
+  }
   void add(uint32_t key) { bits_[slot(key) / 64] |= uint64_t{1} << (slot(key) % 64); }
   bool contains(uint32_t key) const { return bits_[slot(key) / 64] >> (slot(key) % 64) & 1; }
 
@@ -48,7 +51,7 @@ class PhotonTracer {
       : scene_(scene), lights_(lights), max_bounces_(max_bounces), stream_(stream) {}
 
   const std::vector<Photon>& trace(uint64_t first, uint64_t count, double total, uint32_t seed,
-                                   const KeyFilter& visible, const CancelFlag& cancel);
+                                   const KeyFilter& visible, const CancelFlag& cancel, const KeyFilter* useful = nullptr);
   // Who is to see what the photons leave: Bump looks as far apart as that one's samples are wide (nullptr: nobody in particular).
   void set_viewer(const Camera* viewer) { viewer_ = viewer; }
   // From now on light_groups() tells the group of the light that each of the photons last traced came from; else it is empty.
@@ -60,7 +63,9 @@ class PhotonTracer {
   // Traces a pilot and learns from it where photons that end on visible surfaces start. Guided emission is taken up
   // only where few unguided paths are of use; where not, the pilot's photons are as good as those of any other paths, and are
   // returned (null otherwise; valid until the next trace()). Caustic photons are aimed at what can focus light instead.
-  const std::vector<Photon>* learn_emission(uint64_t paths, uint32_t seed, const KeyFilter& visible, const CancelFlag& cancel);
+  // `stored`: surfaces whose photons are returned, all visible ones among them.
+  const std::vector<Photon>* learn_emission(uint64_t paths, uint32_t seed, const KeyFilter& visible, const KeyFilter& stored,
+                                            const CancelFlag& cancel);
   bool guided() const { return guide_.has_value() || targets_.has_value(); }
 
   // For the benchmark: every ray that path tracing asks for, as origin, near, direction, far (8 floats a ray).
@@ -86,7 +91,7 @@ class PhotonTracer {
     std::vector<int16_t> groups;   // likewise
     uint64_t rays = 0;
     std::vector<float> ray_log;
-    std::vector<uint16_t> useful;  // photons stored per path, by index
+    std::vector<uint16_t> useful;  // photons stored per path, by index; where there is a filter for it, only those it lets pass
   };
   // The paths of a chunk on their way; a worker's own, so that it stays in its cache from chunk to chunk.
   struct Travellers {
@@ -103,8 +108,8 @@ class PhotonTracer {
 
     Vec2 next(Path& path) const { return path.bounces == 0 ? first_bounce.at(index) : path.random.next2(); }
   };
-  void trace_chunk(uint64_t first, uint64_t count, double total, uint32_t seed, const KeyFilter& visible, Travellers& travellers,
-                   Chunk& chunk) const;
+  void trace_chunk(uint64_t first, uint64_t count, double total, uint32_t seed, const KeyFilter& visible, const KeyFilter* useful,
+                   Travellers& travellers, Chunk& chunk) const;
   PhotonStart start(uint64_t index, uint32_t seed) const;
   void start(uint64_t first, uint32_t count, uint32_t seed, PhotonStart* starts) const;
   bool lit(const Path& path, const Surface& hit, const PhotonStart& start) const;

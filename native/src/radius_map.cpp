@@ -8,7 +8,7 @@ RadiusMap::RadiusMap(const Scene& scene, const std::vector<Photon>& pilot, doubl
   corner_ = scene.center() - Vec3{r, r, r};
   size_ = 2 * r;
   largest_ = 0.25f * r;
-  for (const Photon& p : pilot) ++on_surface_[p.key];
+  for (const Photon& p : pilot) on_surface_.add(hash64(p.key));
   std::vector<uint32_t> inside(pilot.size());
   for (uint32_t i = 0; i < inside.size(); ++i) inside[i] = i;
   // Level by level, photons in cells that hold few of them drop out.
@@ -16,14 +16,14 @@ RadiusMap::RadiusMap(const Scene& scene, const std::vector<Photon>& pilot, doubl
     std::vector<uint64_t> cells(inside.size());
     for (size_t i = 0; i < inside.size(); ++i) {
       cells[i] = cell(pilot[inside[i]].key, pilot[inside[i]].position, level);
-      ++counts_[cells[i]];
+      counts_.add(cells[i]);
     }
     size_t kept = 0;
     for (size_t i = 0; i < inside.size(); ++i)
-      if (counts_[cells[i]] >= kFewest) inside[kept++] = inside[i];
+      if (counts_.count(cells[i]) >= kFewest) inside[kept++] = inside[i];
     inside.resize(kept);
   }
-  std::erase_if(counts_, [](const auto& entry) { return entry.second < kFewest; });
+  counts_.keep_from(kFewest);
 }
 
 uint64_t RadiusMap::cell(uint32_t key, const Vec3& x, int level) const {
@@ -38,10 +38,10 @@ float RadiusMap::radius(uint32_t key, const Vec3& x, double photons, double path
   // A cell that holds a sliver of the patch shows too low a density, so the densest of the nested cells is believed.
   double densest = 0;
   for (int level = 0; level < kLevels; ++level) {
-    const auto it = counts_.find(cell(key, x, level));
-    if (it == counts_.end()) break;
+    const uint32_t count = counts_.count(cell(key, x, level));
+    if (!count) break;
     const double size = double(size_) / (1 << level);
-    densest = std::max(densest, it->second / (size * size));
+    densest = std::max(densest, count / (size * size));
   }
   if (!(densest > 0)) return largest_;
   return std::min(largest_, static_cast<float>(std::sqrt(photons * pilot_paths_ / (kPi * densest * paths))));

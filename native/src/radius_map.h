@@ -1,8 +1,7 @@
 // How dense photons lie on each surface, learnt from a pilot set; it chooses kernel radii.
 #pragma once
 
-#include <unordered_map>
-
+#include "count_table.h"
 #include "photons.h"
 
 namespace photon_splat {
@@ -18,8 +17,7 @@ class RadiusMap {
   float largest() const { return largest_; }
   // How many of a set of `paths` paths come to lie on the surface, anywhere on it.
   double photons_on(uint32_t key, double paths) const {
-    const auto it = on_surface_.find(key);
-    return it == on_surface_.end() ? 0 : it->second * paths / pilot_paths_;
+    return on_surface_.count(hash64(key)) * paths / pilot_paths_;
   }
 
  private:
@@ -31,8 +29,8 @@ class RadiusMap {
   Vec3 corner_;
   float size_, largest_;
   double pilot_paths_;
-  std::unordered_map<uint64_t, uint32_t> counts_;
-  std::unordered_map<uint32_t, uint32_t> on_surface_;  // photons, by key
+  CountTable counts_;      // photons in cells that hold enough of them
+  CountTable on_surface_;  // photons, by hashed key
 };
 
 }  // namespace photon_splat

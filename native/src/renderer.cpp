@@ -8,6 +8,7 @@ namespace {
 constexpr uint64_t kPilotPaths = 65536;
 constexpr double kPhotonsPerDisc = 200;  // from one pass, before radii shrink
 constexpr double kCausticPhotonsPerDisc = 25;
+constexpr size_t kUnscouted = 16;  // at most one record of so many lies on a surface that scouts have not seen, or the pilot is traced again
 constexpr float kGatheredSpacing = 2;  // times that of points that are seen: a pixel's paths meet many
 constexpr double kShrinkExponent = -1.0 / 6.0;  // h ~ pass^(-1/6): variance and squared bias fall alike (Knaus & Zwicker 2011)
 
@@ -87,32 +88,35 @@ float Renderer::radius_factor(uint32_t pass) const {
   return options.radius_scale * static_cast<float>(std::pow(pass + 1.0, kShrinkExponent));
 }
 
-void Renderer::trace_records(uint32_t pass) {
+void Renderer::trace_records(uint32_t pass, CameraTracer::Tiles tiles) {
   Timer timer(seconds_.camera);
   camera_tracer_->set_fallback(fallback_ ? &*fallback_ : nullptr, layers_.size() > 1, radius_factor(pass));
   begin_pass_film();
   samples_.begin_pass(scene.pool());
-  records_ = &camera_tracer_->trace(pass, samples_, sky_, options.max_bounces, pass_film_, cancel_);
+  records_ = &camera_tracer_->trace(pass, samples_, sky_, options.max_bounces, pass_film_, cancel_, tiles);
 }
 
 void Renderer::trace_camera(uint32_t pass) {
   Layer& indirect = (selected(), *layers_.front());
   const bool photons = indirect.paths_per_pass > 0, learns = !fallback_learnt_ && options.fallback && photons;
+  const bool by_view = learns && !options.kept_photon_bytes;
   if (!fallback_ && options.final_gather && photons) fallback_.emplace(scene, true);
-  if (learns && options.kept_photon_bytes) {  // the pilot asks for no view
-    if (!indirect.radii) learn(indirect);
-    make_fallback();
+  if (learns && !by_view) {  // the pilot asks for no view
+    const KeyFilter all = keys_seen(indirect);
+    if (!indirect.radii) learn(indirect, all, false);
+    make_fallback(all);
   }
-  trace_records(pass);
-  if (learns && !options.kept_photon_bytes) learn_fallback(pass);
+  const bool scouts = by_view && CameraTracer::sends_scouts(film_);
+  trace_records(pass, scouts ? CameraTracer::Tiles::kScouts : CameraTracer::Tiles::kAll);
+  if (by_view) learn_fallback(pass, scouts);
   else if (learns && !camera_tracer_->fallbacks()) forget_fallback();
   fallback_learnt_ = true;
 }
 
-void Renderer::make_fallback() {
+void Renderer::make_fallback(const KeyFilter& known) {
   const Layer& indirect = *layers_.front();
   if (!fallback_) fallback_.emplace(scene, false);
-  fallback_->learn(*indirect.radii, indirect.photons_per_disc, static_cast<double>(indirect.paths_per_pass));
+  fallback_->learn(*indirect.radii, known, indirect.photons_per_disc, static_cast<double>(indirect.paths_per_pass));
 }
 
 // Nothing in view needs it.
@@ -121,25 +125,43 @@ void Renderer::forget_fallback() {
   if (options.final_gather) fallback_.emplace(scene, true);
 }
 
-// Needs records of places that have not fallen back, and replaces them. What paths meet that go on from there is learnt of as well,
-// if it is new.
-void Renderer::learn_fallback(uint32_t pass) {
-  Layer& indirect = *layers_.front();
-  const KeyFilter known = keys_seen(indirect);
-  learn(indirect);
-  make_fallback();
+// What the first pass lacks once the fallback has been learnt; whether anything falls back.
+bool Renderer::trace_more(uint32_t pass, CameraTracer::Tiles tiles) {
+  Timer timer(seconds_.camera);
   camera_tracer_->set_fallback(&*fallback_, layers_.size() > 1, radius_factor(pass));
-  {
-    Timer timer(seconds_.camera), pilot(seconds_.pilot);
-    if (!camera_tracer_->trace_again(pass, samples_, sky_, options.max_bounces, pass_film_, cancel_)) {
-      forget_fallback();
-      return;
+  records_ = &camera_tracer_->trace(pass, samples_, sky_, options.max_bounces, pass_film_, cancel_, tiles);
+  return camera_tracer_->last_fallbacks() > 0;
+}
+
+// Needs records of places that have not fallen back: of scouts, or of all, which it replaces. What paths meet that go on from there,
+// or what scouts have not met, is learnt of as well, if there is enough of it.
+void Renderer::learn_fallback(uint32_t pass, bool scouts) {
+  Layer& indirect = *layers_.front();
+  KeyFilter known = keys_seen(indirect);
+  learn(indirect, known, scouts);
+  make_fallback(known);
+  bool any;
+  if (scouts) {
+    any = trace_more(pass, CameraTracer::Tiles::kRest);
+  } else {
+    Timer pilot(seconds_.pilot);
+    any = trace_more(pass, CameraTracer::Tiles::kAgain);
+  }
+  const auto unknown = [&](const Record& r) { return !known.contains(r.key) && !(scouts && r.caustics_only); };
+  const size_t most = scouts ? records_->size() / kUnscouted : 0;
+  if (!any && !scouts) return forget_fallback();
+  if (static_cast<size_t>(std::count_if(records_->begin(), records_->end(), unknown)) > most) {
+    const KeyFilter seen = keys_seen(indirect);
+    if (scouts) known.add(seen);
+    else known = seen;
+    learn(indirect, known, false);
+    make_fallback(known);
+    if (scouts) {
+      Timer pilot(seconds_.pilot);
+      any |= trace_more(pass, CameraTracer::Tiles::kAgain);
     }
   }
-  const bool more = std::any_of(records_->begin(), records_->end(), [&](const Record& r) { return !known.contains(r.key); });
-  if (!more) return;
-  learn(indirect);
-  make_fallback();
+  if (!any) forget_fallback();
 }
 
 // The surfaces that photons of a layer are wanted on.
@@ -152,14 +174,15 @@ KeyFilter Renderer::keys_seen(const Layer& layer) const {
   return keys;
 }
 
-// A pilot teaches where useful photons start and how dense they land.
-void Renderer::learn(Layer& layer) {
+// A pilot teaches where useful photons start and how dense they land, on surfaces that are seen or on all.
+void Renderer::learn(Layer& layer, const KeyFilter& seen, bool stores_all) {
   Timer timer(seconds_.photons), pilot_timer(seconds_.pilot);
-  const KeyFilter keys = keys_seen(layer);
+  KeyFilter stored = seen;
+  if (stores_all) stored.add_all();
   const uint64_t paths = std::max<uint64_t>(1, std::min(layer.paths_per_pass, kPilotPaths));
   layer.tracer->set_viewer(viewer());
-  const std::vector<Photon>* pilot = layer.tracer->learn_emission(paths, hash_combine(layer.seed, 4), keys, cancel_);
-  if (!pilot) pilot = &layer.tracer->trace(0, paths, static_cast<double>(paths), hash_combine(layer.seed, 3), keys, cancel_);
+  const std::vector<Photon>* pilot = layer.tracer->learn_emission(paths, hash_combine(layer.seed, 4), seen, stored, cancel_);
+  if (!pilot) pilot = &layer.tracer->trace(0, paths, static_cast<double>(paths), hash_combine(layer.seed, 3), stored, cancel_);
   layer.radii = std::make_unique<RadiusMap>(scene, *pilot, static_cast<double>(paths));
   layer.pilot = since(layer.before, layer.tracer->counts());
 }
@@ -167,7 +190,7 @@ void Renderer::learn(Layer& layer) {
 void Renderer::make_points(uint32_t pass) {
   if (!records_) throw std::logic_error("trace_camera() comes before make_points()");
   Layer& layer = selected();
-  if (!layer.radii) learn(layer);
+  if (!layer.radii) learn(layer, keys_seen(layer), false);
   {
     Timer timer(seconds_.camera);
     PointSettings s;

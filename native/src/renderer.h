@@ -150,11 +150,12 @@ class Renderer {
   Layer& selected() const;
   void add_layer(PhotonStream stream, double photons_per_disc, uint64_t paths_per_pass);
   void make_layers();
-  void learn(Layer& layer);
-  void trace_records(uint32_t pass);
-  void make_fallback();
+  void learn(Layer& layer, const KeyFilter& seen, bool stores_all);
+  void trace_records(uint32_t pass, CameraTracer::Tiles tiles = CameraTracer::Tiles::kAll);
+  void make_fallback(const KeyFilter& known);
   void forget_fallback();
-  void learn_fallback(uint32_t pass);
+  void learn_fallback(uint32_t pass, bool scouts);
+  bool trace_more(uint32_t pass, CameraTracer::Tiles tiles);
   KeyFilter keys_seen(const Layer& layer) const;
   // Of photons that are kept: none, as they serve all views.
   const Camera* viewer() const { return options.kept_photon_bytes ? nullptr : camera_.get(); }

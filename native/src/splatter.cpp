@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "morton.h"
+#include "radix_sort.h"
 
 #if defined(__SSE2__)
 #include <emmintrin.h>
@@ -132,7 +133,6 @@ void Splatter::sort_photons(const Photon* photons, size_t count, ThreadPool& poo
   const Vec3 size = all.upper - all.lower;
   const float scale = static_cast<float>((1 << kCurveBits) - 1) / std::max(max_component(size), 1e-30f);
   curve_.resize(count);
-  curve_scratch_.resize(count);
   sorted_.resize(count);
   for (auto* places : {&x_, &y_, &z_}) places->resize(count);
   groups_.assign((count + kGroup - 1) / kGroup, Bounds{});
@@ -145,14 +145,7 @@ void Splatter::sort_photons(const Photon* photons, size_t count, ThreadPool& poo
       curve_[i] = place << 32 | static_cast<uint32_t>(i);
     }
   });
-  for (int shift = 32; shift < 32 + 3 * kCurveBits; shift += kCurveBits) {  // radix sort, stable
-    uint32_t start[(1 << kCurveBits) + 1] = {};
-    constexpr uint64_t kMask = (1 << kCurveBits) - 1;
-    for (const uint64_t value : curve_) ++start[(value >> shift & kMask) + 1];
-    for (size_t k = 0; k < kMask; ++k) start[k + 1] += start[k];
-    for (const uint64_t value : curve_) curve_scratch_[start[value >> shift & kMask]++] = value;
-    curve_.swap(curve_scratch_);
-  }
+  radix_sort(curve_, curve_scratch_, 32, 32 + 3 * kCurveBits, [](uint64_t value) { return value; });
   pool.for_each(chunk_count, never, [&](size_t c, int) {
     for (size_t i = c * kChunk; i < std::min(count, (c + 1) * kChunk); ++i) {
       const Photon& p = photons[static_cast<uint32_t>(curve_[i])];

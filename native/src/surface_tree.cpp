@@ -3,6 +3,7 @@
 #include <bit>
 
 #include "morton.h"
+#include "radix_sort.h"
 
 namespace photon_splat {
 namespace {
@@ -17,6 +18,9 @@ struct Moments {
     for (int i = 0; i < 6; ++i) second[i] += m.second[i];
   }
 };
+
+constexpr int kPlaceBits = 30;        // of place_in()
+constexpr size_t kUsedOfLeaf = 4;     // triangles in a leaf, about
 
 constexpr int kPairs[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}};  // axes of the entries of a symmetric matrix
 
@@ -37,7 +41,7 @@ struct SurfaceTree::Builder {
   std::span<const Triangle> triangles;
   SurfaceTree& tree;
   const CancelFlag& cancel;
-  std::vector<uint64_t> keys;  // patch << 30 | Morton code, sorted
+  std::vector<uint64_t> keys;  // patch << kPlaceBits | Morton code, sorted
 
   Vec3 centroid(uint32_t t) const {
     const Triangle& v = triangles[t];
@@ -122,13 +126,17 @@ SurfaceTree::SurfaceTree(std::span<const Vec3> positions, std::span<const Triang
       ++count;
     }
   if (!count) return;
-  std::vector<std::pair<uint64_t, uint32_t>> sorted;
+  struct Placed {
+    uint64_t key;
+    uint32_t triangle;
+  };
+  LargeArray<Placed> sorted, scratch;
   sorted.reserve(count);
   for (uint32_t t = 0; t < triangles.size(); ++t)
     if (const uint32_t p = topology.patch[t]; !topology.planar[p])
-      sorted.emplace_back(uint64_t{p} << 30 | place_in(bounds[p], builder.centroid(t)), t);
+      sorted.push_back({uint64_t{p} << kPlaceBits | place_in(bounds[p], builder.centroid(t)), t});
   cancel.check();
-  std::sort(sorted.begin(), sorted.end());
+  radix_sort(sorted, scratch, 0, kPlaceBits + std::bit_width(patches - 1), [](const Placed& placed) { return placed.key; });
   cancel.check();
   order_.reserve(count);
   builder.keys.reserve(count);
@@ -137,10 +145,12 @@ SurfaceTree::SurfaceTree(std::span<const Vec3> positions, std::span<const Triang
     order_.push_back(triangle);
   }
   sorted = {};
+  scratch = {};
+  nodes_.reserve(2 * count / kUsedOfLeaf);
   roots_.assign(patches, kNone);
   for (uint32_t first = 0, end; first < count; first = end) {
-    const uint64_t patch = builder.keys[first] >> 30;
-    end = static_cast<uint32_t>(std::partition_point(builder.keys.begin() + first, builder.keys.end(), [&](uint64_t k) { return k >> 30 == patch; }) -
+    const uint64_t patch = builder.keys[first] >> kPlaceBits;
+    end = static_cast<uint32_t>(std::partition_point(builder.keys.begin() + first, builder.keys.end(), [&](uint64_t k) { return k >> kPlaceBits == patch; }) -
                                 builder.keys.begin());
     roots_[patch] = static_cast<uint32_t>(nodes_.size());
     builder.build(first, end, bounds[patch].center());

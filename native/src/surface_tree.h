@@ -2,6 +2,7 @@
 // rim costs, however finely the surface is tessellated.
 #pragma once
 
+#include "large_pages.h"
 #include "topology.h"
 
 namespace photon_splat {
@@ -17,6 +18,13 @@ struct SurfaceNode {
   uint32_t first;    // of its triangles, in order()
   uint32_t count;
   uint32_t right;    // second child, the first being the next node; 0: a leaf
+
+  // Of v.x over its points x.
+  double variance_along(const Vec3& v) const {
+    const float along = v.x * (v.x * spread[0] + 2 * (v.y * spread[3] + v.z * spread[4])) + v.y * (v.y * spread[1] + 2 * v.z * spread[5]) +
+                        v.z * v.z * spread[2];
+    return std::max(along, 0.0f);
+  }
 };
 
 class SurfaceTree {
@@ -49,7 +57,7 @@ class SurfaceTree {
   struct Builder;
 
   std::vector<uint32_t> order_;  // triangles of bent patches, sorted by patch
-  std::vector<SurfaceNode> nodes_;
+  LargeArray<SurfaceNode> nodes_;
   std::vector<uint32_t> roots_;  // per patch; kNone: planar; empty: all are
 };
 

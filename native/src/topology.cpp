@@ -3,6 +3,7 @@
 #include <cstring>
 #include <numeric>
 
+#include "large_pages.h"
 #include "sampling.h"
 
 namespace photon_splat {
@@ -45,7 +46,7 @@ struct HalfEdges {
     uint32_t other, id;  // id = 3 * triangle + corner
   };
   std::vector<uint32_t> first;
-  std::vector<End> ends;
+  LargeArray<End> ends;
 
   HalfEdges(const std::vector<uint32_t>& welded, std::span<const Triangle> triangles, const CancelFlag& cancel)
       : first(welded.size() + 1), ends(3 * triangles.size()) {
@@ -69,8 +70,8 @@ struct HalfEdges {
 };
 
 // partner[half] is the one other half-edge on the same edge, or kNone where there is none or more than one.
-std::vector<uint32_t> find_partners(const HalfEdges& half, const CancelFlag& cancel) {
-  std::vector<uint32_t> partner(half.ends.size(), kNone);
+LargeArray<uint32_t> find_partners(const HalfEdges& half, const CancelFlag& cancel) {
+  LargeArray<uint32_t> partner(half.ends.size(), kNone);
   for (size_t v = 0; v + 1 < half.first.size(); ++v) {
     check_now_and_then(v, cancel);
     for (uint32_t begin = half.first[v], end; begin < half.first[v + 1]; begin = end) {
@@ -93,8 +94,8 @@ uint32_t find_root(std::vector<uint32_t>& parent, uint32_t i) {
 Topology build_topology(std::span<const Vec3> positions, std::span<const Triangle> triangles,
                         const CancelFlag& cancel) {
   const uint32_t count = static_cast<uint32_t>(triangles.size());
-  const std::vector<uint32_t> partner = find_partners(HalfEdges(weld(positions, cancel), triangles, cancel), cancel);
-  std::vector<Vec3> normal(count);
+  const LargeArray<uint32_t> partner = find_partners(HalfEdges(weld(positions, cancel), triangles, cancel), cancel);
+  LargeArray<Vec3> normal(count);
   std::vector<float> area(count);
   for (uint32_t t = 0; t < count; ++t) {
     const Vec3 &a = positions[triangles[t][0]], &b = positions[triangles[t][1]], &c = positions[triangles[t][2]];

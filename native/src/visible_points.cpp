@@ -6,6 +6,7 @@
 
 #include "morton.h"
 #include "occlusion.h"
+#include "radix_sort.h"
 
 namespace photon_splat {
 namespace {
@@ -157,7 +158,8 @@ void VisiblePoints::fill_blocks(Scene& scene, const Records& records, const Canc
     const Vec3 q = (records[points_[i].record].position - all.lower) * (2097151.0f / extent);
     order[i] = {morton(static_cast<uint64_t>(q.x), static_cast<uint64_t>(q.y), static_cast<uint64_t>(q.z)), i};
   }
-  std::sort(order.begin(), order.end());
+  decltype(order) scratch;
+  radix_sort(order, scratch, 0, 63, [](const auto& placed) { return placed.first; });
   std::vector<uint32_t> place(order.size());
   for (uint32_t i = 0; i < order.size(); ++i) place[order[i].second] = i;
   scene.pool().for_each(chunks_of(point_of_record_.size()), cancel, [&](size_t c, int) {
