@@ -48,6 +48,7 @@ def fill_renderer(renderer: Renderer, scene: Scene, settings: RenderSettings) ->
                 _contiguous(mesh.corner_normals, np.float32),
                 _contiguous(mesh.uv, np.float32),
                 _contiguous(mesh.slots, np.uint16),
+                _contiguous(mesh.vertex_normals, np.float32),
             )
             _add_mesh_shading(renderer, index, mesh)
     _add_instances(renderer, scene)

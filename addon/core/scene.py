@@ -84,7 +84,8 @@ class Mesh:
 
     positions       (V, 3) float32
     triangles       (T, 3) uint32, indices into positions; counter-clockwise seen from the front
-    corner_normals  (T, 3, 3) float32 unit shading normals per corner, or None: flat everywhere
+    corner_normals  (T, 3, 3) float32 unit shading normals per corner, or None
+    vertex_normals  (V, 3) float32 instead, where all corners at a vertex have the same; neither: flat everywhere
     uv              (T, 3, 2) float32 of the render-active UV map, or None
     slots           (T,) uint16 material slot per triangle, or None: all 0
 
@@ -100,6 +101,11 @@ class Mesh:
     uv: NDArray[np.float32] | None = None
     slots: NDArray[np.uint16] | None = None
     shading: MeshShading = field(default_factory=MeshShading)
+    vertex_normals: NDArray[np.float32] | None = None
+
+    def normals(self) -> NDArray[np.float32] | None:
+        """(T, 3, 3) unit shading normals per corner, however they are kept, or None: flat everywhere."""
+        return self.corner_normals if self.vertex_normals is None else self.vertex_normals[self.triangles]
 
 
 @dataclass(slots=True)

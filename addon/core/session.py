@@ -236,7 +236,7 @@ def render(
         on_progress(worker.progress())
     if worker.passes_done:
         renderer.make_error_estimate()
-    film = renderer.film([*film_arrays(wanted), *FOR_DENOISING]) if worker.passes_done else None
+    film = renderer.film([*film_arrays(wanted), *(FOR_DENOISING if settings.denoise else ())]) if worker.passes_done else None
     passes = passes_from_film(film, scene.light_groups) if film else black_passes(width, height, scene.light_groups)
     denoising, noisy = 0.0, None
     if settings.denoise and film and not worker.cancelled:

@@ -50,11 +50,13 @@ def export_mesh(mesh: Any, name: str, report: Report) -> Mesh | None:
     found = sound_triangles(mesh, name, report)
     if found is None:
         return None
+    by_corner, by_vertex = _normals(mesh, found.positions, found.corners, found.vertices)
     return Mesh(
         name=mesh.name,
         positions=np.array(found.positions, np.float32),
         triangles=found.vertices.astype(np.uint32),
-        corner_normals=_corner_normals(mesh, found.positions, found.corners, found.vertices),
+        corner_normals=by_corner,
+        vertex_normals=by_vertex,
         uv=_uv(mesh, found.corners),
         slots=_slots(mesh, found.kept),
     )
@@ -114,20 +116,25 @@ def scaled_normals(positions: NDArray, vertices: NDArray) -> tuple[NDArray, NDAr
     return uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
 
 
-def _corner_normals(mesh: Any, positions: NDArray, corners: NDArray, vertices: NDArray) -> NDArray[np.float32] | None:
-    """Shading normals (T, 3, 3), or None where Blender shades all faces flat."""
+def _normals(
+    mesh: Any, positions: NDArray, corners: NDArray, vertices: NDArray
+) -> tuple[NDArray[np.float32] | None, NDArray[np.float32] | None]:
+    """Shading normals of corners (T, 3, 3), or of vertices (V, 3), or neither where Blender shades all faces flat."""
     domain = mesh.normals_domain
     if domain == "FACE":
-        return None
+        return None, None
     by_vertex = domain == "POINT"
     all_normals = read(mesh.vertex_normals if by_vertex else mesh.corner_normals, "vector", np.float32, 3)
+    sound = not _far_from_unit(all_normals).any()
+    if sound and by_vertex:
+        return None, np.array(all_normals)
     normals = np.take(all_normals, vertices if by_vertex else corners, axis=0)
-    if not _far_from_unit(all_normals).any():
-        return normals
+    if sound:
+        return normals, None
     bad = _far_from_unit(normals)
     if bad.any():
         normals[bad] = _unit_normals(positions, vertices[bad.any(axis=1)])[np.cumsum(bad.any(axis=1))[np.nonzero(bad)[0]] - 1]
-    return normals
+    return normals, None
 
 
 def _far_from_unit(normals: NDArray) -> NDArray[np.bool_]:

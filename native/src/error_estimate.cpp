@@ -140,17 +140,20 @@ void ErrorEstimate::estimate_variance(ThreadPool& pool) {
   const float far_share = kFarShare / (1 + std::accumulate(pairs.begin(), pairs.end(), 0.0f) / 8);
   std::vector<std::vector<float>> own(k.size(), std::vector<float>(luminance_.size())), lent(k.size());  // D(k)
   const CancelFlag never;
-  pool.for_each(k.size(), never, [&](size_t i, int) {
-    if (alone) {
-      own[i] = differences_of_neighbours();
-    } else {
+  if (alone) own[0] = differences_of_neighbours(pool);
+  else
+    pool.for_each(k.size(), never, [&](size_t i, int) {
       const float scale = static_cast<float>(passes_) / k[i];
       for (size_t at = 0; at < own[i].size(); ++at)
         own[i][at] = levels_[i].squares[at] / levels_[i].weights[at] * scale * noises_[at] / (samples_[at] * samples_[at]);
-    }
-    std::vector<float> far;
-    blur(own[i], width_, height_, kNear, lent[i]);
-    blur(own[i], width_, height_, kFar, far);
+    });
+  std::vector<std::vector<float>> around(k.size());
+  pool.for_each(2 * k.size(), never, [&](size_t i, int) {
+    const size_t level = i / 2;
+    i % 2 ? blur(own[level], width_, height_, kFar, around[level]) : blur(own[level], width_, height_, kNear, lent[level]);
+  });
+  pool.for_each(k.size(), never, [&](size_t i, int) {
+    const std::vector<float>& far = around[i];
     const float quiet_share = pairs[i] < kQuietPairs ? 1 : kQuietShare;
     for (size_t at = 0; at < far.size(); ++at) {
       if (!alone && own[i][at] == 0) lent[i][at] *= quiet_share;  // the sky beside a hedge
@@ -165,15 +168,16 @@ void ErrorEstimate::estimate_variance(ThreadPool& pool) {
 }
 
 // After one pass.
-std::vector<float> ErrorEstimate::differences_of_neighbours() const {
+std::vector<float> ErrorEstimate::differences_of_neighbours(ThreadPool& pool) const {
   std::vector<float> result(luminance_.size());
-  for (int y = 0; y < height_; ++y)
+  pool.for_each(static_cast<size_t>(height_), CancelFlag{}, [&](size_t y, int) {
     for (int x = 0; x < width_; ++x) {
-      const size_t at = static_cast<size_t>(y) * width_ + x;
-      const float right = luminance_[x + 1 < width_ ? at + 1 : at], up = luminance_[y + 1 < height_ ? at + width_ : at];
+      const size_t at = y * width_ + x;
+      const float right = luminance_[x + 1 < width_ ? at + 1 : at], up = luminance_[y + 1 < static_cast<size_t>(height_) ? at + width_ : at];
       result[at] = 0.25f * ((luminance_[at] - right) * (luminance_[at] - right) + (luminance_[at] - up) * (luminance_[at] - up));
       result[at] += kNoisePerDetail * detail_squares_[at];  // neighbours share most of their photons
     }
+  });
   return result;
 }
 

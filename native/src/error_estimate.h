@@ -34,7 +34,7 @@ class ErrorEstimate {
 
  private:
   void estimate_variance(ThreadPool& pool);
-  std::vector<float> differences_of_neighbours() const;
+  std::vector<float> differences_of_neighbours(ThreadPool& pool) const;
   void correct_by_group(const std::vector<std::vector<float>>& own, const std::vector<float>& k, const std::vector<float>& pairs);
   void estimate_bias(ThreadPool& pool);
 

@@ -47,12 +47,15 @@ void copy_in_parts(ThreadPool& pool, const Source* from, LargeArray<T>* to, size
 
 uint32_t add_mesh(Renderer& r, Array<float, nb::shape<-1, 3>> positions, Array<uint32_t, nb::shape<-1, 3>> triangles,
                   std::optional<Array<float, nb::shape<-1, 3, 3>>> corner_normals,
-                  std::optional<Array<float, nb::shape<-1, 3, 2>>> uv, std::optional<Array<uint16_t, nb::shape<-1>>> slots) {
+                  std::optional<Array<float, nb::shape<-1, 3, 2>>> uv, std::optional<Array<uint16_t, nb::shape<-1>>> slots,
+                  std::optional<Array<float, nb::shape<-1, 3>>> vertex_normals) {
   const size_t vertices = positions.shape(0), count = triangles.shape(0);
   if (count >= (1u << 30)) throw std::invalid_argument("a mesh has more triangles than the renderer can hold");
   if ((corner_normals && corner_normals->shape(0) != count) || (uv && uv->shape(0) != count) ||
       (slots && slots->shape(0) != count))
     throw std::invalid_argument("a mesh's corner data does not fit its triangles");
+  if (vertex_normals && (corner_normals || vertex_normals->shape(0) != vertices))
+    throw std::invalid_argument("a mesh's normals do not fit its vertices");
   Mesh mesh;
   std::atomic<bool> outside{false}, not_finite{false};
   mesh.triangles.resize(count);
@@ -69,6 +72,14 @@ uint32_t add_mesh(Renderer& r, Array<float, nb::shape<-1, 3>> positions, Array<u
   if (corner_normals) {
     mesh.corner_normals.resize(3 * count);
     copy_in_parts(r.scene.pool(), corner_normals->data(), &mesh.corner_normals, 3 * count, [](const Vec3&) {});
+  }
+  if (vertex_normals) {  // no vertex is named that does not exist
+    mesh.corner_normals.resize(3 * count);
+    const Vec3* normals = reinterpret_cast<const Vec3*>(vertex_normals->data());
+    r.scene.pool().for_parts(count, 1 << 15, CancelFlag{}, [&](size_t begin, size_t end) {
+      for (size_t t = begin; t < end; ++t)
+        for (size_t i = 0; i < 3; ++i) mesh.corner_normals[3 * t + i] = normals[mesh.triangles[t][i]];
+    });
   }
   if (uv) {
     mesh.uv.resize(3 * count);
@@ -359,7 +370,8 @@ NB_MODULE(photon_splat_native, m) {
       .def("add_material", [](Renderer& r, nb::tuple front, nb::tuple back) {
         r.scene.materials.push_back({make_side(r, front), make_side(r, back)});
       }, "front"_a, "back"_a, "Each side: (albedo rgb, albedo texture or -1, emission rgb, emission texture or -1).")
-      .def("add_mesh", &add_mesh, "positions"_a, "triangles"_a, "corner_normals"_a.none(), "uv"_a.none(), "slots"_a.none())
+      .def("add_mesh", &add_mesh, "positions"_a, "triangles"_a, "corner_normals"_a.none(), "uv"_a.none(), "slots"_a.none(),
+           "vertex_normals"_a = nb::none())
       .def("add_instance", [](Renderer& r, uint32_t mesh, Matrix matrix, std::vector<int32_t> materials, int group, uint64_t lit_groups,
                               uint64_t blockers, int16_t light_group) {
         auto rows = to_rows(matrix.data());

@@ -118,19 +118,22 @@ def test_smooth_flat_and_custom_normals() -> None:
 
     bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=2, radius=2)
     ball = bpy.context.object
-    assert stage.exported().meshes[0].corner_normals is None
+    assert stage.exported().meshes[0].normals() is None
 
     ball.data.shade_smooth()
     mesh = stage.exported().meshes[0]
-    assert mesh.corner_normals is not None
-    assert np.allclose(mesh.corner_normals, mesh.positions[mesh.triangles] / 2, atol=1e-3)
+    normals = mesh.normals()
+    assert normals is not None
+    assert mesh.corner_normals is None
+    assert np.allclose(normals, mesh.positions[mesh.triangles] / 2, atol=1e-3)
 
     ball.hide_render = True
     tilted = (0.6, 0.0, 0.8)
     flat = stage.plane()
     flat.data.normals_split_custom_set([tilted] * 4)
-    mesh = stage.exported().meshes[0]
-    assert np.allclose(mesh.corner_normals, tilted, atol=1e-3)
+    normals = stage.exported().meshes[0].normals()
+    assert normals is not None
+    assert np.allclose(normals, tilted, atol=1e-3)
 
 
 @in_blender
@@ -144,8 +147,9 @@ def test_smooth_and_flat_faces_in_one_mesh() -> None:
     p = mesh.positions[mesh.triangles].astype(np.float64)
     faces = np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0])
     faces /= np.linalg.norm(faces, axis=1, keepdims=True)
-    assert mesh.corner_normals is not None
-    alike = np.isclose(mesh.corner_normals, faces[:, None], atol=1e-3).all(axis=(1, 2))
+    normals = mesh.normals()
+    assert normals is not None
+    alike = np.isclose(normals, faces[:, None], atol=1e-3).all(axis=(1, 2))
     assert alike.sum() == 6
 
 
@@ -252,8 +256,9 @@ def test_slots_uv_and_normals_follow_what_is_dropped() -> None:
     assert mesh.slots.tolist() == [1, 2]
     assert mesh.uv is not None
     assert np.array_equal(mesh.uv, mesh.positions[mesh.triangles][..., :2])
-    assert mesh.corner_normals is not None
-    assert np.allclose(mesh.corner_normals, (0, 0, 1), atol=1e-3)
+    normals = mesh.normals()
+    assert normals is not None
+    assert np.allclose(normals, (0, 0, 1), atol=1e-3)
 
 
 @in_blender

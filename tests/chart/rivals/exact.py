@@ -111,8 +111,9 @@ def _parts(scene: Scene, instance: int) -> list[Part]:
         triangles = mesh.triangles[mine].astype(np.int64)
         normals = None
         positions = mesh.positions
-        if mesh.corner_normals is not None:
-            normals = mesh.corner_normals[mine].reshape(-1, 3) @ np.linalg.inv(matrix[:3, :3])
+        by_corner = mesh.normals()
+        if by_corner is not None:
+            normals = by_corner[mine].reshape(-1, 3) @ np.linalg.inv(matrix[:3, :3])
             normals = (normals / np.linalg.norm(normals, axis=1, keepdims=True)).astype(np.float32)
             positions, triangles = positions[triangles.ravel()], np.arange(triangles.size).reshape(-1, 3)
         world = (positions @ matrix[:3, :3].T + matrix[:3, 3]).astype(np.float32)
