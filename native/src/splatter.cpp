@@ -19,7 +19,18 @@ constexpr size_t kChunk = 4096;      // photons that one thread looks up at a ti
 constexpr size_t kGroup = 16;        // photons that search together
 constexpr size_t kRun = 1 << 20;     // photons sorted at once
 constexpr int kCurveBits = 10;       // of each axis
+constexpr size_t kFewTasks = 256;    // blocks are worked on one after another where there are more, so that the next can be fetched
+constexpr size_t kMostInTask = 16;
 constexpr float kRounded = 1.000001f;  // no photon within a disc is outside its bounds
+
+// Has the memory of a block come while the one before is worked on: small discs make more blocks than caches hold.
+void fetch_ahead(const PointBlock& block) {
+#if defined(__GNUC__) || defined(__clang__)
+  for (size_t at = 0; at < sizeof block; at += 64) __builtin_prefetch(reinterpret_cast<const char*>(&block) + at);
+#else
+  static_cast<void>(block);
+#endif
+}
 
 }  // namespace
 
@@ -196,13 +207,18 @@ void Splatter::splat(const std::vector<Photon>& photons, std::vector<PointBlock>
         find_blocks(groups_[g], static_cast<uint32_t>(g), chunk_pairs_[c]);
     });
     deal_pairs(chunk_count, blocks.size());
-    pool.for_each(blocks.size(), cancel, [&](size_t b, int) {
-      for (uint32_t k = first_[b]; k < first_[b + 1];) {  // groups that follow each other go together
-        const uint32_t begin = order_[k];
-        uint32_t end = begin + 1;
-        while (++k < first_[b + 1] && order_[k] == end) ++end;
-        const size_t from = begin * kGroup, to = std::min(end * kGroup, count);
-        kernel_(blocks[b], parts_[b], {&sorted_[from], &x_[from], &y_[from], &z_[from]}, static_cast<uint32_t>(to - from));
+    const size_t task = std::clamp<size_t>(blocks.size() / kFewTasks, 1, kMostInTask);
+    pool.for_each((blocks.size() + task - 1) / task, cancel, [&](size_t t, int) {
+      const size_t last = std::min(blocks.size(), (t + 1) * task);
+      for (size_t b = t * task; b < last; ++b) {
+        if (b + 1 < last && first_[b + 1] < first_[b + 2]) fetch_ahead(blocks[b + 1]);
+        for (uint32_t k = first_[b]; k < first_[b + 1];) {  // groups that follow each other go together
+          const uint32_t begin = order_[k];
+          uint32_t end = begin + 1;
+          while (++k < first_[b + 1] && order_[k] == end) ++end;
+          const size_t from = begin * kGroup, to = std::min(end * kGroup, count);
+          kernel_(blocks[b], parts_[b], {&sorted_[from], &x_[from], &y_[from], &z_[from]}, static_cast<uint32_t>(to - from));
+        }
       }
     });
   }
