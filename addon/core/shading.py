@@ -20,6 +20,7 @@ class Feature(IntFlag):
     REST = 8
     SHARP = 16
     CONSTANT_EMISSION = 32
+    TRANSMITS = 64
 
 
 @dataclass(slots=True)

@@ -13,6 +13,10 @@ constexpr float kRoulette = 8;
 // What diffuse lobes keep of their chance where photons bring their light: rays share some direct light with light samples.
 constexpr float kDiffuseShared = 0.5f, kDiffuseLeast = 0.05f;
 constexpr int kSureBounces = 3;        // from here on at most with the throughput itself
+constexpr uint32_t kLearningPaths = 1 << 16;  // at most about so many of a pass
+// A sun and a sky, neither of which may be in sight, are looked at twice from the first vertices of a path.
+constexpr float kSunny = 0.7f;
+constexpr int kSunnyVertices = 2;
 constexpr float kBrightest = 20;     // times the world's mean: a sighting counts at most as much
 constexpr int kMaxTransparent = 4096;  // layers that let a path through before it is given up
 
@@ -79,6 +83,7 @@ struct CameraTracer::Job {
   bool records;
   Tiles tiles = Tiles::kAll;
   bool learns = false;
+  uint32_t learning_share = 1;  // of the pixels, 1 in so many
 };
 
 bool CameraTracer::sends_scouts(const Film& film) { return tiles_along(film.width) * tiles_along(film.height) >= kFewTiles; }
@@ -153,6 +158,7 @@ void CameraTracer::trace_pixel(const Job& job, int x, int y, Film& film, Tile& t
   // The place in the whole frame seeds a pixel, so that a border renders the same pixels.
   const uint32_t frame_index = static_cast<uint32_t>(y + c.y0) * c.width + (x + c.x0);
   const uint32_t seed = hash_combine(seed_, frame_index);
+  const bool learns = job.learns && hash_combine(seed, job.pass) % job.learning_share == 0;
   const uint32_t first = job.choice ? job.choice->first(index, job.pass) : job.pass;
   const uint32_t count = job.choice ? job.choice->count(index) : 1;
   float depth = kBackgroundDepth, surface_id = 0;
@@ -167,7 +173,7 @@ void CameraTracer::trace_pixel(const Job& job, int x, int y, Film& film, Tile& t
       Path path(*ray, pixel, tile, index, sample, seed);
       path.max_bounces = job.max_bounces;
       path.records = job.records;
-      path.learns = job.learns;
+      path.learns = learns;
       path.groups = groups;
       trace_path(path);
     } else {  // outside the lens' image: black, not transparent
@@ -188,7 +194,7 @@ void CameraTracer::trace_path(Path& path) const {
     ++path.tile.rays;
     const bool found = scene_.intersect(path.origin, path.direction, path.near, path.far, path.vertex == 0, hit);
     add_lamps(path, found ? hit.distance : path.far >= 1e30f ? INFINITY : path.far);
-    if (found && path.vertex == 1 && path.info.transparent_depth == 0) see_world(path, path.from, path.direction, {}, true);
+    if (found && path.vertex > 0 && path.info.transparent_depth == 0) see_world(path, path.from, path.direction, {}, true);
     if (!found) {
       add_world(path);
       return;
@@ -214,7 +220,9 @@ void CameraTracer::trace_path(Path& path) const {
       path.pixel.albedo += bsdf.albedo() * path.throughput;
     }
     if (!bsdf.scatters() || !(max_abs(path.throughput) > 0)) return;
-    const Receiver receiver{hit.position, bsdf.transmits() ? Vec3{} : hit.ng, bsdf.has_rest(), scene_.instances[hit.instance].group};
+    Receiver receiver{hit.position, bsdf.transmits() ? Vec3{} : hit.ng, bsdf.has_rest(), scene_.instances[hit.instance].group};
+    receiver.sky = lights_.guide_at(receiver.x, receiver.n);
+    if (path.vertex < kSunnyVertices && lights_.environment().contrast() > kSunny) receiver.world_samples = 2;
     const bool gathers = path.records && path.vertex < path.max_bounces, fallback = gathers && falls_back(path, hit, bsdf);
     if (path.records && bsdf.has_rest()) {
       const bool shares_diffuse = lights_.wants_bsdf_ray({receiver.x, receiver.n, false, receiver.group});
@@ -265,7 +273,7 @@ void CameraTracer::add_world(Path& path) const {
     path.pixel.alpha += 1;
   }
   const Rgb light = lights_.world_met(path.from, path.direction, path.pdf);
-  if (path.vertex == 1) see_world(path, path.from, path.direction, light / path.pdf, true);
+  if (path.vertex > 0) see_world(path, path.from, path.direction, light / path.pdf, true);
   add_met(path, light, path.pixel.environment, scene_.world_light_group);
 }
 
@@ -295,9 +303,10 @@ CameraTracer::Passing CameraTracer::pass_through(Path& path, const Surface& hit,
 void CameraTracer::add_direct(Path& path, const Surface& hit, const Bsdf& bsdf, const Receiver& receiver) const {
   const Vec2 choice = path.numbers(kChoicePair), place = path.numbers(kLightPair);
   if (bsdf.only_delta()) return;
-  if (const auto light = lights_.sample(receiver, choice.x, place)) add_light(path, hit, bsdf, *light, false);
+  if (const auto light = lights_.sample(receiver, choice.x, place)) add_light(path, hit, bsdf, receiver, *light, false);
   const Vec2 sky_choice = path.numbers(kSkyChoicePair), sky_place = path.numbers(kSkyPair);
-  if (const auto world = lights_.sample_world(receiver, sky_choice.x, sky_place)) add_light(path, hit, bsdf, *world, true);
+  for (uint32_t i = 0; i < receiver.world_samples; ++i)
+    if (const auto world = lights_.sample_world(receiver, i, sky_choice.x, sky_place)) add_light(path, hit, bsdf, receiver, *world, true);
 }
 
 // Something that was met on the way to the world or in its direction, for what learns from it.
@@ -308,7 +317,8 @@ void CameraTracer::see_world(Path& path, const Receiver& from, const Vec3& direc
   path.tile.sightings.push_back({from.x, from.n, direction, std::min(luminance(light) * cosine, most), ray});
 }
 
-void CameraTracer::add_light(Path& path, const Surface& hit, const Bsdf& bsdf, const LightSample& light, bool world) const {
+void CameraTracer::add_light(Path& path, const Surface& hit, const Bsdf& bsdf, const Receiver& receiver, const LightSample& light,
+                             bool world) const {
   float pdf = 0, sharp = 0;
   Rgb diffuse{};
   const bool brought = !is_black(path.brought);
@@ -317,9 +327,8 @@ void CameraTracer::add_light(Path& path, const Surface& hit, const Bsdf& bsdf, c
   ++path.tile.rays;
   Rgb arriving = light.weight * light_through(light, hit, path.info);
   if (light.use_mis) arriving *= light.pdf * light.pdf / (light.pdf * light.pdf + pdf * pdf);
-  if (world && path.vertex == 0) {
-    const Receiver from{hit.position, bsdf.transmits() ? Vec3{} : hit.ng, bsdf.has_rest(), scene_.instances[hit.instance].group};
-    see_world(path, from, light.direction, arriving, false);
+  if (world) {
+    see_world(path, receiver, light.direction, arriving, false);
   }
   arriving *= path.throughput - path.brought * sharp;
   if (path.groups) GroupLight{path.groups, scattered}.add(arriving, light.light_group);
@@ -439,7 +448,8 @@ bool CameraTracer::find_changed(Tile& tile) const {
 const Records& CameraTracer::trace(uint32_t pass, const SampleChoice& choice, SkyGuide& sky, int max_bounces, Film& film,
                                    const CancelFlag& cancel, Tiles tiles) {
   const bool learns = sky.learning() && !lights_.environment().black();
-  trace_tiles({pass, &choice, max_bounces, true, tiles, learns}, film, cancel);
+  const uint32_t share = 1 + static_cast<uint32_t>(film.pixels.size() / kLearningPaths);
+  trace_tiles({pass, &choice, max_bounces, true, tiles, learns, share}, film, cancel);
   if (learns) {
     for (Tile& tile : tiles_) {
       sky.learn(tile.sightings);

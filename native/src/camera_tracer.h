@@ -91,7 +91,7 @@ class CameraTracer {
   void add_emission(Path& path, const Surface& hit, const Rgb& emission) const;
   Passing pass_through(Path& path, const Surface& hit, const Bsdf& bsdf) const;
   void add_direct(Path& path, const Surface& hit, const Bsdf& bsdf, const Receiver& receiver) const;
-  void add_light(Path& path, const Surface& hit, const Bsdf& bsdf, const LightSample& light, bool world) const;
+  void add_light(Path& path, const Surface& hit, const Bsdf& bsdf, const Receiver& receiver, const LightSample& light, bool world) const;
   void see_world(Path& path, const Receiver& from, const Vec3& direction, const Rgb& light, bool ray) const;
   Rgb light_through(const LightSample& light, const Surface& hit, const RayInfo& ray) const;
   bool falls_back(Path& path, const Surface& hit, const Bsdf& bsdf) const;

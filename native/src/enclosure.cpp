@@ -9,6 +9,7 @@ constexpr uint32_t kLooks = 24;  // by which a closed thing is told from a sheet
 
 bool is_dark(const Scene& scene, const Surface& hit, const Vec3& wo) {
   if (!hit.program) return is_black(hit.side->emission);
+  if (!(hit.program->features & (kProgramEmits | kProgramTransparent | kProgramTransmits))) return true;
   Bsdf bsdf(Transport::kRadiance, wo, hit.ng, hit.ns, hit.back);
   scene.shade(hit, wo, {}, bsdf);
   return is_black(bsdf.transparency()) && is_black(bsdf.emission()) && !bsdf.transmits();

@@ -6,6 +6,7 @@ namespace {
 constexpr double kUniformShare = 0.02;     // of the table's samples: no direction is ever left out
 constexpr float kLimbDarkening = 0.6f;     // Cycles' sun: 1 - 0.6 (1 - cos of the angle to the sun's own surface)
 constexpr int kMostColumns = 2048;
+constexpr float kBelowOne = 0x1.fffffep-1f;
 
 // Real spherical harmonics to the second degree.
 void harmonics_at(const Vec3& d, float y[9]) {
@@ -25,22 +26,12 @@ Vec3 direction_at(float polar, float longitude) {
   return {sine * std::cos(longitude), sine * std::sin(longitude), std::cos(polar)};
 }
 
-size_t pick(const float* cdf, size_t count, float u) {
-  return std::min<size_t>(std::upper_bound(cdf, cdf + count, u) - cdf, count - 1);
-}
-
-float share(const float* cdf, size_t i) { return cdf[i] - (i ? cdf[i - 1] : 0.0f); }
-
-float within(const float* cdf, size_t i, float u) {
-  return std::clamp((u - (i ? cdf[i - 1] : 0.0f)) / std::max(share(cdf, i), 1e-30f), 0.0f, 0x1.fffffep-1f);
-}
-
 }  // namespace
 
 Environment::Environment(Scene& scene) : scene_(scene) {
   add_discs();
   if (scene_.world_map.texture >= 0 || scene_.world_program >= 0) bake();
-  else measure({scene_.world});
+  else measure({scene_.world}, 1, 1);
 }
 
 Rgb Environment::map_radiance(const Vec3& d) const {
@@ -104,45 +95,39 @@ void Environment::bake() {
     columns = std::clamp(texture.width, 64, kMostColumns);
     finest = std::clamp(std::max(texture.width, 2 * texture.height), columns, 16384);
   }
-  width_ = columns;
-  height_ = columns / 2;
+  const int rows = columns / 2;
   const int fine = std::max(2, (finest + columns - 1) / columns);
-  std::vector<Rgb> cells(static_cast<size_t>(width_) * height_);
-  scene_.pool().for_each(height_, CancelFlag(), [&](size_t row, int) {
-    for (int column = 0; column < width_; ++column) {
+  std::vector<Rgb> cells(static_cast<size_t>(columns) * rows);
+  scene_.pool().for_each(rows, CancelFlag(), [&](size_t row, int) {
+    for (int column = 0; column < columns; ++column) {
       Rgb sum{};
       for (int j = 0; j < fine; ++j)
         for (int i = 0; i < fine; ++i) {
           const float polar = (static_cast<float>(row) + (static_cast<float>(j) + 0.5f) / static_cast<float>(fine)) * kPi /
-                              static_cast<float>(height_);
+                              static_cast<float>(rows);
           const float longitude = (static_cast<float>(column) + (static_cast<float>(i) + 0.5f) / static_cast<float>(fine)) *
-                                  2 * kPi / static_cast<float>(width_);
+                                  2 * kPi / static_cast<float>(columns);
           sum += map_radiance(direction_at(polar, longitude));
         }
-      cells[row * width_ + column] = sum / static_cast<float>(fine * fine);
+      cells[row * columns + column] = sum / static_cast<float>(fine * fine);
     }
   });
-  measure(cells);
+  measure(cells, columns, rows);
 }
 
-// cells: the table's, or one for all directions.
-void Environment::measure(const std::vector<Rgb>& cells) {
-  if (width_ == 0) height_ = width_ = 1;
-  const auto solid_angle = [&](int row) {
-    const double top = kPi * row / height_, bottom = kPi * (row + 1) / height_;
-    return 2 * double(kPi) / width_ * (std::cos(top) - std::cos(bottom));
-  };
+// cells: those of the table to be, or one for all directions.
+void Environment::measure(const std::vector<Rgb>& cells, int width, int height) {
   double sum[3] = {}, squares = 0, power = 0;
-  for (int row = 0; row < height_; ++row)
-    for (int column = 0; column < width_; ++column) {
-      const Rgb& c = cells[static_cast<size_t>(row) * width_ + column];
-      const double omega = solid_angle(row), mean = std::isfinite(average(c)) ? average(c) : 0;
+  for (int row = 0; row < height; ++row)
+    for (int column = 0; column < width; ++column) {
+      const Rgb& c = cells[static_cast<size_t>(row) * width + column];
+      const double omega = DirectionTable::solid_angle(row, width, height), mean = std::isfinite(average(c)) ? average(c) : 0;
       for (int i = 0; i < 3; ++i) sum[i] += std::isfinite(c[i]) ? c[i] * omega : 0;
       squares += mean * mean * omega;
       power += mean * omega;
       float y[9];
-      const Vec3 d = direction_at((static_cast<float>(row) + 0.5f) * kPi / static_cast<float>(height_),
-                                  (static_cast<float>(column) + 0.5f) * 2 * kPi / static_cast<float>(width_));
+      const Vec3 d = direction_at((static_cast<float>(row) + 0.5f) * kPi / static_cast<float>(height),
+                                  (static_cast<float>(column) + 0.5f) * 2 * kPi / static_cast<float>(width));
       harmonics_at(d, y);
       for (int i = 0; i < (cells.size() > 1 ? 9 : 1); ++i) harmonics_[i] += static_cast<float>(mean * omega) * y[i];
     }
@@ -164,72 +149,40 @@ void Environment::measure(const std::vector<Rgb>& cells) {
   }
   const double even = power > 0 ? power * power / (4 * kPi * squares) : 1;  // 1: the same from everywhere
   contrast_ = static_cast<float>((discs + power * (1 - even)) / std::max(discs + power, 1e-300));
-  if (cells.size() == 1 || !(power > 0)) return;
-  if (1 - even < 1e-4) {
-    width_ = height_ = 0;
-    if (discs_.empty()) return;  // as good as constant
+  if (cells.size() == 1 || !(power > 0) || 1 - even < 1e-4) return;  // as good as constant
+  std::vector<float> density(cells.size());
+  for (size_t i = 0; i < cells.size(); ++i) {
+    const double mean = std::isfinite(average(cells[i])) ? average(cells[i]) : 0;
+    density[i] = static_cast<float>((1 - kUniformShare) * mean / power + kUniformShare / (4 * kPi));
   }
-  if (width_ == 0) return;
-  cdf_.resize(cells.size());
-  density_.resize(cells.size());
-  row_cdf_.resize(height_);
-  double rows = 0;
-  for (int row = 0; row < height_; ++row) {
-    const double omega = solid_angle(row);
-    double running = 0;
-    for (int column = 0; column < width_; ++column) {
-      const size_t at = static_cast<size_t>(row) * width_ + column;
-      const double mean = std::isfinite(average(cells[at])) ? average(cells[at]) : 0;
-      density_[at] = static_cast<float>((1 - kUniformShare) * mean / power + kUniformShare / (4 * kPi));
-      running += density_[at];
-      cdf_[at] = static_cast<float>(running);
-    }
-    for (int column = 0; column < width_; ++column) cdf_[static_cast<size_t>(row) * width_ + column] /= static_cast<float>(running);
-    row_cdf_[row] = static_cast<float>(rows += running * omega);
-  }
+  table_ = DirectionTable(std::move(density), width, height);
+}
+
+Vec3 Environment::sample_discs(const Vec2& u) const {
+  const size_t i = std::min<size_t>(std::upper_bound(disc_cdf_.begin(), disc_cdf_.end(), u.x) - disc_cdf_.begin(), discs_.size() - 1);
+  const float low = i ? disc_cdf_[i - 1] : 0, share = std::max(disc_cdf_[i] - low, 1e-30f);
+  return Basis(discs_[i].towards).to_world(sample_cone({std::clamp((u.x - low) / share, 0.0f, kBelowOne), u.y}, discs_[i].one_minus_cos));
 }
 
 Environment::Sample Environment::sample(const Vec2& u) const {
-  Vec3 direction;
-  if (u.x < disc_share_) {
-    const size_t i = pick(disc_cdf_.data(), disc_cdf_.size(), u.x);
-    direction = Basis(discs_[i].towards).to_world(sample_cone({within(disc_cdf_.data(), i, u.x), u.y}, discs_[i].one_minus_cos));
-  } else {
-    const float x = std::min((u.x - disc_share_) / (1 - disc_share_), 0x1.fffffep-1f);
-    if (cdf_.empty()) {
-      direction = sample_sphere({x, u.y});
-    } else {
-      const float target = x * row_cdf_.back();
-      const size_t row = pick(row_cdf_.data(), row_cdf_.size(), target);
-      const float* cdf = &cdf_[row * width_];
-      const size_t column = pick(cdf, width_, u.y);
-      // Uniform in solid angle within the cell.
-      const float top = std::cos(kPi * static_cast<float>(row) / static_cast<float>(height_));
-      const float bottom = std::cos(kPi * static_cast<float>(row + 1) / static_cast<float>(height_));
-      const float z = top + (bottom - top) * within(row_cdf_.data(), row, target);
-      const float longitude = (static_cast<float>(column) + within(cdf, column, u.y)) * 2 * kPi / static_cast<float>(width_);
-      const float sine = std::sqrt(std::max(0.0f, 1 - z * z));
-      direction = {sine * std::cos(longitude), sine * std::sin(longitude), z};
-    }
-  }
+  const Vec3 direction =
+      u.x < disc_share_ ? sample_discs(u) : table_.sample({std::min((u.x - disc_share_) / (1 - disc_share_), kBelowOne), u.y});
   return {direction, pdf(direction)};
 }
 
-float Environment::map_pdf(const Vec3& d) const {
-  if (cdf_.empty()) return 1 / (4 * kPi);
-  const float polar = std::atan2(std::hypot(d.x, d.y), d.z), longitude = std::atan2(d.y, d.x);
-  const int row = std::clamp(static_cast<int>(polar / kPi * static_cast<float>(height_)), 0, height_ - 1);
-  const int column = std::clamp(static_cast<int>((longitude < 0 ? longitude + 2 * kPi : longitude) / (2 * kPi) * static_cast<float>(width_)), 0, width_ - 1);
-  return density_[static_cast<size_t>(row) * width_ + column] / row_cdf_.back();
+Vec3 Environment::sample_part(int part, const Vec2& u) const {
+  return part == kDiscs ? sample_discs({u.x * disc_share_, u.y}) : table_.sample_patch(part, u);
 }
 
-float Environment::pdf(const Vec3& d) const {
-  float sum = disc_share_ < 1 ? (1 - disc_share_) * map_pdf(d) : 0;
+float Environment::disc_density(const Vec3& d) const {
+  float sum = 0;
   for (size_t i = 0; i < discs_.size(); ++i)
     if (length2(d - discs_[i].towards) <= 2 * discs_[i].one_minus_cos * (1 + 1e-5f))
-      sum += share(disc_cdf_.data(), i) / (2 * kPi * discs_[i].one_minus_cos);
+      sum += (disc_cdf_[i] - (i ? disc_cdf_[i - 1] : 0.0f)) / (2 * kPi * discs_[i].one_minus_cos);
   return sum;
 }
+
+float Environment::pdf(const Vec3& d) const { return (disc_share_ < 1 ? (1 - disc_share_) * table_.pdf(d) : 0) + disc_density(d); }
 
 // Ramamoorthi & Hanrahan 2001, "An efficient representation for irradiance environment maps".
 float Environment::irradiance(const Vec3& n) const {

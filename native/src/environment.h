@@ -1,6 +1,7 @@
 // What lies beyond the scene: radiance by direction, drawn from in proportion to it.
 #pragma once
 
+#include "direction_table.h"
 #include "scene.h"
 
 namespace photon_splat {
@@ -12,7 +13,7 @@ class Environment {
 
   bool black() const { return is_black(mean_); }
   // The same from everywhere: nothing is gained by drawing from it.
-  bool constant() const { return cdf_.empty() && discs_.empty(); }
+  bool constant() const { return table_.even() && discs_.empty(); }
   // W/m^2/sr out of the direction `d` (unit, away from the scene).
   Rgb radiance(const Vec3& d) const { return map_radiance(d) + disc_radiance(d); }
   Rgb mean() const { return mean_; }  // over all directions
@@ -23,6 +24,18 @@ class Environment {
   };
   Sample sample(const Vec2& u) const;
   float pdf(const Vec3& d) const;
+
+  // Directions in parts: the patches of the table, and in the last one all of the suns' discs.
+  static constexpr int kDiscs = DirectionTable::kPatches, kParts = kDiscs + 1;
+  int part_of(const Vec3& d) const { return disc_density(d) > 0 ? kDiscs : table_.patch_of(d); }
+  float part_share(int part) const { return part == kDiscs ? disc_share_ : (1 - disc_share_) * table_.share(part); }  // of sample()'s
+  Vec3 sample_part(int part, const Vec2& u) const;
+  // Density of d among directions from parts that are drawn with these chances, 1/sr; chance: of each part.
+  template <class Chance>
+  float pdf_by_parts(const Chance& chance, const Vec3& d) const {
+    const float table = chance(table_.patch_of(d)) * table_.pdf_in_patch(d);
+    return discs_.empty() || !(disc_share_ > 0) ? table : table + chance(kDiscs) * disc_density(d) / disc_share_;
+  }
 
   // About the irradiance of an unshadowed surface, mean over RGB; n = 0: of both sides of any.
   float irradiance(const Vec3& n) const;
@@ -41,17 +54,15 @@ class Environment {
   Rgb radiance_of(const Disc& disc, const Vec3& d) const;
   void add_discs();
   void bake();
-  void measure(const std::vector<Rgb>& cells);
-  float map_pdf(const Vec3& d) const;
+  void measure(const std::vector<Rgb>& cells, int width, int height);
+  Vec3 sample_discs(const Vec2& u) const;     // u.x: below disc_share_
+  float disc_density(const Vec3& d) const;    // of the share that the discs have of sample()'s
 
   Scene& scene_;
   std::vector<Disc> discs_;
   std::vector<float> disc_cdf_;          // up to the discs' share of the samples
   float disc_share_ = 0;
-  int width_ = 0, height_ = 0;           // of the table: longitude by polar angle from +Z
-  std::vector<float> cdf_;               // per row over longitude, normalised
-  std::vector<float> row_cdf_;
-  std::vector<float> density_;           // per cell, 1/sr
+  DirectionTable table_;
   Rgb mean_{};
   float contrast_ = 0;
   float harmonics_[9] = {};              // of the mean over RGB

@@ -5,6 +5,7 @@
 namespace photon_splat {
 namespace {
 
+constexpr float kBelowOne = 0x1.fffffep-1f, kGolden = 0.61803399f;
 constexpr float kGuided = 0.85f;  // of the world's samples, where there is a guide
 constexpr size_t kFewEmitters = 32;  // up to here every emitter is ranked at every point
 
@@ -12,6 +13,9 @@ float smoothstep(float t) {
   t = std::clamp(t, 0.0f, 1.0f);
   return t * t * (3 - 2 * t);
 }
+
+// On the circle of circumference 1.
+float shifted(float u, float by) { return std::min(u + by - std::floor(u + by), kBelowOne); }
 
 float power_heuristic(float a, float b) {
   if (!(a < 1e18f)) return 1;  // a delta
@@ -133,7 +137,7 @@ float Lights::emitters_weight(const Receiver& to) const {
 
 // The world is drawn from as far as that is better than leaving it to the rays that BSDFs draw.
 float Lights::world_probability(const Receiver& to, float emitters) const {
-  if (environment_.constant() || guided(to)) return 0;
+  if (environment_.constant() || to.sky) return 0;
   const float world = environment_.irradiance(to.n) * environment_.contrast();
   return world > 0 ? world / (world + emitters) : 0;
 }
@@ -179,17 +183,19 @@ std::optional<Lights::Pick> Lights::pick_of_many(const Receiver& to, float weigh
 // Where the guide is wrong the world's own density, or an even one, makes up for it.
 float Lights::guided_pdf(const SkyGuide::Cell& cell, const Vec3& direction) const {
   const float own = environment_.constant() ? 1 / (4 * kPi) : environment_.pdf(direction);
-  return kGuided * cell.pdf(direction) + (1 - kGuided) * own;
+  return kGuided * cell.pdf(environment_, direction) + (1 - kGuided) * own;
 }
 
-std::optional<LightSample> Lights::sample_world(const Receiver& to, float choice, const Vec2& u) const {
-  if (environment_.black()) return std::nullopt;
-  const SkyGuide::Cell* cell = guided(to);
-  if (!cell) return std::nullopt;
+std::optional<LightSample> Lights::sample_world(const Receiver& to, uint32_t i, float choice, const Vec2& all) const {
+  if (environment_.black() || !to.sky) return std::nullopt;
+  // Parts of the world are drawn by u.x: each sample takes its share of them, and the others of what else there is to draw.
+  const float count = static_cast<float>(to.world_samples), n = static_cast<float>(i);
+  const Vec2 u{std::min((all.x + n) / count, kBelowOne), shifted(all.y, n * kGolden)};
+  choice = shifted(choice, n / count);
   LightSample out{};
-  out.direction = choice < kGuided ? cell->sample(u) : environment_.constant() ? sample_sphere(u) : environment_.sample(u).direction;
+  out.direction = choice < kGuided ? to.sky->sample(environment_, u) : environment_.constant() ? sample_sphere(u) : environment_.sample(u).direction;
   out.distance = INFINITY;
-  out.pdf = guided_pdf(*cell, out.direction);
+  out.pdf = count * guided_pdf(*to.sky, out.direction);
   if (!(out.pdf > 0)) return std::nullopt;
   out.weight = environment_.radiance(out.direction) / out.pdf;
   out.use_mis = true;
@@ -449,7 +455,7 @@ Rgb Lights::lamp_radiance_met(const Lamp& lamp, const Vec3& origin, const Vec3& 
 Rgb Lights::world_met(const Receiver& to, const Vec3& direction, float bsdf_pdf) const {
   const Rgb radiance = environment_.radiance(direction);
   if (!(bsdf_pdf < INFINITY) || is_black(radiance)) return radiance;
-  if (const SkyGuide::Cell* cell = guided(to)) return radiance * power_heuristic(bsdf_pdf, guided_pdf(*cell, direction));
+  if (to.sky) return radiance * power_heuristic(bsdf_pdf, static_cast<float>(to.world_samples) * guided_pdf(*to.sky, direction));
   if (environment_.constant()) return radiance;
   return radiance * power_heuristic(bsdf_pdf, world_probability(to, emitters_weight(to)) * environment_.pdf(direction));
 }

@@ -50,6 +50,8 @@ struct Receiver {
   Vec3 n;              // unit; 0 where light from either side counts
   bool sharp = false;  // scatters in narrow lobes: its rays share all lights they can find with `sample`, not near ones only
   uint64_t group = ~uint64_t{0};  // Instance::group
+  const SkyGuide::Cell* sky = nullptr;  // of Lights::guide_at(), if any: by what the world is looked for from there
+  uint32_t world_samples = 1;           // how many sample_world() is asked for
 };
 
 // Light arriving at a point from one direction. weight = radiance / pdf (solid angle, choice of light included).
@@ -96,10 +98,12 @@ class Lights {
   // One light sample; nullopt when no light reaches the place.
   std::optional<LightSample> sample(const Receiver& to, float choice, const Vec2& u) const;
 
-  // One sample of the world, where the guide has learnt how to see it from there; `sample` then leaves the world out.
-  std::optional<LightSample> sample_world(const Receiver& to, float choice, const Vec2& u) const;
+  // Sample `i` of to.world_samples, of one world altogether, where the guide has learnt how to see it from there; `sample` then leaves
+  // the world out. The numbers are those of all of them.
+  std::optional<LightSample> sample_world(const Receiver& to, uint32_t i, float choice, const Vec2& u) const;
   // Lives as long as it is used here; none at first.
   void set_guide(const SkyGuide* guide) { guide_ = guide; }
+  const SkyGuide::Cell* guide_at(const Vec3& x, const Vec3& n) const { return guide_ ? guide_->find(x, n) : nullptr; }
 
   // True when a BSDF-sampled ray could add light that `sample` leaves to it (world, lights near by).
   bool wants_bsdf_ray(const Receiver& to) const;
@@ -236,7 +240,6 @@ class Lights {
   float choice_probability(uint32_t emitter, const Receiver& to) const;  // of an emitter among themselves
   float emitters_weight(const Receiver& to) const;                         // of all together
   float world_probability(const Receiver& to, float emitters_weight) const;
-  const SkyGuide::Cell* guided(const Receiver& to) const { return guide_ ? guide_->find(to.x, to.n) : nullptr; }
   float guided_pdf(const SkyGuide::Cell& cell, const Vec3& direction) const;
   // lights_shaded.cpp: the factor of the lamp's radiance by its program, at `position` (of a sun: anything) seen from `distance`
   // along -wo. White for lamps without one.

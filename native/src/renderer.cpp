@@ -53,7 +53,7 @@ void Renderer::build() {
 }
 
 void Renderer::learn_sky_anew() {
-  sky_.reset();
+  sky_.reset(lights_->environment());
   lights_->set_guide(&sky_);
 }
 

@@ -15,7 +15,7 @@ constexpr double kStorePhotons = 1 << 17;
 void Renderer::set_view() {
   selected();
   *camera_ = Camera(camera_settings);
-  sky_.reset();
+  sky_.reset(lights_->environment());
   reset_film();
   records_ = nullptr;
   if (!options.kept_photon_bytes)

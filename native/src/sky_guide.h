@@ -4,17 +4,16 @@
 #include <unordered_map>
 #include <vector>
 
-#include "sampling.h"
+#include "environment.h"
 
 namespace photon_splat {
 
-// An even sky through a window is found by few of the rays that surfaces send out. What they, and samples of the guide itself,
-// have found is kept in cells of space and of the surface's orientation, as a histogram over the octahedral map of directions:
-// an estimate of radiance times cosine times visibility. It is learnt between passes and fixed during them.
+// An even sky through a window is found by few of the rays that surfaces send out, and a small sun in an image is wasted on walls in
+// shadow. What rays and light samples have found is kept in cells of space and of the surface's orientation, as an estimate of radiance
+// times cosine times visibility in each part of the environment; within a part directions are drawn as the environment draws them. It
+// is learnt between passes and fixed during them.
 class SkyGuide {
  public:
-  static constexpr int kSide = 16, kBins = kSide * kSide;
-
   // What was met in a direction from the place x, of unit normal n (0: any). weight: its radiance times cosine over the density it
   // was found with, 0 where something stood in the way. ray: found by the surface's own sampling.
   struct Sighting {
@@ -25,8 +24,8 @@ class SkyGuide {
   // A histogram that directions can be drawn from.
   class Cell {
    public:
-    Vec3 sample(const Vec2& u) const;
-    float pdf(const Vec3& d) const;  // solid angle
+    Vec3 sample(const Environment& environment, const Vec2& u) const;
+    float pdf(const Environment& environment, const Vec3& d) const;  // solid angle
 
    private:
     friend class SkyGuide;
@@ -35,26 +34,34 @@ class SkyGuide {
     bool useful = false;
   };
 
-  void reset() { *this = {}; }
+  // Forgets all; what is learnt from now on is of `environment`, which must outlive it.
+  void reset(const Environment& environment) {
+    *this = {};
+    environment_ = &environment;
+  }
   bool learning() const { return passes_ < kPasses; }
   // The sightings of one pass, in an order that does not depend on threads, then end_pass().
   void learn(const std::vector<Sighting>& sightings);
   void end_pass();
 
-  // None where the guide knows too little, or where the world is seen so freely that no guide is needed.
+  // None where the guide knows too little, or where so even a world is seen so freely that no guide is needed.
   const Cell* find(const Vec3& x, const Vec3& n) const;
 
  private:
-  static constexpr uint32_t kPasses = 8;  // that are learnt from
+  static constexpr uint32_t kPasses = 9;  // that are learnt from
   static constexpr int kLevels = 3;
   uint64_t key(int level, const Vec3& x, const Vec3& n) const;
+  static uint64_t parent_of(uint64_t key);  // one level up
   void add(Cell& cell, const Sighting& s) const;
+  void join_levels();
+  void believe(Cell& cell, bool uneven) const;  // makes a distribution of what it has found, if that is enough
 
+  const Environment* environment_ = nullptr;
   uint32_t passes_ = 0;
-  Vec3 low_{}, size_{};
-  float edge_ = 0;                 // of the finest cells, m; 0: nothing learnt yet
+  Vec3 low_{};
+  float scale_[kLevels] = {};      // 1 over the edge of a level's cells, 1/m, the finest first; 0: nothing learnt yet
   std::vector<Sighting> waiting_;  // of the pass
-  std::unordered_map<uint64_t, Cell> cells_;
+  std::unordered_map<uint64_t, Cell> cells_[kLevels];
 };
 
 }  // namespace photon_splat

@@ -66,7 +66,7 @@ def diffuse(n: Node, weight: Value) -> Made:
 
 
 def translucent(n: Node, weight: Value) -> Made:
-    return [statement("Translucent", weight=weight, color=n.color("Color"), normal=n.closure_normal())], Feature.GATHERS
+    return [statement("Translucent", weight=weight, color=n.color("Color"), normal=n.closure_normal())], Feature.GATHERS | Feature.TRANSMITS
 
 
 def subsurface(n: Node, weight: Value) -> Made:
@@ -115,13 +115,14 @@ def glass(n: Node, weight: Value) -> Made:
         thin_film_ior=n.number("Thin Film IOR", 1.33),
         distribution=_distribution(n),
     )
-    return [made], _roughness_features(roughness)
+    return [made], _roughness_features(roughness) | Feature.TRANSMITS
 
 
 def refraction(n: Node, weight: Value) -> Made:
     roughness = n.share("Roughness")
     inputs = {"color": n.color("Color"), "normal": n.closure_normal(), "roughness": roughness, "ior": n.ior("IOR", 1.45)}
-    return [statement("Refraction", weight=weight, distribution=_distribution(n), **inputs)], _roughness_features(roughness)
+    made = statement("Refraction", weight=weight, distribution=_distribution(n), **inputs)
+    return [made], _roughness_features(roughness) | Feature.TRANSMITS
 
 
 def metallic(n: Node, weight: Value) -> Made:
@@ -212,6 +213,8 @@ def principled(n: Node, weight: Value) -> Made:
             features |= Feature.CONSTANT_EMISSION
     if metal != ONE and weights["Transmission Weight"] != ONE:
         features |= Feature.GATHERS
+    if weights["Transmission Weight"] != ZERO:
+        features |= Feature.TRANSMITS
     if weights["Sheen Weight"] != ZERO:
         features |= Feature.GATHERS | Feature.REST
     smooth = metal == ZERO and weights["Transmission Weight"] == ZERO and (specular == ZERO or ior == ONE)

@@ -28,6 +28,7 @@ enum ProgramFeature : uint32_t {
   kProgramEmits = 1, kProgramTransparent = 2, kProgramGathers = 4, kProgramRest = 8,  // Rest: lobes beyond Lambert
   kProgramSharp = 16,  // a lobe of roughness below 1/2 is possible: caustics
   kProgramConstantEmission = 32,  // emission is the same everywhere and from every direction
+  kProgramTransmits = 64,  // a lobe may send light to the other side
 };
 
 // The ray that found the hit: the Light Path node's outputs.
