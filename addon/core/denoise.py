@@ -18,6 +18,7 @@ from .native import bpy_library
 LIBRARY = "libOpenImageDenoise.so.2"
 DEVICE_CPU = 1
 FLOAT3 = 3
+QUALITY_BALANCED = 5
 LUMINANCE = (0.2126, 0.7152, 0.0722)
 WINDOW = 2
 """Half the side of the square over which pixels share what is known of noise and blur."""
@@ -55,6 +56,7 @@ def _library() -> ctypes.CDLL:
             ("oidnReleaseFilter", None, [handle]),
             ("oidnSetSharedFilterImage", None, [handle, ctypes.c_char_p, handle, ctypes.c_int] + [ctypes.c_size_t] * 5),
             ("oidnSetFilterBool", None, [handle, ctypes.c_char_p, ctypes.c_bool]),
+            ("oidnSetFilterInt", None, [handle, ctypes.c_char_p, ctypes.c_int]),
             ("oidnSetFilterProgressMonitorFunction", None, [handle, _MONITOR, handle]),
             ("oidnCommitFilter", None, [handle]),
             ("oidnExecuteFilter", None, [handle]),
@@ -114,47 +116,69 @@ def denoise(
     albedo: NDArray[np.float32],
     normal: NDArray[np.float32],
     *,
+    noisy_features: bool = False,
     threads: int = 0,
     should_cancel: Callable[[], bool] | None = None,
 ) -> NDArray[np.float32]:
-    """`color` (height, width, 3), linear, without its noise; the features, of the same shape, are taken as free of noise.
+    """`color` (height, width, 3), linear, without its noise, by the features, of the same shape.
 
+    noisy_features: of few samples; their own noise, at edges and in textures, would come back in the picture, so it is taken out first.
     threads: 0 = all. A cancelled run returns `color` as it came. DenoiserMissing, or RuntimeError with the library's message.
     """
     library = _library()
     color, albedo, normal = (np.ascontiguousarray(a, np.float32) for a in (color, np.clip(albedo, 0.0, 1.0), normal))
-    output = np.empty_like(color)
-    height, width = color.shape[:2]
-    cancelled = False
-
-    def monitor(_: int | None, __: float) -> bool:
-        nonlocal cancelled
-        cancelled = cancelled or (should_cancel is not None and should_cancel())
-        return not cancelled
-
     device = library.oidnNewDevice(DEVICE_CPU)
     if not device:
         raise RuntimeError("Open Image Denoise could not be started")
-    monitor_function = _MONITOR(monitor)
-    filter_handle = None
     try:
         if threads:
             library.oidnSetDeviceInt(device, b"numThreads", threads)
         library.oidnSetDeviceBool(device, b"setAffinity", False)
         library.oidnCommitDevice(device)
-        filter_handle = library.oidnNewFilter(device, b"RT")
-        for name, image in ((b"color", color), (b"albedo", albedo), (b"normal", normal), (b"output", output)):
-            library.oidnSetSharedFilterImage(filter_handle, name, image.ctypes.data, FLOAT3, width, height, 0, 0, 0)
-        library.oidnSetFilterBool(filter_handle, b"hdr", True)
-        library.oidnSetFilterBool(filter_handle, b"cleanAux", True)
-        library.oidnSetFilterProgressMonitorFunction(filter_handle, monitor_function, None)
-        library.oidnCommitFilter(filter_handle)
-        library.oidnExecuteFilter(filter_handle)
+        run = _Run(library, device, should_cancel)
+        if noisy_features:
+            albedo, normal = (run.filter({name: image}, prefilter=True) for name, image in ((b"albedo", albedo), (b"normal", normal)))
+        output = run.filter({b"color": color, b"albedo": albedo, b"normal": normal})
         message = ctypes.c_char_p()
-        if library.oidnGetDeviceError(device, ctypes.byref(message)) and not cancelled:
+        if library.oidnGetDeviceError(device, ctypes.byref(message)) and not run.cancelled:
             raise RuntimeError(f"Open Image Denoise failed: {(message.value or b'unknown error').decode()}")
     finally:
-        if filter_handle:
-            library.oidnReleaseFilter(filter_handle)
         library.oidnReleaseDevice(device)
-    return color if cancelled else output
+    return color if run.cancelled else output
+
+
+class _Run:
+    """Filters on one device; a cancelled one is the last."""
+
+    def __init__(self, library: ctypes.CDLL, device: int, should_cancel: Callable[[], bool] | None) -> None:
+        self.library, self.device = library, device
+        self.should_cancel = should_cancel
+        self.cancelled = False
+
+    def _monitor(self, _: int | None, __: float) -> bool:
+        self.cancelled = self.cancelled or (self.should_cancel is not None and self.should_cancel())
+        return not self.cancelled
+
+    def filter(self, images: dict[bytes, NDArray[np.float32]], *, prefilter: bool = False) -> NDArray[np.float32]:
+        """The first of the images without its noise, the others being features of it. prefilter: it is a feature itself."""
+        first = next(iter(images.values()))
+        if self.cancelled:
+            return first
+        output = np.empty_like(first)
+        monitor = _MONITOR(self._monitor)
+        height, width = first.shape[:2]
+        handle = self.library.oidnNewFilter(self.device, b"RT")
+        try:
+            for name, image in (*images.items(), (b"output", output)):
+                self.library.oidnSetSharedFilterImage(handle, name, image.ctypes.data, FLOAT3, width, height, 0, 0, 0)
+            if prefilter:
+                self.library.oidnSetFilterInt(handle, b"quality", QUALITY_BALANCED)
+            else:
+                self.library.oidnSetFilterBool(handle, b"hdr", True)
+                self.library.oidnSetFilterBool(handle, b"cleanAux", True)
+            self.library.oidnSetFilterProgressMonitorFunction(handle, monitor, None)
+            self.library.oidnCommitFilter(handle)
+            self.library.oidnExecuteFilter(handle)
+        finally:
+            self.library.oidnReleaseFilter(handle)
+        return output

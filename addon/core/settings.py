@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import TypeVar
 
 
 class Integrator(StrEnum):
@@ -26,6 +27,16 @@ class FinalGather(StrEnum):
 FORCEABLE = ("photons", "caustics", "occlusion")
 SWITCHES = ("boundary_correction", "caustics", "occlusion", "fallback", "adaptive_radius", "adaptive_samples")
 """Components with a setting of their own that leaves them out."""
+
+
+Word = TypeVar("Word", bound=StrEnum)
+
+
+def _word(words: type[Word], name: str, given: str) -> Word:
+    try:
+        return words(given)
+    except ValueError:
+        raise ValueError(f"{name} is '{given}'; it must be one of {', '.join(words)}") from None
 
 
 @dataclass(slots=True)
@@ -74,6 +85,9 @@ class RenderSettings:
     force: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
+        self.backend = _word(Backend, "backend", self.backend)
+        self.final_gather = _word(FinalGather, "final_gather", self.final_gather)
+        self.integrator = _word(Integrator, "integrator", self.integrator)
         if self.passes < 1:
             raise ValueError(f"passes is {self.passes}; it must be at least 1")
         if self.photons_per_pass < 0:

@@ -277,9 +277,12 @@ def test_sheets_thinner_than_a_kernel_do_not_leak() -> None:
         ("threads", -1),
         ("time_limit", -1.0),
         ("time_limit", np.nan),
+        ("final_gather", "SOMETIMES"),
+        ("backend", "TPU"),
+        ("integrator", "bidirectional"),
     ],
 )
-def test_settings_that_make_no_sense_are_named(setting: str, value: float) -> None:
+def test_settings_that_make_no_sense_are_named(setting: str, value: float | str) -> None:
     with pytest.raises(ValueError, match=setting):
         RenderSettings(**{setting: value})
 

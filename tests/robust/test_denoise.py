@@ -67,3 +67,21 @@ def test_a_missing_library_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
         denoise._library.cache_clear()
     assert np.array_equal(result.passes["Combined"], plain.passes["Combined"])
     assert any("libNoSuchDenoiser.so.2" in warning for warning in result.statistics["warnings"])
+
+
+def test_noise_of_the_features_does_not_come_back_in_the_picture() -> None:
+    random = np.random.default_rng(3)
+    stripes = np.where((np.arange(96) // 16 % 2)[None, :, None], 0.8, 0.3) * np.ones((96, 96, 3))
+    normal = np.tile(np.array([0.0, 0.0, 1.0], np.float32), (96, 96, 1))
+    albedo, light = (np.clip(stripes + random.normal(0, sigma, stripes.shape), 0, 1) for sigma in (0.15, 0.3))
+    error = {
+        noisy: float(((denoise.denoise(light, albedo, normal, noisy_features=noisy) - stripes) ** 2).mean()) for noisy in (False, True)
+    }
+    assert error[True] < 0.5 * error[False], error
+
+
+def test_a_cancelled_denoiser_leaves_the_picture() -> None:
+    light = np.random.default_rng(4).random((64, 64, 3)).astype(np.float32)
+    for noisy in (False, True):
+        same = denoise.denoise(light, light, light, noisy_features=noisy, should_cancel=lambda: True)
+        assert np.array_equal(same, light)
