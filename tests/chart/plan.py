@@ -51,6 +51,7 @@ CASES = (
     Case("interior", 400, 250, "interior"),
     Case("kitchen", 360, 240, "textured", "photons", 120.0),  # the sun in its pans: on the wall paths find it once in 10,000
     Case("many_lights", 400, 266, "many lights", truth_seconds=300.0),  # lamps all but touch surfaces: a few pixels have most of the noise
+    Case("street", 360, 240, "outdoors", "photons", 150.0),  # the sun in its windows: as rare
     Case("caustic_glass", 400, 300, "caustic", "photons"),
     Case("caustic_pool", 400, 300, "pool", "photons"),
 )
