@@ -12,13 +12,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
+FEW = 512
+"""Elements that are copied faster than it is found out whether they need be."""
+
 
 def read(collection: Any, attribute: str, dtype: DTypeLike, width: int = 1) -> NDArray:
     """(n, width) array, or (n,) for width 1, of `attribute` of all n elements of a Blender collection. Read only."""
     shape = (len(collection), width) if width > 1 else (len(collection),)
     if shape[0] == 0:
         return np.empty(shape, dtype)
-    view = _view(collection, attribute, np.dtype(dtype), width)
+    view = _view(collection, attribute, np.dtype(dtype), width) if shape[0] > FEW else None
     return read_copy(collection, attribute, dtype, width) if view is None else view.reshape(shape)
 
 
