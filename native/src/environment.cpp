@@ -87,16 +87,17 @@ Rgb Environment::disc_radiance(const Vec3& d) const {
   return sum;
 }
 
-// Means over cells equal in longitude and polar angle; the radiance is looked at closely enough to see every texel.
+// Means over cells equal in longitude and polar angle; the radiance is looked at closely enough to see every texel. Between texels it
+// is interpolated: cells half as wide follow the rim of a sun of a few texels, and their middle is their mean.
 void Environment::bake() {
   int columns = 512, finest = 1024;
   if (scene_.world_program < 0) {
     const Texture& texture = scene_.textures[scene_.world_map.texture];
-    columns = std::clamp(texture.width, 64, kMostColumns);
+    columns = std::clamp(2 * texture.width, 64, kMostColumns);
     finest = std::clamp(std::max(texture.width, 2 * texture.height), columns, 16384);
   }
   const int rows = columns / 2;
-  const int fine = std::max(2, (finest + columns - 1) / columns);
+  const int fine = std::max(scene_.world_program < 0 && finest == columns ? 1 : 2, (finest + columns - 1) / columns);
   std::vector<Rgb> cells(static_cast<size_t>(columns) * rows);
   scene_.pool().for_each(rows, CancelFlag(), [&](size_t row, int) {
     for (int column = 0; column < columns; ++column) {
