@@ -5,8 +5,6 @@
 namespace photon_splat {
 namespace {
 
-constexpr float kBelowOne = 0x1.fffffep-1f;
-
 size_t pick(const float* cdf, size_t count, float u) { return std::min<size_t>(std::upper_bound(cdf, cdf + count, u) - cdf, count - 1); }
 
 // Where u lies between two entries.

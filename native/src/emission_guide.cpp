@@ -71,7 +71,7 @@ void EmissionGuide::warp(EmissionPrimary& sample, const Vec2& u) const {
   const int way_y = c % d.way, way_x = c / d.way % d.way, place_y = c / (d.way * d.way) % d.place,
             place_x = c / (d.way * d.way * d.place);
   const auto inside = [](int cell, float f, int n) {
-    return std::min((static_cast<float>(cell) + f) / static_cast<float>(n), 0x1.fffffep-1f);
+    return std::min((static_cast<float>(cell) + f) / static_cast<float>(n), kBelowOne);
   };
   sample.emitter = static_cast<uint32_t>(e);
   sample.place = {inside(place_x, sample.place.x, d.place), inside(place_y, sample.place.y, d.place)};

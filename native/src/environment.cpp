@@ -6,7 +6,6 @@ namespace {
 constexpr double kUniformShare = 0.02;     // of the table's samples: no direction is ever left out
 constexpr float kLimbDarkening = 0.6f;     // Cycles' sun: 1 - 0.6 (1 - cos of the angle to the sun's own surface)
 constexpr int kMostColumns = 2048;
-constexpr float kBelowOne = 0x1.fffffep-1f;
 
 // Real spherical harmonics to the second degree.
 void harmonics_at(const Vec3& d, float y[9]) {

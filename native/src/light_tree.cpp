@@ -2,6 +2,8 @@
 
 #include <numeric>
 
+#include "sampling.h"
+
 namespace photon_splat {
 namespace {
 
@@ -153,7 +155,7 @@ std::optional<LightTree::Choice> LightTree::pick(const Vec3& x, const Vec3& n, f
     if (!(sum > 0)) return std::nullopt;
     const float share = first / sum;
     const bool left = u < share;
-    u = std::clamp(left ? u / share : (u - share) / (1 - share), 0.0f, 0x1.fffffep-1f);
+    u = std::clamp(left ? u / share : (u - share) / (1 - share), 0.0f, kBelowOne);
     probability *= left ? share : 1 - share;
     at = left ? nodes_[at].first : nodes_[at].second;
   }

@@ -5,7 +5,7 @@
 namespace photon_splat {
 namespace {
 
-constexpr float kBelowOne = 0x1.fffffep-1f, kGolden = 0.61803399f;
+constexpr float kGolden = 0.61803399f;
 constexpr float kGuided = 0.85f;  // of the world's samples, where there is a guide
 constexpr size_t kFewEmitters = 32;  // up to here every emitter is ranked at every point
 
@@ -164,7 +164,7 @@ std::optional<Lights::Pick> Lights::pick_of_many(const Receiver& to, float weigh
   float target = choice * weight;
   const float near_by = tree_.importance(to.x, to.n);
   if (target < near_by) {
-    const auto c = tree_.pick(to.x, to.n, std::min(target / near_by, 0x1.fffffep-1f));
+    const auto c = tree_.pick(to.x, to.n, std::min(target / near_by, kBelowOne));
     if (!c) return std::nullopt;
     return Pick{tree_emitters_[c->item], c->probability * near_by / weight};
   }
@@ -180,10 +180,9 @@ std::optional<Lights::Pick> Lights::pick_of_many(const Receiver& to, float weigh
   return last;
 }
 
-// Where the guide is wrong the world's own density, or an even one, makes up for it.
+// Where the guide is wrong the world's own density makes up for it.
 float Lights::guided_pdf(const SkyGuide::Cell& cell, const Vec3& direction) const {
-  const float own = environment_.constant() ? 1 / (4 * kPi) : environment_.pdf(direction);
-  return kGuided * cell.pdf(environment_, direction) + (1 - kGuided) * own;
+  return kGuided * cell.pdf(environment_, direction) + (1 - kGuided) * environment_.pdf(direction);
 }
 
 std::optional<LightSample> Lights::sample_world(const Receiver& to, uint32_t i, float choice, const Vec2& all) const {
@@ -193,7 +192,7 @@ std::optional<LightSample> Lights::sample_world(const Receiver& to, uint32_t i, 
   const Vec2 u{std::min((all.x + n) / count, kBelowOne), shifted(all.y, n * kGolden)};
   choice = shifted(choice, n / count);
   LightSample out{};
-  out.direction = choice < kGuided ? to.sky->sample(environment_, u) : environment_.constant() ? sample_sphere(u) : environment_.sample(u).direction;
+  out.direction = choice < kGuided ? to.sky->sample(environment_, u) : environment_.sample(u).direction;
   out.distance = INFINITY;
   out.pdf = count * guided_pdf(*to.sky, out.direction);
   if (!(out.pdf > 0)) return std::nullopt;
@@ -224,7 +223,7 @@ std::optional<LightSample> Lights::sample(const Receiver& to, float choice, cons
     return out;
   }
   if (!(sum > 0)) return std::nullopt;
-  choice = std::min((choice - world) / (1 - world), 0x1.fffffep-1f);
+  choice = std::min((choice - world) / (1 - world), kBelowOne);
   size_t chosen = 0;
   float probability = 1 - world;
   if (few) {

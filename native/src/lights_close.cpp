@@ -43,7 +43,7 @@ bool Lights::CloseLamp::sample(const Vec2& u, Place& out) const {
   int i = 0;
   while (i + 1 < count && target >= seen[i].solid_angle()) target -= seen[i++].solid_angle();
   if (!(seen[i].solid_angle() > 0)) return false;
-  const float again = std::clamp(target / seen[i].solid_angle(), 0.0f, 0x1.fffffep-1f);
+  const float again = std::clamp(target / seen[i].solid_angle(), 0.0f, kBelowOne);
   out.triangle = i;
   out.direction = normalize(seen[i].sample({again, u.y}));
   const Vec3 edge_1 = corner[i][1] - corner[i][0], edge_2 = corner[i][2] - corner[i][0];

@@ -15,7 +15,7 @@ constexpr double kStorePhotons = 1 << 17;
 void Renderer::set_view() {
   selected();
   *camera_ = Camera(camera_settings);
-  sky_.reset(lights_->environment());
+  learn_sky_anew();
   reset_film();
   records_ = nullptr;
   if (!options.kept_photon_bytes)
@@ -27,7 +27,6 @@ void Renderer::relight() {
   check_light_groups();
   scene.update_features();
   lights_ = std::make_unique<Lights>(scene, lamps);
-  learn_sky_anew();
   camera_tracer_ = std::make_unique<CameraTracer>(scene, *lights_, *camera_, hash_combine(options.seed, 2));
   set_photons({});
   make_layers();

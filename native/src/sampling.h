@@ -7,6 +7,8 @@
 
 namespace photon_splat {
 
+inline constexpr float kBelowOne = 0x1.fffffep-1f;  // the largest number of [0, 1)
+
 struct Vec2 {
   float x = 0, y = 0;
 };

@@ -18,7 +18,7 @@ constexpr double kDoubt = 32;              // sightings' worth of what the envir
 Vec3 SkyGuide::Cell::sample(const Environment& environment, const Vec2& u) const {
   const size_t part = std::min<size_t>(std::upper_bound(cdf.begin(), cdf.end(), u.x) - cdf.begin(), cdf.size() - 1);
   const float low = part ? cdf[part - 1] : 0, share = cdf[part] - low;
-  const float again = share > 0 ? std::clamp((u.x - low) / share, 0.0f, 0x1.fffffep-1f) : 0.5f;
+  const float again = share > 0 ? std::clamp((u.x - low) / share, 0.0f, kBelowOne) : 0.5f;
   return environment.sample_part(static_cast<int>(part), {again, u.y});
 }
 
