@@ -79,6 +79,10 @@ struct PhotonStart {
   int32_t aim = -1;            // pair of EmissionTargets; -1: natural emission
   int32_t shaded_by = -1;      // a lamp with a program: `power` lacks Lights::first_hit_factor(), which needs the distance
 
+  // Whether it lights and is stopped by whatever it meets, as it is.
+  bool plain() const {
+    return !~lit_groups && !~blockers && soft_radius2 < 0 && first_hit_from == 0 && first_hit_to == INFINITY && shaded_by < 0;
+  }
   // A disc of radius r that faces a receiver at distance d shows it only rays that pass the centre closer than
   // r d / sqrt(d^2 + r^2); the lines themselves are those of a sphere of radius r.
   bool accepts(const Vec3& receiver, float distance) const {

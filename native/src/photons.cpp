@@ -1,10 +1,12 @@
 #include "photons.h"
 
+#include <bit>
+
 #include "caustic_targets.h"
 
 namespace photon_splat {
 namespace {
-constexpr uint64_t kPathsPerChunk = 512;  // their state stays in the cache
+constexpr uint64_t kPathsPerChunk = PhotonPaths::kMost;  // their state stays in the cache
 constexpr uint32_t kStartsAtOnce = SobolPair::kMost;
 constexpr int kMaxTransparent = 4096;      // layers that let a path through before it is given up
 constexpr double kUsefulShare = 0.3;       // of unguided paths, from which on they are left unguided
@@ -21,6 +23,41 @@ RayInfo::Kind kind_of(const BsdfSample& s) {
 }
 
 }  // namespace
+
+BounceKernel choose_bounce_kernel(const std::string& name) {
+#if defined(__x86_64__) && defined(__GNUC__)
+  __builtin_cpu_init();
+  const bool avx512 = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
+                      __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw");
+  if (avx512 && (name.empty() || name == "avx512")) return bounce_avx512;
+  if (__builtin_cpu_supports("avx2") && (name.empty() || name == "avx2")) return bounce_avx2;
+  if (__builtin_cpu_supports("sse4.2") && (name.empty() || name == "sse42")) return bounce_sse42;
+#endif
+  return name.empty() || name == "generic" ? bounce_generic : nullptr;
+}
+
+PhotonTracer::Path PhotonTracer::Travellers::take(uint32_t i) const {
+  Path path;
+  static_cast<Rest&>(path) = rest[i];
+  path.power = {paths.red[i], paths.green[i], paths.blue[i]};
+  path.reference = paths.reference[i];
+  path.random = Random::at(paths.random[i]);
+  path.bounces = static_cast<uint16_t>(paths.bounces[i]);
+  path.caustic = paths.caustic[i];
+  return path;
+}
+
+void PhotonTracer::Travellers::put(uint32_t i, const Path& path, const Vec3& origin, const Vec3& direction, bool alone) {
+  rest[i] = path;
+  paths.red[i] = path.power.x, paths.green[i] = path.power.y, paths.blue[i] = path.power.z;
+  paths.reference[i] = path.reference;
+  paths.random[i] = path.random.state();
+  paths.bounces[i] = path.bounces;
+  paths.caustic[i] = path.caustic;
+  paths.alone[i] = alone;
+  paths.origin_x[i] = origin.x, paths.origin_y[i] = origin.y, paths.origin_z[i] = origin.z;
+  paths.direction_x[i] = direction.x, paths.direction_y[i] = direction.y, paths.direction_z[i] = direction.z;
+}
 
 // Whether the surface takes the light: the first one only what its lamp gives it.
 bool PhotonTracer::lit(const Path& path, const Surface& hit, const PhotonStart& start) const {
@@ -88,7 +125,7 @@ bool PhotonTracer::shade(Path& path, const Surface& hit, const PhotonStart& star
   if (!(survival > 0) || path.random.next() >= survival) return false;
   path.power *= 1 / survival;
   origin = hit.position + hit.ng * ray_epsilon(hit.position, hit.distance);
-  draws.bounces.add(draws.place, hit.ng, draws.next(path));
+  direction = Basis(hit.ng).to_world(sample_cosine_hemisphere(draws.next(path)));
   ++path.bounces;
   path.caustic = 0;
   path.guessed = false;
@@ -180,69 +217,104 @@ void PhotonTracer::start(uint64_t first, uint32_t count, uint32_t seed, PhotonSt
   for (uint32_t i = 0; i < count; ++i) starts[i] = lights_.emit(primaries[i]);
 }
 
-// All paths of a chunk advance by one ray at a time, in packets.
+// How many of a chunk's paths carry anything.
+uint32_t PhotonTracer::start_all(uint64_t first, uint32_t count, double total, uint32_t seed, Travellers& travellers) const {
+  auto& [starts, paths, rest] = travellers;
+  starts.resize(count);
+  const SobolPair first_bounce(3, seed);
+  uint32_t n = 0;
+  for (uint32_t begin = 0; begin < count; begin += kStartsAtOnce) {
+    const uint32_t end = std::min(begin + kStartsAtOnce, count);
+    start(first + begin, end - begin, seed, &starts[begin]);
+    float u[kStartsAtOnce], v[kStartsAtOnce];
+    first_bounce.fill(static_cast<uint32_t>(first + begin), end - begin, u, v);
+    for (uint32_t place = begin; place < end; ++place) {
+      const PhotonStart& from = starts[place];
+      Path path;
+      path.power = from.power * static_cast<float>(1.0 / total);
+      path.reference = max_component(path.power);
+      path.random = Random(first + place, seed);
+      path.place = place;
+      if (!(path.reference > 0) || !std::isfinite(path.reference)) continue;
+      paths.first_u[n] = u[place - begin], paths.first_v[n] = v[place - begin];
+      travellers.put(n++, path, from.origin, from.direction, !from.plain());
+    }
+  }
+  return n;
+}
+
+void PhotonTracer::keep_bounced(Travellers& travellers, uint32_t from, uint32_t to, const Bounced& bounced, uint32_t k) const {
+  PhotonPaths& paths = travellers.paths;
+  paths.origin_x[to] = bounced.origin_x[k], paths.origin_y[to] = bounced.origin_y[k], paths.origin_z[to] = bounced.origin_z[k];
+  paths.direction_x[to] = bounced.direction_x[k], paths.direction_y[to] = bounced.direction_y[k], paths.direction_z[to] = bounced.direction_z[k];
+  paths.red[to] = bounced.red[k], paths.green[to] = bounced.green[k], paths.blue[to] = bounced.blue[k];
+  paths.reference[to] = paths.reference[from];
+  paths.caustic[to] = 0;
+  paths.random[to] = bounced.random[k];
+  paths.bounces[to] = paths.bounces[from] + 1;
+  paths.alone[to] = 0;
+  travellers.rest[to] = travellers.rest[from];
+}
+
+// All paths of a chunk advance by one ray at a time.
 void PhotonTracer::trace_chunk(uint64_t first, uint64_t count, double total, uint32_t seed, const KeyFilter& visible,
                                const KeyFilter* useful, Travellers& travellers, Chunk& chunk) const {
-  auto& [starts, paths, origins, directions] = travellers;
   chunk.photons.clear();
   chunk.groups.clear();
   chunk.ray_log.clear();
   chunk.rays = 0;
-  starts.resize(count);
-  paths.clear();
-  origins.clear();
-  directions.clear();
   chunk.useful.assign(count, 0);
-  for (uint32_t place = 0; place < count; ++place) {
-    const uint64_t index = first + place;
-    if (place % kStartsAtOnce == 0)
-      start(index, static_cast<uint32_t>(std::min<uint64_t>(kStartsAtOnce, count - place)), seed, &starts[place]);
-    Path path;
-    path.power = starts[place].power * static_cast<float>(1.0 / total);
-    path.reference = max_component(path.power);
-    path.random = Random(index, seed);
-    path.place = place;
-    if (!(path.reference > 0) || !std::isfinite(path.reference)) continue;
-    paths.push_back(path);
-    origins.push_back(starts[place].origin);
-    directions.push_back(starts[place].direction);
-  }
+  uint32_t alive = start_all(first, static_cast<uint32_t>(count), total, seed, travellers);
+  PhotonPaths& paths = travellers.paths;
   const SobolPair first_bounce(3, seed);
-  DiffuseBounces bounces(directions);
-  Surface hits[Scene::kPacket];
-  while (!paths.empty()) {
-    const uint32_t alive = static_cast<uint32_t>(paths.size());
+  const BounceSettings settings{stream_ == PhotonStream::kCaustic ? 0.0f : 1.0f,
+                                stream_ == PhotonStream::kAll ? 0.0f : stream_ == PhotonStream::kCaustic ? 1.0f : -1.0f,
+                                static_cast<uint32_t>(max_bounces_)};
+  RayHits hits;
+  PlainSurfaces surfaces;
+  Bounced bounced;
+  while (alive) {
     chunk.rays += alive;
     uint32_t kept = 0;
-    for (uint32_t begin = 0; begin < alive; begin += Scene::kPacket) {
-      const uint32_t lanes = std::min(Scene::kPacket, alive - begin);
+    for (uint32_t begin = 0; begin < alive; begin += kBounceLanes) {
+      const uint32_t lanes = std::min(kBounceLanes, alive - begin);
+      const Scene::Rays rays{paths.origin_x + begin, paths.origin_y + begin, paths.origin_z + begin,
+                             paths.direction_x + begin, paths.direction_y + begin, paths.direction_z + begin};
       if (ray_log)
-        for (uint32_t i = begin; i < begin + lanes; ++i) {
-          const Vec3 o = origins[i], d = directions[i];
-          const float ray[8] = {o.x, o.y, o.z, 0, d.x, d.y, d.z, INFINITY};
+        for (uint32_t k = 0; k < lanes; ++k) {
+          const float ray[8] = {rays.origin_x[k], rays.origin_y[k], rays.origin_z[k], 0,
+                                rays.direction_x[k], rays.direction_y[k], rays.direction_z[k], INFINITY};
           chunk.ray_log.insert(chunk.ray_log.end(), ray, ray + 8);
         }
-      const unsigned found = scene_.intersect_packet(&origins[begin], &directions[begin], lanes, hits);
-      for (uint32_t k = 0; k < lanes; ++k) {
-        if (!(found >> k & 1)) continue;
-        Path path = paths[begin + k];
-        Vec3 origin = origins[begin + k], direction = directions[begin + k];
+      const unsigned found = scene_.intersect(rays, lanes, hits);
+      unsigned together = found;
+      for (uint32_t k = 0; k < lanes; ++k) together &= ~(paths.alone[begin + k] << k);
+      together = scene_.plain_surfaces(hits, together, surfaces);
+      if (together) bounce_(paths, begin, hits, surfaces, settings, bounced);
+      if (stream_ == PhotonStream::kCaustic) bounced.goes_on = 0;
+      for (unsigned rest = found; rest; rest &= rest - 1) {
+        const uint32_t k = static_cast<uint32_t>(std::countr_zero(rest)), i = begin + k, place = travellers.rest[i].place;
         const size_t stored = chunk.photons.size();
-        const Draws draws{first_bounce, static_cast<uint32_t>(first + path.place), bounces, kept};
-        const bool alive_still = shade(path, hits[k], starts[path.place], draws, visible, origin, direction, chunk.photons);
-        for (size_t i = stored; i < chunk.photons.size(); ++i)
-          chunk.useful[path.place] += !useful || useful->contains(chunk.photons[i].key);
-        if (keeps_groups_) chunk.groups.resize(chunk.photons.size(), starts[path.place].light_group);
-        if (!alive_still) continue;
-        paths[kept] = path;
-        origins[kept] = origin;
-        directions[kept++] = direction;
+        if (together >> k & 1) {
+          if (bounced.stores >> k & 1 && visible.contains(surfaces.key[k]))
+            chunk.photons.push_back({{hits.x[k], hits.y[k], hits.z[k]}, surfaces.key[k], static_cast<uint16_t>(bounced.directions[k]),
+                                     static_cast<uint16_t>(bounced.directions[k] >> 16),
+                                     {bounced.stored_red[k], bounced.stored_green[k], bounced.stored_blue[k]}});
+          if (bounced.goes_on >> k & 1) keep_bounced(travellers, i, kept++, bounced, k);
+        } else {
+          Path path = travellers.take(i);
+          Vec3 direction = rays.direction(k), origin{rays.origin_x[k], rays.origin_y[k], rays.origin_z[k]};
+          const Surface hit = scene_.surface_of(hits, k, direction);
+          const Draws draws{first_bounce, static_cast<uint32_t>(first + place)};
+          if (shade(path, hit, travellers.starts[place], draws, visible, origin, direction, chunk.photons))
+            travellers.put(kept++, path, origin, direction, path.bounces == 0 || path.guessed);
+        }
+        for (size_t p = stored; p < chunk.photons.size(); ++p)
+          chunk.useful[place] += !useful || useful->contains(chunk.photons[p].key);
+        if (keeps_groups_) chunk.groups.resize(chunk.photons.size(), travellers.starts[place].light_group);
       }
     }
-    bounces.finish();
-    paths.resize(kept);
-    origins.resize(kept);
-    directions.resize(kept);
+    alive = kept;
   }
 }
 

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "camera.h"
-#include "diffuse_bounces.h"
 #include "lights.h"
+#include "photon_paths.h"
 
 namespace photon_splat {
 
@@ -43,12 +43,15 @@ struct PhotonCounts {
 // over a range of roughness: caustic photons carry this share of the path's power, indirect ones the rest.
 enum class PhotonStream : uint8_t { kAll, kIndirect, kCaustic };
 
+// "generic", "sse42", "avx2", "avx512"; empty: the widest that this machine runs. nullptr where it does not run.
+BounceKernel choose_bounce_kernel(const std::string& name = {});
+
 // Traces photon paths first .. first + count - 1 of the stream `seed` and returns what they left on surfaces of
 // `visible`. Powers are those of a set of `total` paths. Their order follows the index, not the thread.
 class PhotonTracer {
  public:
   PhotonTracer(Scene& scene, const Lights& lights, int max_bounces, PhotonStream stream)
-      : scene_(scene), lights_(lights), max_bounces_(max_bounces), stream_(stream) {}
+      : scene_(scene), lights_(lights), max_bounces_(max_bounces), stream_(stream), bounce_(choose_bounce_kernel()) {}
 
   const std::vector<Photon>& trace(uint64_t first, uint64_t count, double total, uint32_t seed,
                                    const KeyFilter& visible, const CancelFlag& cancel, const KeyFilter* useful = nullptr);
@@ -72,18 +75,22 @@ class PhotonTracer {
   std::vector<float>* ray_log = nullptr;
 
  private:
-  // A path between two of its rays.
-  struct Path {
-    Rgb power;
-    float reference;  // power that survivors of Russian roulette keep
-    Random random{0, 0};
-    uint32_t place;   // among the chunk's paths as they started
-    uint16_t bounces = 0, passed = 0;  // lobes; transparent surfaces
-    float travelled = 0;               // before the present ray, since the last bounce
-    float caustic = 1;                 // share of caustic light
+  // What seldom matters of a path between two of its rays.
+  struct Rest {
+    uint32_t place;       // among the chunk's paths as they started
+    float travelled = 0;  // before the present ray, since the last bounce
+    uint16_t passed = 0;  // transparent surfaces
     // Kind of the camera path's ray that looks back along this one, where `guessed`: see scatter_by_program.
     RayInfo::Kind kind = RayInfo::kDiffuse;
     bool guessed = false;
+  };
+  // All of it.
+  struct Path : Rest {
+    Rgb power;
+    float reference;  // power that survivors of Russian roulette keep
+    Random random{0, 0};
+    uint16_t bounces = 0;  // lobes
+    float caustic = 1;     // share of caustic light
   };
   // What a run of paths leaves.
   struct Chunk {
@@ -96,18 +103,20 @@ class PhotonTracer {
   // The paths of a chunk on their way; a worker's own, so that it stays in its cache from chunk to chunk.
   struct Travellers {
     std::vector<PhotonStart> starts;  // of all
-    std::vector<Path> paths;          // of those that are left, and so are the rays below
-    std::vector<Vec3> origins, directions;
+    PhotonPaths paths{};              // those that are left
+    std::array<Rest, PhotonPaths::kSpace> rest;
+
+    Path take(uint32_t i) const;
+    void put(uint32_t i, const Path& path, const Vec3& origin, const Vec3& direction, bool alone);
   };
   // Where a path's next direction comes from.
   struct Draws {
     const SobolPair& first_bounce;
     uint32_t index;           // of the path
-    DiffuseBounces& bounces;  // fill in the direction of what is reflected by a Lambertian surface without a program
-    uint32_t place;           // the direction's, there
 
     Vec2 next(Path& path) const { return path.bounces == 0 ? first_bounce.at(index) : path.random.next2(); }
   };
+  uint32_t start_all(uint64_t first, uint32_t count, double total, uint32_t seed, Travellers& travellers) const;
   void trace_chunk(uint64_t first, uint64_t count, double total, uint32_t seed, const KeyFilter& visible, const KeyFilter* useful,
                    Travellers& travellers, Chunk& chunk) const;
   PhotonStart start(uint64_t index, uint32_t seed) const;
@@ -116,6 +125,7 @@ class PhotonTracer {
   bool blocks(const Path& path, const Surface& hit, const PhotonStart& start) const;
   bool shade(Path& path, const Surface& hit, const PhotonStart& start, const Draws& draws, const KeyFilter& visible,
              Vec3& origin, Vec3& direction, std::vector<Photon>& photons) const;
+  void keep_bounced(Travellers& travellers, uint32_t from, uint32_t to, const Bounced& bounced, uint32_t k) const;
   bool go_straight_on(Path& path, const Surface& hit, const Rgb& weight, Vec3& origin) const;
   void store(const Path& path, const Surface& hit, const Vec3& direction, const KeyFilter& visible, std::vector<Photon>& photons) const;
   bool light_up(Path& path, const Surface& hit, const PhotonStart& start) const;
@@ -126,6 +136,7 @@ class PhotonTracer {
   const Lights& lights_;
   int max_bounces_;
   PhotonStream stream_;
+  BounceKernel bounce_;
   const Camera* viewer_ = nullptr;
   std::optional<EmissionGuide> guide_;
   std::optional<EmissionTargets> targets_;

@@ -38,6 +38,12 @@ class Random {
     return to_unit_float((shifted >> rotate) | (shifted << ((32 - rotate) & 31)));
   }
   Vec2 next2() { const float a = next(); return {a, next()}; }
+  uint64_t state() const { return state_; }
+  static Random at(uint64_t state) {
+    Random random(0, 0);
+    random.state_ = state;
+    return random;
+  }
 
  private:
   uint64_t state_;
@@ -87,6 +93,12 @@ class SobolPair {
   static constexpr uint32_t kMost = 64;
   void fill(uint32_t first, uint32_t count, Vec2* out) const {
     for (uint32_t k = 0; k < count; ++k) out[k] = at(first + k);
+  }
+  void fill(uint32_t first, uint32_t count, float* x, float* y) const {
+    for (uint32_t k = 0; k < count; ++k) {
+      const Vec2 p = at(first + k);
+      x[k] = p.x, y[k] = p.y;
+    }
   }
 
  private:

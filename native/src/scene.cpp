@@ -1,6 +1,7 @@
 #include "scene.h"
 
 #include <atomic>
+#include <bit>
 #include <new>
 #include <set>
 
@@ -218,57 +219,124 @@ bool Scene::intersect(const Vec3& origin, const Vec3& direction, float near, flo
   return true;
 }
 
-unsigned Scene::intersect_packet(const Vec3* origins, const Vec3* directions, uint32_t count, Surface* surfaces) const {
-  unsigned found = 0;
-  if (!packets_) {
-    for (uint32_t k = 0; k < count; ++k)
-      found |= unsigned(intersect(origins[k], directions[k], 0, INFINITY, false, surfaces[k])) << k;
-    return found;
-  }
-  alignas(64) RTCRayHit8 hit;
-  alignas(64) int valid[kPacket];
-  for (uint32_t k = 0; k < kPacket; ++k) {
-    const uint32_t from = std::min(k, count - 1);
-    valid[k] = k < count ? -1 : 0;
-    hit.ray.org_x[k] = origins[from].x; hit.ray.org_y[k] = origins[from].y; hit.ray.org_z[k] = origins[from].z;
-    hit.ray.dir_x[k] = directions[from].x; hit.ray.dir_y[k] = directions[from].y; hit.ray.dir_z[k] = directions[from].z;
-    hit.ray.tnear[k] = 0;
-    hit.ray.tfar[k] = INFINITY;
-    hit.ray.time[k] = 0;
-    hit.ray.mask[k] = ~0u;
-    hit.ray.id[k] = hit.ray.flags[k] = 0;
-    hit.hit.geomID[k] = hit.hit.instID[0][k] = RTC_INVALID_GEOMETRY_ID;
-    hit.hit.Ng_x[k] = hit.hit.Ng_y[k] = hit.hit.Ng_z[k] = 1;
-  }
+// Rays `place` and the next seven, as far as there are any. Normals are as Embree has them, of the instanced mesh where `back` says that
+// there is one; `instance` is RTC_INVALID_GEOMETRY_ID where nothing was met.
+void Scene::intersect_eight(const Rays& rays, uint32_t count, RayHits& hits, uint32_t place) const {
+  const auto take = [&](uint32_t k, uint32_t geometry, uint32_t instance, uint32_t triangle, float u, float v, float distance, const Vec3& normal) {
+    hits.back[k] = instance != RTC_INVALID_GEOMETRY_ID;
+    hits.instance[k] = hits.back[k] ? instance : geometry;
+    hits.triangle[k] = triangle;
+    hits.u[k] = u, hits.v[k] = v, hits.distance[k] = distance;
+    hits.nx[k] = normal.x, hits.ny[k] = normal.y, hits.nz[k] = normal.z;
+  };
   RTCIntersectArguments arguments;
   rtcInitIntersectArguments(&arguments);
   arguments.flags = RTC_RAY_QUERY_FLAG_INCOHERENT;
-  rtcIntersect8(valid, top_, &hit, &arguments);
-  alignas(64) uint32_t instance[kPacket];
-  for (uint32_t k = 0; k < count; ++k) {
-    if (hit.hit.geomID[k] == RTC_INVALID_GEOMETRY_ID) continue;
-    found |= 1u << k;
-    const bool instanced = hit.hit.instID[0][k] != RTC_INVALID_GEOMETRY_ID;
-    instance[k] = instanced ? hit.hit.instID[0][k] : hit.hit.geomID[k];
-    fetch_ahead(meshes[instances[instance[k]].mesh], hit.hit.primID[k]);
-    if (!instanced) continue;
-    const Vec3 n = instances[instance[k]].to_local.transposed_vector({hit.hit.Ng_x[k], hit.hit.Ng_y[k], hit.hit.Ng_z[k]});
-    hit.hit.Ng_x[k] = n.x, hit.hit.Ng_y[k] = n.y, hit.hit.Ng_z[k] = n.z;
+  if (!packets_) {
+    for (uint32_t k = place; k < place + kPacket; ++k) {
+      RTCRayHit hit{};
+      hit.ray = {rays.origin_x[k], rays.origin_y[k], rays.origin_z[k], 0, rays.direction_x[k], rays.direction_y[k], rays.direction_z[k], 0, INFINITY, ~0u, 0, 0};
+      hit.hit.geomID = hit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+      if (k < count) rtcIntersect1(top_, &hit, &arguments);
+      take(k, hit.hit.geomID, hit.hit.instID[0], hit.hit.primID, hit.hit.u, hit.hit.v, hit.ray.tfar, {hit.hit.Ng_x, hit.hit.Ng_y, hit.hit.Ng_z});
+    }
+    return;
   }
-  // All lanes side by side, those that missed as well.
-  alignas(64) float x[kPacket], y[kPacket], z[kPacket];
+  alignas(64) RTCRayHit8 hit;
+  alignas(64) int valid[kPacket];
+  const auto copy = [place](const float* from, float* to) { std::copy_n(from + place, kPacket, to); };
+  copy(rays.origin_x, hit.ray.org_x);
+  copy(rays.origin_y, hit.ray.org_y);
+  copy(rays.origin_z, hit.ray.org_z);
+  copy(rays.direction_x, hit.ray.dir_x);
+  copy(rays.direction_y, hit.ray.dir_y);
+  copy(rays.direction_z, hit.ray.dir_z);
   for (uint32_t k = 0; k < kPacket; ++k) {
-    const Vec3 n = normalize({hit.hit.Ng_x[k], hit.hit.Ng_y[k], hit.hit.Ng_z[k]});
-    hit.hit.Ng_x[k] = n.x, hit.hit.Ng_y[k] = n.y, hit.hit.Ng_z[k] = n.z;
-    x[k] = hit.ray.org_x[k] + hit.ray.dir_x[k] * hit.ray.tfar[k];
-    y[k] = hit.ray.org_y[k] + hit.ray.dir_y[k] * hit.ray.tfar[k];
-    z[k] = hit.ray.org_z[k] + hit.ray.dir_z[k] * hit.ray.tfar[k];
+    valid[k] = place + k < count ? -1 : 0;
+    hit.ray.tnear[k] = hit.ray.time[k] = 0;
+    hit.ray.tfar[k] = INFINITY;
+    hit.ray.mask[k] = ~0u;
+    hit.ray.id[k] = hit.ray.flags[k] = 0;
+    hit.hit.geomID[k] = hit.hit.instID[0][k] = RTC_INVALID_GEOMETRY_ID;
+    hit.hit.primID[k] = 0;
+    hit.hit.u[k] = hit.hit.v[k] = 0;
+    hit.hit.Ng_x[k] = hit.hit.Ng_y[k] = hit.hit.Ng_z[k] = 1;
   }
+  rtcIntersect8(valid, top_, &hit, &arguments);
+  for (uint32_t k = 0; k < kPacket; ++k)
+    take(place + k, hit.hit.geomID[k], hit.hit.instID[0][k], hit.hit.primID[k], hit.hit.u[k], hit.hit.v[k], hit.ray.tfar[k],
+         {hit.hit.Ng_x[k], hit.hit.Ng_y[k], hit.hit.Ng_z[k]});
+}
+
+unsigned Scene::intersect(const Rays& rays, uint32_t count, RayHits& hits) const {
+  constexpr uint32_t kMost = RayHits::kMost;
+  static_assert(kMost % kPacket == 0);
+  for (uint32_t place = 0; place < kMost; place += kPacket) {
+    if (place < count) intersect_eight(rays, count, hits, place);
+    else std::fill_n(hits.instance + place, kPacket, RTC_INVALID_GEOMETRY_ID);
+  }
+  unsigned found = 0;
+  for (uint32_t k = 0; k < kMost; ++k) {
+    if (hits.instance[k] == RTC_INVALID_GEOMETRY_ID) continue;
+    found |= 1u << k;
+    const Instance& instance = instances[hits.instance[k]];
+    fetch_ahead(meshes[instance.mesh], hits.triangle[k]);
+    if (!hits.back[k]) continue;
+    const Vec3 n = instance.to_local.transposed_vector({hits.nx[k], hits.ny[k], hits.nz[k]});
+    hits.nx[k] = n.x, hits.ny[k] = n.y, hits.nz[k] = n.z;
+  }
+  // All side by side, those that missed as well.
+  for (uint32_t k = 0; k < kMost; ++k) {
+    const Vec3 n = normalize({hits.nx[k], hits.ny[k], hits.nz[k]});
+    const bool back = dot(n, rays.direction(k)) > 0;
+    hits.back[k] = back;
+    hits.nx[k] = back ? -n.x : n.x;
+    hits.ny[k] = back ? -n.y : n.y;
+    hits.nz[k] = back ? -n.z : n.z;
+    hits.x[k] = rays.origin_x[k] + rays.direction_x[k] * hits.distance[k];
+    hits.y[k] = rays.origin_y[k] + rays.direction_y[k] * hits.distance[k];
+    hits.z[k] = rays.origin_z[k] + rays.direction_z[k] * hits.distance[k];
+  }
+  return found;
+}
+
+unsigned Scene::plain_surfaces(const RayHits& hits, unsigned which, PlainSurfaces& out) const {
+  unsigned plain = 0;
+  for (unsigned rest = which; rest; rest &= rest - 1) {
+    const uint32_t k = static_cast<uint32_t>(std::countr_zero(rest)), instance = hits.instance[k], triangle = hits.triangle[k];
+    const Material& material = material_of(instance, triangle);
+    if (material.program >= 0) continue;
+    plain |= 1u << k;
+    const MaterialSide& side = hits.back[k] ? material.back : material.front;
+    const Vec3 n = smooth_normal(instance, triangle, hits.u[k], hits.v[k]);
+    Rgb albedo = side.albedo;
+    if (side.albedo_texture >= 0) albedo *= textures[side.albedo_texture].lookup(uv_at(instance, triangle, hits.u[k], hits.v[k]));
+    out.nx[k] = n.x, out.ny[k] = n.y, out.nz[k] = n.z;
+    out.red[k] = albedo.x, out.green[k] = albedo.y, out.blue[k] = albedo.z;
+    out.key[k] = key_of(instance, triangle, hits.back[k]);
+  }
+  return plain;
+}
+
+Surface Scene::surface_of(const RayHits& hits, uint32_t k, const Vec3& direction) const {
+  const Vec3 n{hits.nx[k], hits.ny[k], hits.nz[k]};
+  Surface s;
+  fill_surface({hits.instance[k], hits.triangle[k], hits.u[k], hits.v[k], hits.distance[k], {hits.x[k], hits.y[k], hits.z[k]},
+                hits.back[k] ? -n : n},
+               direction, s);
+  return s;
+}
+
+unsigned Scene::intersect_packet(const Vec3* origins, const Vec3* directions, uint32_t count, Surface* surfaces) const {
+  alignas(64) float ray[6][RayHits::kMost] = {};
+  for (uint32_t k = 0; k < count; ++k) {
+    const float all[6] = {origins[k].x, origins[k].y, origins[k].z, directions[k].x, directions[k].y, directions[k].z};
+    for (int i = 0; i < 6; ++i) ray[i][k] = all[i];
+  }
+  RayHits hits;
+  const unsigned found = intersect({ray[0], ray[1], ray[2], ray[3], ray[4], ray[5]}, count, hits);
   for (uint32_t k = 0; k < count; ++k)
-    if (found >> k & 1)
-      fill_surface({instance[k], hit.hit.primID[k], hit.hit.u[k], hit.hit.v[k], hit.ray.tfar[k], {x[k], y[k], z[k]},
-                    {hit.hit.Ng_x[k], hit.hit.Ng_y[k], hit.hit.Ng_z[k]}},
-                   directions[k], surfaces[k]);
+    if (found >> k & 1) surfaces[k] = surface_of(hits, k, directions[k]);
   return found;
 }
 
@@ -321,6 +389,25 @@ bool Scene::anything_within(const Vec3& x, float radius) const {
   return found;
 }
 
+// Of the front, of any length; 0 where the mesh is flat.
+Vec3 Scene::smooth_normal(uint32_t index, uint32_t triangle, float u, float v) const {
+  const Instance& instance = instances[index];
+  const Mesh& mesh = meshes[instance.mesh];
+  if (mesh.corner_normals.empty()) return {};
+  const Vec3* n = &mesh.corner_normals[3 * static_cast<size_t>(triangle)];
+  const Vec3 ns = n[0] * (1 - u - v) + n[1] * u + n[2] * v;
+  return instance.shared ? instance.to_local.transposed_vector(ns) : ns;
+}
+
+uint32_t Scene::key_of(uint32_t index, uint32_t triangle, bool back) const {
+  const Instance& instance = instances[index];
+  const Mesh& mesh = meshes[instance.mesh];
+  // The look-up is a cache miss in large meshes; a mesh of one patch needs none.
+  const uint32_t patch = mesh.topology.planar.size() == 1 ? 0 : mesh.topology.patch[triangle];
+  // An odd multiplier keeps patches of one instance apart; the seed is random, so that those of others rarely meet.
+  return ((instance.seed ^ patch * 0x9e3779b1u) << 1) | (back ? 1u : 0u);
+}
+
 void Scene::fill_surface(const RawHit& hit, const Vec3& direction, Surface& s) const {
   s.instance = hit.instance;
   s.triangle = hit.triangle;
@@ -328,28 +415,18 @@ void Scene::fill_surface(const RawHit& hit, const Vec3& direction, Surface& s) c
   s.v = hit.v;
   s.distance = hit.distance;
   s.position = hit.position;
-  const Instance& instance = instances[s.instance];
-  const Mesh& mesh = meshes[instance.mesh];
   Vec3 ng = hit.normal;
   // Blender keeps a mirrored object's front where the mesh's normals, mirrored with it, point.
   s.back = dot(ng, direction) > 0;
-  s.ns = ng;
-  if (!mesh.corner_normals.empty()) {
-    const Vec3* n = &mesh.corner_normals[3 * static_cast<size_t>(s.triangle)];
-    Vec3 ns = n[0] * (1 - s.u - s.v) + n[1] * s.u + n[2] * s.v;
-    if (instance.shared) ns = instance.to_local.transposed_vector(ns);
-    const float len = length(ns);
-    if (len > 0) s.ns = ns / len;
-  }
+  const Vec3 ns = smooth_normal(s.instance, s.triangle, s.u, s.v);
+  const float len = length(ns);
+  s.ns = len > 0 ? ns / len : ng;
   if (s.back) {
     ng = -ng;
     s.ns = -s.ns;
   }
   s.ng = ng;
-  // The look-up is a cache miss in large meshes; a mesh of one patch needs none.
-  const uint32_t patch = mesh.topology.planar.size() == 1 ? 0 : mesh.topology.patch[s.triangle];
-  // An odd multiplier keeps patches of one instance apart; the seed is random, so that those of others rarely meet.
-  s.key = ((instance.seed ^ patch * 0x9e3779b1u) << 1) | (s.back ? 1u : 0u);
+  s.key = key_of(s.instance, s.triangle, s.back);
   const Material& material = material_of(s.instance, s.triangle);
   s.side = s.back ? &material.back : &material.front;
   s.program = material.program < 0 ? nullptr : &programs[material.program];
