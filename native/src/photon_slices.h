@@ -11,7 +11,7 @@ class PhotonSlices {
  public:
   struct Slice {
     uint64_t paths = 0;
-    std::vector<Photon> photons;
+    Photons photons;
     std::vector<int16_t> light_groups;  // of the photons, or empty
   };
   // What paths first .. first + count - 1 left; nullptr where that is not kept.
@@ -20,7 +20,7 @@ class PhotonSlices {
     return it == slices_.end() || it->second.paths != count ? nullptr : &it->second;
   }
   // Keeps a copy of them, if it takes no more than `most_bytes`; from the first that does not fit on, none is taken.
-  void add(uint64_t first, uint64_t count, const std::vector<Photon>& photons, const std::vector<int16_t>& light_groups,
+  void add(uint64_t first, uint64_t count, const Photons& photons, const std::vector<int16_t>& light_groups,
            size_t most_bytes) {
     const size_t size = photons.size() * sizeof(Photon) + light_groups.size() * sizeof(int16_t);
     full_ = full_ || size > most_bytes;

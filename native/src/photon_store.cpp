@@ -7,7 +7,7 @@ void PhotonStore::trace(uint64_t paths, size_t most_bytes, const CancelFlag& can
   KeyFilter all;
   all.add_all();
   if (!paths_) tracer_.learn_emission(paths, hash_combine(seed_, 1), all, all, cancel);
-  const std::vector<Photon>& traced = tracer_.trace(paths_, paths, 1.0, seed_, all, cancel);
+  const Photons& traced = tracer_.trace(paths_, paths, 1.0, seed_, all, cancel);
   if (paths_ > 0 && (photons_.size() + traced.size()) * sizeof(Photon) > most_bytes) {
     full_ = true;
     return;

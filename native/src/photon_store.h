@@ -18,7 +18,7 @@ class PhotonStore {
   void trace(uint64_t paths, size_t most_bytes, const CancelFlag& cancel);
 
   // Powers are those of a set of one path: divide by paths().
-  const std::vector<Photon>& photons() const { return photons_; }
+  const Photons& photons() const { return photons_; }
   uint64_t paths() const { return paths_; }
   bool full() const { return full_; }
   size_t bytes() const { return photons_.capacity() * sizeof(Photon); }
@@ -30,7 +30,7 @@ class PhotonStore {
   Scene& scene_;
   PhotonTracer tracer_;
   uint32_t seed_;
-  std::vector<Photon> photons_;
+  Photons photons_;
   std::optional<RadiusMap> radii_;
   uint64_t paths_ = 0;
   bool full_ = false;

@@ -9,6 +9,7 @@ namespace {
 constexpr uint64_t kPathsPerChunk = PhotonPaths::kMost;  // their state stays in the cache
 constexpr uint32_t kStartsAtOnce = SobolPair::kMost;
 constexpr int kMaxTransparent = 4096;      // layers that let a path through before it is given up
+constexpr double kMorePhotons = 1.1;       // memory is kept for, than the last paths have left
 constexpr double kUsefulShare = 0.3;       // of unguided paths, from which on they are left unguided
 
 // One of three kinds of ray, `first` half of the time; *chance: its probability.
@@ -20,6 +21,16 @@ RayInfo::Kind guess_kind(Random& random, RayInfo::Kind first, float* chance) {
 
 RayInfo::Kind kind_of(const BsdfSample& s) {
   return s.diffuse ? RayInfo::kDiffuse : s.transmitted ? RayInfo::kTransmission : RayInfo::kGlossy;
+}
+
+Scene::Rays rays_of(const PhotonPaths& paths, uint32_t first) {
+  return {paths.origin_x + first, paths.origin_y + first, paths.origin_z + first,
+          paths.direction_x + first, paths.direction_y + first, paths.direction_z + first};
+}
+
+void log_rays(const Scene::Rays& r, uint32_t count, std::vector<float>& log) {
+  for (uint32_t k = 0; k < count; ++k)
+    log.insert(log.end(), {r.origin_x[k], r.origin_y[k], r.origin_z[k], 0, r.direction_x[k], r.direction_y[k], r.direction_z[k], INFINITY});
 }
 
 }  // namespace
@@ -83,7 +94,7 @@ bool PhotonTracer::go_straight_on(Path& path, const Surface& hit, const Rgb& wei
 
 // What lands after a bounce is indirect light, or caustic light, or a share of each.
 void PhotonTracer::store(const Path& path, const Surface& hit, const Vec3& direction, const KeyFilter& visible,
-                         std::vector<Photon>& photons) const {
+                         Photons& photons) const {
   if (path.bounces == 0 || !visible.contains(hit.key)) return;
   if (path.guessed && path.kind != RayInfo::kDiffuse) return;  // what is stored stands for a diffuse ray from here
   const float share = stream_ == PhotonStream::kAll ? 1 : stream_ == PhotonStream::kCaustic ? path.caustic : 1 - path.caustic;
@@ -105,7 +116,7 @@ bool PhotonTracer::light_up(Path& path, const Surface& hit, const PhotonStart& s
 
 // Stores a photon where one belongs and sends the path on; false where it ends.
 bool PhotonTracer::shade(Path& path, const Surface& hit, const PhotonStart& start, const Draws& draws, const KeyFilter& visible,
-                         Vec3& origin, Vec3& direction, std::vector<Photon>& photons) const {
+                         Vec3& origin, Vec3& direction, Photons& photons) const {
   if (hit.program) return scatter_by_program(path, hit, start, draws, visible, origin, direction, photons);
   const bool accepted = lit(path, hit, start);
   if (!blocks(path, hit, start)) {  // the light goes on and is scattered: either, by chance
@@ -138,7 +149,7 @@ bool PhotonTracer::shade(Path& path, const Surface& hit, const PhotonStart& star
 // same ray; straight from the lamp by a shadow ray, which deltas do not send, or from a delta lobe.
 bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const PhotonStart& start, const Draws& draws,
                                       const KeyFilter& visible, Vec3& origin, Vec3& direction,
-                                      std::vector<Photon>& photons) const {
+                                      Photons& photons) const {
   const bool direct = path.bounces == 0, asked = hit.program->asks_kind;
   float chance = 1;
   RayInfo ray;
@@ -258,115 +269,115 @@ void PhotonTracer::keep_bounced(Travellers& travellers, uint32_t from, uint32_t 
 
 // All paths of a chunk advance by one ray at a time.
 void PhotonTracer::trace_chunk(uint64_t first, uint64_t count, double total, uint32_t seed, const KeyFilter& visible,
-                               const KeyFilter* useful, Travellers& travellers, Chunk& chunk) const {
-  chunk.photons.clear();
-  chunk.groups.clear();
-  chunk.ray_log.clear();
-  chunk.rays = 0;
-  chunk.useful.assign(count, 0);
+                               const KeyFilter* filter, uint16_t* useful, Travellers& travellers, PhotonRun& run) const {
   uint32_t alive = start_all(first, static_cast<uint32_t>(count), total, seed, travellers);
   PhotonPaths& paths = travellers.paths;
   const SobolPair first_bounce(3, seed);
   const BounceSettings settings{stream_ == PhotonStream::kCaustic ? 0.0f : 1.0f,
                                 stream_ == PhotonStream::kAll ? 0.0f : stream_ == PhotonStream::kCaustic ? 1.0f : -1.0f,
                                 static_cast<uint32_t>(max_bounces_)};
-  RayHits hits;
+  RayHits found[2];  // by turns: what is fetched ahead for the one comes while the other is worked on
+  unsigned hit[2] = {};
   PlainSurfaces surfaces;
   Bounced bounced;
   while (alive) {
-    chunk.rays += alive;
+    run.rays += alive;
     uint32_t kept = 0;
-    for (uint32_t begin = 0; begin < alive; begin += kBounceLanes) {
-      const uint32_t lanes = std::min(kBounceLanes, alive - begin);
-      const Scene::Rays rays{paths.origin_x + begin, paths.origin_y + begin, paths.origin_z + begin,
-                             paths.direction_x + begin, paths.direction_y + begin, paths.direction_z + begin};
-      if (ray_log)
-        for (uint32_t k = 0; k < lanes; ++k) {
-          const float ray[8] = {rays.origin_x[k], rays.origin_y[k], rays.origin_z[k], 0,
-                                rays.direction_x[k], rays.direction_y[k], rays.direction_z[k], INFINITY};
-          chunk.ray_log.insert(chunk.ray_log.end(), ray, ray + 8);
-        }
-      const unsigned found = scene_.intersect(rays, lanes, hits);
-      unsigned together = found;
-      for (uint32_t k = 0; k < lanes; ++k) together &= ~(paths.alone[begin + k] << k);
+    for (uint32_t next = 0, turn = 0; next < alive + kBounceLanes; next += kBounceLanes, turn ^= 1) {
+      if (next < alive) {
+        const Scene::Rays rays = rays_of(paths, next);
+        const uint32_t lanes = std::min(kBounceLanes, alive - next);
+        if (ray_log) log_rays(rays, lanes, run.ray_log);
+        hit[turn] = scene_.intersect(rays, lanes, found[turn]);
+      }
+      if (next == 0) continue;
+      const uint32_t begin = next - kBounceLanes;
+      const RayHits& hits = found[turn ^ 1];
+      unsigned together = hit[turn ^ 1];
+      for (uint32_t k = 0; k < kBounceLanes; ++k) together &= ~(paths.alone[begin + k] << k);
       together = scene_.plain_surfaces(hits, together, surfaces);
       if (together) bounce_(paths, begin, hits, surfaces, settings, bounced);
       if (stream_ == PhotonStream::kCaustic) bounced.goes_on = 0;
-      for (unsigned rest = found; rest; rest &= rest - 1) {
+      for (unsigned rest = hit[turn ^ 1]; rest; rest &= rest - 1) {
         const uint32_t k = static_cast<uint32_t>(std::countr_zero(rest)), i = begin + k, place = travellers.rest[i].place;
-        const size_t stored = chunk.photons.size();
+        const size_t stored = run.photons.size();
         if (together >> k & 1) {
           if (bounced.stores >> k & 1 && visible.contains(surfaces.key[k]))
-            chunk.photons.push_back({{hits.x[k], hits.y[k], hits.z[k]}, surfaces.key[k], static_cast<uint16_t>(bounced.directions[k]),
-                                     static_cast<uint16_t>(bounced.directions[k] >> 16),
-                                     {bounced.stored_red[k], bounced.stored_green[k], bounced.stored_blue[k]}});
+            run.photons.push_back({{hits.x[k], hits.y[k], hits.z[k]}, surfaces.key[k], static_cast<uint16_t>(bounced.directions[k]),
+                                   static_cast<uint16_t>(bounced.directions[k] >> 16),
+                                   {bounced.stored_red[k], bounced.stored_green[k], bounced.stored_blue[k]}});
           if (bounced.goes_on >> k & 1) keep_bounced(travellers, i, kept++, bounced, k);
         } else {
           Path path = travellers.take(i);
-          Vec3 direction = rays.direction(k), origin{rays.origin_x[k], rays.origin_y[k], rays.origin_z[k]};
-          const Surface hit = scene_.surface_of(hits, k, direction);
+          Vec3 direction{paths.direction_x[i], paths.direction_y[i], paths.direction_z[i]};
+          Vec3 origin{paths.origin_x[i], paths.origin_y[i], paths.origin_z[i]};
+          const Surface surface = scene_.surface_of(hits, k, direction);
           const Draws draws{first_bounce, static_cast<uint32_t>(first + place)};
-          if (shade(path, hit, travellers.starts[place], draws, visible, origin, direction, chunk.photons))
+          if (shade(path, surface, travellers.starts[place], draws, visible, origin, direction, run.photons))
             travellers.put(kept++, path, origin, direction, path.bounces == 0 || path.guessed);
         }
-        for (size_t p = stored; p < chunk.photons.size(); ++p)
-          chunk.useful[place] += !useful || useful->contains(chunk.photons[p].key);
-        if (keeps_groups_) chunk.groups.resize(chunk.photons.size(), travellers.starts[place].light_group);
+        if (useful)
+          for (size_t p = stored; p < run.photons.size(); ++p) useful[place] += !filter || filter->contains(run.photons[p].key);
+        if (keeps_groups_) run.groups.resize(run.photons.size(), travellers.starts[place].light_group);
       }
     }
     alive = kept;
   }
 }
 
-const std::vector<Photon>& PhotonTracer::trace(uint64_t first, uint64_t count, double total, uint32_t seed,
-                                               const KeyFilter& visible, const CancelFlag& cancel, const KeyFilter* useful) {
-  photons_.clear();
-  groups_.clear();
-  if (lights_.total_power() <= 0 || max_bounces_ < 1) return photons_;
-  const size_t chunk_count = (count + kPathsPerChunk - 1) / kPathsPerChunk;
-  if (chunks_.size() < chunk_count) chunks_.resize(chunk_count);
-  travellers_.resize(scene_.pool().size());
-  scene_.pool().for_each(chunk_count, cancel, [&](size_t c, int worker) {
-    const uint64_t begin = c * kPathsPerChunk;
-    trace_chunk(first + begin, std::min(kPathsPerChunk, count - begin), total, seed, visible, useful, travellers_[worker], chunks_[c]);
-  });
-  std::vector<size_t> offset(chunk_count + 1);
-  uint64_t rays = 0;
-  for (size_t c = 0; c < chunk_count; ++c) {
-    offset[c + 1] = offset[c] + chunks_[c].photons.size();
-    rays += chunks_[c].rays;
-    if (ray_log) ray_log->insert(ray_log->end(), chunks_[c].ray_log.begin(), chunks_[c].ray_log.end());
-  }
-  photons_.resize(offset.back());
-  if (keeps_groups_) groups_.resize(offset.back());
-  scene_.pool().for_each(chunk_count, cancel, [&](size_t c, int) {
-    std::copy(chunks_[c].photons.begin(), chunks_[c].photons.end(), photons_.begin() + offset[c]);
-    std::copy(chunks_[c].groups.begin(), chunks_[c].groups.end(), groups_.begin() + (keeps_groups_ ? offset[c] : 0));
-  });
-  last_counts_ = {count, photons_.size(), rays};
-  counts_ = {counts_.traced + count, counts_.stored + photons_.size(), counts_.rays + rays};
-  return photons_;
+const Photons& PhotonTracer::trace(uint64_t first, uint64_t count, double total, uint32_t seed, const KeyFilter& visible,
+                                   const CancelFlag& cancel) {
+  return trace(first, count, total, seed, visible, cancel, nullptr);
 }
 
-const std::vector<Photon>* PhotonTracer::learn_emission(uint64_t paths, uint32_t seed, const KeyFilter& visible,
+const Photons& PhotonTracer::trace(uint64_t first, uint64_t count, double total, uint32_t seed, const KeyFilter& visible,
+                                   const CancelFlag& cancel, Usefulness* useful) {
+  join_.clear();
+  if (useful) useful->counts.assign(count, 0);
+  if (lights_.total_power() <= 0 || max_bounces_ < 1) return join_.photons();
+  const size_t chunk_count = (count + kPathsPerChunk - 1) / kPathsPerChunk;
+  travellers_.resize(scene_.pool().size());
+  const double per_path = last_counts_.traced ? static_cast<double>(last_counts_.stored) / static_cast<double>(last_counts_.traced) : 0;
+  join_.begin(chunk_count, static_cast<size_t>(per_path * kMorePhotons * static_cast<double>(count)), keeps_groups_);
+  try {
+    scene_.pool().for_each(chunk_count, cancel, [&](size_t c, int worker) {
+      const uint64_t begin = c * kPathsPerChunk;
+      std::unique_ptr<PhotonRun> run = join_.take();
+      trace_chunk(first + begin, std::min(kPathsPerChunk, count - begin), total, seed, visible, useful ? useful->filter : nullptr,
+                  useful ? &useful->counts[begin] : nullptr, travellers_[worker], *run);
+      join_.add(c, std::move(run));
+    });
+    join_.finish(scene_.pool(), cancel);
+  } catch (...) {
+    join_.clear();
+    throw;
+  }
+  if (ray_log) ray_log->insert(ray_log->end(), join_.ray_log().begin(), join_.ray_log().end());
+  last_counts_ = {count, join_.photons().size(), join_.rays()};
+  counts_ = {counts_.traced + count, counts_.stored + last_counts_.stored, counts_.rays + last_counts_.rays};
+  return join_.photons();
+}
+
+const Photons* PhotonTracer::learn_emission(uint64_t paths, uint32_t seed, const KeyFilter& visible,
                                                         const KeyFilter& stored, const CancelFlag& cancel) {
   guide_.reset();
   targets_.reset();
   if (lights_.total_power() <= 0 || max_bounces_ < 1) return nullptr;
   if (stream_ == PhotonStream::kCaustic) {
     targets_ = lights_.aim_at(caustic_targets(scene_));
-    trace(0, paths, static_cast<double>(paths), seed, visible, cancel);
-    for (uint64_t i = 0; i < paths; ++i) targets_->learn(start(i, seed), chunks_[i / kPathsPerChunk].useful[i % kPathsPerChunk]);
+    Usefulness useful;
+    trace(0, paths, static_cast<double>(paths), seed, visible, cancel, &useful);
+    for (uint64_t i = 0; i < paths; ++i) targets_->learn(start(i, seed), useful.counts[i]);
     targets_->finish();
     return nullptr;
   }
-  const std::vector<Photon>& photons = trace(0, paths, static_cast<double>(paths), seed, stored, cancel, &visible);
+  Usefulness useful{&visible, {}};
+  const Photons& photons = trace(0, paths, static_cast<double>(paths), seed, stored, cancel, &useful);
   EmissionGuide guide = lights_.make_guide();
   uint64_t useful_paths = 0;
   for (uint64_t i = 0; i < paths; ++i) {
-    const uint16_t useful = chunks_[i / kPathsPerChunk].useful[i % kPathsPerChunk];
-    useful_paths += useful > 0;
-    guide.learn(lights_.primary(i, seed, nullptr), useful);
+    useful_paths += useful.counts[i] > 0;
+    guide.learn(lights_.primary(i, seed, nullptr), useful.counts[i]);
   }
   if (static_cast<double>(useful_paths) > kUsefulShare * static_cast<double>(paths) || !useful_paths) return &photons;
   guide.finish();

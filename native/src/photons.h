@@ -3,18 +3,10 @@
 
 #include "camera.h"
 #include "lights.h"
+#include "photon_join.h"
 #include "photon_paths.h"
 
 namespace photon_splat {
-
-struct Photon {
-  Vec3 position;       // m, relative to the scene's origin
-  uint32_t key;        // surface patch and side
-  uint16_t normal;     // geometric normal on the side it hit, encoded
-  uint16_t from;       // direction towards where it came from, encoded
-  Rgb power;           // W; the shading normal's factor |w.ns|/|w.ng| is in it
-};
-static_assert(sizeof(Photon) == 32);
 
 // Which surface keys are visible; may say yes for one that is not, never no for one that is.
 class KeyFilter {
@@ -53,13 +45,13 @@ class PhotonTracer {
   PhotonTracer(Scene& scene, const Lights& lights, int max_bounces, PhotonStream stream)
       : scene_(scene), lights_(lights), max_bounces_(max_bounces), stream_(stream), bounce_(choose_bounce_kernel()) {}
 
-  const std::vector<Photon>& trace(uint64_t first, uint64_t count, double total, uint32_t seed,
-                                   const KeyFilter& visible, const CancelFlag& cancel, const KeyFilter* useful = nullptr);
+  const Photons& trace(uint64_t first, uint64_t count, double total, uint32_t seed,
+                                   const KeyFilter& visible, const CancelFlag& cancel);
   // Who is to see what the photons leave: Bump looks as far apart as that one's samples are wide (nullptr: nobody in particular).
   void set_viewer(const Camera* viewer) { viewer_ = viewer; }
   // From now on light_groups() tells the group of the light that each of the photons last traced came from; else it is empty.
   void keep_light_groups() { keeps_groups_ = true; }
-  const std::vector<int16_t>& light_groups() const { return groups_; }
+  const std::vector<int16_t>& light_groups() const { return join_.groups(); }
   const PhotonCounts& counts() const { return counts_; }
   const PhotonCounts& last_counts() const { return last_counts_; }  // of the last trace()
 
@@ -67,7 +59,7 @@ class PhotonTracer {
   // only where few unguided paths are of use; where not, the pilot's photons are as good as those of any other paths, and are
   // returned (null otherwise; valid until the next trace()). Caustic photons are aimed at what can focus light instead.
   // `stored`: surfaces whose photons are returned, all visible ones among them.
-  const std::vector<Photon>* learn_emission(uint64_t paths, uint32_t seed, const KeyFilter& visible, const KeyFilter& stored,
+  const Photons* learn_emission(uint64_t paths, uint32_t seed, const KeyFilter& visible, const KeyFilter& stored,
                                             const CancelFlag& cancel);
   bool guided() const { return guide_.has_value() || targets_.has_value(); }
 
@@ -92,14 +84,6 @@ class PhotonTracer {
     uint16_t bounces = 0;  // lobes
     float caustic = 1;     // share of caustic light
   };
-  // What a run of paths leaves.
-  struct Chunk {
-    std::vector<Photon> photons;
-    std::vector<int16_t> groups;   // likewise
-    uint64_t rays = 0;
-    std::vector<float> ray_log;
-    std::vector<uint16_t> useful;  // photons stored per path, by index; where there is a filter for it, only those it lets pass
-  };
   // The paths of a chunk on their way; a worker's own, so that it stays in its cache from chunk to chunk.
   struct Travellers {
     std::vector<PhotonStart> starts;  // of all
@@ -117,20 +101,27 @@ class PhotonTracer {
     Vec2 next(Path& path) const { return path.bounces == 0 ? first_bounce.at(index) : path.random.next2(); }
   };
   uint32_t start_all(uint64_t first, uint32_t count, double total, uint32_t seed, Travellers& travellers) const;
-  void trace_chunk(uint64_t first, uint64_t count, double total, uint32_t seed, const KeyFilter& visible, const KeyFilter* useful,
-                   Travellers& travellers, Chunk& chunk) const;
+  // Counts how many photons each of the paths has stored, those alone that `filter` lets pass where there is one.
+  struct Usefulness {
+    const KeyFilter* filter = nullptr;
+    std::vector<uint16_t> counts;  // by path, from the first one traced
+  };
+  const Photons& trace(uint64_t first, uint64_t count, double total, uint32_t seed, const KeyFilter& visible, const CancelFlag& cancel,
+                       Usefulness* useful);
+  void trace_chunk(uint64_t first, uint64_t count, double total, uint32_t seed, const KeyFilter& visible, const KeyFilter* filter,
+                   uint16_t* useful, Travellers& travellers, PhotonRun& run) const;
   PhotonStart start(uint64_t index, uint32_t seed) const;
   void start(uint64_t first, uint32_t count, uint32_t seed, PhotonStart* starts) const;
   bool lit(const Path& path, const Surface& hit, const PhotonStart& start) const;
   bool blocks(const Path& path, const Surface& hit, const PhotonStart& start) const;
   bool shade(Path& path, const Surface& hit, const PhotonStart& start, const Draws& draws, const KeyFilter& visible,
-             Vec3& origin, Vec3& direction, std::vector<Photon>& photons) const;
+             Vec3& origin, Vec3& direction, Photons& photons) const;
   void keep_bounced(Travellers& travellers, uint32_t from, uint32_t to, const Bounced& bounced, uint32_t k) const;
   bool go_straight_on(Path& path, const Surface& hit, const Rgb& weight, Vec3& origin) const;
-  void store(const Path& path, const Surface& hit, const Vec3& direction, const KeyFilter& visible, std::vector<Photon>& photons) const;
+  void store(const Path& path, const Surface& hit, const Vec3& direction, const KeyFilter& visible, Photons& photons) const;
   bool light_up(Path& path, const Surface& hit, const PhotonStart& start) const;
   bool scatter_by_program(Path& path, const Surface& hit, const PhotonStart& start, const Draws& draws, const KeyFilter& visible,
-                          Vec3& origin, Vec3& direction, std::vector<Photon>& photons) const;
+                          Vec3& origin, Vec3& direction, Photons& photons) const;
 
   Scene& scene_;
   const Lights& lights_;
@@ -140,11 +131,9 @@ class PhotonTracer {
   const Camera* viewer_ = nullptr;
   std::optional<EmissionGuide> guide_;
   std::optional<EmissionTargets> targets_;
-  std::vector<Chunk> chunks_;
   std::vector<Travellers> travellers_;  // by worker
-  std::vector<Photon> photons_;
+  PhotonJoin join_;
   bool keeps_groups_ = false;
-  std::vector<int16_t> groups_;
   PhotonCounts counts_, last_counts_;
 };
 

@@ -2,7 +2,7 @@
 
 namespace photon_splat {
 
-RadiusMap::RadiusMap(const Scene& scene, const std::vector<Photon>& pilot, double pilot_paths)
+RadiusMap::RadiusMap(const Scene& scene, const Photons& pilot, double pilot_paths)
     : pilot_paths_(std::max(pilot_paths, 1.0)) {
   const float r = scene.radius();
   corner_ = scene.center() - Vec3{r, r, r};

@@ -10,7 +10,7 @@ namespace photon_splat {
 class RadiusMap {
  public:
   // `pilot_paths` is the number of paths that left `pilot`.
-  RadiusMap(const Scene& scene, const std::vector<Photon>& pilot, double pilot_paths);
+  RadiusMap(const Scene& scene, const Photons& pilot, double pilot_paths);
 
   // Radius of the disc around x on surface `key` that about `photons` of a set of `paths` paths are to fall in.
   float radius(uint32_t key, const Vec3& x, double photons, double paths) const;

@@ -181,7 +181,7 @@ void Renderer::learn(Layer& layer, const KeyFilter& seen, bool stores_all) {
   if (stores_all) stored.add_all();
   const uint64_t paths = std::max<uint64_t>(1, std::min(layer.paths_per_pass, kPilotPaths));
   layer.tracer->set_viewer(viewer());
-  const std::vector<Photon>* pilot = layer.tracer->learn_emission(paths, hash_combine(layer.seed, 4), seen, stored, cancel_);
+  const Photons* pilot = layer.tracer->learn_emission(paths, hash_combine(layer.seed, 4), seen, stored, cancel_);
   if (!pilot) pilot = &layer.tracer->trace(0, paths, static_cast<double>(paths), hash_combine(layer.seed, 3), stored, cancel_);
   layer.radii = std::make_unique<RadiusMap>(scene, *pilot, static_cast<double>(paths));
   layer.pilot = since(layer.before, layer.tracer->counts());
@@ -252,7 +252,7 @@ const Splatter& Renderer::find_pairs(size_t first, size_t count) {
   return *layer.splatter;
 }
 
-void Renderer::set_photons(std::vector<Photon> photons) {
+void Renderer::set_photons(Photons photons) {
   selected();
   given_photons_ = std::move(photons);
   photons_ = &given_photons_;

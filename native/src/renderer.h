@@ -102,7 +102,7 @@ class Renderer {
   const Splatter& find_pairs(size_t first, size_t count);
   std::vector<PointBlock>& blocks() { return selected().points.blocks(); }
   // Instead of trace_photons(): photons made elsewhere.
-  void set_photons(std::vector<Photon> photons);
+  void set_photons(Photons photons);
   // Adds the pass to the film, the points' irradiance with it. Until then the film is that of the passes before.
   void resolve();
   // One sample per pixel of the unbiased path tracer instead of all of the above.
@@ -130,7 +130,7 @@ class Renderer {
   const ErrorEstimate& errors() const { return errors_; }
   void make_error_estimate();
   const VisiblePoints& points() const { return current_ ? current_->points : no_points_; }
-  const std::vector<Photon>& photons() const { return *photons_; }
+  const Photons& photons() const { return *photons_; }
   PhotonTracer& photon_tracer() { return *selected().tracer; }
   const StageSeconds& seconds() const { return seconds_; }
   // Of one layer in this render, without its pilot, whose photons only choose radii; rays are all rays.
@@ -183,11 +183,11 @@ class Renderer {
   SkyGuide sky_;
   ErrorEstimate errors_;
   const Records* records_ = nullptr;
-  std::vector<Photon> given_photons_;
-  const std::vector<Photon>* photons_ = &given_photons_;
+  Photons given_photons_;
+  const Photons* photons_ = &given_photons_;
   const std::vector<int16_t>* photon_groups_ = &no_groups_;  // of those photons, or empty
   const std::vector<int16_t> no_groups_;
-  std::vector<Photon> part_;                                 // of them: one group's
+  Photons part_;                                 // of them: one group's
   StageSeconds seconds_;
 };
 

@@ -23,13 +23,6 @@ RTCGeometry make_geometry(RTCDevice device, const Mesh& mesh) {
   return geometry;
 }
 
-// Has the memory of what fill_surface() reads of a triangle come while others are worked on.
-void fetch_ahead(const Mesh& mesh, uint32_t triangle) {
-  if (!mesh.corner_normals.empty()) prefetch(&mesh.corner_normals[3 * static_cast<size_t>(triangle)]);
-  if (mesh.topology.planar.size() != 1) prefetch(&mesh.topology.patch[triangle]);
-  if (!mesh.slots.empty()) prefetch(&mesh.slots[triangle]);
-}
-
 float largest_stretch(const Affine& a) {
   // The Frobenius norm over sqrt(3) is exact for similarities; the longest column covers the rest well enough.
   return std::max({length(a.column(0)), length(a.column(1)), length(a.column(2))});
@@ -179,6 +172,7 @@ void Scene::build(const CancelFlag& cancel) {
     }
   };
   commit(top_, cancel, describe_surfaces);
+  make_lookups();
   update_features();
   if (!instances.empty()) {
     RTCBounds b;
@@ -217,6 +211,40 @@ bool Scene::intersect(const Vec3& origin, const Vec3& direction, float near, flo
   fill_surface({instance, hit.hit.primID, hit.hit.u, hit.hit.v, hit.ray.tfar, origin + direction * hit.ray.tfar, normalize(normal)},
                direction, surface);
   return true;
+}
+
+void Scene::make_lookups() {
+  static constexpr Vec3 kNoNormals[3];
+  static constexpr uint32_t kOnePatch = 0;
+  static constexpr uint16_t kOneSlot = 0;
+  lookups_.clear();
+  for (const Instance& instance : instances) {
+    const Mesh& mesh = meshes[instance.mesh];
+    const bool flat = mesh.corner_normals.empty(), one_patch = mesh.topology.planar.size() == 1, one_slot = mesh.slots.empty();
+    lookups_.push_back({flat ? kNoNormals : mesh.corner_normals.data(), one_patch ? &kOnePatch : mesh.topology.patch.data(),
+                        one_slot ? &kOneSlot : mesh.slots.data(), flat ? 0 : ~0u, one_patch ? 0 : ~0u, one_slot ? 0 : ~0u, instance.seed,
+                        instance.shared});
+  }
+}
+
+// Has the memory come while others are worked on.
+inline void Scene::Lookup::fetch_ahead(uint32_t triangle) const {
+  prefetch(normals + 3 * static_cast<size_t>(triangle & normals_mask));
+  prefetch(patches + (triangle & patches_mask));
+  prefetch(slots + (triangle & slots_mask));
+}
+
+inline uint32_t Scene::Lookup::key(uint32_t triangle, bool back) const {
+  // An odd multiplier keeps patches of one instance apart; the seed is random, so that those of others rarely meet.
+  return ((seed ^ patches[triangle & patches_mask] * 0x9e3779b1u) << 1) | (back ? 1u : 0u);
+}
+
+// Of the front, of any length; 0 where the mesh is flat.
+inline Vec3 Scene::smooth_normal(uint32_t index, uint32_t triangle, float u, float v) const {
+  const Lookup& lookup = lookups_[index];
+  const Vec3* n = lookup.normals + 3 * static_cast<size_t>(triangle & lookup.normals_mask);
+  const Vec3 ns = n[0] * (1 - u - v) + n[1] * u + n[2] * v;
+  return lookup.shared ? instances[index].to_local.transposed_vector(ns) : ns;
 }
 
 // Rays `place` and the next seven, as far as there are any. Normals are as Embree has them, of the instanced mesh where `back` says that
@@ -279,10 +307,9 @@ unsigned Scene::intersect(const Rays& rays, uint32_t count, RayHits& hits) const
   for (uint32_t k = 0; k < kMost; ++k) {
     if (hits.instance[k] == RTC_INVALID_GEOMETRY_ID) continue;
     found |= 1u << k;
-    const Instance& instance = instances[hits.instance[k]];
-    fetch_ahead(meshes[instance.mesh], hits.triangle[k]);
+    lookups_[hits.instance[k]].fetch_ahead(hits.triangle[k]);
     if (!hits.back[k]) continue;
-    const Vec3 n = instance.to_local.transposed_vector({hits.nx[k], hits.ny[k], hits.nz[k]});
+    const Vec3 n = instances[hits.instance[k]].to_local.transposed_vector({hits.nx[k], hits.ny[k], hits.nz[k]});
     hits.nx[k] = n.x, hits.ny[k] = n.y, hits.nz[k] = n.z;
   }
   // All side by side, those that missed as well.
@@ -313,7 +340,7 @@ unsigned Scene::plain_surfaces(const RayHits& hits, unsigned which, PlainSurface
     if (side.albedo_texture >= 0) albedo *= textures[side.albedo_texture].lookup(uv_at(instance, triangle, hits.u[k], hits.v[k]));
     out.nx[k] = n.x, out.ny[k] = n.y, out.nz[k] = n.z;
     out.red[k] = albedo.x, out.green[k] = albedo.y, out.blue[k] = albedo.z;
-    out.key[k] = key_of(instance, triangle, hits.back[k]);
+    out.key[k] = lookups_[instance].key(triangle, hits.back[k]);
   }
   return plain;
 }
@@ -389,25 +416,6 @@ bool Scene::anything_within(const Vec3& x, float radius) const {
   return found;
 }
 
-// Of the front, of any length; 0 where the mesh is flat.
-Vec3 Scene::smooth_normal(uint32_t index, uint32_t triangle, float u, float v) const {
-  const Instance& instance = instances[index];
-  const Mesh& mesh = meshes[instance.mesh];
-  if (mesh.corner_normals.empty()) return {};
-  const Vec3* n = &mesh.corner_normals[3 * static_cast<size_t>(triangle)];
-  const Vec3 ns = n[0] * (1 - u - v) + n[1] * u + n[2] * v;
-  return instance.shared ? instance.to_local.transposed_vector(ns) : ns;
-}
-
-uint32_t Scene::key_of(uint32_t index, uint32_t triangle, bool back) const {
-  const Instance& instance = instances[index];
-  const Mesh& mesh = meshes[instance.mesh];
-  // The look-up is a cache miss in large meshes; a mesh of one patch needs none.
-  const uint32_t patch = mesh.topology.planar.size() == 1 ? 0 : mesh.topology.patch[triangle];
-  // An odd multiplier keeps patches of one instance apart; the seed is random, so that those of others rarely meet.
-  return ((instance.seed ^ patch * 0x9e3779b1u) << 1) | (back ? 1u : 0u);
-}
-
 void Scene::fill_surface(const RawHit& hit, const Vec3& direction, Surface& s) const {
   s.instance = hit.instance;
   s.triangle = hit.triangle;
@@ -426,7 +434,7 @@ void Scene::fill_surface(const RawHit& hit, const Vec3& direction, Surface& s) c
     s.ns = -s.ns;
   }
   s.ng = ng;
-  s.key = key_of(s.instance, s.triangle, s.back);
+  s.key = lookups_[s.instance].key(s.triangle, s.back);
   const Material& material = material_of(s.instance, s.triangle);
   s.side = s.back ? &material.back : &material.front;
   s.program = material.program < 0 ? nullptr : &programs[material.program];
@@ -512,9 +520,8 @@ Rgb Scene::transmittance(const Vec3& origin, const Vec3& direction, float far, c
 
 const Material& Scene::material_of(uint32_t instance_index, uint32_t triangle) const {
   const Instance& instance = instances[instance_index];
-  const Mesh& mesh = meshes[instance.mesh];
-  uint32_t slot = mesh.slots.empty() ? 0 : mesh.slots[triangle];
-  slot = std::min(slot, instance.slot_count - 1);
+  const Lookup& lookup = lookups_[instance_index];
+  const uint32_t slot = std::min<uint32_t>(lookup.slots[triangle & lookup.slots_mask], instance.slot_count - 1);
   return materials[slot_materials[instance.first_material + slot]];
 }
 

@@ -197,8 +197,21 @@ class Scene {
   };
   void fill_surface(const RawHit& hit, const Vec3& direction, Surface& surface) const;
   void intersect_eight(const Rays& rays, uint32_t count, RayHits& hits, uint32_t place) const;
+  // Where an instance's mesh holds what is asked of every hit. What is the same for all triangles lies at 0 of an array of its own, and its
+  // mask is 0 instead of ~0: so no branch asks which it is, which nothing could foresee as rays meet one thing after another.
+  struct alignas(64) Lookup {
+    const Vec3* normals;      // 3 per triangle
+    const uint32_t* patches;
+    const uint16_t* slots;
+    uint32_t normals_mask, patches_mask, slots_mask;
+    uint32_t seed;            // Instance::seed
+    bool shared;              // Instance::shared
+
+    void fetch_ahead(uint32_t triangle) const;
+    uint32_t key(uint32_t triangle, bool back) const;
+  };
+  void make_lookups();
   Vec3 smooth_normal(uint32_t instance, uint32_t triangle, float u, float v) const;
-  uint32_t key_of(uint32_t instance, uint32_t triangle, bool back) const;
   // Every thread calls `meanwhile` once.
   void commit(RTCScene scene, const CancelFlag& cancel, const std::function<void()>& meanwhile = {});
   void throw_on_error(const CancelFlag& cancel) const;
@@ -209,6 +222,7 @@ class Scene {
   uint32_t features_ = 0;
   bool packets_ = false;  // this Embree has code for packets of eight
   std::vector<RTCScene> mesh_scenes_;
+  std::vector<Lookup> lookups_;  // by instance
   Bounds bounds_;
 };
 

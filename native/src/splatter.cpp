@@ -190,7 +190,7 @@ void Splatter::bound_parts(const std::vector<PointBlock>& blocks, ThreadPool& po
   });
 }
 
-void Splatter::splat(const std::vector<Photon>& photons, std::vector<PointBlock>& blocks, ThreadPool& pool,
+void Splatter::splat(const Photons& photons, std::vector<PointBlock>& blocks, ThreadPool& pool,
                      const CancelFlag& cancel) {
   if (blocks.empty()) return;
   if (parts_.size() != blocks.size()) bound_parts(blocks, pool);

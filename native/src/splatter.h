@@ -21,7 +21,7 @@ class Splatter {
 
   // Adds photons to the sums of all blocks they may reach. They are sorted along a space-filling curve first, and search
   // together in groups of neighbours; each block takes them in that order, so that the sums are the same for any number of threads.
-  void splat(const std::vector<Photon>& photons, std::vector<PointBlock>& blocks, ThreadPool& pool, const CancelFlag& cancel);
+  void splat(const Photons& photons, std::vector<PointBlock>& blocks, ThreadPool& pool, const CancelFlag& cancel);
 
   // Which photons each block may catch, for a splatter elsewhere: block b those of order()[first()[b] .. first()[b + 1]),
   // ascending.

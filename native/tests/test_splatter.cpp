@@ -37,8 +37,8 @@ std::vector<PointBlock> make_blocks(size_t count, std::vector<Bounds>& bounds) {
   return blocks;
 }
 
-std::vector<Photon> make_photons(size_t count) {
-  std::vector<Photon> photons(count);
+Photons make_photons(size_t count) {
+  Photons photons(count);
   for (size_t i = 0; i < count; ++i) {
     Random random(i, 3);
     photons[i] = {random_place(random), random.next() < 0.5f ? 7u : 8u, encode_direction(normalize({random.next() - 0.5f, 0.4f, random.next()})),
@@ -51,7 +51,7 @@ std::vector<Photon> make_photons(size_t count) {
 struct Sums {
   double r = 0, b = 0, count = 0, narrow = 0;
 };
-Sums sums_at(const PointBlock& block, uint32_t i, const std::vector<Photon>& photons) {
+Sums sums_at(const PointBlock& block, uint32_t i, const Photons& photons) {
   Sums sums;
   for (const Photon& p : photons) {
     const double dx = double(p.position.x) - block.x[i], dy = double(p.position.y) - block.y[i], dz = double(p.position.z) - block.z[i];
@@ -81,7 +81,7 @@ std::vector<std::string> kernels_of_this_machine() {
 }  // namespace
 
 TEST_CASE("every kernel gives the sums of the definition") {
-  const std::vector<Photon> photons = make_photons(3000);
+  const Photons photons = make_photons(3000);
   ThreadPool pool(2);
   for (const std::string& name : kernels_of_this_machine()) {
     CAPTURE(name);
@@ -106,7 +106,7 @@ TEST_CASE("every kernel gives the sums of the definition") {
 }
 
 TEST_CASE("the sums are the same bit for bit for any number of threads") {
-  const std::vector<Photon> photons = make_photons(20000);
+  const Photons photons = make_photons(20000);
   std::vector<std::vector<PointBlock>> results;
   for (int threads : {1, 2, 5}) {
     std::vector<Bounds> bounds;

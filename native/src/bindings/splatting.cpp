@@ -27,7 +27,7 @@ nb::ndarray<nb::numpy, float> photon_records(const Renderer& r, size_t first, si
 }
 
 void set_photon_records(Renderer& r, nb::ndarray<const float, nb::c_contig, nb::device::cpu, nb::shape<-1, 8>> records) {
-  std::vector<Photon> photons(records.shape(0));
+  Photons photons(records.shape(0));
   if (!photons.empty()) std::memcpy(static_cast<void*>(photons.data()), records.data(), photons.size() * sizeof(Photon));
   r.set_photons(std::move(photons));
 }

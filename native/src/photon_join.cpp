@@ -1,0 +1,72 @@
+#include "photon_join.h"
+
+namespace photon_splat {
+
+void PhotonJoin::clear() {
+  photons_.clear();
+  groups_.clear();
+  ray_log_.clear();
+  runs_.clear();
+  rays_ = next_ = 0;
+}
+
+void PhotonJoin::begin(size_t runs, size_t expected, bool with_groups) {
+  clear();
+  with_groups_ = with_groups;
+  runs_.resize(runs);
+  photons_.reserve(expected);
+  if (with_groups) groups_.reserve(photons_.capacity());
+}
+
+std::unique_ptr<PhotonRun> PhotonJoin::take() {
+  const std::lock_guard lock(*mutex_);
+  if (spare_.empty()) return std::make_unique<PhotonRun>();
+  std::unique_ptr<PhotonRun> run = std::move(spare_.back());
+  spare_.pop_back();
+  run->clear();
+  return run;
+}
+
+void PhotonJoin::count(const PhotonRun& run) {
+  photons_.resize(photons_.size() + run.photons.size());
+  if (with_groups_) groups_.resize(photons_.size());
+  rays_ += run.rays;
+  ray_log_.insert(ray_log_.end(), run.ray_log.begin(), run.ray_log.end());
+}
+
+void PhotonJoin::put(const PhotonRun& run, size_t place) {
+  std::copy(run.photons.begin(), run.photons.end(), photons_.begin() + static_cast<std::ptrdiff_t>(place));
+  if (with_groups_) std::copy(run.groups.begin(), run.groups.end(), groups_.begin() + static_cast<std::ptrdiff_t>(place));
+}
+
+void PhotonJoin::add(size_t number, std::unique_ptr<PhotonRun> run) {
+  std::unique_lock lock(*mutex_);
+  runs_[number] = std::move(run);
+  while (next_ < runs_.size() && runs_[next_]) {
+    const size_t place = photons_.size();
+    if (place + runs_[next_]->photons.size() > photons_.capacity()) return;
+    std::unique_ptr<PhotonRun> now = std::move(runs_[next_++]);
+    count(*now);
+    lock.unlock();  // the memory stays where it is
+    put(*now, place);
+    lock.lock();
+    spare_.push_back(std::move(now));
+  }
+}
+
+void PhotonJoin::finish(ThreadPool& pool, const CancelFlag& cancel) {
+  const size_t first = next_;
+  std::vector<size_t> places;
+  size_t all = photons_.size();
+  for (size_t i = first; i < runs_.size(); ++i) all += runs_[i]->photons.size();
+  photons_.reserve(all);
+  for (size_t i = first; i < runs_.size(); ++i) {
+    places.push_back(photons_.size());
+    count(*runs_[i]);
+  }
+  pool.for_each(places.size(), cancel, [&](size_t i, int) { put(*runs_[first + i], places[i]); });
+  runs_.clear();
+  if (spare_.size() > static_cast<size_t>(pool.size())) spare_.resize(pool.size());
+}
+
+}  // namespace photon_splat
