@@ -1,4 +1,4 @@
-# The splat, noise and bounce kernels, each file compiled for its own instruction set; part of photon_splat_core.
+# The splat, noise, bounce and Sobol' kernels, each file compiled for its own instruction set; part of photon_splat_core.
 #
 # A function with external linkage that such a file shares with the rest (an inline function of a header, a template of
 # the standard library) may be kept by the linker in its AVX-512 form and then crash older machines. So these files
@@ -19,6 +19,7 @@ endif()
 add_simd_kernel(splat_generic.cpp)
 add_simd_kernel(noise_generic.cpp ${exact})
 add_simd_kernel(bounce_generic.cpp ${exact})
+add_simd_kernel(sobol_generic.cpp)
 if(PHOTON_SPLAT_X86 AND NOT MSVC)
   add_simd_kernel(splat_sse42.cpp -msse4.2)
   add_simd_kernel(splat_avx2.cpp -mavx2 -mfma)
@@ -26,8 +27,11 @@ if(PHOTON_SPLAT_X86 AND NOT MSVC)
   add_simd_kernel(bounce_sse42.cpp -msse4.2 ${exact})
   add_simd_kernel(noise_avx2.cpp -mavx2 ${exact})
   add_simd_kernel(bounce_avx2.cpp -mavx2 ${exact})
+  add_simd_kernel(sobol_sse42.cpp -msse4.2)
+  add_simd_kernel(sobol_avx2.cpp -mavx2)
   set(avx512 -mavx512f -mavx512vl -mavx512dq -mavx512bw -mfma -mprefer-vector-width=512)
   add_simd_kernel(splat_avx512.cpp ${avx512})
   add_simd_kernel(noise_avx512.cpp ${avx512} ${exact})
   add_simd_kernel(bounce_avx512.cpp ${avx512} ${exact})
+  add_simd_kernel(sobol_avx512.cpp ${avx512})
 endif()

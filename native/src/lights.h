@@ -141,9 +141,8 @@ class Lights {
   // The same for `count` <= SobolPair::kMost indices in a row.
   void primaries(uint64_t first, uint32_t count, uint32_t seed, const EmissionGuide* guide, EmissionPrimary* out) const;
   PhotonStart emit(const EmissionPrimary& primary) const;
-  // Have the memory come that emit() reads of a mesh: what fetch_triangle() reads first.
-  void fetch_table(const EmissionPrimary& primary) const;
-  void fetch_triangle(const EmissionPrimary& primary) const;
+  // The same for `count` <= SobolPair::kMost at once, bit for bit; vectors of lanes.
+  void emit(const EmissionPrimary* primaries, uint32_t count, PhotonStart* out) const;
   // What the program of the photon's lamp makes of its power at the first surface that scatters it, `distance` away at `receiver`.
   Rgb first_hit_factor(const PhotonStart& start, const Vec3& receiver, float distance) const;
   // A guide for these emitters that has learnt nothing yet.
@@ -200,8 +199,8 @@ class Lights {
       return std::min(static_cast<size_t>(at), cdf_start.size() - 1);
     }
     // The triangle whose share of the cdf holds `target`: a look-up and a step or two instead of a search.
-    size_t triangle_at(float target) const {
-      size_t i = cdf_start[step_at(target)];
+    size_t triangle_at(float target) const { return triangle_from(cdf_start[step_at(target)], target); }
+    size_t triangle_from(size_t i, float target) const {
       while (i > 0 && cdf[i - 1] > target) --i;
       while (i + 1 < cdf.size() && cdf[i] <= target) ++i;
       return i;
@@ -260,9 +259,18 @@ class Lights {
   Rgb lamp_radiance_met(const Lamp& lamp, const Vec3& origin, const Vec3& direction, float near, float far, float& pdf,
                         float* distance = nullptr) const;
   PhotonStart emit_lamp(const Lamp& lamp, float coin, const Vec2& place, const Vec2& way) const;
+  // With what is the same for all that its emitter sends.
+  PhotonStart& finished(PhotonStart& start, const EmissionPrimary& primary) const;
+  void emit_meshes(const EmissionPrimary* primaries, const uint32_t* which, uint32_t count, PhotonStart* out) const;
+  void emit_areas(const EmissionPrimary* primaries, const uint32_t* which, uint32_t count, PhotonStart* out) const;
   PhotonStart emit_mesh(const Emitter& e, float pick, const Vec2& place, const Vec2& way) const;
   // A photon that is not weighted yet, and what its weight is made of: lights_aimed.cpp.
   struct Draft;
+  // In [0, 1], uniform: where in the triangle's share of the cdf `target` lies.
+  static float side_of(const Emitter& e, size_t triangle, float target) {
+    const float low = triangle ? e.cdf[triangle - 1] : 0, share = std::max(e.cdf[triangle] - low, 1e-37f);
+    return std::clamp((target - low) / share, 0.0f, 1.0f);
+  }
   MeshPoint point_on_mesh(const Emitter& e, float pick, const Vec2& place) const;
   Draft natural_draft(uint32_t emitter, const Vec2& pick, const Vec2& place, const Vec2& way) const;
   Draft aimed_draft(uint32_t emitter, const EmissionTargets::Sphere& target, const Vec2& pick, const Vec2& place, const Vec2& way) const;

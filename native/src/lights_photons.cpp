@@ -304,10 +304,9 @@ PhotonStart Lights::emit_lamp(const Lamp& lamp, float coin, const Vec2& place, c
 Lights::MeshPoint Lights::point_on_mesh(const Emitter& e, float pick, const Vec2& place) const {
   const float target = pick * e.cdf.back();
   const size_t i = e.triangle_at(target);
-  const float low = i ? e.cdf[i - 1] : 0, share = std::max(e.cdf[i] - low, 1e-37f);
   MeshPoint p;
   p.triangle = &e.triangles[i];
-  p.side = std::clamp((target - low) / share, 0.0f, 1.0f);
+  p.side = side_of(e, i, target);
   const float root = std::sqrt(place.x);
   p.u = root * (1 - place.y);
   p.v = root * place.y;
@@ -335,7 +334,7 @@ void Lights::primaries(uint64_t first, uint32_t count, uint32_t seed, const Emis
     primaries(first, before, seed, guide, out);
     return primaries(first + before, count - before, seed, guide, out + before);
   }
-  Vec2 pick[SobolPair::kMost], place[SobolPair::kMost], way[SobolPair::kMost], again[SobolPair::kMost];
+  SobolPair::Run pick, place, way, again;
   SobolPair(0, key).fill(low, count, pick);
   SobolPair(1, key).fill(low, count, place);
   SobolPair(2, key).fill(low, count, way);
@@ -343,7 +342,7 @@ void Lights::primaries(uint64_t first, uint32_t count, uint32_t seed, const Emis
   for (uint32_t i = 0; i < count; ++i) {
     EmissionPrimary& p = out[i] = {0, pick[i], place[i], way[i]};
     if (guide) {
-      guide->warp(p, {p.pick.x, again[i].x});
+      guide->warp(p, {p.pick.x, again.x[i]});
       continue;
     }
     const double target = p.pick.x * total_power_;
@@ -352,37 +351,15 @@ void Lights::primaries(uint64_t first, uint32_t count, uint32_t seed, const Emis
   }
 }
 
-void Lights::fetch_table(const EmissionPrimary& p) const {
-  if (p.emitter == emitters_.size() || emitters_[p.emitter].lamp >= 0) return;
-  const Emitter& e = emitters_[p.emitter];
-  prefetch(&e.cdf_start[e.step_at(p.pick.y * e.cdf.back())]);
-}
-
-void Lights::fetch_triangle(const EmissionPrimary& p) const {
-  if (p.emitter == emitters_.size() || emitters_[p.emitter].lamp >= 0) return;
-  const Emitter& e = emitters_[p.emitter];
-  const size_t i = e.cdf_start[e.step_at(p.pick.y * e.cdf.back())];
-  prefetch(&e.cdf[i]);
-  prefetch(&e.triangles[i]);
-}
-
 PhotonStart Lights::emit(const EmissionPrimary& p) const {
   PhotonStart start;
-  double power = world_power_;
   if (p.emitter == emitters_.size()) {
     start = emit_world(p.place, p.way);
-    start.light_group = scene_.world_light_group;
   } else {
     const Emitter& e = emitters_[p.emitter];
     start = e.lamp >= 0 ? emit_lamp(lamps_[e.lamp], p.pick.y, p.place, p.way) : emit_mesh(e, p.pick.y, p.place, p.way);
-    if (e.lamp >= 0 && lamps_[e.lamp].s.program >= 0) start.shaded_by = e.lamp;
-    power = e.power;
-    start.lit_groups = e.lit_groups;
-    start.blockers = e.blockers;
-    start.light_group = e.light_group;
   }
-  start.power *= static_cast<float>(total_power_ / std::max(power, 1e-300)) * p.weight;
-  return start;
+  return finished(start, p);
 }
 
 EmissionGuide Lights::make_guide() const {

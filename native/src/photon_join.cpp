@@ -34,9 +34,9 @@ void PhotonJoin::count(const PhotonRun& run) {
   ray_log_.insert(ray_log_.end(), run.ray_log.begin(), run.ray_log.end());
 }
 
-void PhotonJoin::put(const PhotonRun& run, size_t place) {
-  std::copy(run.photons.begin(), run.photons.end(), photons_.begin() + static_cast<std::ptrdiff_t>(place));
-  if (with_groups_) std::copy(run.groups.begin(), run.groups.end(), groups_.begin() + static_cast<std::ptrdiff_t>(place));
+void PhotonJoin::put(const PhotonRun& run, Photon* photons, int16_t* groups) const {
+  std::copy(run.photons.begin(), run.photons.end(), photons);
+  if (with_groups_) std::copy(run.groups.begin(), run.groups.end(), groups);
 }
 
 void PhotonJoin::add(size_t number, std::unique_ptr<PhotonRun> run) {
@@ -47,8 +47,10 @@ void PhotonJoin::add(size_t number, std::unique_ptr<PhotonRun> run) {
     if (place + runs_[next_]->photons.size() > photons_.capacity()) return;
     std::unique_ptr<PhotonRun> now = std::move(runs_[next_++]);
     count(*now);
-    lock.unlock();  // the memory stays where it is
-    put(*now, place);
+    Photon* const photons = photons_.data() + place;  // stay where they are
+    int16_t* const groups = groups_.data() + (with_groups_ ? place : 0);
+    lock.unlock();
+    put(*now, photons, groups);
     lock.lock();
     spare_.push_back(std::move(now));
   }
@@ -64,7 +66,7 @@ void PhotonJoin::finish(ThreadPool& pool, const CancelFlag& cancel) {
     places.push_back(photons_.size());
     count(*runs_[i]);
   }
-  pool.for_each(places.size(), cancel, [&](size_t i, int) { put(*runs_[first + i], places[i]); });
+  pool.for_each(places.size(), cancel, [&](size_t i, int) { put(*runs_[first + i], photons_.data() + places[i], groups_.data() + (with_groups_ ? places[i] : 0)); });
   runs_.clear();
   if (spare_.size() > static_cast<size_t>(pool.size())) spare_.resize(pool.size());
 }

@@ -52,7 +52,7 @@ class PhotonJoin {
   const std::vector<float>& ray_log() const { return ray_log_; }
 
  private:
-  void put(const PhotonRun& run, size_t place);
+  void put(const PhotonRun& run, Photon* photons, int16_t* groups) const;
   void count(const PhotonRun& run);
 
   Photons photons_;

@@ -6,22 +6,11 @@
 
 namespace photon_splat {
 namespace {
+
 constexpr uint64_t kPathsPerChunk = PhotonPaths::kMost;  // their state stays in the cache
 constexpr uint32_t kStartsAtOnce = SobolPair::kMost;
-constexpr int kMaxTransparent = 4096;      // layers that let a path through before it is given up
 constexpr double kMorePhotons = 1.1;       // memory is kept for, than the last paths have left
 constexpr double kUsefulShare = 0.3;       // of unguided paths, from which on they are left unguided
-
-// One of three kinds of ray, `first` half of the time; *chance: its probability.
-RayInfo::Kind guess_kind(Random& random, RayInfo::Kind first, float* chance) {
-  const float u = random.next();
-  *chance = u < 0.5f ? 0.5f : 0.25f;
-  return u < 0.5f ? first : u < 0.75f ? RayInfo::kGlossy : RayInfo::kTransmission;
-}
-
-RayInfo::Kind kind_of(const BsdfSample& s) {
-  return s.diffuse ? RayInfo::kDiffuse : s.transmitted ? RayInfo::kTransmission : RayInfo::kGlossy;
-}
 
 Scene::Rays rays_of(const PhotonPaths& paths, uint32_t first) {
   return {paths.origin_x + first, paths.origin_y + first, paths.origin_z + first,
@@ -70,146 +59,6 @@ void PhotonTracer::Travellers::put(uint32_t i, const Path& path, const Vec3& ori
   paths.direction_x[i] = direction.x, paths.direction_y[i] = direction.y, paths.direction_z[i] = direction.z;
 }
 
-// Whether the surface takes the light: the first one only what its lamp gives it.
-bool PhotonTracer::lit(const Path& path, const Surface& hit, const PhotonStart& start) const {
-  if (path.bounces > 0) return true;
-  return (start.lit_groups & scene_.instances[hit.instance].group) && start.accepts(hit.position, path.travelled + hit.distance);
-}
-
-// Straight from its lamp light passes what does not block it, and lights that all the same.
-bool PhotonTracer::blocks(const Path& path, const Surface& hit, const PhotonStart& start) const {
-  return path.bounces > 0 || start.blockers & scene_.instances[hit.instance].group;
-}
-
-// Sends a path on that a surface lets pass with this weight (its transparency over the chance to pass); false where it ends.
-bool PhotonTracer::go_straight_on(Path& path, const Surface& hit, const Rgb& weight, Vec3& origin) const {
-  path.power *= weight;
-  const float survival = std::min(1.0f, max_abs(path.power) / path.reference);
-  if (++path.passed > kMaxTransparent || !(survival > 0) || path.random.next() >= survival) return false;
-  path.power *= 1 / survival;
-  path.travelled += hit.distance;
-  origin = hit.position - hit.ng * ray_epsilon(hit.position, hit.distance);
-  return true;
-}
-
-// What lands after a bounce is indirect light, or caustic light, or a share of each.
-void PhotonTracer::store(const Path& path, const Surface& hit, const Vec3& direction, const KeyFilter& visible,
-                         Photons& photons) const {
-  if (path.bounces == 0 || !visible.contains(hit.key)) return;
-  if (path.guessed && path.kind != RayInfo::kDiffuse) return;  // what is stored stands for a diffuse ray from here
-  const float share = stream_ == PhotonStream::kAll ? 1 : stream_ == PhotonStream::kCaustic ? path.caustic : 1 - path.caustic;
-  const float cos_shading = -dot(direction, hit.ns), cos_geometric = -dot(direction, hit.ng);
-  if (!(share > 0) || cos_shading <= 0 || cos_geometric <= 0) return;
-  // Density on the surface measures the geometric cosine; the BSDF wants the shading one (Veach 1997, section 5.3).
-  const Rgb power = path.power * (share * cos_shading / cos_geometric);
-  photons.push_back({hit.position, hit.key, encode_direction(hit.ng), encode_direction(-direction), power});
-}
-
-// Where a path scatters first, its power is known if its lamp has a program; false where that is nothing.
-bool PhotonTracer::light_up(Path& path, const Surface& hit, const PhotonStart& start) const {
-  if (path.bounces > 0 || start.shaded_by < 0) return true;
-  const Rgb factor = lights_.first_hit_factor(start, hit.position, path.travelled + hit.distance);
-  path.power *= factor;
-  path.reference *= max_component(factor);
-  return path.reference > 0;
-}
-
-// Stores a photon where one belongs and sends the path on; false where it ends.
-bool PhotonTracer::shade(Path& path, const Surface& hit, const PhotonStart& start, const Draws& draws, const KeyFilter& visible,
-                         Vec3& origin, Vec3& direction, Photons& photons) const {
-  if (hit.program) return scatter_by_program(path, hit, start, draws, visible, origin, direction, photons);
-  const bool accepted = lit(path, hit, start);
-  if (!blocks(path, hit, start)) {  // the light goes on and is scattered: either, by chance
-    if (!accepted) return go_straight_on(path, hit, {1, 1, 1}, origin);
-    if (path.random.next() < 0.5f) return go_straight_on(path, hit, {2, 2, 2}, origin);
-    path.power *= 2;
-  }
-  if (!accepted) return false;
-  store(path, hit, direction, visible, photons);
-  if (!light_up(path, hit, start)) return false;
-  const float cos_shading = -dot(direction, hit.ns), cos_geometric = -dot(direction, hit.ng);
-  if (cos_shading <= 0 || cos_geometric <= 0) return false;
-  if (path.bounces == max_bounces_ || stream_ == PhotonStream::kCaustic) return false;
-  if (path.guessed && path.kind != (path.bounces == 0 ? RayInfo::kShadow : RayInfo::kDiffuse)) return false;
-  path.power *= scene_.albedo(hit) * (cos_shading / cos_geometric);
-  const float survival = std::min(1.0f, max_component(path.power) / path.reference);
-  if (!(survival > 0) || path.random.next() >= survival) return false;
-  path.power *= 1 / survival;
-  origin = hit.position + hit.ng * ray_epsilon(hit.position, hit.distance);
-  direction = Basis(hit.ng).to_world(sample_cosine_hemisphere(draws.next(path)));
-  ++path.bounces;
-  path.caustic = 0;
-  path.guessed = false;
-  return true;
-}
-
-// A material may ask by what kind of ray it is seen (Light Path). On a camera path that is the ray from the photon's next vertex,
-// whose kind says by which lobe the photon will scatter there: not known yet. So it is guessed, and the next vertex then stores
-// photons for diffuse rays and scatters by lobes of that kind alone. What is passed on the way to the next vertex is seen by the
-// same ray; straight from the lamp by a shadow ray, which deltas do not send, or from a delta lobe.
-bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const PhotonStart& start, const Draws& draws,
-                                      const KeyFilter& visible, Vec3& origin, Vec3& direction,
-                                      Photons& photons) const {
-  const bool direct = path.bounces == 0, asked = hit.program->asks_kind;
-  float chance = 1;
-  RayInfo ray;
-  ray.kind = asked ? guess_kind(path.random, RayInfo::kDiffuse, &chance) : RayInfo::kDiffuse;
-  ray.singular = ray.kind != RayInfo::kDiffuse;
-  ray.depth = path.bounces;
-  ray.transparent_depth = path.passed;
-  if (viewer_) ray.footprint = viewer_->footprint_from(hit.position);
-  Bsdf bsdf(Transport::kFlux, -direction, hit.ng, hit.ns, hit.back);
-  scene_.shade(hit, -direction, ray, bsdf);
-  const bool blocking = blocks(path, hit, start);
-  Rgb transparency = blocking ? bsdf.transparency() : Rgb{1, 1, 1};
-  const bool passing_asked = blocking && scene_.may_be_transparent(hit) && (direct ? hit.program->asks_shadow : asked);
-  RayInfo passing_ray = ray;
-  float passing_chance = 1;
-  if (passing_asked) {
-    passing_ray.kind = path.kind;
-    if (!path.guessed) passing_ray.kind = guess_kind(path.random, direct ? RayInfo::kShadow : RayInfo::kDiffuse, &passing_chance);
-    Bsdf seen(Transport::kRadiance, -direction, hit.ng, hit.ns, hit.back);
-    scene_.shade(hit, -direction, passing_ray, seen);
-    transparency = seen.transparency();
-  }
-  const bool accepted = lit(path, hit, start);
-  if (accepted) store(path, hit, direction, visible, photons);
-
-  const float mean = average(transparency);
-  if (mean > 0) {  // straight on, as if nothing had been hit, or not
-    const float scattered = accepted && bsdf.scatters() ? std::max(average(bsdf.albedo()), 0.05f) : 0;
-    const float passing = mean / (mean + scattered);
-    if (scattered == 0 || path.random.next() < passing) {
-      if (passing_asked) path.kind = passing_ray.kind, path.guessed = true;
-      return go_straight_on(path, hit, transparency / (passing * passing_chance), origin);
-    }
-    path.power *= 1 / (1 - passing);
-  }
-  if (!accepted || path.bounces == max_bounces_ || !bsdf.scatters() || !light_up(path, hit, start)) return false;
-  const float choice = path.random.next();
-  const auto s = bsdf.sample(choice, draws.next(path));
-  if (!s) return false;
-  if (path.guessed) {
-    const bool delta = s->pdf <= 0;
-    if (path.kind == RayInfo::kShadow ? delta : (direct && !delta) || kind_of(*s) != path.kind) return false;
-  }
-  path.caustic *= s->diffuse ? 0 : sharpness(s->roughness);
-  if (stream_ == PhotonStream::kCaustic && !(path.caustic > 0)) return false;
-  path.power *= s->weight / chance;
-  // Refraction scales power by the square of the relative index and undoes it on the way out: no reason to end a path.
-  if (s->transmitted) path.reference *= std::clamp(max_abs(s->weight), 0.1f, 10.0f);
-  const float survival = std::min(1.0f, max_abs(path.power) / path.reference);
-  if (!(survival > 0) || path.random.next() >= survival || !is_finite(path.power)) return false;
-  path.power *= 1 / survival;
-  ++path.bounces;
-  path.travelled = 0;
-  path.kind = ray.kind;
-  path.guessed = asked;
-  origin = hit.position + hit.ng * std::copysign(ray_epsilon(hit.position, hit.distance), dot(s->direction, hit.ng));
-  direction = s->direction;
-  return true;
-}
-
 PhotonStart PhotonTracer::start(uint64_t index, uint32_t seed) const {
   if (targets_) return lights_.emit_towards(*targets_, index, seed);
   return lights_.emit(lights_.primary(index, seed, guide_ ? &*guide_ : nullptr));
@@ -220,12 +69,9 @@ void PhotonTracer::start(uint64_t first, uint32_t count, uint32_t seed, PhotonSt
     for (uint32_t i = 0; i < count; ++i) starts[i] = start(first + i, seed);
     return;
   }
-  // Many small triangles that emit are not in the cache: one stage fetches what the next one reads.
   EmissionPrimary primaries[kStartsAtOnce];
   lights_.primaries(first, count, seed, guide_ ? &*guide_ : nullptr, primaries);
-  for (uint32_t i = 0; i < count; ++i) lights_.fetch_table(primaries[i]);
-  for (uint32_t i = 0; i < count; ++i) lights_.fetch_triangle(primaries[i]);
-  for (uint32_t i = 0; i < count; ++i) starts[i] = lights_.emit(primaries[i]);
+  lights_.emit(primaries, count, starts);
 }
 
 // How many of a chunk's paths carry anything.
@@ -237,8 +83,8 @@ uint32_t PhotonTracer::start_all(uint64_t first, uint32_t count, double total, u
   for (uint32_t begin = 0; begin < count; begin += kStartsAtOnce) {
     const uint32_t end = std::min(begin + kStartsAtOnce, count);
     start(first + begin, end - begin, seed, &starts[begin]);
-    float u[kStartsAtOnce], v[kStartsAtOnce];
-    first_bounce.fill(static_cast<uint32_t>(first + begin), end - begin, u, v);
+    SobolPair::Run ways;
+    first_bounce.fill(static_cast<uint32_t>(first + begin), end - begin, ways);
     for (uint32_t place = begin; place < end; ++place) {
       const PhotonStart& from = starts[place];
       Path path;
@@ -247,7 +93,7 @@ uint32_t PhotonTracer::start_all(uint64_t first, uint32_t count, double total, u
       path.random = Random(first + place, seed);
       path.place = place;
       if (!(path.reference > 0) || !std::isfinite(path.reference)) continue;
-      paths.first_u[n] = u[place - begin], paths.first_v[n] = v[place - begin];
+      paths.first_u[n] = ways.x[place - begin], paths.first_v[n] = ways.y[place - begin];
       travellers.put(n++, path, from.origin, from.direction, !from.plain());
     }
   }

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <bit>
+#include <string>
 
+#include "sobol_lanes.h"
 #include "vec.h"
 
 namespace photon_splat {
@@ -76,6 +78,9 @@ inline uint32_t owen_scramble_reversed(uint32_t x, uint32_t seed) {
   return x;
 }
 
+// "generic", "sse42", "avx2", "avx512"; empty: the widest that this machine runs. nullptr where it does not run.
+SobolKernel choose_sobol_kernel(const std::string& name = {});
+
 // Owen-scrambled Sobol' points, padded from 2D pairs (Burley 2020, "Practical hash-based Owen scrambling").
 // `dimension` picks a pair decorrelated from all others.
 class SobolPair {
@@ -89,17 +94,13 @@ class SobolPair {
     return {to_unit_float(reverse_bits(owen_scramble_reversed(i, x_key_))),
             to_unit_float(reverse_bits(owen_scramble_reversed(second_dimension_reversed(i), y_key_)))};
   }
-  // Of `count` <= kMost indices in a row; vectors of lanes.
+  // Of `count` <= kMost indices in a row; vectors of lanes, whole ones, so that what lies beyond `count` is overwritten.
   static constexpr uint32_t kMost = 64;
-  void fill(uint32_t first, uint32_t count, Vec2* out) const {
-    for (uint32_t k = 0; k < count; ++k) out[k] = at(first + k);
-  }
-  void fill(uint32_t first, uint32_t count, float* x, float* y) const {
-    for (uint32_t k = 0; k < count; ++k) {
-      const Vec2 p = at(first + k);
-      x[k] = p.x, y[k] = p.y;
-    }
-  }
+  struct alignas(64) Run {
+    float x[kMost], y[kMost];
+    Vec2 operator[](uint32_t k) const { return {x[k], y[k]}; }
+  };
+  void fill(uint32_t first, uint32_t count, Run& out) const;
 
  private:
   uint32_t key_, x_key_, y_key_;

@@ -263,7 +263,8 @@ void Scene::intersect_eight(const Rays& rays, uint32_t count, RayHits& hits, uin
   if (!packets_) {
     for (uint32_t k = place; k < place + kPacket; ++k) {
       RTCRayHit hit{};
-      hit.ray = {rays.origin_x[k], rays.origin_y[k], rays.origin_z[k], 0, rays.direction_x[k], rays.direction_y[k], rays.direction_z[k], 0, INFINITY, ~0u, 0, 0};
+      const Vec3 d = rays.direction(k);
+      hit.ray = {rays.origin_x[k], rays.origin_y[k], rays.origin_z[k], 0, d.x, d.y, d.z, 0, INFINITY, ~0u, 0, 0};
       hit.hit.geomID = hit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
       if (k < count) rtcIntersect1(top_, &hit, &arguments);
       take(k, hit.hit.geomID, hit.hit.instID[0], hit.hit.primID, hit.hit.u, hit.hit.v, hit.ray.tfar, {hit.hit.Ng_x, hit.hit.Ng_y, hit.hit.Ng_z});

@@ -2,7 +2,7 @@
 
 execute_process(COMMAND "${NM}" -A -C --defined-only "${ARCHIVE}" OUTPUT_VARIABLE symbols COMMAND_ERROR_IS_FATAL ANY)
 string(REGEX MATCHALL "[^\n]+" symbols "${symbols}")
-list(FILTER symbols INCLUDE REGEX "(splat|noise|bounce)_(avx2|avx512)\\.cpp\\.o:")
+list(FILTER symbols INCLUDE REGEX "(splat|noise|bounce|sobol)_(avx2|avx512)\\.cpp\\.o:")
 if(NOT symbols)
   message(FATAL_ERROR "${ARCHIVE} holds no AVX kernels.")
 endif()

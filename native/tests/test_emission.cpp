@@ -85,8 +85,9 @@ std::vector<Named> lights_of_every_kind() {
   all.push_back({"wide sun", {s}});
   s = lamp_of(LampKind::kArea);
   all.push_back({"area", {s}});
-  s.spread = 1.0f;
   s.ellipse = true;
+  all.push_back({"elliptic area", {s}});
+  s.spread = 1.0f;
   all.push_back({"elliptic area of narrow spread", {s}});
   all.push_back({"world", {}, 0.7f});
   all.push_back({"mesh", {}, 0, true});
@@ -154,6 +155,31 @@ TEST_CASE("paths that start together start as they do one by one, where the uppe
       CHECK(together[i].way.x == way.x);
       CHECK(together[i].way.y == way.y);
       CHECK(together[i].emitter == 0);
+    }
+  }
+}
+
+TEST_CASE("photons that are started together start as they do one by one, bit for bit, from lights of every kind") {
+  for (const Named& lights : lights_of_every_kind()) {
+    CAPTURE(lights.name);
+    Scene scene(1);
+    fill_for(scene, lights);
+    const Lights all(scene, lights.lamps);
+    for (const uint32_t count : {SobolPair::kMost, 5u}) {
+      EmissionPrimary primaries[SobolPair::kMost];
+      PhotonStart together[SobolPair::kMost];
+      all.primaries(11, count, 3, nullptr, primaries);
+      all.emit(primaries, count, together);
+      for (uint32_t i = 0; i < count; ++i) {
+        const PhotonStart one = all.emit(primaries[i]);
+        const auto same = [](const Vec3& a, const Vec3& b) { return a.x == b.x && a.y == b.y && a.z == b.z; };
+        CHECK(same(one.origin, together[i].origin));
+        CHECK(same(one.direction, together[i].direction));
+        CHECK(same(one.power, together[i].power));
+        CHECK(one.plain() == together[i].plain());
+        CHECK(one.first_hit_to == together[i].first_hit_to);
+        CHECK(one.light_group == together[i].light_group);
+      }
     }
   }
 }

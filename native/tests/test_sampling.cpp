@@ -37,6 +37,25 @@ TEST_CASE("the first 2^m points of each pair of dimensions are a (0, m, 2)-net")
       }
 }
 
+TEST_CASE("runs of points are the points one by one, on every instruction set") {
+  const SobolPair pair(3, 77);
+  SobolPair::Run run;
+  pair.fill(5, 33, run);
+  for (uint32_t k = 0; k < 33; ++k) CHECK((run.x[k] == pair.at(5 + k).x && run.y[k] == pair.at(5 + k).y));
+  for (const char* name : {"generic", "sse42", "avx2", "avx512"}) {
+    const SobolKernel kernel = choose_sobol_kernel(name);
+    if (!kernel) continue;  // not on this machine
+    CAPTURE(name);
+    const SobolKeys keys{0x12345u, 0x9876543u, 0xfedcba98u};
+    SobolPair::Run plain, vectors;
+    for (const uint32_t first : {0u, 4000000000u, ~0u - 20u}) {
+      sobol_generic(keys, first, SobolPair::kMost, plain.x, plain.y);
+      kernel(keys, first, SobolPair::kMost, vectors.x, vectors.y);
+      for (uint32_t k = 0; k < SobolPair::kMost; ++k) CHECK((plain.x[k] == vectors.x[k] && plain.y[k] == vectors.y[k]));
+    }
+  }
+}
+
 TEST_CASE("random streams of neighbouring indices and seeds are uniform and independent") {
   constexpr int count = 20000;
   for (uint32_t seed : {0u, 1u}) {

@@ -1,0 +1,3 @@
+#define PHOTON_SPLAT_LANES 1
+#define PHOTON_SPLAT_KERNEL sobol_generic
+#include "sobol_kernel.inl"
