@@ -14,11 +14,12 @@ struct alignas(64) PointBlock {
   float nx[kBlockSize], ny[kBlockSize], nz[kBlockSize];
   uint32_t key[kBlockSize];
   float inverse_h2[kBlockSize];  // 1/h^2
-  float scale[kBlockSize];       // 2/(pi h^2 M): turns the sums below into irradiance, W/m^2
   float r[kBlockSize], g[kBlockSize], b[kBlockSize];  // sum of power * w(n_x . n_y) * (1 - d^2/h^2)
   float count[kBlockSize];       // photons caught
-  float narrow_scale[kBlockSize];  // 4/(pi h^2 M'): the same for `narrow`, M' of the disc of radius h/sqrt(2)
-  float narrow[kBlockSize];      // sum of luminance * w(n_x . n_y) * (1 - 2 d^2/h^2) within that disc
+  float narrow[kBlockSize];      // sum of luminance * w(n_x . n_y) * (1 - 2 d^2/h^2) within the disc of radius h/sqrt(2)
+  // Kernels read no further.
+  float scale[kBlockSize];         // 2/(pi h^2 M): turns the sums into irradiance, W/m^2
+  float narrow_scale[kBlockSize];  // 4/(pi h^2 M'): the same for `narrow`, M' of its disc
 };
 
 // The weight of a photon whose surface normal differs from the point's: w = clamp(2 n_x.n_y, 0, 1), 1 up to 60 degrees.
@@ -44,13 +45,16 @@ struct SplatPhotons {
   const SplatPhoton* photons;
   const float *x, *y, *z;
 };
+struct SplatRun {
+  uint32_t begin, end;  // of photons
+};
 
-// Adds the first `count` photons to the sums of a block.
-using SplatKernel = void (*)(PointBlock& block, const PartBounds& parts, const SplatPhotons& photons, uint32_t count);
+// Adds the photons of all runs, in their order, to the sums of a block.
+using SplatKernel = void (*)(PointBlock& block, const PartBounds& parts, const SplatPhotons& photons, const SplatRun* runs, uint32_t count);
 
-void splat_block_generic(PointBlock& block, const PartBounds& parts, const SplatPhotons& photons, uint32_t count);
-void splat_block_sse42(PointBlock& block, const PartBounds& parts, const SplatPhotons& photons, uint32_t count);
-void splat_block_avx2(PointBlock& block, const PartBounds& parts, const SplatPhotons& photons, uint32_t count);
-void splat_block_avx512(PointBlock& block, const PartBounds& parts, const SplatPhotons& photons, uint32_t count);
+void splat_block_generic(PointBlock& block, const PartBounds& parts, const SplatPhotons& photons, const SplatRun* runs, uint32_t count);
+void splat_block_sse42(PointBlock& block, const PartBounds& parts, const SplatPhotons& photons, const SplatRun* runs, uint32_t count);
+void splat_block_avx2(PointBlock& block, const PartBounds& parts, const SplatPhotons& photons, const SplatRun* runs, uint32_t count);
+void splat_block_avx512(PointBlock& block, const PartBounds& parts, const SplatPhotons& photons, const SplatRun* runs, uint32_t count);
 
 }  // namespace photon_splat

@@ -2,6 +2,7 @@
 
 #include <bit>
 #include <cmath>
+#include <cstddef>
 #include <stdexcept>
 
 #include "morton.h"
@@ -21,15 +22,12 @@ constexpr size_t kRun = 1 << 20;     // photons sorted at once
 constexpr int kCurveBits = 10;       // of each axis
 constexpr size_t kFewTasks = 256;    // blocks are worked on one after another where there are more, so that the next can be fetched
 constexpr size_t kMostInTask = 16;
+constexpr size_t kFetched = 16;      // photons ahead: in their own order they lie anywhere
 constexpr float kRounded = 1.000001f;  // no photon within a disc is outside its bounds
 
 // Has the memory of a block come while the one before is worked on: small discs make more blocks than caches hold.
 void fetch_ahead(const PointBlock& block) {
-#if defined(__GNUC__) || defined(__clang__)
-  for (size_t at = 0; at < sizeof block; at += 64) __builtin_prefetch(reinterpret_cast<const char*>(&block) + at);
-#else
-  static_cast<void>(block);
-#endif
+  for (size_t at = 0; at < offsetof(PointBlock, scale); at += 64) prefetch(reinterpret_cast<const char*>(&block) + at);
 }
 
 }  // namespace
@@ -159,6 +157,7 @@ void Splatter::sort_photons(const Photon* photons, size_t count, ThreadPool& poo
   radix_sort(curve_, curve_scratch_, 32, 32 + 3 * kCurveBits, [](uint64_t value) { return value; });
   pool.for_each(chunk_count, never, [&](size_t c, int) {
     for (size_t i = c * kChunk; i < std::min(count, (c + 1) * kChunk); ++i) {
+      prefetch(&photons[static_cast<uint32_t>(curve_[std::min(i + kFetched, count - 1)])]);
       const Photon& p = photons[static_cast<uint32_t>(curve_[i])];
       const Vec3 n = decode_direction(p.normal);
       sorted_[i] = {p.position.x, p.position.y, p.position.z, p.key, n.x, n.y, n.z, p.power.x, p.power.y, p.power.z, luminance(p.power)};
@@ -207,18 +206,20 @@ void Splatter::splat(const Photons& photons, std::vector<PointBlock>& blocks, Th
         find_blocks(groups_[g], static_cast<uint32_t>(g), chunk_pairs_[c]);
     });
     deal_pairs(chunk_count, blocks.size());
+    const SplatPhotons photons_there{sorted_.data(), x_.data(), y_.data(), z_.data()};
     const size_t task = std::clamp<size_t>(blocks.size() / kFewTasks, 1, kMostInTask);
     pool.for_each((blocks.size() + task - 1) / task, cancel, [&](size_t t, int) {
       const size_t last = std::min(blocks.size(), (t + 1) * task);
+      std::vector<SplatRun> runs;
       for (size_t b = t * task; b < last; ++b) {
         if (b + 1 < last && first_[b + 1] < first_[b + 2]) fetch_ahead(blocks[b + 1]);
-        for (uint32_t k = first_[b]; k < first_[b + 1];) {  // groups that follow each other go together
-          const uint32_t begin = order_[k];
-          uint32_t end = begin + 1;
-          while (++k < first_[b + 1] && order_[k] == end) ++end;
-          const size_t from = begin * kGroup, to = std::min(end * kGroup, count);
-          kernel_(blocks[b], parts_[b], {&sorted_[from], &x_[from], &y_[from], &z_[from]}, static_cast<uint32_t>(to - from));
+        runs.clear();
+        for (uint32_t k = first_[b]; k < first_[b + 1]; ++k) {  // groups that follow each other go together
+          const uint32_t begin = order_[k] * kGroup, end = static_cast<uint32_t>(std::min<size_t>(begin + kGroup, count));
+          if (!runs.empty() && runs.back().end == begin) runs.back().end = end;
+          else runs.push_back({begin, end});
         }
+        if (!runs.empty()) kernel_(blocks[b], parts_[b], photons_there, runs.data(), static_cast<uint32_t>(runs.size()));
       }
     });
   }

@@ -17,7 +17,8 @@ __attribute__((always_inline)) inline Floats select(Ints mask, Floats value) {
   return reinterpret_cast<Floats>(mask & reinterpret_cast<Ints>(value));
 }
 
-constexpr uint32_t kStretch = 128;  // photons whose places are compared with the parts' before any is added
+constexpr uint32_t kStretch = 128;  // photons whose places are compared with a part's at a time
+constexpr uint32_t kFound = 256;    // so many within its bounds are added, with what comes of one more stretch
 
 // Numbers of the photons of [first, end) that lie within the bounds of part `part`, in their order; how many there are.
 __attribute__((always_inline)) inline uint32_t find_within(const PartBounds& b, uint32_t part, const SplatPhotons& photons, uint32_t first,
@@ -35,7 +36,9 @@ __attribute__((always_inline)) inline uint32_t find_within(const PartBounds& b, 
     within(photons.x, b.lower_x[part], b.upper_x[part]);
     within(photons.y, b.lower_y[part], b.upper_y[part]);
     within(photons.z, b.lower_z[part], b.upper_z[part]);
-    _mm512_mask_compressstoreu_epi32(found + n, inside, _mm512_add_epi32(_mm512_set1_epi32(static_cast<int>(i)), count_up));
+    // Sixteen are written, and overwritten: compressing into memory takes far longer on some machines.
+    const __m512i numbers = _mm512_add_epi32(_mm512_set1_epi32(static_cast<int>(i)), count_up);
+    _mm512_storeu_si512(found + n, _mm512_maskz_compress_epi32(inside, numbers));
     n += static_cast<uint32_t>(__builtin_popcount(inside));
   }
 #else
@@ -49,44 +52,54 @@ __attribute__((always_inline)) inline uint32_t find_within(const PartBounds& b, 
   return n;
 }
 
+// Adds photons to the points of a part.
+__attribute__((always_inline)) inline void add(PointBlock& block, uint32_t part, const SplatPhoton* photons, const uint32_t* found, uint32_t count) {
+  for (uint32_t lane = part * kPartSize; lane < (part + 1) * kPartSize; lane += kLanes) {
+    const auto at = [lane](float* p) __attribute__((always_inline)) { return reinterpret_cast<Floats*>(p + lane); };
+    const Floats x = *at(block.x), y = *at(block.y), z = *at(block.z);
+    const Floats nx = *at(block.nx), ny = *at(block.ny), nz = *at(block.nz);
+    const Floats inverse_h2 = *at(block.inverse_h2);
+    const Ints key = *reinterpret_cast<const Ints*>(block.key + lane);
+    Floats r = *at(block.r), g = *at(block.g), b = *at(block.b), caught = *at(block.count), narrow = *at(block.narrow);
+    for (uint32_t i = 0; i < count; ++i) {
+      const SplatPhoton& p = photons[found[i]];
+      const Floats dx = p.x - x, dy = p.y - y, dz = p.z - z;
+      const Floats relative = (dx * dx + dy * dy + dz * dz) * inverse_h2, kernel = 1.0f - relative, within = kernel - relative;
+      const Floats facing = kNormalWeightSlope * (nx * p.nx + ny * p.ny + nz * p.nz);
+      const Ints inside = (kernel > 0.0f) & (facing > 0.0f) & (key == static_cast<int32_t>(p.key));
+      const Floats full = Floats{} + 1.0f;
+      const Ints partly = facing < full;
+      const Floats shared = select(partly, facing) + select(~partly, full);
+      const Floats weight = select(inside, kernel) * shared;
+      narrow += select(inside & (within > 0.0f), within) * shared * p.luminance;
+      r += weight * p.r;
+      g += weight * p.g;
+      b += weight * p.b;
+      caught += select(inside, full);
+    }
+    *at(block.r) = r;
+    *at(block.g) = g;
+    *at(block.b) = b;
+    *at(block.count) = caught;
+    *at(block.narrow) = narrow;
+  }
+}
+
 }  // namespace
 
-void PHOTON_SPLAT_KERNEL(PointBlock& block, const PartBounds& parts, const SplatPhotons& photons, uint32_t count) {
-  uint32_t found[kStretch + 16];
-  for (uint32_t first = 0; first < count; first += kStretch)
-    for (uint32_t part = 0; part < kParts; ++part) {
-      const uint32_t n = find_within(parts, part, photons, first, count - first < kStretch ? count : first + kStretch, found);
-      if (!n) continue;
-      for (uint32_t lane = part * kPartSize; lane < (part + 1) * kPartSize; lane += kLanes) {
-        const auto at = [lane](float* p) __attribute__((always_inline)) { return reinterpret_cast<Floats*>(p + lane); };
-        const Floats x = *at(block.x), y = *at(block.y), z = *at(block.z);
-        const Floats nx = *at(block.nx), ny = *at(block.ny), nz = *at(block.nz);
-        const Floats inverse_h2 = *at(block.inverse_h2);
-        const Ints key = *reinterpret_cast<const Ints*>(block.key + lane);
-        Floats r = *at(block.r), g = *at(block.g), b = *at(block.b), caught = *at(block.count), narrow = *at(block.narrow);
-        for (uint32_t i = 0; i < n; ++i) {
-          const SplatPhoton& p = photons.photons[found[i]];
-          const Floats dx = p.x - x, dy = p.y - y, dz = p.z - z;
-          const Floats relative = (dx * dx + dy * dy + dz * dz) * inverse_h2, kernel = 1.0f - relative, within = kernel - relative;
-          const Floats facing = kNormalWeightSlope * (nx * p.nx + ny * p.ny + nz * p.nz);
-          const Ints inside = (kernel > 0.0f) & (facing > 0.0f) & (key == static_cast<int32_t>(p.key));
-          const Floats full = Floats{} + 1.0f;
-          const Ints partly = facing < full;
-          const Floats shared = select(partly, facing) + select(~partly, full);
-          const Floats weight = select(inside, kernel) * shared;
-          narrow += select(inside & (within > 0.0f), within) * shared * p.luminance;
-          r += weight * p.r;
-          g += weight * p.g;
-          b += weight * p.b;
-          caught += select(inside, full);
-        }
-        *at(block.r) = r;
-        *at(block.g) = g;
-        *at(block.b) = b;
-        *at(block.count) = caught;
-        *at(block.narrow) = narrow;
+void PHOTON_SPLAT_KERNEL(PointBlock& block, const PartBounds& parts, const SplatPhotons& photons, const SplatRun* runs, uint32_t count) {
+  uint32_t found[kFound + kStretch + 16];
+  for (uint32_t part = 0; part < kParts; ++part) {
+    uint32_t n = 0;
+    for (const SplatRun* run = runs; run != runs + count; ++run)
+      for (uint32_t first = run->begin; first < run->end; first += kStretch) {
+        n += find_within(parts, part, photons, first, run->end - first < kStretch ? run->end : first + kStretch, found + n);
+        if (n < kFound) continue;
+        add(block, part, photons.photons, found, n);
+        n = 0;
       }
-    }
+    if (n) add(block, part, photons.photons, found, n);
+  }
 }
 
 }  // namespace photon_splat
