@@ -18,6 +18,7 @@ namespace {
 constexpr size_t kFanout = 4;
 constexpr size_t kChunk = 4096;      // photons that one thread looks up at a time
 constexpr size_t kGroup = 16;        // photons that search together
+constexpr uint32_t kFoundAtOnce = 64;
 constexpr size_t kRun = 1 << 20;     // photons sorted at once
 constexpr int kCurveBits = 10;       // of each axis
 constexpr size_t kFewTasks = 256;    // blocks are worked on one after another where there are more, so that the next can be fetched
@@ -60,22 +61,35 @@ Splatter::Node Splatter::make_node(const std::vector<Bounds>& bounds, size_t fir
   return node;
 }
 
-// Bit k tells whether child k meets the bounds.
-unsigned Splatter::meeting(const Node& n, const Bounds& b) {
+// Bounds that nodes are compared with, as often as vectors need them.
+struct Splatter::Query {
 #if defined(__SSE2__)
-  const auto overlap = [](const float* lower, const float* upper, float from, float to) {
-    return _mm_and_ps(_mm_cmpge_ps(_mm_set1_ps(to), _mm_load_ps(lower)), _mm_cmple_ps(_mm_set1_ps(from), _mm_load_ps(upper)));
-  };
-  const __m128 x = overlap(n.lower_x, n.upper_x, b.lower.x, b.upper.x), y = overlap(n.lower_y, n.upper_y, b.lower.y, b.upper.y);
-  return static_cast<unsigned>(_mm_movemask_ps(_mm_and_ps(_mm_and_ps(x, y), overlap(n.lower_z, n.upper_z, b.lower.z, b.upper.z))));
+  __m128 lower_x, lower_y, lower_z, upper_x, upper_y, upper_z;
+  explicit Query(const Bounds& b)
+      : lower_x(_mm_set1_ps(b.lower.x)), lower_y(_mm_set1_ps(b.lower.y)), lower_z(_mm_set1_ps(b.lower.z)),
+        upper_x(_mm_set1_ps(b.upper.x)), upper_y(_mm_set1_ps(b.upper.y)), upper_z(_mm_set1_ps(b.upper.z)) {}
+
+  // Bit k tells whether child k meets the bounds.
+  unsigned meets(const Node& n) const {
+    const auto overlap = [](const float* lower, const float* upper, __m128 from, __m128 to) {
+      return _mm_and_ps(_mm_cmpge_ps(to, _mm_load_ps(lower)), _mm_cmple_ps(from, _mm_load_ps(upper)));
+    };
+    const __m128 x = overlap(n.lower_x, n.upper_x, lower_x, upper_x), y = overlap(n.lower_y, n.upper_y, lower_y, upper_y);
+    return static_cast<unsigned>(_mm_movemask_ps(_mm_and_ps(_mm_and_ps(x, y), overlap(n.lower_z, n.upper_z, lower_z, upper_z))));
+  }
 #else
-  unsigned mask = 0;
-  for (unsigned k = 0; k < kFanout; ++k)
-    mask |= unsigned((b.upper.x >= n.lower_x[k]) & (b.lower.x <= n.upper_x[k]) & (b.upper.y >= n.lower_y[k]) &
-                     (b.lower.y <= n.upper_y[k]) & (b.upper.z >= n.lower_z[k]) & (b.lower.z <= n.upper_z[k])) << k;
-  return mask;
+  Bounds b;
+  explicit Query(const Bounds& bounds) : b(bounds) {}
+
+  unsigned meets(const Node& n) const {
+    unsigned mask = 0;
+    for (unsigned k = 0; k < kFanout; ++k)
+      mask |= unsigned((b.upper.x >= n.lower_x[k]) & (b.lower.x <= n.upper_x[k]) & (b.upper.y >= n.lower_y[k]) &
+                       (b.lower.y <= n.upper_y[k]) & (b.upper.z >= n.lower_z[k]) & (b.lower.z <= n.upper_z[k])) << k;
+    return mask;
+  }
 #endif
-}
+};
 
 void Splatter::set_blocks(const std::vector<Bounds>& bounds) {
   levels_.clear();
@@ -95,17 +109,27 @@ void Splatter::find_blocks(const Bounds& bounds, uint32_t index, std::vector<Pai
   struct Entry {
     uint32_t level, node;
   };
-  Entry stack[64];  // at most 3 entries wait on each of the 16 levels that 2^32 blocks would have
-  int top = 0;
+  const Query query(bounds);
+  const Node* const leaves = levels_[0].data();
+  Entry stack[64 + kFanout];  // at most 3 entries wait on each of the 16 levels that 2^32 blocks would have
+  Pair found[kFoundAtOnce + kFanout];
+  uint32_t top = 0, n = 0;
   stack[top++] = {static_cast<uint32_t>(levels_.size()) - 1, 0};
   while (top) {
     const Entry e = stack[--top];
-    for (unsigned mask = meeting(levels_[e.level][e.node], bounds); mask; mask &= mask - 1) {
-      const uint32_t child = e.node * kFanout + static_cast<uint32_t>(std::countr_zero(mask));
-      if (e.level == 0) out.push_back({child, index});
-      else stack[top++] = {e.level - 1, child};
+    const unsigned mask = query.meets((e.level ? levels_[e.level].data() : leaves)[e.node]);
+    const uint32_t child = e.node * kFanout;
+    // Which children are met cannot be foreseen: all are written, and those that are not are overwritten.
+    if (e.level > 0) {
+      for (uint32_t k = 0; k < kFanout; top += mask >> k++ & 1) stack[top] = {e.level - 1, child + k};
+      continue;
     }
+    for (uint32_t k = 0; k < kFanout; n += mask >> k++ & 1) found[n] = {child + k, index};
+    if (n < kFoundAtOnce) continue;
+    out.insert(out.end(), found, found + n);
+    n = 0;
   }
+  out.insert(out.end(), found, found + n);
 }
 
 void Splatter::find_pairs(const Photon* photons, size_t count, size_t block_count, ThreadPool& pool,

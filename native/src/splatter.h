@@ -41,7 +41,7 @@ class Splatter {
     float lower_x[4], lower_y[4], lower_z[4], upper_x[4], upper_y[4], upper_z[4];
   };
   static Node make_node(const std::vector<Bounds>& bounds, size_t first);
-  static unsigned meeting(const Node& node, const Bounds& bounds);
+  struct Query;
   void sort_photons(const Photon* photons, size_t count, ThreadPool& pool);
   void bound_parts(const std::vector<PointBlock>& blocks, ThreadPool& pool);
   void deal_pairs(size_t chunk_count, size_t block_count);
