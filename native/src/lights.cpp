@@ -33,6 +33,9 @@ Lights::Lights(Scene& scene, const std::vector<LampSettings>& lamps) : scene_(sc
   const double r = scene_disc();
   world_power_ = average(environment_.mean()) * 4.0 * kPi * kPi * r * r;
   power_cdf_.push_back(total_power_ = sum + world_power_);
+  const auto over_share = [&](double power) { return static_cast<float>(total_power_ / std::max(power, 1e-300)); };
+  for (Emitter& e : emitters_) e.over_share = over_share(e.power);
+  over_world_share_ = over_share(world_power_);
   if (emitters_.size() > kFewEmitters) build_tree();
   for (uint32_t i = 0; i < emitters_.size(); ++i)
     if (emitters_[i].lamp >= 0 && lamps_[emitters_[i].lamp].s.camera_visible) visible_lamps_.push_back(i);

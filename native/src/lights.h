@@ -190,6 +190,7 @@ class Lights {
     uint64_t lit_groups = ~uint64_t{0}, blockers = ~uint64_t{0};
     int16_t light_group = kNoLightGroup;
     double power = 0;
+    float over_share = 0;                   // one over its share of all lights' power
     std::vector<EmissiveTriangle> triangles;
     std::vector<float> cdf;                 // over triangles, by power
     std::vector<uint32_t> cdf_start;        // where to begin looking, for equal steps of the cdf
@@ -312,6 +313,7 @@ class Lights {
   std::vector<uint32_t> shadow_linked_;       // emitters whose light not everything blocks
   std::vector<double> power_cdf_;             // over emitters and, last, the world
   double world_power_ = 0, total_power_ = 0;
+  float over_world_share_ = 0;  // one over the world's share of all power
 };
 
 }  // namespace photon_splat

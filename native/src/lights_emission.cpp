@@ -18,18 +18,18 @@ constexpr uint32_t whole_vectors(uint32_t count) { return (count + 15) & ~15u; }
 }  // namespace
 
 PhotonStart& Lights::finished(PhotonStart& start, const EmissionPrimary& p) const {
-  double power = world_power_;
+  float over_share = over_world_share_;
   if (p.emitter == emitters_.size()) {
     start.light_group = scene_.world_light_group;
   } else {
     const Emitter& e = emitters_[p.emitter];
     if (e.lamp >= 0 && lamps_[e.lamp].s.program >= 0) start.shaded_by = e.lamp;
-    power = e.power;
+    over_share = e.over_share;
     start.lit_groups = e.lit_groups;
     start.blockers = e.blockers;
     start.light_group = e.light_group;
   }
-  start.power *= static_cast<float>(total_power_ / std::max(power, 1e-300)) * p.weight;
+  start.power *= over_share * p.weight;
   return start;
 }
 

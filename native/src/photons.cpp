@@ -140,7 +140,9 @@ void PhotonTracer::trace_chunk(uint64_t first, uint64_t count, double total, uin
       const uint32_t begin = next - kBounceLanes;
       const RayHits& hits = found[turn ^ 1];
       unsigned together = hit[turn ^ 1];
-      for (uint32_t k = 0; k < kBounceLanes; ++k) together &= ~(paths.alone[begin + k] << k);
+      uint32_t any_alone = 0;
+      for (uint32_t k = 0; k < kBounceLanes; ++k) any_alone |= paths.alone[begin + k];
+      for (uint32_t k = 0; any_alone && k < kBounceLanes; ++k) together &= ~(paths.alone[begin + k] << k);
       together = scene_.plain_surfaces(hits, together, surfaces);
       if (together) bounce_(paths, begin, hits, surfaces, settings, bounced);
       if (stream_ == PhotonStream::kCaustic) bounced.goes_on = 0;
@@ -152,7 +154,8 @@ void PhotonTracer::trace_chunk(uint64_t first, uint64_t count, double total, uin
             run.photons.push_back({{hits.x[k], hits.y[k], hits.z[k]}, surfaces.key[k], static_cast<uint16_t>(bounced.directions[k]),
                                    static_cast<uint16_t>(bounced.directions[k] >> 16),
                                    {bounced.stored_red[k], bounced.stored_green[k], bounced.stored_blue[k]}});
-          if (bounced.goes_on >> k & 1) keep_bounced(travellers, i, kept++, bounced, k);
+          keep_bounced(travellers, i, kept, bounced, k);  // in vain where it ends, which a branch could not foresee
+          kept += bounced.goes_on >> k & 1;
         } else {
           Path path = travellers.take(i);
           Vec3 direction{paths.direction_x[i], paths.direction_y[i], paths.direction_z[i]};

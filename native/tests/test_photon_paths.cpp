@@ -91,3 +91,38 @@ TEST_CASE("paths bounce to the same places, bit for bit, on every instruction se
   CHECK(stored > 100);
   CHECK(went_on > 100);
 }
+
+TEST_CASE("runs of photons are joined in their order, however they come and however many were expected") {
+  constexpr size_t kRuns = 200;
+  ThreadPool pool(4);
+  const CancelFlag never;
+  PhotonJoin join;
+  for (const size_t expected : {size_t{0}, size_t{50}, size_t{1000}, size_t{100000}}) {
+    CAPTURE(expected);
+    join.begin(kRuns, expected, true);
+    pool.for_each(kRuns, never, [&](size_t c, int) {
+      const size_t number = c ^ 3;  // neighbours change places
+      std::unique_ptr<PhotonRun> run = join.take();
+      CHECK(run->photons.empty());
+      for (size_t i = 0; i < number % 17; ++i) {
+        Photon photon{};
+        photon.key = static_cast<uint32_t>(100 * number + i);
+        run->photons.push_back(photon);
+        run->groups.push_back(static_cast<int16_t>(number));
+      }
+      run->rays = number;
+      join.add(number, std::move(run));
+    });
+    join.finish(pool, never);
+    size_t place = 0;
+    for (size_t number = 0; number < kRuns; ++number)
+      for (size_t i = 0; i < number % 17; ++i, ++place) {
+        REQUIRE(place < join.photons().size());
+        CHECK(join.photons()[place].key == 100 * number + i);
+        CHECK(join.groups()[place] == static_cast<int16_t>(number));
+      }
+    CHECK(join.photons().size() == place);
+    CHECK(join.groups().size() == place);
+    CHECK(join.rays() == kRuns * (kRuns - 1) / 2);
+  }
+}
