@@ -43,6 +43,11 @@ def next_estimate(passes: int) -> int:
     return passes + max(1, passes // 4)
 
 
+def samples_that_fit(left: float, took: float, camera: float, samples: float) -> float:
+    """Camera samples per pixel that a pass can have in `left` seconds, if another took `took`, `camera` of them for `samples`."""
+    return (left - (took - camera)) * samples / max(camera, 1e-9)
+
+
 class _Worker(threading.Thread):
     """Does the passes off the caller's thread, which meanwhile reports progress and polls for cancellation."""
 
@@ -105,7 +110,8 @@ class _Worker(threading.Thread):
         self.prepare()
         self.prepared = True
         while self.passes_done < self.settings.passes:
-            began, learnt, samples = time.monotonic(), self.renderer.pilot_seconds, self.renderer.samples_per_pass
+            began, pilot, camera = time.monotonic(), self.renderer.pilot_seconds, self.renderer.camera_seconds
+            samples = self.renderer.samples_per_pass
             self.stage = f"Pass {self.passes_done + 1}"
             if self.settings.integrator is Integrator.REFERENCE:
                 self.renderer.trace_reference(self.passes_done)
@@ -118,14 +124,19 @@ class _Worker(threading.Thread):
             self.pass_finished.set()
             if converged:
                 return
-            if not self.settings.time_limit:
-                continue
-            now = time.monotonic()
-            # Another pass takes as long as this one did, but for the pilot, or as much longer as it has more samples: it is begun
-            # only if it fits.
-            another = (now - began - (self.renderer.pilot_seconds - learnt)) * max(1.0, self.renderer.samples_per_pass / samples)
-            if now + another > self.started + self.settings.time_limit:
-                return
+            if self.settings.time_limit:
+                took = time.monotonic() - began - (self.renderer.pilot_seconds - pilot)
+                if not self._another_fits(took, min(took, self.renderer.camera_seconds - camera), samples):
+                    return
+
+    def _another_fits(self, took: float, camera: float, samples: float) -> bool:
+        """Whether one more pass like the last one keeps the time limit, if need be with fewer camera samples, which it then gets."""
+        fitting = samples_that_fit(self.started + self.settings.time_limit - time.monotonic(), took, camera, samples)
+        if fitting < 1.0:
+            return False
+        if fitting < self.renderer.samples_per_pass:
+            self.renderer.limit_samples(fitting)
+        return True
 
     def _choose_splatter(self) -> Splatter:
         if not self.light_groups:

@@ -9,6 +9,7 @@ constexpr uint64_t kPilotPaths = 65536;
 constexpr double kPhotonsPerDisc = 200;  // from one pass, before radii shrink
 constexpr double kCausticPhotonsPerDisc = 25;
 constexpr size_t kUnscouted = 16;  // at most one record of so many lies on a surface that scouts have not seen, or the pilot is traced again
+constexpr uint32_t kGatheredSamples = 4;  // of a pixel in a pass where photons light what paths meet: theirs is most of the noise
 constexpr float kGatheredSpacing = 2;  // times that of points that are seen: a pixel's paths meet many
 constexpr double kShrinkExponent = -1.0 / 6.0;  // h ~ pass^(-1/6): variance and squared bias fall alike (Knaus & Zwicker 2011)
 
@@ -63,7 +64,7 @@ void Renderer::reset_film() {
   film_.height = camera_settings.region_height;
   film_.light_groups = scene.light_groups;
   errors_.reset(film_.width, film_.height);
-  samples_.reset(film_.width, film_.height);
+  samples_.reset(film_.width, film_.height, options.final_gather ? kGatheredSamples : 1);
   for (const auto& layer : layers_) layer->choice.reset(film_.width, film_.height);
   fallback_.reset();  // of other records
   fallback_learnt_ = false;

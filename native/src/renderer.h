@@ -90,6 +90,10 @@ class Renderer {
     if (options.adaptive_samples) samples_.begin_pass(scene.pool());
     return options.adaptive_samples ? samples_.mean_count() : 1;
   }
+  // Fewer in the passes to come, so that they are at most `mean` in each pixel on average.
+  void limit_samples(double mean) {
+    if (options.adaptive_samples) samples_.limit(mean, scene.pool());
+  }
   uint64_t paths_per_pass() const { return current_ ? current_->paths_per_pass : 0; }
   // Visible points for those records; the first call traces the pilot that chooses radii.
   void make_points(uint32_t pass);

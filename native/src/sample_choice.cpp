@@ -28,7 +28,8 @@ float SampleChoice::Moments::variance(size_t i, float samples, float passes) con
   return std::max(0.0f, squares[i] - sum[i] * sum[i] / samples) / (passes - 1);
 }
 
-void SampleChoice::reset(int width, int height) {
+void SampleChoice::reset(int width, int height, uint32_t least) {
+  least_ = least;
   width_ = width;
   height_ = height;
   passes_ = 0;
@@ -66,6 +67,12 @@ void SampleChoice::end_pass(const Film& pass, double work, ThreadPool& pool) {
   });
   to_choose_ = std::has_single_bit(++passes_);
   work_ = work;
+}
+
+void SampleChoice::limit(double mean, ThreadPool& pool) {
+  begin_pass(pool);
+  while (mean_count() > std::max(mean, 1.0))
+    for (uint8_t& count : count_) count = static_cast<uint8_t>((count + 1) / 2);
 }
 
 void SampleChoice::begin_pass(ThreadPool& pool) {
@@ -122,9 +129,11 @@ void SampleChoice::choose(ThreadPool& pool) {
     wanted += c;
   }
   const double pixels = static_cast<double>(all.size());
-  const double unit = std::max(std::sqrt(photons / pixels * std::max(work_, kLeastWork)), wanted / pixels / kMostMean);
+  const double worth = std::sqrt(photons / pixels * std::max(work_, kLeastWork));
+  const double unit = std::max(worth, wanted / pixels / kMostMean);
+  const double least = std::clamp(worth > 0 ? wanted / pixels / worth : kMost, 1.0, static_cast<double>(least_));
   for (size_t i = 0; i < count_.size(); ++i) {
-    const double samples = unit > 0 ? std::clamp(camera[i] / unit, 1.0, kMost) : 1;
+    const double samples = unit > 0 ? std::clamp(camera[i] / unit, least, kMost) : 1;
     count_[i] = static_cast<uint8_t>(std::bit_floor(static_cast<uint32_t>(samples * std::sqrt(2.0))));
   }
 }

@@ -13,9 +13,12 @@ namespace photon_splat {
 // add, summed over pixels, and r the work of one camera sample in each of n pixels over that of a pass' photons,
 // (sum s_i^2/n_i + S) (r sum n_i / n + 1) is least for n_i = s_i sqrt(n / (r S)). Choices are made from pass 1, 2, 4, 8, ...,
 // when another begins, and are for the passes that follow: samples never judge themselves.
+//
+// A denoiser brings every pixel's error to the root of what it was, and dark places count as much as bright ones: then all pixels have
+// `least` samples, if photons leave so many worth their work, before some get more.
 class SampleChoice {
  public:
-  void reset(int width, int height);
+  void reset(int width, int height, uint32_t least = 1);
 
   // Before the samples of a pass are asked for; again does no harm.
   void begin_pass(ThreadPool& pool);
@@ -23,6 +26,8 @@ class SampleChoice {
   uint32_t first(size_t i, uint32_t pass) const { return pass + extra_[i]; }
   uint32_t count(size_t i) const { return count_[i]; }
   double mean_count() const;  // of all pixels, in the next pass
+  // Fewer in the passes until the next choice, the same part of each pixel's, so that they are at most `mean`; one at the least.
+  void limit(double mean, ThreadPool& pool);
 
   // The pass' film when it holds what camera paths found, and again when photons have been added.
   void see_camera(const Film& pass, ThreadPool& pool);
@@ -42,7 +47,7 @@ class SampleChoice {
   void choose(ThreadPool& pool);
 
   int width_ = 0, height_ = 0;
-  uint32_t passes_ = 0;
+  uint32_t passes_ = 0, least_ = 1;
   bool to_choose_ = false;
   double work_ = 1;             // of the last pass
   Moments camera_, all_;

@@ -11,10 +11,10 @@ constexpr int kWidth = 32, kHeight = 24;
 
 // After `passes` passes of a picture in which camera_noise(x) and photon_noise(x) are the deviations of one sample of each kind.
 template <class Camera, class Photons>
-SampleChoice after(uint32_t passes, Camera&& camera_noise, Photons&& photon_noise) {
+SampleChoice after(uint32_t passes, Camera&& camera_noise, Photons&& photon_noise, uint32_t least = 1) {
   ThreadPool pool(2);
   SampleChoice choice;
-  choice.reset(kWidth, kHeight);
+  choice.reset(kWidth, kHeight, least);
   Film film;
   film.reset(kWidth, kHeight);
   Random random(3, 5);
@@ -73,6 +73,28 @@ TEST_CASE("camera noise without any of photons gets more samples everywhere, wit
   const uint32_t all = total(after(16, [](int) { return 0.3f; }, nothing));
   CHECK(all > kWidth * kHeight);
   CHECK(all <= 4 * kWidth * kHeight);
+}
+
+TEST_CASE("a least number of samples is for all pixels from the second pass on, as far as it is worth it") {
+  const SampleChoice first = after(0, stripe, even, 4), quiet = after(4, stripe, nothing, 4);
+  CHECK(total(first) == kWidth * kHeight);
+  CHECK(quiet.count(kMiddle + 5) == 4);
+  CHECK(quiet.count(kMiddle + 20) > 4);
+  CHECK(total(after(4, stripe, [](int) { return 5.0f; }, 4)) == kWidth * kHeight);  // of photons is the noise
+  CHECK(total(after(4, nothing, nothing, 4)) == kWidth * kHeight);
+}
+
+TEST_CASE("limited samples keep where they go, and number on") {
+  SampleChoice choice = after(4, stripe, nothing, 4);
+  const uint32_t first = choice.first(kMiddle + 20, 4), count = choice.count(kMiddle + 20);
+  ThreadPool pool(2);
+  choice.limit(3, pool);
+  CHECK(choice.mean_count() <= 3);
+  CHECK(choice.count(kMiddle + 20) > choice.count(kMiddle + 5));
+  CHECK(choice.count(kMiddle + 20) < count);
+  CHECK(choice.first(kMiddle + 20, 4) == first);
+  choice.limit(0, pool);
+  CHECK(choice.mean_count() == 1);
 }
 
 TEST_CASE("a black picture and light that is not finite ask for nothing") {

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from photon_splat.core.result import RenderResult
 from photon_splat.core.scene import Scene
-from photon_splat.core.session import render
+from photon_splat.core.session import render, samples_that_fit
 from photon_splat.core.settings import Integrator, RenderSettings
 
 from tests import corescene as c
@@ -64,6 +64,13 @@ def test_passes_add_up() -> None:
         runs = np.stack([c.picture(room(pixels=16), passes=passes, photons_per_pass=3000, seed=s) for s in range(12)])
         spread.append(runs.var(0, ddof=1).mean())
     assert 2.4 < spread[0] / spread[1] < 6.5
+
+
+def test_the_last_pass_gets_the_samples_that_fit() -> None:
+    assert samples_that_fit(left=3.0, took=3.0, camera=2.0, samples=4.0) == 4.0
+    assert samples_that_fit(left=2.0, took=3.0, camera=2.0, samples=4.0) == 2.0
+    assert samples_that_fit(left=1.0, took=3.0, camera=2.0, samples=4.0) < 1.0  # its photons alone take that long
+    assert samples_that_fit(left=-1.0, took=3.0, camera=0.0, samples=1.0) < 1.0
 
 
 def test_time_limit_is_kept() -> None:
