@@ -5,7 +5,16 @@
 namespace photon_splat {
 namespace {
 
-size_t pick(const float* cdf, size_t count, float u) { return std::min<size_t>(std::upper_bound(cdf, cdf + count, u) - cdf, count - 1); }
+// The first entry above u, or the last one. Halves without branches: which way they go nobody can guess.
+size_t pick(const float* cdf, size_t count, float u) {
+  const float* first = cdf;
+  for (size_t left = count; left > 1;) {
+    const size_t half = left / 2;
+    first += first[half - 1] <= u ? half : 0;
+    left -= half;
+  }
+  return first - cdf;
+}
 
 // Where u lies between two entries.
 float within(float low, float high, float u) { return std::clamp((u - low) / std::max(high - low, 1e-30f), 0.0f, kBelowOne); }

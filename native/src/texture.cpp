@@ -47,7 +47,10 @@ std::vector<uint16_t> converted(std::vector<float>& floats, Convert&& convert) {
 
 int wrap(int i, int size, Extension extension) {
   switch (extension) {
-    case Extension::kRepeat: return ((i % size) + size) % size;
+    case Extension::kRepeat: {
+      if (static_cast<uint32_t>(i) < static_cast<uint32_t>(size)) return i;
+      return ((i % size) + size) % size;
+    }
     case Extension::kMirror: {
       const int period = ((i % (2 * size)) + 2 * size) % (2 * size);
       return period < size ? period : 2 * size - 1 - period;
@@ -92,21 +95,26 @@ float decode_srgb_byte(uint8_t c) {
   return table.linear[c];
 }
 
-Texture::Texel Texture::texel(int x, int y) const {
-  x = wrap(x, width, extension);
-  y = wrap(y, height, extension);
-  if (x < 0 || y < 0) return {};
-  const Texture& kept = pixels_of ? *pixels_of : *this;
-  const size_t at = static_cast<size_t>(kept.channels) * (static_cast<size_t>(y) * width + x);
-  const auto read = [&](auto&& value) -> Texel {
+// What is stored at a column and row of the image, both within it.
+struct Texture::Pixels {
+  explicit Pixels(const Texture& texture) : kept(texture.pixels_of ? *texture.pixels_of : texture), width(texture.width) {}
+
+  const Texture& kept;
+  int width;
+
+  template <class Value>
+  Texel read(size_t at, Value&& value) const {
     if (kept.channels == 1) return {value(at), value(at), value(at), 1};
     return {value(at), value(at + 1), value(at + 2), kept.channels == 4 ? value(at + 3) : 1.0f};
-  };
-  if (!kept.bytes.empty()) return read([&](size_t i) { return static_cast<float>(kept.bytes[i]) * (1.0f / 255.0f); });
-  if (!kept.floats.empty()) return read([&](size_t i) { return kept.floats[i]; });
-  if (kept.half) return read([&](size_t i) { return from_half(kept.shorts[i]); });
-  return read([&](size_t i) { return static_cast<float>(kept.shorts[i]) * kShortUnit; });
-}
+  }
+  Texel at(int x, int y) const {
+    const size_t i = static_cast<size_t>(kept.channels) * (static_cast<size_t>(y) * width + x);
+    if (!kept.bytes.empty()) return read(i, [&](size_t k) { return static_cast<float>(kept.bytes[k]) * (1.0f / 255.0f); });
+    if (!kept.floats.empty()) return read(i, [&](size_t k) { return kept.floats[k]; });
+    if (kept.half) return read(i, [&](size_t k) { return from_half(kept.shorts[k]); });
+    return read(i, [&](size_t k) { return static_cast<float>(kept.shorts[k]) * kShortUnit; });
+  }
+};
 
 void Texture::compact() {
   if (channels != 4) return;
@@ -142,24 +150,36 @@ Texture Texture::reading(Interpolation other_interpolation, Extension other_exte
 Texture::Texel Texture::interpolated(Vec2 uv) const {
   uv = {near_image(uv.x, extension), near_image(uv.y, extension)};
   const float x = uv.x * static_cast<float>(width), y = uv.y * static_cast<float>(height);
-  if (interpolation == Interpolation::kClosest) return texel(static_cast<int>(std::floor(x)), static_cast<int>(std::floor(y)));
+  const Pixels pixels(*this);
+  if (interpolation == Interpolation::kClosest) {
+    const int column = wrap(static_cast<int>(std::floor(x)), width, extension);
+    const int row = wrap(static_cast<int>(std::floor(y)), height, extension);
+    return column < 0 || row < 0 ? Texel{} : pixels.at(column, row);
+  }
   const float fx = std::floor(x - 0.5f), fy = std::floor(y - 0.5f);
   const float s = x - 0.5f - fx, t = y - 0.5f - fy;
   const int ix = static_cast<int>(fx), iy = static_cast<int>(fy);
   Texel sum{};
-  const auto add = [&](int dx, int dy, float weight) {
-    const Texel part = texel(ix + dx, iy + dy);
-    for (size_t c = 0; c < 4; ++c) sum[c] += part[c] * weight;
+  // Of `size` x `size` texels from `first` on.
+  const auto add_all = [&]<int size>(int first, const float* wx, const float* wy) {
+    int column[size], row[size];
+    for (int i = 0; i < size; ++i) {
+      column[i] = wrap(ix + first + i, width, extension);
+      row[i] = wrap(iy + first + i, height, extension);
+    }
+    for (int j = 0; j < size; ++j)
+      for (int i = 0; i < size; ++i) {
+        if (column[i] < 0 || row[j] < 0) continue;
+        const Texel part = pixels.at(column[i], row[j]);
+        for (size_t c = 0; c < 4; ++c) sum[c] += part[c] * (wx[i] * wy[j]);
+      }
   };
   if (interpolation == Interpolation::kCubic) {
     const auto wx = spline_weights(s), wy = spline_weights(t);
-    for (int j = 0; j < 4; ++j)
-      for (int i = 0; i < 4; ++i) add(i - 1, j - 1, wx[i] * wy[j]);
+    add_all.template operator()<4>(-1, wx.data(), wy.data());
   } else {
-    add(0, 0, (1 - s) * (1 - t));
-    add(1, 0, s * (1 - t));
-    add(0, 1, (1 - s) * t);
-    add(1, 1, s * t);
+    const float wx[] = {1 - s, s}, wy[] = {1 - t, t};
+    add_all.template operator()<2>(0, wx, wy);
   }
   return sum;
 }

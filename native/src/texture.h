@@ -43,7 +43,7 @@ struct Texture {
 
  private:
   using Texel = std::array<float, 4>;
-  Texel texel(int x, int y) const;  // as stored
+  struct Pixels;
   Texel interpolated(Vec2 uv) const;
 };
 
