@@ -116,12 +116,14 @@ def denoise(
     albedo: NDArray[np.float32],
     normal: NDArray[np.float32],
     *,
+    apart: NDArray[np.float32] | None = None,
     noisy_features: bool = False,
     threads: int = 0,
     should_cancel: Callable[[], bool] | None = None,
 ) -> NDArray[np.float32]:
     """`color` (height, width, 3), linear, without its noise, by the features, of the same shape.
 
+    apart: a part of `color` with noise and edges of its own, as direct light has; it and the rest are denoised one by one.
     noisy_features: of few samples; their own noise, at edges and in textures, would come back in the picture, so it is taken out first.
     threads: 0 = all. A cancelled run returns `color` as it came. DenoiserMissing, or RuntimeError with the library's message.
     """
@@ -138,13 +140,14 @@ def denoise(
         run = _Run(library, device, should_cancel)
         if noisy_features:
             albedo, normal = (run.filter({name: image}, prefilter=True) for name, image in ((b"albedo", albedo), (b"normal", normal)))
-        output = run.filter({b"color": color, b"albedo": albedo, b"normal": normal})
+        parts = [color] if apart is None else [np.ascontiguousarray(apart, np.float32), np.maximum(color - apart, 0.0)]
+        output = sum(run.filter({b"color": part, b"albedo": albedo, b"normal": normal}) for part in parts)
         message = ctypes.c_char_p()
         if library.oidnGetDeviceError(device, ctypes.byref(message)) and not run.cancelled:
             raise RuntimeError(f"Open Image Denoise failed: {(message.value or b'unknown error').decode()}")
     finally:
         library.oidnReleaseDevice(device)
-    return color if run.cancelled else output
+    return color if run.cancelled else np.asarray(output, np.float32)
 
 
 class _Run:

@@ -80,8 +80,29 @@ def test_noise_of_the_features_does_not_come_back_in_the_picture() -> None:
     assert error[True] < 0.5 * error[False], error
 
 
+def test_a_part_denoised_by_itself_keeps_its_edges() -> None:
+    """The shadow's edge in the direct light is lost in the noise of the rest; what is brighter than the picture counts as none."""
+    random = np.random.default_rng(6)
+    shadow = np.where(np.arange(96) < 48, 0.1, 0.3)[None, :, None] * np.ones((96, 96, 3), np.float32)
+    flat = np.full_like(shadow, 0.5)
+    direct, rest = (
+        part + random.normal(0, sigma, shadow.shape).astype(np.float32) for part, sigma in ((shadow, 0.01), (1 + 0 * flat, 0.6))
+    )
+    direct, rest = np.maximum(direct, 0), np.maximum(rest, 0)
+    normal = np.tile(np.array([0.0, 0.0, 1.0], np.float32), (96, 96, 1))
+    edge = (slice(None), slice(44, 52))
+    step = {
+        apart is not None: float(np.diff(denoise.denoise(direct + rest, flat, normal, apart=apart)[edge].mean((0, 2))).max())
+        for apart in (None, direct)
+    }
+    assert step[True] > 1.5 * step[False], step
+    dark = denoise.denoise(direct, flat, normal, apart=2 * direct)
+    assert np.isfinite(dark).all()
+
+
 def test_a_cancelled_denoiser_leaves_the_picture() -> None:
     light = np.random.default_rng(4).random((64, 64, 3)).astype(np.float32)
     for noisy in (False, True):
-        same = denoise.denoise(light, light, light, noisy_features=noisy, should_cancel=lambda: True)
-        assert np.array_equal(same, light)
+        for apart in (None, 0.5 * light):
+            same = denoise.denoise(light, light, light, apart=apart, noisy_features=noisy, should_cancel=lambda: True)
+            assert np.array_equal(same, light)
