@@ -22,6 +22,7 @@ QUALITY_BALANCED = 5
 LUMINANCE = (0.2126, 0.7152, 0.0722)
 WINDOW = 2
 """Half the side of the square over which pixels share what is known of noise and blur."""
+MEDIUM_GREY = 0.18
 CAUTION = 8.0
 DOUBT = 2.0
 """What noise is taken for, over its estimate, which may be half of the truth: with blur that was none noise comes back."""
@@ -57,6 +58,7 @@ def _library() -> ctypes.CDLL:
             ("oidnSetSharedFilterImage", None, [handle, ctypes.c_char_p, handle, ctypes.c_int] + [ctypes.c_size_t] * 5),
             ("oidnSetFilterBool", None, [handle, ctypes.c_char_p, ctypes.c_bool]),
             ("oidnSetFilterInt", None, [handle, ctypes.c_char_p, ctypes.c_int]),
+            ("oidnSetFilterFloat", None, [handle, ctypes.c_char_p, ctypes.c_float]),
             ("oidnSetFilterProgressMonitorFunction", None, [handle, _MONITOR, handle]),
             ("oidnCommitFilter", None, [handle]),
             ("oidnExecuteFilter", None, [handle]),
@@ -140,14 +142,25 @@ def denoise(
         run = _Run(library, device, should_cancel)
         if noisy_features:
             albedo, normal = (run.filter({name: image}, prefilter=True) for name, image in ((b"albedo", albedo), (b"normal", normal)))
-        parts = [color] if apart is None else [np.ascontiguousarray(apart, np.float32), np.maximum(color - apart, 0.0)]
-        output = sum(run.filter({b"color": part, b"albedo": albedo, b"normal": normal}) for part in parts)
+        parts, exposure = [color], None
+        if apart is not None:
+            apart = np.ascontiguousarray(apart, np.float32)
+            parts, exposure = [apart, np.maximum(color - apart, 0.0)], _exposure(color)
+        output = sum(run.filter({b"color": part, b"albedo": albedo, b"normal": normal}, exposure=exposure) for part in parts)
         message = ctypes.c_char_p()
         if library.oidnGetDeviceError(device, ctypes.byref(message)) and not run.cancelled:
             raise RuntimeError(f"Open Image Denoise failed: {(message.value or b'unknown error').decode()}")
     finally:
         library.oidnReleaseDevice(device)
     return color if run.cancelled else np.asarray(output, np.float32)
+
+
+def _exposure(color: NDArray[np.float32]) -> float:
+    """The factor that makes the picture's mean luminance a medium grey. Parts of a picture share it: one that is mostly black, as direct
+    light may be, would by itself be brightened until its highlights are lost. Specks count as far as 64 times the geometric mean."""
+    light = np.maximum(color @ np.asarray(LUMINANCE, np.float32), 1e-8)
+    mean = float(np.minimum(light, 64.0 * np.exp(np.log(light).mean())).mean())
+    return MEDIUM_GREY / mean
 
 
 class _Run:
@@ -162,8 +175,11 @@ class _Run:
         self.cancelled = self.cancelled or (self.should_cancel is not None and self.should_cancel())
         return not self.cancelled
 
-    def filter(self, images: dict[bytes, NDArray[np.float32]], *, prefilter: bool = False) -> NDArray[np.float32]:
-        """The first of the images without its noise, the others being features of it. prefilter: it is a feature itself."""
+    def filter(
+        self, images: dict[bytes, NDArray[np.float32]], *, prefilter: bool = False, exposure: float | None = None
+    ) -> NDArray[np.float32]:
+        """The first of the images without its noise, the others being features of it. prefilter: it is a feature itself. exposure: the
+        factor under which the denoiser sees it (None: of its own choice)."""
         first = next(iter(images.values()))
         if self.cancelled:
             return first
@@ -179,6 +195,8 @@ class _Run:
             else:
                 self.library.oidnSetFilterBool(handle, b"hdr", True)
                 self.library.oidnSetFilterBool(handle, b"cleanAux", True)
+                if exposure is not None:
+                    self.library.oidnSetFilterFloat(handle, b"inputScale", exposure)
             self.library.oidnSetFilterProgressMonitorFunction(handle, monitor, None)
             self.library.oidnCommitFilter(handle)
             self.library.oidnExecuteFilter(handle)

@@ -100,6 +100,16 @@ def test_a_part_denoised_by_itself_keeps_its_edges() -> None:
     assert np.isfinite(dark).all()
 
 
+def test_a_part_that_is_mostly_black_keeps_its_highlights() -> None:
+    direct = np.zeros((96, 96, 3), np.float32)
+    direct[20:30, 20:60] = 6.0
+    rest, flat = np.full_like(direct, 0.3), np.full_like(direct, 0.5)
+    normal = np.tile(np.array([0.0, 0.0, 1.0], np.float32), (96, 96, 1))
+    found = denoise.denoise(direct + rest, flat, normal, apart=direct)
+    assert found[23:27, 25:55].mean() == pytest.approx(6.3, rel=0.02)
+    assert denoise._exposure(np.zeros((4, 4, 3), np.float32)) < float("inf")
+
+
 def test_a_cancelled_denoiser_leaves_the_picture() -> None:
     light = np.random.default_rng(4).random((64, 64, 3)).astype(np.float32)
     for noisy in (False, True):
