@@ -85,7 +85,7 @@ def test_a_render_keeps_to_the_faster(faster: str, monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr(rule, "record", lambda kind, name, pairs, _: record(kind, name, pairs, pairs * (1.0 if name == faster else 2.0)))
     graphics = replace(context.submit(context.graphics).result(), rule=rule)
     monkeypatch.setattr(context, "graphics", lambda: graphics)
-    gpu = c.shoot(scenes.room(16), backend="GPU", passes=8, photons_per_pass=50_000).statistics["gpu"]
+    gpu = c.shoot(scenes.room(16), backend="GPU", passes=8, photons_per_pass=50_000, adaptive_samples=False).statistics["gpu"]
     used = gpu["methods"]
     assert sum(used.values()) == gpu["batches"] > 25
     assert used[faster] > 2 * min(used.values()) > 0
