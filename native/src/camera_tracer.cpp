@@ -222,6 +222,7 @@ void CameraTracer::trace_path(Path& path) const {
     if (!bsdf.scatters() || !(max_abs(path.throughput) > 0)) return;
     Receiver receiver{hit.position, bsdf.transmits() ? Vec3{} : hit.ng, bsdf.has_rest(), scene_.instances[hit.instance].group};
     receiver.sky = lights_.guide_at(receiver.x, receiver.n);
+    receiver.ns = hit.ns;
     if (path.vertex < kSunnyVertices && lights_.environment().contrast() > kSunny) receiver.world_samples = 2;
     const bool gathers = path.records && path.vertex < path.max_bounces, fallback = gathers && falls_back(path, hit, bsdf);
     if (path.records && bsdf.has_rest()) {

@@ -116,7 +116,10 @@ float Lights::emitter_weight(const Emitter& e, const Receiver& to) const {
 bool Lights::shares_with_rays(const Emitter& e, const Receiver& to) const {
   if (to.sharp) return true;
   if (e.lamp >= 0 && lamps_[e.lamp].s.kind != LampKind::kArea) return false;  // the others are sampled by solid angle
-  return length2(e.center - to.x) < 4 * e.radius * e.radius;
+  if (!(length2(e.center - to.x) < 4 * e.radius * e.radius)) return false;
+  if (!to.diffuse()) return true;
+  CloseLamp close;  // sampled by the cosine: there is nothing that rays do better
+  return !(see_close(e, to, close) && close.by_cosine);
 }
 
 bool Lights::wants_bsdf_ray(const Receiver& to) const {
@@ -242,17 +245,19 @@ std::optional<LightSample> Lights::sample(const Receiver& to, float choice, cons
     probability *= pick->probability;
   }
   const Emitter& e = emitters_[chosen];
-  if (!(e.lamp >= 0 ? sample_lamp(e, to.x, u, out) : sample_mesh(e, to.x, u, out))) return std::nullopt;
+  bool by_cosine = false;
+  if (!(e.lamp >= 0 ? sample_lamp(e, to, u, out, by_cosine) : sample_mesh(e, to, u, out, by_cosine))) return std::nullopt;
   out.weight *= 1 / probability;
   out.pdf *= probability;
-  out.use_mis = out.pdf > 0 && shares_with_rays(e, to);
+  out.use_mis = out.pdf > 0 && !by_cosine && shares_with_rays(e, to);
   out.blockers = e.blockers;
   out.light_group = e.light_group;
   return out;
 }
 
-bool Lights::sample_lamp(const Emitter& e, const Vec3& x, const Vec2& u, LightSample& out) const {
+bool Lights::sample_lamp(const Emitter& e, const Receiver& receiver, const Vec2& u, LightSample& out, bool& by_cosine) const {
   const Lamp& lamp = lamps_[e.lamp];
+  const Vec3& x = receiver.x;
   if (lamp.s.kind == LampKind::kSun) {
     out.direction = Basis(-lamp.forward).to_world(sample_cone(u, lamp.one_minus_cos));
     out.distance = INFINITY;
@@ -262,13 +267,14 @@ bool Lights::sample_lamp(const Emitter& e, const Vec3& x, const Vec2& u, LightSa
     if (lamp.s.program >= 0) out.weight *= shade(lamp, {}, -out.direction, INFINITY);
     return !is_black(out.weight);
   }
-  if (CloseLamp close; lamp.s.kind == LampKind::kArea && see_close(e, x, close)) {
+  if (CloseLamp close; lamp.s.kind == LampKind::kArea && see_close(e, receiver, close)) {
     CloseLamp::Place place;
     if (!close.sample(u, place) || dot(place.direction, lamp.forward) >= 0) return false;
     out.direction = place.direction;
     out.distance = place.distance;
-    out.pdf = 1 / close.total;
-    out.weight = lamp.radiance * close.total;
+    out.pdf = place.pdf;
+    out.weight = lamp.radiance / place.pdf;
+    by_cosine = close.by_cosine;
     if (lamp.s.program >= 0) out.weight *= shade(lamp, x + out.direction * out.distance, -out.direction, out.distance);
     return !is_black(out.weight);
   }
@@ -342,19 +348,21 @@ void Lights::triangle_corners(uint32_t instance, uint32_t triangle, Vec3 corner[
   for (int i = 0; i < 3; ++i) corner[i] = placed.to_world.point(mesh.positions[mesh.triangles[triangle][i]]);
 }
 
-bool Lights::sample_mesh(const Emitter& e, const Vec3& x, const Vec2& u, LightSample& out) const {
+bool Lights::sample_mesh(const Emitter& e, const Receiver& receiver, const Vec2& u, LightSample& out, bool& by_cosine) const {
+  const Vec3& x = receiver.x;
   const auto emitted = [&](size_t triangle, float b1, float b2, bool back) {
     return emission_of(e, e.triangles[triangle], b1, b2, back, -out.direction);
   };
-  if (CloseLamp close; see_close(e, x, close)) {
+  if (CloseLamp close; see_close(e, receiver, close)) {
     CloseLamp::Place place;
     if (!close.sample(u, place)) return false;
+    by_cosine = close.by_cosine;
     out.direction = place.direction;
     out.distance = place.distance;
-    out.pdf = 1 / close.total;
+    out.pdf = place.pdf;
     const Vec3 normal = scene_.instances[e.instance].mirrored ? -place.normal : place.normal;
     const bool back = dot(out.direction, normal) > 0;
-    out.weight = emitted(place.triangle, place.u, place.v, back) * close.total;
+    out.weight = emitted(place.triangle, place.u, place.v, back) / place.pdf;
     out.normal = back ? -normal : normal;
     return !is_black(out.weight);
   }
@@ -394,7 +402,7 @@ float Lights::mesh_mis_weight(uint32_t index, const Receiver& receiver, const Su
   const Emitter& e = emitters_[index];
   if (!shares_with_rays(e, receiver)) return 0;
   if (!(bsdf_pdf < INFINITY)) return 1;
-  if (CloseLamp close; see_close(e, receiver.x, close))
+  if (CloseLamp close; see_close(e, receiver, close))
     return e.share_of(hit.triangle) > 0 ? power_heuristic(bsdf_pdf, choice_probability(index, receiver) / close.total) : 1;
   Vec3 corner[3];
   triangle_corners(hit.instance, hit.triangle, corner);
@@ -468,7 +476,7 @@ Rgb Lights::lamp_met(uint32_t emitter, const Receiver& to, const Vec3& direction
   if (e.lamp < 0 || !(e.lit_groups & to.group) || !shares_with_rays(e, to)) return {};
   float pdf;
   const Rgb radiance = lamp_radiance_met(lamps_[e.lamp], to.x, direction, near, far, pdf, distance);
-  if (CloseLamp close; pdf > 0 && bsdf_pdf < INFINITY && see_close(e, to.x, close)) pdf = 1 / close.total;
+  if (CloseLamp close; pdf > 0 && bsdf_pdf < INFINITY && see_close(e, to, close)) pdf = 1 / close.total;
   if (!(pdf > 0) || !(bsdf_pdf < INFINITY)) return pdf > 0 ? radiance : Rgb{};
   return radiance * power_heuristic(bsdf_pdf, pdf * choice_probability(emitter, to));
 }

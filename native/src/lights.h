@@ -52,6 +52,10 @@ struct Receiver {
   uint64_t group = ~uint64_t{0};  // Instance::group
   const SkyGuide::Cell* sky = nullptr;  // of Lights::guide_at(), if any: by what the world is looked for from there
   uint32_t world_samples = 1;           // how many sample_world() is asked for
+  Vec3 ns{};                            // unit: it scatters in proportion to the cosine with this, more or less; 0: who knows
+
+  // Whether light is to be sampled in proportion to the cosine.
+  bool diffuse() const { return !sharp && !is_black(n * n) && !is_black(ns * ns); }
 };
 
 // Light arriving at a point from one direction. weight = radiance / pdf (solid angle, choice of light included).
@@ -254,8 +258,9 @@ class Lights {
   float spread_attenuation(const Lamp& lamp, float tangent) const;  // of the angle to the lamp's axis
   bool inside_shape(const Lamp& lamp, const Vec3& from_center) const;
   float sampled_area(const Lamp& lamp, const Vec3& x) const;  // of an area lamp, from x
-  bool sample_lamp(const Emitter& e, const Vec3& x, const Vec2& u, LightSample& out) const;
-  bool sample_mesh(const Emitter& e, const Vec3& x, const Vec2& u, LightSample& out) const;
+  // `by_cosine`: in proportion to the receiver's cosine.
+  bool sample_lamp(const Emitter& e, const Receiver& receiver, const Vec2& u, LightSample& out, bool& by_cosine) const;
+  bool sample_mesh(const Emitter& e, const Receiver& receiver, const Vec2& u, LightSample& out, bool& by_cosine) const;
   // `pdf` is that of sample_lamp for this direction; 0 where the lamp is not met, else `distance` (if any) says where.
   Rgb lamp_radiance_met(const Lamp& lamp, const Vec3& origin, const Vec3& direction, float near, float far, float& pdf,
                         float* distance = nullptr) const;
@@ -289,15 +294,20 @@ class Lights {
       int triangle;
       Vec3 direction, normal;
       float distance, u, v;
+      float pdf;            // solid angle
     };
     int count = 0;
     Vec3 corner[kMost][3];  // relative to the place
     SphericalTriangle seen[kMost];
-    float total = 0;        // solid angle, sr; directions have the density 1 / total
-    bool sample(const Vec2& u, Place& out) const;
+    bool by_cosine = false;
+    float cosine[kMost][3];  // at the corners, by_cosine, and not less than a little
+    float share[kMost];     // of the samples, not normalised
+    float total = 0;        // of those: solid angle, sr, or times the cosine
+    void weigh_by_cosine(const Vec3& ns);
+    bool sample(Vec2 u, Place& out) const;
   };
   // False where the emitter is to be sampled by area.
-  bool see_close(const Emitter& e, const Vec3& x, CloseLamp& out) const;
+  bool see_close(const Emitter& e, const Receiver& to, CloseLamp& out) const;
   void triangle_corners(uint32_t instance, uint32_t triangle, Vec3 corner[3]) const;
 
   const Scene& scene_;

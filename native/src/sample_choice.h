@@ -11,8 +11,8 @@ namespace photon_splat {
 // A sum of squared errors falls fastest, for equal work, where samples go as the standard deviation of one of them (Neyman
 // allocation). With s_i that of a pixel's camera samples alone - lamps, emission, direct light -, S the variance that photons
 // add, summed over pixels, and r the work of one camera sample in each of n pixels over that of a pass' photons,
-// (sum s_i^2/n_i + S) (r sum n_i / n + 1) is least for n_i = s_i sqrt(n / (r S)). Choices are made from pass 1, 2, 4, 8, ...,
-// when another begins, and are for the passes that follow: samples never judge themselves.
+// (sum s_i^2/n_i + S) (r sum n_i / n + 1) is least for n_i = s_i sqrt(n / (r S)). Choices are made from pass 1, 2, 4, 8, ..., when another
+// begins, and are for the passes that follow: samples never judge themselves.
 //
 // A denoiser brings every pixel's error to the root of what it was, and dark places count as much as bright ones: then all pixels have
 // `least` samples, if photons leave so many worth their work, before some get more.
@@ -26,6 +26,7 @@ class SampleChoice {
   uint32_t first(size_t i, uint32_t pass) const { return pass + extra_[i]; }
   uint32_t count(size_t i) const { return count_[i]; }
   double mean_count() const;  // of all pixels, in the next pass
+  double last_mean_count() const { return last_mean_count_; }  // in the last pass
   // Fewer in the passes until the next choice, the same part of each pixel's, so that they are at most `mean`; one at the least.
   void limit(double mean, ThreadPool& pool);
 
@@ -44,16 +45,17 @@ class SampleChoice {
   };
   void see(const Film& pass, Moments& moments, ThreadPool& pool) const;
   std::vector<float> deviations(const Moments& moments, ThreadPool& pool) const;
-  void choose(ThreadPool& pool);
+  std::vector<float> first_deviations(const Moments& moments, ThreadPool& pool) const;
+  void choose(const std::vector<float>& camera, const std::vector<float>& all);
 
   int width_ = 0, height_ = 0;
   uint32_t passes_ = 0, least_ = 1;
   bool to_choose_ = false;
-  double work_ = 1;             // of the last pass
+  double work_ = 1, last_mean_count_ = 1;  // of the last pass
   Moments camera_, all_;
   std::vector<float> samples_;  // so far
   std::vector<uint32_t> extra_;  // samples so far beyond one a pass
-  std::vector<uint8_t> count_;
+  std::vector<uint16_t> count_;
 };
 
 }  // namespace photon_splat

@@ -13,6 +13,7 @@ class SphericalTriangle {
   SphericalTriangle(const Vec3& p0, const Vec3& p1, const Vec3& p2);
 
   float solid_angle() const { return solid_angle_; }  // sr; 0 for what is seen edge-on
+  const Vec3& corner(int k) const { return k == 0 ? a_ : k == 1 ? b_ : c_; }  // unit
   // A direction of the density 1 / solid_angle().
   Vec3 sample(const Vec2& u) const;
 
