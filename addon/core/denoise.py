@@ -146,13 +146,13 @@ def denoise(
         if apart is not None:
             apart = np.ascontiguousarray(apart, np.float32)
             parts, exposure = [apart, np.maximum(color - apart, 0.0)], _exposure(color)
-        output = sum(run.filter({b"color": part, b"albedo": albedo, b"normal": normal}, exposure=exposure) for part in parts)
+        filtered = [run.filter({b"color": part, b"albedo": albedo, b"normal": normal}, exposure=exposure) for part in parts]
         message = ctypes.c_char_p()
         if library.oidnGetDeviceError(device, ctypes.byref(message)) and not run.cancelled:
             raise RuntimeError(f"Open Image Denoise failed: {(message.value or b'unknown error').decode()}")
     finally:
         library.oidnReleaseDevice(device)
-    return color if run.cancelled else np.asarray(output, np.float32)
+    return color if run.cancelled else np.sum(filtered, axis=0, dtype=np.float32)
 
 
 def _exposure(color: NDArray[np.float32]) -> float:
