@@ -114,6 +114,7 @@ class _Worker(threading.Thread):
         self.prepared = True
         while self.passes_done < self.settings.passes:
             began, pilot, camera = time.monotonic(), self.renderer.pilot_seconds, self.renderer.camera_seconds
+            samples = self.renderer.samples_per_pass
             self.stage = f"Pass {self.passes_done + 1}"
             if self.settings.integrator is Integrator.REFERENCE:
                 self.renderer.trace_reference(self.passes_done)
@@ -128,7 +129,7 @@ class _Worker(threading.Thread):
                 return
             if self.settings.time_limit:
                 took = time.monotonic() - began - (self.renderer.pilot_seconds - pilot)
-                if not self._another_fits(took, min(took, self.renderer.camera_seconds - camera), self.renderer.samples_of_last_pass):
+                if not self._another_fits(took, min(took, self.renderer.camera_seconds - camera), samples):
                     return
 
     def _another_fits(self, took: float, camera: float, samples: float) -> bool:

@@ -416,7 +416,6 @@ NB_MODULE(photon_splat_native, m) {
       .def("limit_samples", &Renderer::limit_samples, "mean"_a, "Fewer of them in the passes to come: at most so many on average, if not less than 1.",
            released)
       .def_prop_ro("camera_seconds", [](Renderer& r) { return r.seconds().camera; }, "Of the stages' seconds: those that camera samples took.")
-      .def_prop_ro("samples_of_last_pass", &Renderer::samples_of_last_pass, "Camera samples of the last pass, in each pixel on average.")
       .def_prop_ro("pilot_seconds", [](Renderer& r) { return r.seconds().pilot; }, "Of the stages' seconds: in the first pass only.")
       .def_prop_ro("paths_per_pass", &Renderer::paths_per_pass, "Photon paths of a pass in the selected layer.")
       .def("trace_camera", &Renderer::trace_camera, "pass"_a, released)

@@ -90,8 +90,6 @@ class Renderer {
     if (options.adaptive_samples) samples_.begin_pass(scene.pool());
     return options.adaptive_samples ? samples_.mean_count() : 1;
   }
-  // And of the last one.
-  double samples_of_last_pass() const { return samples_.last_mean_count(); }
   // Fewer in the passes to come, so that they are at most `mean` in each pixel on average.
   void limit_samples(double mean) {
     if (options.adaptive_samples) samples_.limit(mean, scene.pool());

@@ -40,7 +40,6 @@ void SampleChoice::reset(int width, int height, uint32_t least) {
   height_ = height;
   passes_ = 0;
   to_choose_ = false;
-  last_mean_count_ = 1;
   const size_t pixels = static_cast<size_t>(width) * height;
   camera_.reset(pixels);
   all_.reset(pixels);
@@ -74,7 +73,6 @@ void SampleChoice::end_pass(const Film& pass, double work, ThreadPool& pool) {
   });
   to_choose_ = std::has_single_bit(++passes_);
   work_ = work;
-  last_mean_count_ = mean_count();
 }
 
 void SampleChoice::limit(double mean, ThreadPool& pool) {

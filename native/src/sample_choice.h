@@ -26,7 +26,6 @@ class SampleChoice {
   uint32_t first(size_t i, uint32_t pass) const { return pass + extra_[i]; }
   uint32_t count(size_t i) const { return count_[i]; }
   double mean_count() const;  // of all pixels, in the next pass
-  double last_mean_count() const { return last_mean_count_; }  // in the last pass
   // Fewer in the passes until the next choice, the same part of each pixel's, so that they are at most `mean`; one at the least.
   void limit(double mean, ThreadPool& pool);
 
@@ -51,7 +50,7 @@ class SampleChoice {
   int width_ = 0, height_ = 0;
   uint32_t passes_ = 0, least_ = 1;
   bool to_choose_ = false;
-  double work_ = 1, last_mean_count_ = 1;  // of the last pass
+  double work_ = 1;             // of the last pass
   Moments camera_, all_;
   std::vector<float> samples_;  // so far
   std::vector<uint32_t> extra_;  // samples so far beyond one a pass
