@@ -205,7 +205,7 @@ void CameraTracer::trace_path(Path& path) const {
     Bsdf bsdf(Transport::kRadiance, wo, hit.ng, hit.ns, hit.back);
     scene_.shade(hit, wo, path.info, bsdf);
     add_emission(path, hit, bsdf.emission());
-    if (path.vertex == 0 && path.info.transparent_depth == 0) path.pixel.normal += hit.ns;
+    if (path.vertex == 0 && path.info.transparent_depth == 0) path.pixel.normal += bsdf.mean_normal();
     const Passing passing = pass_through(path, hit, bsdf);
     if (passing == Passing::kPasses) continue;
     if (passing == Passing::kAbsorbed) {

@@ -242,6 +242,37 @@ def test_passes_of_view_layers(tmp_path: str) -> None:
 
 
 @in_blender
+def test_normal_pass_has_the_bumps_that_cycles_has(tmp_path: str) -> None:
+    import bpy
+
+    scene = stage.room(pixels=32, passes=32, photons=0)
+    scene.view_layers[0].use_pass_normal = True
+    shade, tree = stage.empty_material("Bumpy")
+    wave, bump, shader = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("TexWave", "Bump", "BsdfDiffuse"))
+    wave.inputs["Scale"].default_value = 0.5
+    bump.inputs["Distance"].default_value = 0.3
+    tree.links.new(wave.outputs["Color"], bump.inputs["Height"])
+    tree.links.new(bump.outputs["Normal"], shader.inputs["Normal"])
+    stage.surface(tree, shader)
+    bpy.data.objects["Plane"].data.materials[0] = shade
+    if hasattr(scene.render.image_settings, "media_type"):
+        scene.render.image_settings.media_type = "MULTI_LAYER_IMAGE"
+    scene.render.image_settings.file_format = "OPEN_EXR_MULTILAYER"
+    seen = []
+    for engine in ("PHOTON_SPLAT", "CYCLES"):
+        scene.render.engine = engine
+        if engine == "CYCLES":
+            scene.cycles.samples, scene.cycles.use_denoising = 32, False
+        scene.render.filepath = f"{tmp_path}/{engine}.exr"
+        bpy.ops.render.render(write_still=True)
+        saved = _channels(scene.render.filepath)
+        seen.append(np.stack([saved[f"{scene.view_layers[0].name}.Normal.{axis}"] for axis in "XYZ"], -1))
+    assert np.abs(seen[1][..., 0]).max() > 0.2
+    assert np.abs(seen[0] - seen[1]).mean() < 0.02
+    assert np.abs(seen[0] - seen[1]).max() < 0.2
+
+
+@in_blender
 def test_light_groups_add_up_to_the_picture(tmp_path: str) -> None:
     """Passes by Cycles' names; kept photons, a mirror's caustics and the reference integrator among what is told apart."""
     import bpy

@@ -345,6 +345,13 @@ Rgb Bsdf::albedo() const {
   return sum;
 }
 
+Vec3 Bsdf::mean_normal() const {
+  Vec3 sum{};
+  for (const Lobe& lobe : lobes_) sum += lobe.n * lobe.albedo;
+  const float len = length(sum);
+  return len > 0 && std::isfinite(len) ? sum / len : view_.ns;
+}
+
 Rgb Bsdf::diffuse_albedo() const { return gather_ + gather_through_; }
 
 // The radiance BSDF with the two directions exchanged: photons come from wo and leave along wi. Densities on a surface are

@@ -102,6 +102,7 @@ class Bsdf {
   void prefer_rest(float kept);
   bool has_rest() const;      // scatters beyond what is gathered: camera paths go on
   Rgb albedo() const;         // directional albedo towards wo, about; for the denoiser and Russian roulette
+  Vec3 mean_normal() const;   // unit, of the lobes by what they scatter, on wo's side; ns where nothing scatters. Blender's Normal pass
   Rgb diffuse_albedo() const; // of diffuse-like lobes: Blender's Diffuse Color pass
 
   // f |cos(wi)| of everything but deltas; `pdf` of sample() for wi; `rest` (optional) without what is gathered;
