@@ -54,6 +54,7 @@ def fill_renderer(renderer: Renderer, scene: Scene, settings: RenderSettings) ->
     _add_instances(renderer, scene)
     _add_lights(renderer, scene)
     place_camera(renderer, scene.camera, scene.frame)
+    by_trial = settings.final_gather == FinalGather.AUTO and settings.denoise
     renderer.set_options(
         photons_per_pass=settings.photons_per_pass,
         max_bounces=settings.max_bounces,
@@ -67,7 +68,8 @@ def fill_renderer(renderer: Renderer, scene: Scene, settings: RenderSettings) ->
         adaptive_samples=settings.adaptive_samples,
         occlusion=settings.occlusion,
         fallback=settings.fallback,
-        final_gather=settings.final_gather == FinalGather.ON,
+        final_gather=settings.final_gather == FinalGather.ON or by_trial,
+        gather_trial=by_trial,
     )
 
 

@@ -21,7 +21,7 @@ class Plan:
     def applied_to(self, settings: RenderSettings) -> RenderSettings:
         """`settings` without what the plan leaves out."""
         photons = settings.photons_per_pass if self.flags["photons"] else 0
-        gather = FinalGather.ON if self.flags["final_gather"] else FinalGather.OFF
+        gather = settings.final_gather if self.flags["final_gather"] else FinalGather.OFF
         return replace(settings, photons_per_pass=photons, occlusion=self.flags["occlusion"], final_gather=gather)
 
 
@@ -111,6 +111,8 @@ def pilot_sentences(statistics: dict[str, Any]) -> list[str]:
         sentences.append(f"Surface edges cut {cut} of the discs." if discs["cut"] else "No surface edge comes near a disc.")
         sentences.append(f"Things or walls stand in {things} of the discs." if discs["obstructed"] else "Nothing stands in a disc.")
     share = statistics["fallback"]["share"]
-    if share:
+    if statistics["fallback"]["everywhere"]:
+        sentences.append("Paths from the camera bring all of the indirect light, at less work here than photons would; caustics excepted.")
+    elif share:
         sentences.append(f"Too few photons reach {100 * share:.2g} % of the visible places: paths from the camera go on there.")
     return sentences

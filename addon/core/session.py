@@ -30,11 +30,11 @@ OF_DENOISING = ("Combined", "Normal")
 """Passes that the denoiser reads."""
 FOR_DENOISING = ("albedo", "variance", "diffuse_direct")
 """And arrays of the film that are no passes."""
-PASSES_WORTH_TWO = 3
-"""From so many on the diffuse direct light is denoised by itself, which takes a tenth of a second per 100,000 pixels: after 4 passes
-relMSE is .90 (cornell_box), .95 (kitchen, street), .99 (interior) times as large."""
-PASSES_OF_NOISY_FEATURES = 8
-"""Up to so many the denoiser's features are noisier than it expects: filtered first, street after 1, 4, 16 passes has an error (relMSE)
+SAMPLES_WORTH_TWO = 8.0
+"""From so many camera samples a pixel on the diffuse direct light is denoised by itself, which takes a tenth of a second per 100,000
+pixels: after 14 samples relMSE is .90 (cornell_box), .95 (kitchen, street), .99 (interior) times as large."""
+SAMPLES_OF_NOISY_FEATURES = 32.0
+"""Up to so many the denoiser's features are noisier than it expects: filtered first, street after 1, 14, 64 samples has an error (relMSE)
 .49, .90, .99 times as large."""
 POLL_SECONDS = 0.05
 FEWEST_PASSES_TO_STOP = 8
@@ -74,6 +74,7 @@ class _Worker(threading.Thread):
         self.wanted = wanted
         self.stage = "Building acceleration structure"
         self.passes_done = 0
+        self.samples_done = 0.0
         self.next_estimate = 1
         self.relative_error = 0.0
         self.fraction = 0.0
@@ -121,6 +122,7 @@ class _Worker(threading.Thread):
             else:
                 self._splat_pass(self.passes_done)
             self.passes_done += 1
+            self.samples_done += samples
             converged = self._estimate_error()
             if self.want_interim and self.interim is None and self.passes_done < self.settings.passes:
                 self.interim = passes_from_film(self.renderer.film(film_arrays(self.wanted)), self.light_groups)
@@ -279,8 +281,8 @@ def _denoise(passes: Passes, film: dict[str, Any], worker: _Worker, should_cance
             noisy,
             film["albedo"],
             passes["Normal"],
-            apart=film["diffuse_direct"] if worker.passes_done >= PASSES_WORTH_TWO else None,
-            noisy_features=worker.passes_done <= PASSES_OF_NOISY_FEATURES,
+            apart=film["diffuse_direct"] if worker.samples_done >= SAMPLES_WORTH_TWO else None,
+            noisy_features=worker.samples_done <= SAMPLES_OF_NOISY_FEATURES,
             threads=worker.settings.threads,
             should_cancel=should_cancel,
         )

@@ -55,7 +55,8 @@ class RenderSettings:
     occlusion            look for things that stand inside of the discs, and for walls; part of boundary_correction
     fallback             camera paths go on for indirect light where surfaces are too small, too bent or too dark for photons
     final_gather         photons light what camera paths meet after one more bounce, instead of what they see first: noisier, and sharp.
-                         AUTO: where the picture is denoised and no error_threshold ends the render; the plan makes ON or OFF of it
+                         AUTO: where the picture is denoised and no error_threshold ends the render, else the plan makes OFF of it; and
+                         where it is less work by a trial, camera paths bring all of the indirect light, caustics excepted
     adaptive_radius      radii per pixel, from how discs of two sizes have differed in earlier passes
     adaptive_samples     more camera samples where lamps, edges and direct light are noisier than the rest of the picture
     threads              0 = all of the machine

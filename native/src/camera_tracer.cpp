@@ -17,6 +17,7 @@ constexpr uint32_t kLearningPaths = 1 << 16;  // at most about so many of a pass
 // A sun and a sky, neither of which may be in sight, are looked at twice from the first vertices of a path.
 constexpr float kSunny = 0.7f;
 constexpr int kSunnyVertices = 2;
+constexpr int kFirstLights = 2;  // light samples of the first vertex where paths bring all light: their places are shaded already
 constexpr float kBrightest = 20;     // times the world's mean: a sighting counts at most as much
 constexpr int kMaxTransparent = 4096;  // layers that let a path through before it is given up
 
@@ -45,10 +46,12 @@ struct CameraTracer::Path {
   Pixel& pixel;
   Tile& tile;
   uint32_t pixel_index, sample, seed;
+  size_t place = 0;      // of the pixel in its tile
   int max_bounces = 0;
   Rgb* groups = nullptr; // the pixel's light by group, if wanted
   bool learns = false;   // what it sees of the world is noted
-  bool wandered = false; // went on for light that photons were to bring
+  int wanders = 0;       // times that it went on for light that photons were to bring
+  bool deep = false;     // the ray on its way does so from beyond the first place where it did
   bool fell_back = false;  // because they would bring it badly
   bool records = false;  // photons bring the diffuse part of the light; else the path goes on for it
 
@@ -89,7 +92,9 @@ struct CameraTracer::Job {
 bool CameraTracer::sends_scouts(const Film& film) { return tiles_along(film.width) * tiles_along(film.height) >= kFewTiles; }
 
 void CameraTracer::Tile::clear() {
-  rays = bad_samples = places = fallbacks = 0;
+  rays = bad_samples = places = fallbacks = deep_rays = 0;
+  trial = {};
+  deep.clear();
   again = false;
 }
 
@@ -132,6 +137,7 @@ void CameraTracer::trace_tile(const Job& job, size_t t, Film& film) {
   const size_t across = tiles_along(film.width);
   const int x_begin = static_cast<int>(t % across) * kTileSize, y_begin = static_cast<int>(t / across) * kTileSize;
   const int x_end = std::min(x_begin + kTileSize, film.width), y_end = std::min(y_begin + kTileSize, film.height);
+  if (keeps_trial_) tile.deep.assign(kTileSize * kTileSize, 0.0f);
   size_t next = 0;  // of those kept, which are in the order of pixels
   for (int y = y_begin; y < y_end; ++y)
     for (int x = x_begin; x < x_end; ++x) {
@@ -146,8 +152,29 @@ void CameraTracer::trace_tile(const Job& job, size_t t, Film& film) {
       }
       trace_pixel(job, x, y, film, tile);
     }
+  if (keeps_trial_) see_trial(tile, film, x_begin, y_begin, x_end - x_begin, y_end - y_begin);
   tile.kept = std::vector<Record>();  // once in a render: not worth keeping the memory
   tile.changed = std::vector<uint8_t>();
+}
+
+void CameraTracer::see_trial(Tile& tile, const Film& film, int x_begin, int y_begin, int width, int height) const {
+  const auto pixel = [&](int x, int y) -> const Pixel& { return film.pixels[static_cast<size_t>(y_begin + y) * film.width + (x_begin + x)]; };
+  const auto light = [&](int x, int y) { return luminance(pixel(x, y).combined()) * pixel(x, y).share(); };
+  const auto deep = [&](int x, int y) { return tile.deep[static_cast<size_t>(y) * kTileSize + x] * pixel(x, y).share(); };
+  double paths = 0;
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      paths += pixel(x, y).samples;
+      if (x > 0) tile.trial.add_pair(light(x, y), deep(x, y), light(x - 1, y), deep(x - 1, y));
+      if (y > 0) tile.trial.add_pair(light(x, y), deep(x, y), light(x, y - 1), deep(x, y - 1));
+    }
+  tile.trial.add_rays(static_cast<uint64_t>(paths), tile.rays, tile.deep_rays);
+}
+
+GatherTrial CameraTracer::trial() const {
+  GatherTrial sum;
+  for (const Tile& tile : tiles_) sum.add(tile.trial);
+  return sum;
 }
 
 void CameraTracer::trace_pixel(const Job& job, int x, int y, Film& film, Tile& tile) const {
@@ -174,6 +201,7 @@ void CameraTracer::trace_pixel(const Job& job, int x, int y, Film& film, Tile& t
       path.max_bounces = job.max_bounces;
       path.records = job.records;
       path.learns = learns;
+      path.place = static_cast<size_t>(y % kTileSize) * kTileSize + static_cast<size_t>(x % kTileSize);
       path.groups = groups;
       trace_path(path);
     } else {  // outside the lens' image: black, not transparent
@@ -192,6 +220,7 @@ void CameraTracer::trace_path(Path& path) const {
   for (;;) {
     Surface hit;
     ++path.tile.rays;
+    path.tile.deep_rays += path.deep;
     const bool found = scene_.intersect(path.origin, path.direction, path.near, path.far, path.vertex == 0, hit);
     add_lamps(path, found ? hit.distance : path.far >= 1e30f ? INFINITY : path.far);
     if (found && path.vertex > 0 && path.info.transparent_depth == 0) see_world(path, path.from, path.direction, {}, true);
@@ -221,7 +250,7 @@ void CameraTracer::trace_path(Path& path) const {
     }
     if (!bsdf.scatters() || !(max_abs(path.throughput) > 0)) return;
     Receiver receiver{hit.position, bsdf.transmits() ? Vec3{} : hit.ng, bsdf.has_rest(), scene_.instances[hit.instance].group};
-    receiver.sky = lights_.guide_at(receiver.x, receiver.n);
+    if (!brings_all()) receiver.sky = lights_.guide_at(receiver.x, receiver.n);
     receiver.ns = hit.ns;
     if (path.vertex < kSunnyVertices && lights_.environment().contrast() > kSunny) receiver.world_samples = 2;
     const bool gathers = path.records && path.vertex < path.max_bounces, fallback = gathers && falls_back(path, hit, bsdf);
@@ -239,6 +268,7 @@ void CameraTracer::trace_path(Path& path) const {
 // Light that the ray met: emitted, or sent on by the last vertex as direct light, or further on its way.
 void CameraTracer::add_met(Path& path, const Rgb& radiance, Rgb& seen, int16_t light_group) const {
   const Rgb light = path.emission_throughput * radiance;
+  if (path.deep) see_deep(path, light);
   if (path.groups) GroupLight{path.groups, path.emission_throughput}.add(radiance, light_group);
   if (path.vertex == 0) {
     add_finite(seen, light, path.tile.bad_samples);
@@ -302,12 +332,31 @@ CameraTracer::Passing CameraTracer::pass_through(Path& path, const Surface& hit,
 }
 
 void CameraTracer::add_direct(Path& path, const Surface& hit, const Bsdf& bsdf, const Receiver& receiver) const {
+  if (path.vertex == 0 && brings_all()) return bsdf.only_delta() ? void() : add_first_direct(path, hit, bsdf, receiver);
   const Vec2 choice = path.numbers(kChoicePair), place = path.numbers(kLightPair);
   if (bsdf.only_delta()) return;
   if (const auto light = lights_.sample(receiver, choice.x, place)) add_light(path, hit, bsdf, receiver, *light, false);
   const Vec2 sky_choice = path.numbers(kSkyChoicePair), sky_place = path.numbers(kSkyPair);
   for (uint32_t i = 0; i < receiver.world_samples; ++i)
     if (const auto world = lights_.sample_world(receiver, i, sky_choice.x, sky_place)) add_light(path, hit, bsdf, receiver, *world, true);
+}
+
+// Several samples, each with its part of the light.
+void CameraTracer::add_first_direct(Path& path, const Surface& hit, const Bsdf& bsdf, const Receiver& receiver) const {
+  const Rgb throughput = path.throughput, brought = path.brought;
+  path.throughput = throughput * (1.0f / kFirstLights);
+  path.brought = brought * (1.0f / kFirstLights);
+  for (uint32_t i = 0; i < kFirstLights; ++i) {
+    const uint32_t index = path.sample * kFirstLights + i;
+    if (const auto light = lights_.sample(receiver, sobol_2d(index, kChoicePair, path.seed).x, sobol_2d(index, kLightPair, path.seed)))
+      add_light(path, hit, bsdf, receiver, *light, false);
+  }
+  path.throughput = throughput;
+  path.brought = brought;
+}
+
+void CameraTracer::see_deep(const Path& path, const Rgb& light) {
+  if (!path.tile.deep.empty() && is_finite(light)) path.tile.deep[path.place] += luminance(light);
 }
 
 // Something that was met on the way to the world or in its direction, for what learns from it.
@@ -326,12 +375,14 @@ void CameraTracer::add_light(Path& path, const Surface& hit, const Bsdf& bsdf, c
   const Rgb scattered = bsdf.evaluate(light.direction, &pdf, nullptr, &diffuse, brought ? &sharp : nullptr);
   if (!(max_abs(scattered) > 0)) return;
   ++path.tile.rays;
+  path.tile.deep_rays += path.wanders > 1;
   Rgb arriving = light.weight * light_through(light, hit, path.info);
   if (light.use_mis) arriving *= light.pdf * light.pdf / (light.pdf * light.pdf + pdf * pdf);
   if (world) {
     see_world(path, receiver, light.direction, arriving, false);
   }
   arriving *= path.throughput - path.brought * sharp;
+  if (path.wanders > 1) see_deep(path, arriving * scattered);
   if (path.groups) GroupLight{path.groups, scattered}.add(arriving, light.light_group);
   if (path.vertex == 0) {
     const bool through = dot(light.direction, hit.ng) < 0;
@@ -355,11 +406,14 @@ Rgb CameraTracer::light_through(const LightSample& light, const Surface& hit, co
   return scene_.transmittance(origin, way / distance, distance * (1 - 1e-5f), ray, light.blockers);
 }
 
+bool CameraTracer::brings_all() const { return fallback_ && fallback_->reach() == Fallback::Reach::kAll; }
+
 bool CameraTracer::falls_back(Path& path, const Surface& hit, const Bsdf& bsdf) const {
   const bool here = !is_black(bsdf.gather());
   if (!here && is_black(bsdf.gather_through())) return false;
   if (!fallback_) return false;
-  if (fallback_->gathers() && !path.wandered) return true;
+  if (fallback_->reach() == Fallback::Reach::kAll) return true;
+  if (fallback_->reach() == Fallback::Reach::kFirst && path.wanders == 0) return true;
   ++path.tile.places;
   const uint32_t key = here ? hit.key : hit.key ^ 1u;
   if (!(path.fell_back && !fallback_->knows(key)) && !fallback_->at(key, hit.position, hit.instance, hit.triangle, radius_factor_))
@@ -375,7 +429,7 @@ void CameraTracer::leave_records(Path& path, const Surface& hit, const Bsdf& bsd
     if (is_black(throughput)) return;
     if (!is_finite(throughput)) ++path.tile.bad_samples;
     else path.tile.records.push_back({hit.position, key, ng, path.info.footprint, throughput, path.pixel_index, hit.instance, hit.triangle,
-                                       path.part, caustics_only, path.wandered});
+                                       path.part, caustics_only, path.wanders > 0});
   };
   leave(bsdf.gather(), hit.key, hit.ng);
   leave(bsdf.gather_through(), hit.key ^ 1u, -hit.ng);
@@ -400,7 +454,8 @@ bool CameraTracer::scatter(Path& path, const Surface& hit, const Bsdf& bsdf, con
   const Rgb still_brought = s->diffuse ? Rgb{} : path.brought * s->weight * sharpness(s->roughness);
   path.emission_throughput = before * s->weight - still_brought;
   path.brought = still_brought;
-  path.wandered |= fallback;
+  path.deep = path.wanders > 1;
+  path.wanders += fallback;
   if (fallback && caustic_photons_) path.brought += before * (s->weight - s->rest);
   path.diffuse_emission = before * diffuse;
   if (!is_finite(path.emission_throughput) || !is_finite(path.throughput) || !is_finite(path.diffuse_emission)) {

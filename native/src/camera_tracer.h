@@ -5,6 +5,7 @@
 #include "camera.h"
 #include "fallback.h"
 #include "film.h"
+#include "gather_trial.h"
 #include "lights.h"
 #include "sample_choice.h"
 
@@ -41,6 +42,9 @@ class CameraTracer {
   // Tells `sky` what it has seen of the world, as long as that wants to learn.
   const Records& trace(uint32_t pass, const SampleChoice& choice, SkyGuide& sky, int max_bounces, Film& film,
                        const CancelFlag& cancel, Tiles tiles = Tiles::kAll);
+  // What the paths of the last call have found for it, if they brought all of the indirect light (Fallback::Reach::kAll) and were asked to.
+  void keep_trial(bool on) { keeps_trial_ = on; }
+  GatherTrial trial() const;
   // Whether scouts are less than all.
   static bool sends_scouts(const Film& film);
 
@@ -74,6 +78,9 @@ class CameraTracer {
     std::vector<Record> kept;      // while some pixels are traced again: all there were
     std::vector<uint8_t> changed;  // for the first of each pixel, whether that is among them
     bool again = false;            // whether that is so
+    GatherTrial trial;
+    std::vector<float> deep;       // of the trial: luminance of each pixel from beyond the first place that its paths went on from
+    uint64_t deep_rays = 0;
     void clear();
   };
   struct Path;
@@ -82,6 +89,7 @@ class CameraTracer {
   void trace_tiles(const Job& job, Film& film, const CancelFlag& cancel);
   void trace_tile(const Job& job, size_t t, Film& film);
   bool find_changed(Tile& tile) const;
+  void see_trial(Tile& tile, const Film& film, int x_begin, int y_begin, int width, int height) const;
   void trace_pixel(const Job& job, int x, int y, Film& film, Tile& tile) const;
   void trace_path(Path& path) const;
   void add_met(Path& path, const Rgb& radiance, Rgb& seen, int16_t light_group = kNoLightGroup) const;
@@ -91,9 +99,12 @@ class CameraTracer {
   void add_emission(Path& path, const Surface& hit, const Rgb& emission) const;
   Passing pass_through(Path& path, const Surface& hit, const Bsdf& bsdf) const;
   void add_direct(Path& path, const Surface& hit, const Bsdf& bsdf, const Receiver& receiver) const;
+  void add_first_direct(Path& path, const Surface& hit, const Bsdf& bsdf, const Receiver& receiver) const;
   void add_light(Path& path, const Surface& hit, const Bsdf& bsdf, const Receiver& receiver, const LightSample& light, bool world) const;
   void see_world(Path& path, const Receiver& from, const Vec3& direction, const Rgb& light, bool ray) const;
   Rgb light_through(const LightSample& light, const Surface& hit, const RayInfo& ray) const;
+  static void see_deep(const Path& path, const Rgb& light);
+  bool brings_all() const;
   bool falls_back(Path& path, const Surface& hit, const Bsdf& bsdf) const;
   void leave_records(Path& path, const Surface& hit, const Bsdf& bsdf, bool caustics_only) const;
   bool scatter(Path& path, const Surface& hit, const Bsdf& bsdf, const Receiver& receiver, bool fallback) const;
@@ -107,7 +118,7 @@ class CameraTracer {
   std::vector<size_t> ranges_;
   uint64_t rays_ = 0, last_rays_ = 0, bad_samples_ = 0, places_ = 0, fallbacks_ = 0, last_fallbacks_ = 0;
   const Fallback* fallback_ = nullptr;
-  bool caustic_photons_ = false;
+  bool caustic_photons_ = false, keeps_trial_ = false;
   float radius_factor_ = 1;
 };
 

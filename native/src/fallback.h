@@ -1,5 +1,6 @@
-// Where camera paths go on for the indirect light, as if photons brought none: at visible points that photons serve badly, or at the
-// first of every path, so that photons light the next one (final gathering: Jensen, Global Illumination using Photon Maps, 1996).
+// Where camera paths go on for the indirect light, as if photons brought none: at visible points that photons serve badly; at the
+// first of every path too, so that photons light the next one (final gathering: Jensen, Global Illumination using Photon Maps, 1996);
+// or at all.
 #pragma once
 
 #include "radius_map.h"
@@ -11,7 +12,9 @@ namespace photon_splat {
 // Constant while paths are traced; any thread may ask.
 class Fallback {
  public:
-  Fallback(const Scene& scene, bool gathers) : scene_(scene), gathers_(gathers) {}
+  enum class Reach { kBadlyServed, kFirst, kAll };
+
+  Fallback(const Scene& scene, Reach reach) : scene_(scene), reach_(reach) {}
 
   // `photons`: wanted in a disc from a pass of `paths` paths. `radii` must outlive it. `known`: surfaces that photons are aimed at.
   // Until then photons serve every point well.
@@ -22,8 +25,7 @@ class Fallback {
     paths_ = paths;
   }
 
-  // Whether paths go on at the first point that each meets.
-  bool gathers() const { return gathers_; }
+  Reach reach() const { return reach_; }
   bool knows(uint32_t key) const { return !radii_ || known_.contains(key); }
   // Whether too few photons of a pass come into the largest disc about x that neither bends nor reaches past its patch.
   // `radius_factor`: on all radii of that pass.
@@ -31,7 +33,7 @@ class Fallback {
 
  private:
   const Scene& scene_;
-  const bool gathers_;
+  const Reach reach_;
   const RadiusMap* radii_ = nullptr;
   KeyFilter known_;
   double photons_ = 0, paths_ = 0;

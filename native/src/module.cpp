@@ -284,6 +284,7 @@ nb::dict statistics(Renderer& r) {
   nb::dict fallback;
   fallback["points"] = r.fallbacks();
   fallback["share"] = r.places() ? static_cast<double>(r.fallbacks()) / static_cast<double>(r.places()) : 0.0;
+  fallback["everywhere"] = r.paths_bring_all();
   out["fallback"] = fallback;
   return out;
 }
@@ -403,12 +404,13 @@ NB_MODULE(photon_splat_native, m) {
       }, "radius"_a, "focus"_a, "blades"_a, "rotation"_a, "ratio"_a, "After set_camera: a lens of finite size.")
       .def("set_options", [](Renderer& r, uint64_t photons_per_pass, int max_bounces, float radius_scale, float point_spacing,
                              bool boundary_correction, bool caustics, uint32_t seed, const std::string& kernel, bool adaptive_radius,
-                             bool occlusion, bool adaptive_samples, bool fallback, bool force_caustics, bool final_gather) {
+                             bool occlusion, bool adaptive_samples, bool fallback, bool force_caustics, bool final_gather,
+                             bool gather_trial) {
         r.options = {photons_per_pass, max_bounces, radius_scale, point_spacing, boundary_correction, caustics, force_caustics, adaptive_radius, adaptive_samples,
-                     occlusion, fallback, final_gather, seed, kernel};
+                     occlusion, fallback, final_gather, gather_trial, seed, kernel};
       }, "photons_per_pass"_a, "max_bounces"_a, "radius_scale"_a, "point_spacing"_a, "boundary_correction"_a, "caustics"_a,
            "seed"_a, "kernel"_a = "", "adaptive_radius"_a = true, "occlusion"_a = true, "adaptive_samples"_a = true,
-           "fallback"_a = true, "force_caustics"_a = false, "final_gather"_a = false)
+           "fallback"_a = true, "force_caustics"_a = false, "final_gather"_a = false, "gather_trial"_a = false)
       .def("build", &Renderer::build, released)
       .def_prop_ro("layers", &Renderer::layer_count, "Kinds of photons: indirect light, and caustics where something can make them.")
       .def("select_layer", &Renderer::select_layer, "layer"_a, "The one that points, photons and splats are about from now on; 0 at first.")

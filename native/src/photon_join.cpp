@@ -7,7 +7,7 @@ void PhotonJoin::clear() {
   groups_.clear();
   ray_log_.clear();
   runs_.clear();
-  rays_ = next_ = 0;
+  rays_ = shaded_ = next_ = 0;
 }
 
 void PhotonJoin::begin(size_t runs, size_t expected, bool with_groups) {
@@ -31,6 +31,7 @@ void PhotonJoin::count(const PhotonRun& run) {
   photons_.resize(photons_.size() + run.photons.size());
   if (with_groups_) groups_.resize(photons_.size());
   rays_ += run.rays;
+  shaded_ += run.shaded;
   ray_log_.insert(ray_log_.end(), run.ray_log.begin(), run.ray_log.end());
 }
 

@@ -23,13 +23,13 @@ using Photons = LargeArray<Photon>;
 struct PhotonRun {
   Photons photons;
   std::vector<int16_t> groups;  // light groups of the photons, or empty
-  uint64_t rays = 0;
+  uint64_t rays = 0, shaded = 0;
   std::vector<float> ray_log;
 
   void clear() {
     photons.clear();
     groups.clear();
-    rays = 0;
+    rays = shaded = 0;
     ray_log.clear();
   }
 };
@@ -49,6 +49,7 @@ class PhotonJoin {
   const Photons& photons() const { return photons_; }
   const std::vector<int16_t>& groups() const { return groups_; }
   uint64_t rays() const { return rays_; }
+  uint64_t shaded() const { return shaded_; }
   const std::vector<float>& ray_log() const { return ray_log_; }
 
  private:
@@ -58,7 +59,7 @@ class PhotonJoin {
   Photons photons_;
   std::vector<int16_t> groups_;
   bool with_groups_ = false;
-  uint64_t rays_ = 0;
+  uint64_t rays_ = 0, shaded_ = 0;
   std::vector<float> ray_log_;
   std::unique_ptr<std::mutex> mutex_ = std::make_unique<std::mutex>();  // of what follows, and of the sizes of what is above
   std::vector<std::unique_ptr<PhotonRun>> runs_, spare_;

@@ -161,6 +161,7 @@ void PhotonTracer::trace_chunk(uint64_t first, uint64_t count, double total, uin
           Vec3 direction{paths.direction_x[i], paths.direction_y[i], paths.direction_z[i]};
           Vec3 origin{paths.origin_x[i], paths.origin_y[i], paths.origin_z[i]};
           const Surface surface = scene_.surface_of(hits, k, direction);
+          run.shaded += surface.program != nullptr;
           const Draws draws{first_bounce, static_cast<uint32_t>(first + place)};
           if (shade(path, surface, travellers.starts[place], draws, visible, origin, direction, run.photons))
             travellers.put(kept++, path, origin, direction, path.bounces == 0 || path.guessed);
@@ -202,8 +203,8 @@ const Photons& PhotonTracer::trace(uint64_t first, uint64_t count, double total,
     throw;
   }
   if (ray_log) ray_log->insert(ray_log->end(), join_.ray_log().begin(), join_.ray_log().end());
-  last_counts_ = {count, join_.photons().size(), join_.rays()};
-  counts_ = {counts_.traced + count, counts_.stored + last_counts_.stored, counts_.rays + last_counts_.rays};
+  last_counts_ = {count, join_.photons().size(), join_.rays(), join_.shaded()};
+  counts_ = {counts_.traced + count, counts_.stored + last_counts_.stored, counts_.rays + last_counts_.rays, counts_.shaded + last_counts_.shaded};
   return join_.photons();
 }
 

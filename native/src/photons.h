@@ -28,6 +28,7 @@ class KeyFilter {
 
 struct PhotonCounts {
   uint64_t traced = 0, stored = 0, rays = 0;
+  uint64_t shaded = 0;  // surfaces met whose programs ran
 };
 
 // Light that came through sharp lobes only, from the light to where it lands, makes caustics: it wants narrow kernels and

@@ -5,6 +5,9 @@ namespace photon_splat {
 namespace {
 
 constexpr int kMaxTransparent = 4096;  // layers that let a path through before it is given up
+// What the first surface may leave of a caustic path before that goes on at less than certainty: light that faint reflections throw
+// about comes by many faint photons.
+constexpr float kFaint = 1 / 32.0f;
 
 // One of three kinds of ray, `first` half of the time; *chance: its probability.
 RayInfo::Kind guess_kind(Random& random, RayInfo::Kind first, float* chance) {
@@ -136,17 +139,19 @@ bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const Phot
   }
   if (!accepted || path.bounces == max_bounces_ || !bsdf.scatters() || !light_up(path, hit, start)) return false;
   const float choice = path.random.next();
-  const auto s = bsdf.sample(choice, draws.next(path));
+  const bool caustic = stream_ == PhotonStream::kCaustic;
+  const auto s = caustic ? bsdf.sample_sharp(choice, draws.next(path)) : bsdf.sample(choice, draws.next(path));
   if (!s) return false;
   if (path.guessed) {
     const bool delta = s->pdf <= 0;
     if (path.kind == RayInfo::kShadow ? delta : (direct && !delta) || kind_of(*s) != path.kind) return false;
   }
   path.caustic *= s->diffuse ? 0 : sharpness(s->roughness);
-  if (stream_ == PhotonStream::kCaustic && !(path.caustic > 0)) return false;
+  if (caustic && !(path.caustic > 0)) return false;
   path.power *= s->weight / chance;
   // Refraction scales power by the square of the relative index and undoes it on the way out: no reason to end a path.
   if (s->transmitted) path.reference *= std::clamp(max_abs(s->weight), 0.1f, 10.0f);
+  if (caustic && direct) path.reference *= std::clamp(max_abs(path.power) / path.reference, kFaint, 1.0f);
   const float survival = std::min(1.0f, max_abs(path.power) / path.reference);
   if (!(survival > 0) || path.random.next() >= survival || !is_finite(path.power)) return false;
   path.power *= 1 / survival;

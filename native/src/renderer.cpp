@@ -10,6 +10,7 @@ constexpr double kPhotonsPerDisc = 200;  // from one pass, before radii shrink
 constexpr double kCausticPhotonsPerDisc = 25;
 constexpr size_t kUnscouted = 16;  // at most one record of so many lies on a surface that scouts have not seen, or the pilot is traced again
 constexpr uint32_t kGatheredSamples = 4;  // of a pixel in a pass where photons light what paths meet: theirs is most of the noise
+constexpr uint32_t kPathSamples = 16;     // the same where paths bring all of the indirect light
 constexpr float kGatheredSpacing = 2;  // times that of points that are seen: a pixel's paths meet many
 constexpr double kShrinkExponent = -1.0 / 6.0;  // h ~ pass^(-1/6): variance and squared bias fall alike (Knaus & Zwicker 2011)
 
@@ -24,7 +25,7 @@ class Timer {
 };
 
 PhotonCounts since(const PhotonCounts& before, const PhotonCounts& now) {
-  return {now.traced - before.traced, now.stored - before.stored, now.rays - before.rays};
+  return {now.traced - before.traced, now.stored - before.stored, now.rays - before.rays, now.shaded - before.shaded};
 }
 
 }  // namespace
@@ -101,7 +102,10 @@ void Renderer::trace_camera(uint32_t pass) {
   Layer& indirect = (selected(), *layers_.front());
   const bool photons = indirect.paths_per_pass > 0, learns = !fallback_learnt_ && options.fallback && photons;
   const bool by_view = learns && !options.kept_photon_bytes;
-  if (!fallback_ && options.final_gather && photons) fallback_.emplace(scene, true);
+  if (!fallback_ && options.final_gather && photons) {
+    if (options.gather_trial && by_view && try_paths(pass)) return;
+    fallback_.emplace(scene, Fallback::Reach::kFirst);
+  }
   if (learns && !by_view) {  // the pilot asks for no view
     const KeyFilter all = keys_seen(indirect);
     if (!indirect.radii) learn(indirect, all, false);
@@ -114,16 +118,38 @@ void Renderer::trace_camera(uint32_t pass) {
   fallback_learnt_ = true;
 }
 
+bool Renderer::idle(const Layer& layer) const { return paths_bring_all() && layer.stream != PhotonStream::kCaustic; }
+
+// Before any photon is traced: whether paths had better bring all of the indirect light in this view. Then the pass is done.
+bool Renderer::try_paths(uint32_t pass) {
+  fallback_.emplace(scene, Fallback::Reach::kAll);
+  camera_tracer_->keep_trial(true);
+  const bool scouts = CameraTracer::sends_scouts(film_);
+  trace_records(pass, scouts ? CameraTracer::Tiles::kScouts : CameraTracer::Tiles::kAll);
+  camera_tracer_->keep_trial(false);
+  double photon_paths = 0;
+  for (const auto& layer : layers_) photon_paths += static_cast<double>(layer->paths_per_pass);
+  const double camera_paths = static_cast<double>(pass_film_.pixels.size()) * kGatheredSamples;
+  if (!camera_tracer_->trial().paths_pay(photon_paths / camera_paths)) {
+    fallback_.reset();
+    return false;
+  }
+  if (scouts) trace_more(pass, CameraTracer::Tiles::kRest);
+  samples_.set_least(kPathSamples);
+  fallback_learnt_ = true;
+  return true;
+}
+
 void Renderer::make_fallback(const KeyFilter& known) {
   const Layer& indirect = *layers_.front();
-  if (!fallback_) fallback_.emplace(scene, false);
+  if (!fallback_) fallback_.emplace(scene, Fallback::Reach::kBadlyServed);
   fallback_->learn(*indirect.radii, known, indirect.photons_per_disc, static_cast<double>(indirect.paths_per_pass));
 }
 
 // Nothing in view needs it.
 void Renderer::forget_fallback() {
   fallback_.reset();
-  if (options.final_gather) fallback_.emplace(scene, true);
+  if (options.final_gather) fallback_.emplace(scene, Fallback::Reach::kFirst);
 }
 
 // What the first pass lacks once the fallback has been learnt; whether anything falls back.
@@ -191,6 +217,11 @@ void Renderer::learn(Layer& layer, const KeyFilter& seen, bool stores_all) {
 void Renderer::make_points(uint32_t pass) {
   if (!records_) throw std::logic_error("trace_camera() comes before make_points()");
   Layer& layer = selected();
+  if (idle(layer)) {
+    layer.points = {};
+    layer.splatter->set_blocks({});
+    return;
+  }
   if (!layer.radii) learn(layer, keys_seen(layer), false);
   {
     Timer timer(seconds_.camera);
@@ -265,11 +296,14 @@ void Renderer::resolve() {
   const bool adaptive = options.adaptive_samples;
   Timer timer(seconds_.splat);
   if (scene.light_groups)
-    for (const auto& layer : layers_) join_groups(*layer);
+    for (const auto& layer : layers_)
+      if (!idle(*layer)) join_groups(*layer);
   if (fallback_)
-    for (const auto& layer : layers_) add_irradiance(*layer, true);
+    for (const auto& layer : layers_)
+      if (!idle(*layer)) add_irradiance(*layer, true);
   if (adaptive) samples_.see_camera(pass_film_, scene.pool());
   for (const auto& layer : layers_) {
+    if (idle(*layer)) continue;
     add_irradiance(*layer, false);
     layer->choice.end_pass(scene.pool());
   }
@@ -308,17 +342,21 @@ void Renderer::add_irradiance(Layer& layer, bool wandered) {
 }
 
 // What one camera sample in each pixel costs, over what the pass' photons do, from the rays of both. In camera rays with their
-// shading: a photon's ray is about a third of one, a photon splatted two, a record that finds its point one.
+// shading: a photon's ray is about a third of one, a material's program that it runs one, a photon splatted two, a record that finds its
+// point one, a point's boundary four.
 double Renderer::camera_work() const {
   double samples = 0, photons = 0;
   for (const Pixel& p : pass_film_.pixels) samples += p.samples;
   for (const auto& layer : layers_) {
+    if (idle(*layer)) continue;
     if (options.kept_photon_bytes) {  // found again or not, so that pictures do not depend on it
       if (layer->last_paths) photons += 2.0 * static_cast<double>(layer->last_used) * layer->paths_per_pass / layer->last_paths;
       continue;
     }
     const PhotonCounts counts = layer->tracer->last_counts();
-    if (counts.traced) photons += (counts.rays / 3.0 + 2.0 * counts.stored) * layer->paths_per_pass / counts.traced;
+    if (counts.traced)
+      photons += (counts.rays / 3.0 + 1.2 * counts.shaded + 2.0 * counts.stored) * layer->paths_per_pass / counts.traced;
+    photons += 4.0 * static_cast<double>(layer->points.size());
   }
   const double camera = (static_cast<double>(camera_tracer_->last_rays()) + static_cast<double>(records_ ? records_->size() : 0)) / std::max(samples, 1.0);
   return photons > 0 ? camera * static_cast<double>(pass_film_.pixels.size()) / photons : 1;
@@ -348,7 +386,7 @@ void Renderer::trace_reference(uint32_t sample) {
 
 PhotonCounts Renderer::photon_counts(const Layer& layer) const {
   const PhotonCounts all = since(layer.before, layer.tracer->counts());
-  return {all.traced - layer.pilot.traced, all.stored - layer.pilot.stored, all.rays};
+  return {all.traced - layer.pilot.traced, all.stored - layer.pilot.stored, all.rays, all.shaded};
 }
 
 uint64_t Renderer::rays() const {

@@ -29,6 +29,7 @@ struct RenderOptions {
   bool occlusion = true;  // inside of discs; part of the boundary correction
   bool fallback = true;   // camera paths go on for indirect light where photons serve badly
   bool final_gather = false;  // they go on everywhere once, and photons light what they meet
+  bool gather_trial = false;  // or they bring all of the indirect light, caustics excepted, where a trial finds that less work (GatherTrial)
   uint32_t seed = 0;
   std::string kernel;  // of the splatter; empty: the fastest
   // Of photons that renders of other views find again (begin_again). 0: none, and photons are aimed at what the view sees;
@@ -94,7 +95,8 @@ class Renderer {
   void limit_samples(double mean) {
     if (options.adaptive_samples) samples_.limit(mean, scene.pool());
   }
-  uint64_t paths_per_pass() const { return current_ ? current_->paths_per_pass : 0; }
+  // Photon paths of a pass in the selected layer: 0 where camera paths bring all of its light, as the first trace_camera() may find.
+  uint64_t paths_per_pass() const { return current_ && !idle(*current_) ? current_->paths_per_pass : 0; }
   // Visible points for those records; the first call traces the pilot that chooses radii.
   void make_points(uint32_t pass);
   // Photon paths [first, first + count) of pass `pass`. Kept until the next call.
@@ -143,6 +145,7 @@ class Renderer {
   size_t kept_photon_bytes() const;
   // Places where indirect light was wanted, and those where camera paths went on for it.
   uint64_t places() const { return camera_tracer_ ? camera_tracer_->places() : 0; }
+  bool paths_bring_all() const { return fallback_ && fallback_->reach() == Fallback::Reach::kAll; }
   uint64_t fallbacks() const { return camera_tracer_ ? camera_tracer_->fallbacks() : 0; }
   uint64_t bad_samples() const { return camera_tracer_ ? camera_tracer_->bad_samples() : 0; }
   std::string kernel_name() const { return current_ ? current_->splatter->kernel_name() : ""; }
@@ -156,6 +159,8 @@ class Renderer {
   void make_layers();
   void learn(Layer& layer, const KeyFilter& seen, bool stores_all);
   void trace_records(uint32_t pass, CameraTracer::Tiles tiles = CameraTracer::Tiles::kAll);
+  bool idle(const Layer& layer) const;
+  bool try_paths(uint32_t pass);
   void make_fallback(const KeyFilter& known);
   void forget_fallback();
   void learn_fallback(uint32_t pass, bool scouts);

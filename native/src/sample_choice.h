@@ -19,6 +19,7 @@ namespace photon_splat {
 class SampleChoice {
  public:
   void reset(int width, int height, uint32_t least = 1);
+  void set_least(uint32_t least) { least_ = least; }
 
   // Before the samples of a pass are asked for; again does no harm.
   void begin_pass(ThreadPool& pool);

@@ -200,3 +200,48 @@ TEST_CASE("samples fall as the density says: chi-square over cells of both hemis
       }
   CHECK(tests > 200);
 }
+
+TEST_CASE("samples of sharp lobes alone: as much light by them as by all samples") {
+  const Vec3 up{0, 0, 1}, wo = normalize({0.6f, 0.1f, 0.8f});
+  for (const float roughness : {0.0f, 0.15f, 0.3f}) {
+    Bsdf bsdf(Transport::kFlux, wo, up, up, false);
+    bsdf.add_diffuse({0.6f, 0.5f, 0.4f}, up, 0);
+    bsdf.add_glossy({0.1f, 0.1f, 0.1f}, up, Distribution::kGgx, roughness, 0, 0, {});
+    bsdf.add_glossy({0.2f, 0.2f, 0.2f}, up, Distribution::kGgx, 0.9f, 0, 0, {});
+    bsdf.finish();
+    constexpr uint32_t kCount = 1 << 17;
+    double all = 0, sharp = 0;
+    for (uint32_t i = 0; i < kCount; ++i) {
+      const float choice = sobol_2d(i, 0, 1).x;
+      const Vec2 u = sobol_2d(i, 1, 1);
+      const auto caustic = [](const BsdfSample& s) { return s.diffuse ? 0 : double(s.weight.x) * sharpness(s.roughness) / kCount; };
+      if (const auto s = bsdf.sample(choice, u)) all += caustic(*s);
+      if (const auto s = bsdf.sample_sharp(choice, u)) {
+        CHECK(sharpness(s->roughness) > 0);
+        sharp += caustic(*s);
+      }
+    }
+    CHECK(all > 0.01);
+    CHECK(sharp == doctest::Approx(all).epsilon(0.01));
+  }
+  Bsdf dull(Transport::kFlux, wo, up, up, false);
+  dull.add_diffuse({0.6f, 0.5f, 0.4f}, up, 0);
+  dull.finish();
+  CHECK_FALSE(dull.sample_sharp(0.5f, {0.5f, 0.5f}));
+}
+
+TEST_CASE("the mean normal is that of the lobes, by what they scatter") {
+  const Vec3 up{0, 0, 1}, bent = normalize({0.5f, 0, 1}), wo = normalize({0.1f, 0.2f, 1});
+  Bsdf bsdf(Transport::kRadiance, wo, up, up, false);
+  bsdf.add_diffuse({0.5f, 0.5f, 0.5f}, bent, 0);
+  bsdf.finish();
+  CHECK(length(bsdf.mean_normal() - bent) < 1e-5f);
+  Bsdf both(Transport::kRadiance, wo, up, up, false);
+  both.add_diffuse({0.5f, 0.5f, 0.5f}, bent, 0);
+  both.add_diffuse({0.5f, 0.5f, 0.5f}, up, 0);
+  both.finish();
+  CHECK(length(both.mean_normal() - normalize(bent + up)) < 1e-5f);
+  Bsdf none(Transport::kRadiance, wo, up, bent, false);
+  none.finish();
+  CHECK(length(none.mean_normal() - bent) < 1e-5f);
+}

@@ -72,7 +72,27 @@ def test_the_plan_decides(settings: dict, gathers: bool) -> None:
     assert plan.flags["final_gather"] == gathers
     assert any("Final gathering" in sentence for sentence in plan.sentences) == gathers
     applied = plan.applied_to(RenderSettings(**settings))
-    assert applied.final_gather == (ON if gathers else FinalGather.OFF)
+    assert applied.final_gather == (settings.get("final_gather", FinalGather.AUTO) if gathers else FinalGather.OFF)
+
+
+@pytest.mark.parametrize("roughness", [None, 0.3])
+def test_paths_bring_all_where_photons_would_be_more_work(roughness: float | None) -> None:
+    """A small picture: hundreds of photons for each camera path. The picture before it is denoised has the path tracer's mean, light
+    from sharp lobes by photons included."""
+    given = {"max_bounces": 12, "seed": 2, "photons_per_pass": 20_000}
+    result = c.shoot(leaves(roughness), passes=60, denoise=True, **given)
+    assert result.statistics["fallback"]["everywhere"] and result.noisy is not None
+    assert any("bring all of the indirect light" in sentence for sentence in result.statistics["plan"]["sentences"])
+    truth = c.picture(leaves(roughness), passes=600, integrator=Integrator.REFERENCE, max_bounces=12, seed=3)
+    assert result.noisy.mean() == pytest.approx(truth.mean(), rel=0.015)
+    again = c.shoot(leaves(roughness), passes=60, denoise=True, threads=3, **given)
+    assert again.noisy is not None and np.array_equal(again.noisy, result.noisy)
+
+
+def test_photons_bring_what_would_be_more_work_for_paths() -> None:
+    settings = {"denoise": True, "passes": 2, "photons_per_pass": 50}
+    assert not c.shoot(leaves(None), **settings).statistics["fallback"]["everywhere"]
+    assert not c.shoot(leaves(None), **(settings | {"photons_per_pass": 20_000, "final_gather": ON})).statistics["fallback"]["everywhere"]
 
 
 def test_threads_do_not_matter() -> None:

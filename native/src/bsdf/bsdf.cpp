@@ -433,10 +433,32 @@ std::optional<BsdfSample> Bsdf::sample(float choice, const Vec2& u) const {
     if (choice < pick) break;
     choice -= pick;
   }
+  return index < 0 ? std::nullopt : sample_lobe(index, choice / lobes_[index].pick, u);
+}
+
+std::optional<BsdfSample> Bsdf::sample_sharp(float choice, const Vec2& u) const {
+  float total = 0;
+  int index = -1;
+  const auto pick = [](const Lobe& lobe) { return !lobe.diffuse() && sharpness(lobe.roughness()) > 0 ? lobe.pick : 0; };
+  for (const Lobe& lobe : lobes_) total += pick(lobe);
+  choice *= total;
+  for (int i = 0; i < lobes_.size(); ++i) {
+    const float share = pick(lobes_[i]);
+    if (share <= 0) continue;
+    index = i;
+    if (choice < share) break;
+    choice -= share;
+  }
   if (index < 0) return std::nullopt;
+  auto s = sample_lobe(index, choice / lobes_[index].pick, u);
+  if (s) s->weight *= total, s->rest *= total;
+  return s;
+}
+
+std::optional<BsdfSample> Bsdf::sample_lobe(int index, float choice, const Vec2& u) const {
   const Lobe& lobe = lobes_[index];
   BsdfSample out;
-  if (!lobe.sample(view_, std::clamp(choice / lobe.pick, 0.0f, 0.99999994f), u, &out.direction)) return std::nullopt;
+  if (!lobe.sample(view_, std::clamp(choice, 0.0f, 0.99999994f), u, &out.direction)) return std::nullopt;
   out.transmitted = dot(out.direction, lobe.n) < 0;
   out.diffuse = lobe.diffuse();
   out.roughness = lobe.roughness();

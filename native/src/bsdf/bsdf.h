@@ -113,6 +113,8 @@ class Bsdf {
 
   // Draws a direction in proportion to the lobes. Transparency and emission are not lobes. nullopt: absorbed.
   std::optional<BsdfSample> sample(float choice, const Vec2& u) const;
+  // For who has no use for samples of lobes that are not sharp: draws others only, whose weights are as much smaller as they are more.
+  std::optional<BsdfSample> sample_sharp(float choice, const Vec2& u) const;
 
  private:
   // A closure kept to be expanded again for another direction: `size` bytes of it follow.
@@ -129,6 +131,7 @@ class Bsdf {
   void cover_hemispheres();
   void add_cover(const Vec3& n, float same, float through);
   Rgb adjoint(const Vec3& wi, Rgb* rest, Rgb* diffuse) const;
+  std::optional<BsdfSample> sample_lobe(int index, float choice, const Vec2& u) const;
   std::optional<BsdfSample> finish_delta(int index, BsdfSample out) const;
 
   Transport transport_;
