@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import groupby
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ from ...core.shading import GENERATED, Feature, Program
 from .values import CONSTANT_BIT, HERE, NONE, TABLES, UNUSED, Graph, Instruction, Operation, Place, Value, operations
 
 ROOT = -1
+MOST_TOGETHER = 1024  # of Together's count
 
 
 @dataclass(slots=True)
@@ -57,12 +59,12 @@ def assemble(name: str, graph: Graph, statements: list[Statement], features: Fea
     blocks: dict[int, list[int]] = {}
     for index in sorted(homes):
         blocks.setdefault(homes[index], []).append(index)
-    order: list[tuple[str, Any]] = [("instruction", index) for index in blocks.get(ROOT, ())]
+    order: list[tuple[str, Any]] = _in_order(graph, blocks.get(ROOT, []))
     for k, made in enumerate(statements):
         guarded = not made.weight.is_constant
         if guarded:
             order.append(("guard", made.weight))
-        order.extend(("instruction", index) for index in blocks.get(k, ()))
+        order.extend(_in_order(graph, blocks.get(k, [])))
         order.append(("statement", made))
         if guarded:
             order.append(("label", None))
@@ -111,6 +113,34 @@ def _homes(graph: Graph, statements: list[Statement]) -> dict[int, int]:
     return homes
 
 
+def _in_order(graph: Graph, block: list[int]) -> list[tuple[str, Any]]:
+    """A block's instructions, those first that its noise needs: the noise of textures that do not need one another's is computed together."""
+    depth: dict[int, int] = {}  # noise textures that come one after another before it
+    key: dict[int, tuple[int, int]] = {}
+    for index in block:
+        instruction = graph.instructions[index]
+        read = instruction.reads() + ([instruction.place.width] if instruction.place is not None else [])
+        before = [value.instruction for value in read if value.instruction in depth]
+        depth[index] = max((depth[one] + (dimensions_of_noise(graph.instructions[one]) > 0) for one in before), default=0)
+        key[index] = depth[index], dimensions_of_noise(instruction)
+    if sum(noisy > 0 for _, noisy in key.values()) < 2:
+        return [("instruction", index) for index in block]
+    order: list[tuple[str, Any]] = []
+    for (_, noisy), group in groupby(sorted(block, key=lambda index: key[index]), key=lambda index: key[index]):
+        some = list(group)
+        if noisy and 1 < len(some) <= MOST_TOGETHER:
+            order.append(("together", len(some)))
+        order += [("instruction", index) for index in some]
+    return order
+
+
+def dimensions_of_noise(instruction: Instruction) -> int:
+    """Of the noise of textures whose noise can be computed together with others'; else 0."""
+    if instruction.operation.name == "NoiseTexture":
+        return 1 + int(instruction.get("noise_dimensions"))
+    return 3 if instruction.operation.name == "WaveTexture" else 0
+
+
 class _Code:
     """Words, constants and registers of a program while it is written."""
 
@@ -140,6 +170,8 @@ class _Code:
                 if place != HERE:
                     place = self._offset(HERE)
                 self.words[target] = len(self.words)
+            elif kind == "together":
+                self.words += [operations()["Together"].opcode, what]
             elif kind == "instruction":
                 instruction = self.graph.instructions[what]
                 if instruction.place is not None and instruction.place != place:

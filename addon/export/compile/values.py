@@ -99,6 +99,9 @@ class Instruction:
     def reads(self) -> list[Value]:
         return [v for v in self.operands if isinstance(v, Value)]
 
+    def get(self, name: str) -> Any:
+        return self.operands[next(i for i, operand in enumerate(self.operation.operands) if operand.name == name)]
+
 
 class Graph:
     """Instructions of one program, each different one once. Operands come before what reads them."""
