@@ -67,7 +67,7 @@ void finish_noise(Frame& f, const NoiseQueue::Texture& texture, const float* noi
   const float value = fractal_of(noise, s);
   f.set(texture.w[0], value);
   if (texture.w[1] == kUnused) return;
-  const uint32_t n = octaves_of(s);
+  const uint32_t n = s.octaves;
   f.set(texture.w[1], Vec3{value, fractal_of(noise + n, s), fractal_of(noise + 2 * n, s)});
 }
 
@@ -75,7 +75,7 @@ template <int N>
 void noise_in(Frame& f, const uint32_t* w, Point<N> p, float distortion, const FractalSettings& s) {
   if (distortion != 0) p = distorted(p, distortion);
   const bool colored = w[1] != kUnused;
-  f.noise.add<N>(f, w, s, octaves_of(s) * (colored ? 3 : 1)).finish = finish_noise;
+  f.noise.add<N>(f, w, s, s.octaves * (colored ? 3 : 1)).finish = finish_noise;
   f.noise.add_octaves(p, s);
   if (!colored) return;
   f.noise.add_octaves(moved(p, N), s);
@@ -115,12 +115,13 @@ void NoiseQueue::add_point(const Point<N>& p) {
 
 template <int N>
 void NoiseQueue::add_octaves(Point<N> p, const FractalSettings& s) {
+  const bool by_scale = s.type == NoiseType::FBM;
   float scale = 1;
-  for (uint32_t i = 0, n = octaves_of(s); i < n; ++i) {
-    const Point<N> at = s.type == NoiseType::FBM ? p * scale : p;
+  for (uint32_t i = 0; i < s.octaves; ++i) {
+    const Point<N> at = by_scale ? p * scale : p;
     add_point(is_near(at) ? at : repeated(at));
-    if (s.type == NoiseType::FBM) scale *= s.lacunarity;
-    else p = p * s.lacunarity;
+    scale *= s.lacunarity;
+    if (!by_scale) p = p * s.lacunarity;
   }
 }
 
@@ -148,9 +149,8 @@ void noise_texture(Frame& f, const uint32_t* w) {
   const float scale = f.number(w[4]), distortion = f.number(w[10]);
   const Vec3 v = f.vector(w[2]) * scale;
   const float t = f.number(w[3]) * scale;
-  FractalSettings s{std::clamp(f.number(w[5]), 0.0f, 15.0f), std::max(f.number(w[6]), 0.0f), f.number(w[7]), f.number(w[8]),
-                    f.number(w[9]), f.mode<NoiseType>(w[12]), f.on(w[13])};
-  if (!(s.detail >= 0)) s.detail = 0;
+  FractalSettings s{std::max(f.number(w[6]), 0.0f), f.number(w[7]), f.number(w[8]), f.number(w[9]), f.mode<NoiseType>(w[12]), f.on(w[13]), {}, {}, {}};
+  s.set_detail(f.number(w[5]));
   switch (f.mode<Dimensions>(w[11])) {
     case Dimensions::D1: noise_in<1>(f, w, {{t}}, distortion, s); break;
     case Dimensions::D2: noise_in<2>(f, w, {{v.x, v.y}}, distortion, s); break;

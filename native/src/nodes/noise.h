@@ -14,13 +14,16 @@ struct Point {
 };
 
 struct FractalSettings {
-  float detail, roughness, lacunarity, offset, gain;  // detail in 0..15, roughness >= 0
+  float roughness, lacunarity, offset, gain;  // roughness >= 0
   NoiseType type;
   bool normalize;
+  int detail;             // whole octaves beyond the first, and
+  float part;             // what counts of one more
+  uint32_t octaves;       // that are asked for, so
+
+  void set_detail(float octaves_beyond);  // taken as in 0..15
 };
 
-// Octaves of a fractal, with the one of which but a part counts.
-uint32_t octaves_of(const FractalSettings& s);
 // The fractal from the noise of its octaves.
 float fractal_of(const float* noise, const FractalSettings& s);
 

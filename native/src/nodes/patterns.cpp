@@ -66,9 +66,9 @@ void wave_texture(Frame& f, const uint32_t* w) {
   const float distortion = f.number(w[3]);
   if (distortion != 0) {
     const Vec3 q = p * f.number(w[5]);
-    const float detail = std::clamp(f.number(w[4]), 0.0f, 15.0f);
-    const FractalSettings s{detail >= 0 ? detail : 0, f.number(w[6]), 2, 0, 0, NoiseType::FBM, true};
-    auto& waiting = f.noise.add<3>(f, w, s, octaves_of(s));
+    FractalSettings s{f.number(w[6]), 2, 0, 0, NoiseType::FBM, true, {}, {}, {}};
+    s.set_detail(f.number(w[4]));
+    NoiseQueue::Texture& waiting = f.noise.add<3>(f, w, s, s.octaves);
     waiting.carried[0] = n;
     waiting.carried[1] = distortion;
     waiting.finish = [](Frame& frame, const NoiseQueue::Texture& t, const float* noise) {
