@@ -1,4 +1,6 @@
 // Colours: blending, models, spectra.
+#include <bit>
+
 #include "frame.h"
 
 namespace photon_splat::nodes {
@@ -11,7 +13,8 @@ Vec3 rgb_to_hsv(const Rgb& c) {
   const Vec3 d = (Vec3{high, high, high} - c) / span;
   // A table here, too: which component is the highest.
   const float sectors[3] = {d.z - d.y, 2 + d.x - d.z, 4 + d.y - d.x};
-  const float h = sectors[(c.x != high) * (1 + (c.y != high))] / 6;
+  const auto lower = [high](float x) { return std::bit_cast<uint32_t>(x) != std::bit_cast<uint32_t>(high) ? 1u : 0u; };
+  const float h = sectors[lower(c.x) * (1 + lower(c.y))] / 6;
   return {h < 0 ? h + 1 : h, s, high};
 }
 

@@ -72,14 +72,14 @@ void finish_noise(Frame& f, const NoiseQueue::Texture& texture, const float* noi
 }
 
 template <int N>
-void noise_in(Frame& f, const uint32_t* w, Point<N> p, float distortion, const FractalSettings& s) {
+void add_noise(Frame& f, const NoiseQueue::Texture& texture, Point<N> p, float distortion) {
   if (distortion != 0) p = distorted(p, distortion);
-  const bool colored = w[1] != kUnused;
-  f.noise.add<N>(f, w, s, s.octaves * (colored ? 3 : 1)).finish = finish_noise;
-  f.noise.add_octaves(p, s);
+  const bool colored = texture.w[1] != kUnused;
+  f.noise.add<N>(f, texture.settings.octaves * (colored ? 3 : 1));
+  f.noise.add_octaves(p);
   if (!colored) return;
-  f.noise.add_octaves(moved(p, N), s);
-  f.noise.add_octaves(moved(p, N + 1), s);
+  f.noise.add_octaves(moved(p, N));
+  f.noise.add_octaves(moved(p, N + 1));
 }
 
 }  // namespace
@@ -97,14 +97,14 @@ NoiseKernel choose_noise_kernel(const std::string& name) {
 }
 
 template <int N>
-NoiseQueue::Texture& NoiseQueue::add(Frame& f, const uint32_t* w, const FractalSettings& s, uint32_t points) {
-  if (dimensions_ != N || points_ + points > kMost) evaluate(f);
+void NoiseQueue::add(Frame& f, uint32_t points) {
+  if (textures_ > 0 && (dimensions_ != N || points_ + points > kMost)) {
+    const Texture texture = waiting_[textures_];
+    evaluate(f);
+    waiting_[0] = texture;
+  }
   dimensions_ = N;
-  Texture& texture = waiting_[textures_++];
-  texture.w = w;
-  texture.settings = s;
-  texture.first = points_;
-  return texture;
+  waiting_[textures_++].first = points_;
 }
 
 template <int N>
@@ -114,7 +114,8 @@ void NoiseQueue::add_point(const Point<N>& p) {
 }
 
 template <int N>
-void NoiseQueue::add_octaves(Point<N> p, const FractalSettings& s) {
+void NoiseQueue::add_octaves(Point<N> p) {
+  const FractalSettings& s = waiting_[textures_ - 1].settings;
   const bool by_scale = s.type == NoiseType::FBM;
   float scale = 1;
   for (uint32_t i = 0; i < s.octaves; ++i) {
@@ -142,20 +143,29 @@ void NoiseQueue::evaluate(Frame& f) {
   points_ = textures_ = 0;
 }
 
-template NoiseQueue::Texture& NoiseQueue::add<3>(Frame&, const uint32_t*, const FractalSettings&, uint32_t);
-template void NoiseQueue::add_octaves(Point<3>, const FractalSettings&);
+template void NoiseQueue::add<3>(Frame&, uint32_t);
+template void NoiseQueue::add_octaves(Point<3>);
 
 void noise_texture(Frame& f, const uint32_t* w) {
   const float scale = f.number(w[4]), distortion = f.number(w[10]);
   const Vec3 v = f.vector(w[2]) * scale;
   const float t = f.number(w[3]) * scale;
-  FractalSettings s{std::max(f.number(w[6]), 0.0f), f.number(w[7]), f.number(w[8]), f.number(w[9]), f.mode<NoiseType>(w[12]), f.on(w[13]), {}, {}, {}};
+  NoiseQueue::Texture& texture = f.noise.next();
+  texture.w = w;
+  texture.finish = finish_noise;
+  FractalSettings& s = texture.settings;
+  s.roughness = std::max(f.number(w[6]), 0.0f);
+  s.lacunarity = f.number(w[7]);
+  s.offset = f.number(w[8]);
+  s.gain = f.number(w[9]);
+  s.type = f.mode<NoiseType>(w[12]);
+  s.normalize = f.on(w[13]);
   s.set_detail(f.number(w[5]));
   switch (f.mode<Dimensions>(w[11])) {
-    case Dimensions::D1: noise_in<1>(f, w, {{t}}, distortion, s); break;
-    case Dimensions::D2: noise_in<2>(f, w, {{v.x, v.y}}, distortion, s); break;
-    case Dimensions::D3: noise_in<3>(f, w, {{v.x, v.y, v.z}}, distortion, s); break;
-    case Dimensions::D4: noise_in<4>(f, w, {{v.x, v.y, v.z, t}}, distortion, s); break;
+    case Dimensions::D1: add_noise<1>(f, texture, {{t}}, distortion); break;
+    case Dimensions::D2: add_noise<2>(f, texture, {{v.x, v.y}}, distortion); break;
+    case Dimensions::D3: add_noise<3>(f, texture, {{v.x, v.y, v.z}}, distortion); break;
+    case Dimensions::D4: add_noise<4>(f, texture, {{v.x, v.y, v.z, t}}, distortion); break;
   }
   f.noise.finish_texture(f);
 }

@@ -43,11 +43,12 @@ class NoiseQueue {
 
   uint32_t together = 0;  // textures that the next evaluation is for; 0: like 1
 
-  // Then come its octaves, of `points` in all.
+  // A texture to be filled in; then, if it asks for noise, add() and its octaves, of `points` in all.
+  Texture& next() { return waiting_[textures_]; }
   template <int N>
-  Texture& add(Frame& f, const uint32_t* w, const FractalSettings& s, uint32_t points);
+  void add(Frame& f, uint32_t points);
   template <int N>
-  void add_octaves(Point<N> p, const FractalSettings& s);
+  void add_octaves(Point<N> p);  // of the texture added last
   // After each texture, whether it has asked for noise or not.
   void finish_texture(Frame& f);
 
@@ -60,7 +61,7 @@ class NoiseQueue {
   uint32_t points_ = 0, textures_ = 0;
   int dimensions_ = 0;
   NoisePoints at_;
-  Texture waiting_[kMost];
+  Texture waiting_[kMost + 1];
 };
 
 }  // namespace photon_splat::nodes

@@ -66,16 +66,19 @@ void wave_texture(Frame& f, const uint32_t* w) {
   const float distortion = f.number(w[3]);
   if (distortion != 0) {
     const Vec3 q = p * f.number(w[5]);
-    FractalSettings s{f.number(w[6]), 2, 0, 0, NoiseType::FBM, true, {}, {}, {}};
+    NoiseQueue::Texture& waiting = f.noise.next();
+    FractalSettings& s = waiting.settings;
+    s = {f.number(w[6]), 2, 0, 0, NoiseType::FBM, true, {}, {}, {}};
     s.set_detail(f.number(w[4]));
-    NoiseQueue::Texture& waiting = f.noise.add<3>(f, w, s, s.octaves);
+    waiting.w = w;
     waiting.carried[0] = n;
     waiting.carried[1] = distortion;
     waiting.finish = [](Frame& frame, const NoiseQueue::Texture& t, const float* noise) {
       const float phase = t.carried[0] + t.carried[1] * (fractal_of(noise, t.settings) * 2 - 1);
       frame.set(t.w[0], wave_profile(phase, Frame::mode<WaveProfile>(t.w[11])));
     };
-    f.noise.add_octaves<3>({{q.x, q.y, q.z}}, s);
+    f.noise.add<3>(f, s.octaves);
+    f.noise.add_octaves<3>({{q.x, q.y, q.z}});
   } else {
     f.set(w[0], wave_profile(n, f.mode<WaveProfile>(w[11])));
   }
