@@ -95,26 +95,54 @@ float decode_srgb_byte(uint8_t c) {
   return table.linear[c];
 }
 
-// What is stored at a column and row of the image, both within it.
-struct Texture::Pixels {
-  explicit Pixels(const Texture& texture) : kept(texture.pixels_of ? *texture.pixels_of : texture), width(texture.width) {}
+namespace {
 
-  const Texture& kept;
-  int width;
+// Sum of size x size texels by the products of their weights. Columns and rows under 0 are outside of the image and black.
+template <int size>
+struct Window {
+  int column[size], row[size];
+  float across[size], up[size];
 
-  template <class Value>
-  Texel read(size_t at, Value&& value) const {
-    if (kept.channels == 1) return {value(at), value(at), value(at), 1};
-    return {value(at), value(at + 1), value(at + 2), kept.channels == 4 ? value(at + 3) : 1.0f};
+  template <int channels, class T, class Value>
+  std::array<float, 4> sum(const T* pixels, int width, Value&& value) const {
+    std::array<float, 4> sum{};
+    for (int j = 0; j < size; ++j)
+      for (int i = 0; i < size; ++i) {
+        if (column[i] < 0 || row[j] < 0) continue;
+        const T* p = pixels + channels * (static_cast<size_t>(row[j]) * width + column[i]);
+        const float weight = across[i] * up[j];
+        for (size_t c = 0; c < channels; ++c) sum[c] += value(p[c]) * weight;
+        if (channels < 4) sum[3] += weight;
+      }
+    if (channels == 1) sum[1] = sum[2] = sum[0];
+    return sum;
   }
-  Texel at(int x, int y) const {
-    const size_t i = static_cast<size_t>(kept.channels) * (static_cast<size_t>(y) * width + x);
-    if (!kept.bytes.empty()) return read(i, [&](size_t k) { return static_cast<float>(kept.bytes[k]) * (1.0f / 255.0f); });
-    if (!kept.floats.empty()) return read(i, [&](size_t k) { return kept.floats[k]; });
-    if (kept.half) return read(i, [&](size_t k) { return from_half(kept.shorts[k]); });
-    return read(i, [&](size_t k) { return static_cast<float>(kept.shorts[k]) * kShortUnit; });
+  template <class T, class Value>
+  std::array<float, 4> sum_of(const Texture& kept, const std::vector<T>& pixels, Value&& value) const {
+    if (kept.channels == 1) return sum<1>(pixels.data(), kept.width, value);
+    return kept.channels == 3 ? sum<3>(pixels.data(), kept.width, value) : sum<4>(pixels.data(), kept.width, value);
+  }
+  std::array<float, 4> sum_of(const Texture& kept) const {
+    if (!kept.bytes.empty()) return sum_of(kept, kept.bytes, [](uint8_t x) { return static_cast<float>(x) * (1.0f / 255.0f); });
+    if (!kept.floats.empty()) return sum_of(kept, kept.floats, [](float x) { return x; });
+    if (kept.half) return sum_of(kept, kept.shorts, from_half);
+    return sum_of(kept, kept.shorts, [](uint16_t x) { return static_cast<float>(x) * kShortUnit; });
   }
 };
+
+template <int size>
+Window<size> window(const Texture& texture, int x, int y, const std::array<float, size>& across, const std::array<float, size>& up) {
+  Window<size> w;
+  for (int i = 0; i < size; ++i) {
+    w.column[i] = wrap(x + i, texture.width, texture.extension);
+    w.row[i] = wrap(y + i, texture.height, texture.extension);
+    w.across[i] = across[static_cast<size_t>(i)];
+    w.up[i] = up[static_cast<size_t>(i)];
+  }
+  return w;
+}
+
+}  // namespace
 
 void Texture::compact() {
   if (channels != 4) return;
@@ -147,45 +175,21 @@ Texture Texture::reading(Interpolation other_interpolation, Extension other_exte
   return other;
 }
 
-Texture::Texel Texture::interpolated(Vec2 uv) const {
+std::array<float, 4> Texture::interpolated(Vec2 uv) const {
+  const Texture& kept = pixels_of ? *pixels_of : *this;
   uv = {near_image(uv.x, extension), near_image(uv.y, extension)};
   const float x = uv.x * static_cast<float>(width), y = uv.y * static_cast<float>(height);
-  const Pixels pixels(*this);
-  if (interpolation == Interpolation::kClosest) {
-    const int column = wrap(static_cast<int>(std::floor(x)), width, extension);
-    const int row = wrap(static_cast<int>(std::floor(y)), height, extension);
-    return column < 0 || row < 0 ? Texel{} : pixels.at(column, row);
-  }
+  if (interpolation == Interpolation::kClosest)
+    return window<1>(*this, static_cast<int>(std::floor(x)), static_cast<int>(std::floor(y)), {1}, {1}).sum_of(kept);
   const float fx = std::floor(x - 0.5f), fy = std::floor(y - 0.5f);
   const float s = x - 0.5f - fx, t = y - 0.5f - fy;
   const int ix = static_cast<int>(fx), iy = static_cast<int>(fy);
-  Texel sum{};
-  // Of `size` x `size` texels from `first` on.
-  const auto add_all = [&]<int size>(int first, const float* wx, const float* wy) {
-    int column[size], row[size];
-    for (int i = 0; i < size; ++i) {
-      column[i] = wrap(ix + first + i, width, extension);
-      row[i] = wrap(iy + first + i, height, extension);
-    }
-    for (int j = 0; j < size; ++j)
-      for (int i = 0; i < size; ++i) {
-        if (column[i] < 0 || row[j] < 0) continue;
-        const Texel part = pixels.at(column[i], row[j]);
-        for (size_t c = 0; c < 4; ++c) sum[c] += part[c] * (wx[i] * wy[j]);
-      }
-  };
-  if (interpolation == Interpolation::kCubic) {
-    const auto wx = spline_weights(s), wy = spline_weights(t);
-    add_all.template operator()<4>(-1, wx.data(), wy.data());
-  } else {
-    const float wx[] = {1 - s, s}, wy[] = {1 - t, t};
-    add_all.template operator()<2>(0, wx, wy);
-  }
-  return sum;
+  if (interpolation == Interpolation::kCubic) return window<4>(*this, ix - 1, iy - 1, spline_weights(s), spline_weights(t)).sum_of(kept);
+  return window<2>(*this, ix, iy, {1 - s, s}, {1 - t, t}).sum_of(kept);
 }
 
 std::array<float, 4> Texture::lookup_rgba(Vec2 uv, bool unassociate) const {
-  Texel t = interpolated(uv);
+  std::array<float, 4> t = interpolated(uv);
   if (unassociate && t[3] != 0 && t[3] != 1)
     for (size_t c = 0; c < 3; ++c) t[c] /= t[3];
   if (srgb)
@@ -194,7 +198,7 @@ std::array<float, 4> Texture::lookup_rgba(Vec2 uv, bool unassociate) const {
 }
 
 Rgb Texture::lookup(Vec2 uv) const {
-  const Texel t = lookup_rgba(uv, false);
+  const std::array<float, 4> t = lookup_rgba(uv, false);
   return {t[0], t[1], t[2]};
 }
 

@@ -42,9 +42,7 @@ struct Texture {
   std::array<float, 4> lookup_rgba(Vec2 uv, bool unassociate) const;
 
  private:
-  using Texel = std::array<float, 4>;
-  struct Pixels;
-  Texel interpolated(Vec2 uv) const;
+  std::array<float, 4> interpolated(Vec2 uv) const;
 };
 
 }  // namespace photon_splat

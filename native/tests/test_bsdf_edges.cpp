@@ -239,7 +239,7 @@ TEST_CASE("numbers nobody should give neither break nor hang anything") {
             in.coat_ior = in.sheen_weight = in.sheen_roughness = in.emission_strength = in.alpha = x;
             in.thin_film_thickness = in.thin_film_ior = x;
             in.normal = in.coat_normal = in.tangent = n;
-            b.add_principled(color, in);
+            b.add_principled(color, std::move(in));
           });
           check([&](Bsdf& b) {
             b.add_principled(kWhite, principled_inputs([&](auto& in) {

@@ -238,13 +238,51 @@ TEST_CASE("noise is the same number, bit for bit, on every instruction set, and 
       CAPTURE(dimensions); CAPTURE(name);
       const NoiseKernel kernel = choose_noise_kernel(name);
       if (!kernel) continue;  // not on this machine
-      for (uint32_t count : {1u, 2u, 3u, 9u, kCount}) {
+      for (uint32_t count : {1u, 2u, 3u, 5u, 8u, 9u, kCount}) {
         float values[NoisePoints::kMost] = {};
         kernel(dimensions, points, count, values);
         CHECK(std::memcmp(values, plain, count * sizeof(float)) == 0);
       }
     }
   }
+}
+
+TEST_CASE("noise that is computed together is what each texture yields by itself, of any number, kind and dimension") {
+  Square square;
+  const ShadingPoint point = point_on(square.scene, 0.1f, 0.1f);
+  constexpr uint32_t kTextures = 40;  // of up to 18 points each: more than are computed at once
+  const auto run = [&](bool together, uint32_t only) {
+    ProgramWriter w;
+    const uint32_t r = w.reg(kTextures * 3);
+    if (together) w.emit(Op::Together, {{"count", kTextures}});
+    for (uint32_t i = 0; i < kTextures; ++i) {
+      const float x = 0.37f * static_cast<float>(i);
+      const auto value = [&](float v) { return w.constant({v}); };
+      const ProgramWriter::Values common{{"vector", w.constant({x, 0.3f - x, 0.7f})}, {"scale", value(1.5f)}, {"detail", value(0.5f * static_cast<float>(i % 11))}};
+      if (i % 5 == 4) {
+        ProgramWriter::Values wave{{"fac", r + 3 * i}, {"distortion", value(i % 2 ? 0.0f : 2.0f)}, {"detail_scale", value(1)}, {"detail_roughness", value(0.5f)}};
+        wave.insert(common.begin(), common.end());
+        w.emit(Op::WaveTexture, wave);
+      } else {
+        ProgramWriter::Values noise{{i % 3 ? "fac" : "color", r + 3 * i}, {"w", value(x)}, {"roughness", value(0.6f)}, {"lacunarity", value(2.1f)},
+                                    {"offset", value(0.4f)}, {"gain", value(1.2f)}, {"distortion", value(i % 7 ? 0.0f : 0.5f)},
+                                    {"noise_dimensions", i < 20 ? 2u : i % 4}, {"noise_type", i % 5}, {"normalize", 1}};
+        noise.insert(common.begin(), common.end());
+        w.emit(Op::NoiseTexture, noise);
+      }
+    }
+    return emitted(square.scene, w.emitting(r + 3 * only), point);
+  };
+  uint32_t different = 0;
+  for (uint32_t i = 0; i < kTextures; ++i) {
+    CAPTURE(i);
+    const Vec3 alone = run(false, i), joined = run(true, i);
+    CHECK(alone.x == joined.x);
+    CHECK(alone.y == joined.y);
+    CHECK(alone.z == joined.z);
+    different += alone.x != run(false, 0).x;
+  }
+  CHECK(different > kTextures / 2);
 }
 
 TEST_CASE("Voronoi: the distance is to the position, the second is farther, both hashes fill the cells") {

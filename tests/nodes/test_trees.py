@@ -243,6 +243,39 @@ def test_constants_are_folded_and_equal_parts_stand_once() -> None:
 
 
 @in_blender
+def test_noise_is_computed_together_where_none_needs_another() -> None:
+    from photon_splat.export.compile.values import operations
+
+    made, tree = stage.empty_material("Noisy")
+    shader = tree.nodes.new("ShaderNodeEmission")
+    noise = [tree.nodes.new("ShaderNodeTexNoise") for _ in range(4)]
+    total = None
+    for node in noise[:3]:
+        added = tree.nodes.new("ShaderNodeMath")
+        tree.links.new(node.outputs[0], added.inputs[0])
+        if total is not None:
+            tree.links.new(total, added.inputs[1])
+        total = added.outputs[0]
+        node.inputs["Scale"].default_value = 2.0 + len(tree.nodes)
+    tree.links.new(total, noise[3].inputs["Scale"])
+    tree.links.new(noise[3].outputs[0], shader.inputs["Strength"])
+    stage.surface(tree, shader)
+    stage.plane("Noisy").data.materials[0] = made
+    code = stage.exported().programs[0].code.tolist()
+    by_code = {operation.opcode: operation for operation in operations().values()}
+    order = []
+    while code:
+        operation = by_code[code[0]]
+        order.append(f"Together {code[1]}" if operation.name == "Together" else operation.name)
+        del code[: 1 + len(operation.operands)]
+    assert order.count("NoiseTexture") == 4
+    first = order.index("Together 3")
+    assert order[first + 1 : first + 4] == ["NoiseTexture"] * 3
+    assert "NoiseTexture" in order[first + 5 :]
+    assert "Together 1" not in order
+
+
+@in_blender
 def test_a_branch_of_weight_zero_is_dropped() -> None:
     made, tree = stage.empty_material("Half")
     mix, kept, dropped = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("MixShader", "Emission", "BsdfHair"))

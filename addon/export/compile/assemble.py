@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import groupby
 from typing import Any
 
 import numpy as np
@@ -11,6 +13,11 @@ from ...core.shading import GENERATED, Feature, Program
 from .values import CONSTANT_BIT, HERE, NONE, TABLES, UNUSED, Graph, Instruction, Operation, Place, Value, operations
 
 ROOT = -1
+MOST_TOGETHER = 1024  # of Together's count
+MOST_REGISTERS = 1024
+"""Of a program in steps: beyond, results are better used as soon as they are there."""
+
+Order = list[tuple[str, Any]]
 
 
 @dataclass(slots=True)
@@ -53,20 +60,9 @@ def live_instructions(graph: Graph, statements: list[Statement]) -> set[int]:
 
 def assemble(name: str, graph: Graph, statements: list[Statement], features: Feature) -> Program:
     homes = _homes(graph, statements)
-    code = _Code(graph)
-    blocks: dict[int, list[int]] = {}
-    for index in sorted(homes):
-        blocks.setdefault(homes[index], []).append(index)
-    order: list[tuple[str, Any]] = [("instruction", index) for index in blocks.get(ROOT, ())]
-    for k, made in enumerate(statements):
-        guarded = not made.weight.is_constant
-        if guarded:
-            order.append(("guard", made.weight))
-        order.extend(("instruction", index) for index in blocks.get(k, ()))
-        order.append(("statement", made))
-        if guarded:
-            order.append(("label", None))
-    code.emit(order)
+    code = _written(graph, statements, homes, _in_steps)
+    if code.registers > MOST_REGISTERS:
+        code = _written(graph, statements, homes, _as_they_are)
     words, constants = code.finish()
     wants: set[int] = set()
     wants_instances: set[int] = set()
@@ -79,6 +75,24 @@ def assemble(name: str, graph: Graph, statements: list[Statement], features: Fea
             if operand.kind == "a" and value != NONE:
                 into.add(value)
     return Program(name, words, constants, code.registers, features, frozenset(wants), frozenset(wants_instances))
+
+
+def _written(graph: Graph, statements: list[Statement], homes: dict[int, int], in_order: Callable[[Graph, list[int]], Order]) -> _Code:
+    code = _Code(graph)
+    blocks: dict[int, list[int]] = {}
+    for index in sorted(homes):
+        blocks.setdefault(homes[index], []).append(index)
+    order = in_order(graph, blocks.get(ROOT, []))
+    for k, made in enumerate(statements):
+        guarded = not made.weight.is_constant
+        if guarded:
+            order.append(("guard", made.weight))
+        order += in_order(graph, blocks.get(k, []))
+        order.append(("statement", made))
+        if guarded:
+            order.append(("label", None))
+    code.emit(order)
+    return code
 
 
 def _uses_generated(instruction: Instruction) -> bool:
@@ -111,6 +125,43 @@ def _homes(graph: Graph, statements: list[Statement]) -> dict[int, int]:
     return homes
 
 
+def _as_they_are(_: Graph, block: list[int]) -> Order:
+    return [("instruction", index) for index in block]
+
+
+def _in_steps(graph: Graph, block: list[int]) -> Order:
+    """A block's instructions in steps of what does not depend on one another, so that a processor can work at several of them.
+
+    The noise of textures that do not need one another's is computed together, after all else that can be done before it.
+    """
+    depth: dict[int, int] = {}  # noise textures that come one after another before it
+    step: dict[int, int] = {}
+    key: dict[int, tuple[int, ...]] = {}
+    places: dict[Place | None, int] = {None: 0, HERE: 1}
+    for index in block:
+        instruction = graph.instructions[index]
+        read = instruction.reads() + ([instruction.place.width] if instruction.place is not None else [])
+        before = [value.instruction for value in read if value.instruction in depth]
+        depth[index] = max((depth[one] + (dimensions_of_noise(graph.instructions[one]) > 0) for one in before), default=0)
+        step[index] = max((step[one] + 1 for one in before), default=0)
+        place = places.setdefault(instruction.place, len(places))
+        key[index] = depth[index], dimensions_of_noise(instruction), step[index], place, instruction.operation.opcode, index
+    order: Order = []
+    for (_, noisy), group in groupby(sorted(block, key=lambda index: key[index]), key=lambda index: key[index][:2]):
+        some = list(group)
+        if noisy and 1 < len(some) <= MOST_TOGETHER:
+            order.append(("together", len(some)))
+        order += [("instruction", index) for index in some]
+    return order
+
+
+def dimensions_of_noise(instruction: Instruction) -> int:
+    """Of the noise of textures whose noise can be computed together with others'; else 0."""
+    if instruction.operation.name == "NoiseTexture":
+        return 1 + int(instruction.get("noise_dimensions"))
+    return 3 if instruction.operation.name == "WaveTexture" else 0
+
+
 class _Code:
     """Words, constants and registers of a program while it is written."""
 
@@ -123,7 +174,7 @@ class _Code:
         self._register_at: dict[tuple[int, int], int] = {}
         self._free: dict[int, list[int]] = {1: [], 3: []}
 
-    def emit(self, order: list[tuple[str, Any]]) -> None:
+    def emit(self, order: Order) -> None:
         last, wanted = self._uses(order)
         dying: dict[int, list[tuple[int, int]]] = {}
         for result, position in last.items():
@@ -140,6 +191,8 @@ class _Code:
                 if place != HERE:
                     place = self._offset(HERE)
                 self.words[target] = len(self.words)
+            elif kind == "together":
+                self.words += [operations()["Together"].opcode, what]
             elif kind == "instruction":
                 instruction = self.graph.instructions[what]
                 if instruction.place is not None and instruction.place != place:
@@ -157,7 +210,7 @@ class _Code:
     def finish(self) -> tuple[Any, Any]:
         return np.array(self.words, np.uint32), np.array(self.constants or [0.0], np.float32)
 
-    def _uses(self, order: list[tuple[str, Any]]) -> tuple[dict[tuple[int, int], int], set[tuple[int, int]]]:
+    def _uses(self, order: Order) -> tuple[dict[tuple[int, int], int], set[tuple[int, int]]]:
         """Position of the last use of every result (instruction, operand), and which are used at all."""
         last: dict[tuple[int, int], int] = {}
         for position, (kind, what) in enumerate(order):

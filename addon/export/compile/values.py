@@ -94,10 +94,13 @@ class Instruction:
 
     operation: Operation
     operands: tuple[Any, ...]
-    place: Place | None  # of operations that read where the hit is
+    place: Place | None  # of operations that read where the hit is; None: it is the same for them
 
     def reads(self) -> list[Value]:
         return [v for v in self.operands if isinstance(v, Value)]
+
+    def get(self, name: str) -> Any:
+        return self.operands[next(i for i, operand in enumerate(self.operation.operands) if operand.name == name)]
 
 
 class Graph:
@@ -118,7 +121,7 @@ class Graph:
         operands = tuple(self._operand(operation, operand, given) for operand in operation.operands)
         if given:
             raise TypeError(f"{name} has no operand {', '.join(given)}")
-        place = self.place if name in PLACED else None
+        place = self.place if name in PLACED else HERE if name == "NormalMap" else None
         outputs = [(i, operand) for i, operand in enumerate(operation.operands) if operand.kind in "FV"]
         if name not in OF_THE_HIT and all(v.is_constant for v in operands if isinstance(v, Value)):
             return folded(self.folding, operation, operands)

@@ -19,14 +19,16 @@ struct Diffuse {
   float roughness;
   void expand(const View& view, LobeList& out) const {
     const Vec3 n = view.turned(normal);
-    out.add(roughness > 1e-5f ? oren_nayar_lobe(view, weight, n, roughness, color) : lambert_lobe(weight, n));
+    out.add([&] { return roughness > 1e-5f ? oren_nayar_lobe(view, weight, n, roughness, color) : lambert_lobe(weight, n); });
   }
 };
 
 struct Translucent {
   Rgb weight;
   Vec3 normal;
-  void expand(const View& view, LobeList& out) const { out.add(translucent_lobe(view, weight, view.turned(normal))); }
+  void expand(const View& view, LobeList& out) const {
+    out.add([&] { return translucent_lobe(view, weight, view.turned(normal)); });
+  }
 };
 
 struct Facet {
@@ -43,7 +45,7 @@ struct Facet {
       f.f0 = {f0, f0, f0};
       if (!mirror) f.f0 = f.f90 = {};
     }
-    out.add(facet_lobe(view, weight, view.turned(normal), shape, f));
+    out.add([&] { return facet_lobe(view, weight, view.turned(normal), shape, f); });
   }
 };
 
@@ -51,7 +53,9 @@ struct AshikhminShirley {
   Rgb weight;
   Vec3 normal;
   FacetShape shape;
-  void expand(const View& view, LobeList& out) const { out.add(ashikhmin_shirley_lobe(view, weight, view.turned(normal), shape)); }
+  void expand(const View& view, LobeList& out) const {
+    out.add([&] { return ashikhmin_shirley_lobe(view, weight, view.turned(normal), shape); });
+  }
 };
 
 struct Sheen {
@@ -61,7 +65,7 @@ struct Sheen {
   bool ashikhmin;
   void expand(const View& view, LobeList& out) const {
     const Vec3 n = view.turned(normal);
-    out.add(ashikhmin ? velvet_lobe(view, weight, n, roughness) : sheen_lobe(view, weight, n, roughness));
+    out.add([&] { return ashikhmin ? velvet_lobe(view, weight, n, roughness) : sheen_lobe(view, weight, n, roughness); });
   }
 };
 
@@ -70,7 +74,9 @@ struct Toon {
   Vec3 normal;
   float size, smooth;
   bool glossy;
-  void expand(const View& view, LobeList& out) const { out.add(toon_lobe(weight, view.turned(normal), glossy, size, smooth)); }
+  void expand(const View& view, LobeList& out) const {
+    out.add([&] { return toon_lobe(weight, view.turned(normal), glossy, size, smooth); });
+  }
 };
 
 struct Transparent {
@@ -142,6 +148,11 @@ template <class Closure>
 void Bsdf::add(const Closure& closure) {
   static_assert(std::is_trivially_copyable_v<Closure>);
   closure.expand(view_, lobes_);
+  keep(closure);
+}
+
+template <class Closure>
+void Bsdf::keep(const Closure& closure) {
   if (transport_ == Transport::kRadiance) return;
   constexpr size_t room = (sizeof(Record) + sizeof(Closure) + 15) / 16 * 16;
   if (tape_used_ + room > kTapeBytes) return;
@@ -173,7 +184,12 @@ void Bsdf::add_translucent(const Rgb& weight, const Vec3& normal) { add(Transluc
 void Bsdf::add_transparent(const Rgb& weight) { add(Transparent{clean_color(weight)}); }
 void Bsdf::add_emission(const Rgb& weight) { add(Emission{clean_color(weight)}); }
 void Bsdf::add_holdout(float weight) { add(Holdout{clean(weight, 0, 1, 0)}); }
-void Bsdf::add_principled(const Rgb& weight, const PrincipledInputs& inputs) { add(Principled{clean_color(weight), clean(inputs)}); }
+void Bsdf::add_principled(const Rgb& weight, PrincipledInputs&& inputs) {
+  make_clean(inputs);
+  const Rgb w = clean_color(weight);
+  expand_principled(w, inputs, view_, lobes_);
+  if (transport_ == Transport::kFlux) keep(Principled{w, inputs});
+}
 void Bsdf::add_sheen(const Rgb& weight, const Vec3& normal, float roughness, bool ashikhmin) {
   add(Sheen{clean_color(weight), normal, clean(roughness, 0, 1, 0.5f), ashikhmin});
 }
@@ -307,10 +323,12 @@ void Bsdf::cover_hemispheres() {
 void Bsdf::add_cover(const Vec3& n, float same, float through) {
   const auto add = [&](LobeKind kind, float pick) {
     if (!(pick > 0)) return;
-    Lobe lobe = lambert_lobe({}, n);
-    lobe.kind = kind;
-    lobe.pick = pick;
-    lobes_.add(lobe);
+    lobes_.add([&] {
+      Lobe lobe = lambert_lobe({}, n);
+      lobe.kind = kind;
+      lobe.pick = pick;
+      return lobe;
+    });
   };
   add(LobeKind::kLambert, same);
   add(LobeKind::kTranslucent, through);
@@ -341,7 +359,7 @@ bool Bsdf::has_rest() const { return rest_; }
 Rgb Bsdf::albedo() const {
   Rgb sum{};
   for (const Lobe& lobe : lobes_)
-    sum += lobe.kind == LobeKind::kFacets ? lobe.scale * layer_albedo(view_, lobe) : lobe.diffuse() ? lobe.gather : lobe.weight;
+    sum += lobe.kind == LobeKind::kFacets ? lobe.scale * lobe.layer : lobe.diffuse() ? lobe.gather : lobe.weight;
   return sum;
 }
 

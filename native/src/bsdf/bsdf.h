@@ -81,7 +81,7 @@ class Bsdf {
   void add_transparent(const Rgb& weight);
   void add_emission(const Rgb& weight);
   void add_holdout(float weight);
-  void add_principled(const Rgb& weight, const PrincipledInputs& inputs);
+  void add_principled(const Rgb& weight, PrincipledInputs&& inputs);  // which are changed
 
   // Lobe weights and the split of section 2 of the design. After it nothing may be added.
   void finish();
@@ -126,6 +126,8 @@ class Bsdf {
 
   template <class Closure>
   void add(const Closure& closure);
+  template <class Closure>
+  void keep(const Closure& closure);
   void expand(const View& view, LobeList& out) const;
   void cover_gathered();
   void cover_hemispheres();

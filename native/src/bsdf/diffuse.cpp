@@ -175,7 +175,7 @@ FacetValue Lobe::evaluate(const View& view, const Vec3& wi) const {
     case LobeKind::kFacets: {
       if (facets.delta()) return {};
       if ((side < 0) != (cosine < 0)) return {};
-      FacetValue value = evaluate_facets(facets, fresnel, to_local(view.wo), to_local(wi));
+      FacetValue value = evaluate_facets(facets, fresnel, from, masked, to_local(wi));
       value.f *= weight;
       return value;
     }
@@ -214,7 +214,7 @@ bool Lobe::sample(const View& view, float choice, const Vec2& u, Vec3* wi) const
       if (!(w.z > 0)) return false;
       break;
     case LobeKind::kFacets:
-      if (!sample_facets(facets, fresnel, to_local(view.wo), choice, u, &w)) return false;
+      if (!sample_facets(facets, fresnel, from, choice, u, &w)) return false;
       break;
   }
   *wi = normalize(to_world(w));

@@ -36,23 +36,23 @@ Vec3 valid_reflection(const View& view, const Vec3& n) {
 
 namespace {
 
+// What a facet lobe of weight 1 reflects and refracts, about, where `kept` of it is not lost between facets: attenuates what is under
+// it. Without energy compensation it is taken for as much as if none were lost, as Cycles does (measured).
+Rgb layer_albedo(const FresnelTerms& f, float roughness, float mu, const Rgb& kept) {
+  if (f.kind == FresnelKind::kDielectric && f.ior != 1 && f.film_thickness <= 0.1f) {
+    const Rgb r = lerp(f.f0, f.f90, dielectric_rise(roughness, mu, f.ior));
+    return (r * f.reflect_tint + (kWhite - r) * f.transmit_tint) * kept;
+  }
+  const FresnelValue value = evaluate_fresnel(f, mu);
+  return (value.reflect + value.transmit) * kept;
+}
+
 Vec3 rotate(const Vec3& v, const Vec3& axis, float angle) {  // Rodrigues
   const float c = std::cos(angle), s = std::sin(angle);
   return v * c + cross(axis, v) * s + axis * (dot(axis, v) * (1 - c));
 }
 
 }  // namespace
-
-Rgb layer_albedo(const View& view, const Lobe& lobe) {
-  const float mu = saturate(dot(lobe.n, view.wo));
-  const FresnelTerms& f = lobe.fresnel;
-  if (f.kind == FresnelKind::kDielectric && f.ior != 1 && f.film_thickness <= 0.1f) {
-    const Rgb r = lerp(f.f0, f.f90, dielectric_rise(std::sqrt(std::sqrt(lobe.facets.ax * lobe.facets.ay)), mu, f.ior));
-    return (r * f.reflect_tint + (kWhite - r) * f.transmit_tint) * lobe.kept;
-  }
-  const FresnelValue value = evaluate_fresnel(f, mu);
-  return (value.reflect + value.transmit) * lobe.kept;
-}
 
 Lobe facet_lobe(const View& view, const Rgb& weight, const Vec3& normal, const FacetShape& shape, const FresnelTerms& fresnel) {
   Lobe lobe;
@@ -77,11 +77,12 @@ Lobe facet_lobe(const View& view, const Rgb& weight, const Vec3& normal, const F
     lobe.t = basis.tangent, lobe.b = basis.bitangent;
   }
 
-  lobe.kept = kWhite;
-  const float mu = dot(lobe.n, view.wo);
-  if (!(mu > 0)) lobe.weight = lobe.kept = {};
+  lobe.from = lobe.to_local(view.wo);
+  lobe.masked = lobe.facets.lambda(lobe.from);
+  Rgb kept = kWhite;
+  const float mu = lobe.from.z, rough = std::sqrt(std::sqrt(lobe.facets.ax * lobe.facets.ay));
+  if (!(mu > 0)) lobe.weight = kept = {};
   if (shape.preserve_energy && !lobe.facets.delta() && mu > 0) {
-    const float rough = std::sqrt(std::sqrt(lobe.facets.ax * lobe.facets.ay));
     // Turquin 2019, "Practical multiple scattering compensation for microfacet models".
     const Albedo e = through ? glass_albedo(rough, mu, lobe.fresnel.ior) : ggx_albedo(rough, mu);
     const float missing = (1 - e.directional) / std::max(e.directional, 1e-3f);
@@ -89,9 +90,10 @@ Lobe facet_lobe(const View& view, const Rgb& weight, const Vec3& normal, const F
     const Rgb f = saturate(through ? fresnel.transmit_tint : mean_reflectance(fresnel));
     const Rgb scales{scale(f.x), scale(f.y), scale(f.z)};
     lobe.weight *= scales;
-    lobe.kept = scales * e.directional;
+    kept = scales * e.directional;
   }
-  lobe.albedo = average(weight * layer_albedo(view, lobe));
+  lobe.layer = layer_albedo(lobe.fresnel, rough, saturate(mu), kept);
+  lobe.albedo = average(weight * lobe.layer);
   return lobe;
 }
 

@@ -30,7 +30,9 @@ struct Lobe {
   Vec3 n, t, b;        // frame; n on the side of wo (translucent: too)
   Facets facets;       // kFacets
   FresnelTerms fresnel;
-  Rgb scale, kept;     // kFacets: weight without energy compensation; albedo over that of facets that lose nothing
+  Rgb scale, layer;    // kFacets: weight without energy compensation; what a lobe of weight 1 reflects and refracts, about
+  Vec3 from;           // kFacets: wo in the lobe's frame
+  float masked = 0;    // kFacets: lambda of it
   float p[3] = {};     // kOrenNayar: a, b, 1 - E(wo); kSheen: LTC a and b; kVelvet: 1/sigma^2; toon: size, smooth, pdf;
                        // kAshikhminShirley: exponents along t and b, roughness
   Rgb multiple;        // kOrenNayar: factor of the energy-preserving term
@@ -62,13 +64,17 @@ class LobeList {
   const Lobe* begin() const { return std::launder(reinterpret_cast<const Lobe*>(storage_)); }
   const Lobe* end() const { return begin() + size_; }
   const Lobe& operator[](int i) const { return begin()[i]; }
-  void add(const Lobe& lobe) {
-    if (size_ < kMax) new (storage_ + sizeof(Lobe) * static_cast<size_t>(size_++)) Lobe(lobe);
+  // make() yields a lobe, which is made in its place: a copy of what has just been written in parts is slow.
+  template <class Make>
+  const Lobe& add(Make&& make) {
+    Lobe* lobe = new (storage_ + sizeof(Lobe) * static_cast<size_t>(size_)) Lobe(make());
+    if (size_ < kMax) ++size_;
+    return *lobe;
   }
 
  private:
   int size_ = 0;
-  alignas(Lobe) std::byte storage_[sizeof(Lobe) * kMax];  // not a Lobe[]: the constructors would cost more than a hit
+  alignas(Lobe) std::byte storage_[sizeof(Lobe) * (kMax + 1)];  // not a Lobe[]: the constructors would cost more than a hit
 };
 
 // n turned towards ng until the mirror direction of wo stands a little above the surface; n where it already does.
@@ -94,9 +100,5 @@ Lobe facet_lobe(const View& view, const Rgb& weight, const Vec3& n, const FacetS
 Lobe ashikhmin_shirley_lobe(const View& view, const Rgb& weight, const Vec3& n, const FacetShape& shape);
 FacetValue evaluate_ashikhmin_shirley(const Lobe& lobe, const Vec3& wo, const Vec3& wi);  // in the lobe's frame, both above
 Vec3 sample_ashikhmin_shirley(const Lobe& lobe, const Vec3& wo, const Vec2& u);           // may lie below
-
-// What a facet lobe of weight 1 reflects and refracts, about: attenuates what is under it. Without energy compensation it is taken
-// for as much as if no light were lost between facets, as Cycles does (measured).
-Rgb layer_albedo(const View& view, const Lobe& lobe);
 
 }  // namespace photon_splat

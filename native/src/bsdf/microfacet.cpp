@@ -58,9 +58,9 @@ bool transmits(const FresnelTerms& f) { return !is_black(f.transmit_tint); }
 
 }  // namespace
 
-FacetValue evaluate_facets(const Facets& facets, const FresnelTerms& fresnel, const Vec3& wo, const Vec3& wi) {
-  const bool through = wi.z < 0;
-  if (!(wo.z > 0) || wi.z == 0 || (through && !transmits(fresnel))) return {};
+FacetValue evaluate_facets(const Facets& facets, const FresnelTerms& fresnel, const Vec3& wo, float lambda_o, const Vec3& wi) {
+  const bool through = wi.z < 0, glass = transmits(fresnel);
+  if (!(wo.z > 0) || wi.z == 0 || (through && !glass)) return {};
   Vec3 m = through ? -(wo + wi * fresnel.ior) : wo + wi;
   float len2 = length2(m);
   if (!(len2 > 1e-16f)) return {};
@@ -72,8 +72,8 @@ FacetValue evaluate_facets(const Facets& facets, const FresnelTerms& fresnel, co
   const float om = dot(wo, m), im = dot(wi, m);
   if (!(om > 0) || (through ? im >= 0 : im <= 0) || !(m.z > 0)) return {};
   const FresnelValue value = evaluate_fresnel(fresnel, om);
-  const float p = reflect_probability(value);
-  const float lambda_o = facets.lambda(wo), lambda_i = facets.lambda(wi);
+  const float p = glass ? reflect_probability(value) : 1;
+  const float lambda_i = facets.lambda(wi);
   // Density of wi per density of visible facets, times D/|wo.n|.
   const float d = facets.density(m);
   const float common = d / wo.z * (through ? sqr(fresnel.ior) * om * -im / len2 : 0.25f);

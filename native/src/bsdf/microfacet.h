@@ -28,8 +28,8 @@ struct FacetValue {
   float pdf = 0;
 };
 
-// wi.z > 0: reflection, < 0: refraction, in the basic-radiance convention. No deltas here.
-FacetValue evaluate_facets(const Facets& facets, const FresnelTerms& fresnel, const Vec3& wo, const Vec3& wi);
+// wi.z > 0: reflection, < 0: refraction, in the basic-radiance convention. lambda_o: facets.lambda(wo). No deltas here.
+FacetValue evaluate_facets(const Facets& facets, const FresnelTerms& fresnel, const Vec3& wo, float lambda_o, const Vec3& wi);
 
 // `choice` in [0, 1) decides between reflection and refraction.
 bool sample_facets(const Facets& facets, const FresnelTerms& fresnel, const Vec3& wo, float choice, const Vec2& u, Vec3* wi);

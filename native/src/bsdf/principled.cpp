@@ -2,20 +2,24 @@
 
 namespace photon_splat {
 
-PrincipledInputs clean(const PrincipledInputs& inputs) {
-  PrincipledInputs in = inputs;
+void make_clean(PrincipledInputs& in) {
   const auto unit = [](float& x, float fallback) { x = clean(x, 0, 1, fallback); };
   in.base_color = clean_color(in.base_color);
   in.specular_tint = clean_color(in.specular_tint);
-  in.coat_tint = min(clean_color(in.coat_tint), kWhite);
-  in.sheen_tint = clean_color(in.sheen_tint);
   in.emission_color = clean_color(in.emission_color);
   unit(in.metallic, 0), unit(in.roughness, 0.5f), unit(in.diffuse_roughness, 0), unit(in.subsurface_weight, 0);
-  unit(in.transmission_weight, 0), unit(in.coat_roughness, 0), unit(in.sheen_roughness, 0.5f), unit(in.alpha, 1);
-  unit(in.coat_weight, 0);
+  unit(in.transmission_weight, 0), unit(in.alpha, 1), unit(in.coat_weight, 0);
   in.sheen_weight = clean(in.sheen_weight, 0, 1e6f, 0);
+  if (in.coat_weight > 0) {
+    in.coat_tint = min(clean_color(in.coat_tint), kWhite);
+    unit(in.coat_roughness, 0);
+    in.coat_ior = clean(in.coat_ior, 1, 1e5f, 1.5f);
+  }
+  if (in.sheen_weight > 0) {
+    in.sheen_tint = clean_color(in.sheen_tint);
+    unit(in.sheen_roughness, 0.5f);
+  }
   in.ior = clean(in.ior, 1e-5f, 1e5f, 1.5f);
-  in.coat_ior = clean(in.coat_ior, 1, 1e5f, 1.5f);
   in.specular_level = clean(in.specular_level, 0, 1e6f, 0.5f);
   unit(in.anisotropic, 0);
   in.anisotropic_rotation = clean(in.anisotropic_rotation, -1e4f, 1e4f, 0);
@@ -23,7 +27,6 @@ PrincipledInputs clean(const PrincipledInputs& inputs) {
   in.thin_film_thickness = clean(in.thin_film_thickness, 0, 1e5f, 0);
   in.thin_film_ior = clean(in.thin_film_ior, 1e-5f, 1e5f, 1.33f);
   if (!is_finite(in.tangent)) in.tangent = {};
-  return in;
 }
 
 namespace {
@@ -37,7 +40,7 @@ Rgb power(const Rgb& c, float e) { return {std::pow(c.x, e), std::pow(c.y, e), s
 
 // Which lobes come out depends on the inputs alone, never on the view: adjoints match lobes of two views by number.
 void expand_principled(const Rgb& outer, const PrincipledInputs& in, const View& view, LobeList& out) {
-  const Vec3 normal = view.turned(in.normal), coat_normal = view.turned(in.coat_normal);
+  const Vec3 normal = view.turned(in.normal), coat_normal = in.coat_weight > 0 ? view.turned(in.coat_normal) : normal;
   const Rgb base = min(in.base_color, kWhite);
   Rgb weight = outer;
   if (in.alpha < 1) out.transparency += weight * (1 - in.alpha);
@@ -51,7 +54,7 @@ void expand_principled(const Rgb& outer, const PrincipledInputs& in, const View&
     scaled.weight *= weight;
     scaled.gather *= weight;
     scaled.albedo = average(scaled.weight);
-    out.add(scaled);
+    out.add([&] { return scaled; });
     weight *= under(sheen.weight);
   }
 
@@ -64,9 +67,8 @@ void expand_principled(const Rgb& outer, const PrincipledInputs& in, const View&
     FacetShape shape;
     shape.preserve_energy = true;
     shape.roughness = in.coat_roughness;
-    const Lobe coat = facet_lobe(view, weight * in.coat_weight, coat_normal, shape, f);
-    out.add(coat);
-    weight *= under(layer_albedo(view, coat) * in.coat_weight);
+    const Lobe& coat = out.add([&] { return facet_lobe(view, weight * in.coat_weight, coat_normal, shape, f); });
+    weight *= under(coat.layer * in.coat_weight);
     if (in.coat_tint.x != 1 || in.coat_tint.y != 1 || in.coat_tint.z != 1) {
       // Absorption along the refracted ray's way through the coat and back.
       const float cos_i = saturate(dot(coat.n, view.wo));
@@ -94,7 +96,7 @@ void expand_principled(const Rgb& outer, const PrincipledInputs& in, const View&
     f.f90 = min(in.specular_tint, kWhite);
     f.film_thickness = in.thin_film_thickness;
     f.film_ior = in.thin_film_ior;
-    out.add(facet_lobe(view, weight * in.metallic, normal, shape, f));
+    out.add([&] { return facet_lobe(view, weight * in.metallic, normal, shape, f); });
     weight *= 1 - in.metallic;
   }
 
@@ -108,7 +110,7 @@ void expand_principled(const Rgb& outer, const PrincipledInputs& in, const View&
     f.film_ior = view.back ? in.thin_film_ior / in.ior : in.thin_film_ior;
     FacetShape isotropic = shape;
     isotropic.along = isotropic.across = 1;
-    out.add(facet_lobe(view, weight * in.transmission_weight, normal, isotropic, f));
+    out.add([&] { return facet_lobe(view, weight * in.transmission_weight, normal, isotropic, f); });
     weight *= 1 - in.transmission_weight;
   }
 
@@ -126,13 +128,13 @@ void expand_principled(const Rgb& outer, const PrincipledInputs& in, const View&
     f.film_thickness = in.thin_film_thickness;
     f.film_ior = in.thin_film_ior;
     if (f.ior != 1 || f.film_thickness > 0.1f) {
-      const Lobe gloss = facet_lobe(view, weight, normal, shape, f);
-      out.add(gloss);
-      weight *= under(layer_albedo(view, gloss));
+      weight *= under(out.add([&] { return facet_lobe(view, weight, normal, shape, f); }).layer);
     }
     const float rough_share = in.diffuse_roughness > 1e-5f ? 1 - in.subsurface_weight : 0;
-    if (rough_share > 0) out.add(oren_nayar_lobe(view, weight * in.base_color * rough_share, normal, in.diffuse_roughness, in.base_color));
-    if (rough_share < 1) out.add(lambert_lobe(weight * in.base_color * (1 - rough_share), normal));
+    const Rgb color = weight * in.base_color;
+    if (rough_share > 0)
+      out.add([&] { return oren_nayar_lobe(view, color * rough_share, normal, in.diffuse_roughness, in.base_color); });
+    if (rough_share < 1) out.add([&] { return lambert_lobe(color * (1 - rough_share), normal); });
   }
 }
 

@@ -5,7 +5,7 @@
 namespace photon_splat {
 
 // Inputs made finite and brought into the range that Cycles keeps them in.
-PrincipledInputs clean(const PrincipledInputs& inputs);
+void make_clean(PrincipledInputs& inputs);
 
 // The Principled BSDF of Blender 4 and 5 as layers: sheen over coat over emission over a mix of metal, glass and dielectric
 // over diffuse. A layer lets through what it does not reflect.

@@ -47,19 +47,23 @@ void principled(Frame& f, const uint32_t* w) {
   p.tangent = f.vector(w[kTangent]);
   p.transmission_weight = f.number(w[kTransmission]);
   p.coat_weight = f.number(w[kCoat]);
-  p.coat_roughness = f.number(w[kCoatRoughness]);
-  p.coat_ior = f.number(w[kCoatIor]);
-  p.coat_tint = bounded(f.vector(w[kCoatTint]), 1);  // it is raised to powers
-  p.coat_normal = front_normal(f, w[kCoatNormal]);
+  if (p.coat_weight > 0) {
+    p.coat_roughness = f.number(w[kCoatRoughness]);
+    p.coat_ior = f.number(w[kCoatIor]);
+    p.coat_tint = bounded(f.vector(w[kCoatTint]), 1);  // it is raised to powers
+    p.coat_normal = front_normal(f, w[kCoatNormal]);
+  }
   p.sheen_weight = f.number(w[kSheen]);
-  p.sheen_roughness = f.number(w[kSheenRoughness]);
-  p.sheen_tint = bounded(f.vector(w[kSheenTint]), kMostScattered);
+  if (p.sheen_weight > 0) {
+    p.sheen_roughness = f.number(w[kSheenRoughness]);
+    p.sheen_tint = bounded(f.vector(w[kSheenTint]), kMostScattered);
+  }
   p.emission_color = bounded(f.vector(w[kEmission]), 1e5f);
   p.emission_strength = bounded(f.number(w[kEmissionStrength]), 1e10f);
   p.thin_film_thickness = f.number(w[kFilm]);
   p.thin_film_ior = f.number(w[kFilmIor]);
   p.distribution = distribution(w[kDistribution]);
-  f.out.add_principled({weight, weight, weight}, p);
+  f.out.add_principled({weight, weight, weight}, std::move(p));
 }
 
 }  // namespace

@@ -1,4 +1,6 @@
 // Colours: blending, models, spectra.
+#include <bit>
+
 #include "frame.h"
 
 namespace photon_splat::nodes {
@@ -9,8 +11,10 @@ Vec3 rgb_to_hsv(const Rgb& c) {
   const float s = high != 0 ? span / high : 0;
   if (s == 0) return {0, 0, high};
   const Vec3 d = (Vec3{high, high, high} - c) / span;
-  float h = c.x == high ? d.z - d.y : c.y == high ? 2 + d.x - d.z : 4 + d.y - d.x;
-  h /= 6;
+  // A table here, too: which component is the highest.
+  const float sectors[3] = {d.z - d.y, 2 + d.x - d.z, 4 + d.y - d.x};
+  const auto lower = [high](float x) { return std::bit_cast<uint32_t>(x) != std::bit_cast<uint32_t>(high) ? 1u : 0u; };
+  const float h = sectors[lower(c.x) * (1 + lower(c.y))] / 6;
   return {h < 0 ? h + 1 : h, s, high};
 }
 

@@ -4,6 +4,7 @@
 
 #include "../bsdf/bsdf.h"
 #include "../scene.h"
+#include "noise.h"
 #include "ops.h"
 
 namespace photon_splat::nodes {
@@ -22,9 +23,13 @@ struct Frame {
   Bsdf& out;
   float* registers;
   const float* constants;
+  NoiseQueue& noise;
   // Where Offset has moved the point to, until the next one.
   Vec3 shift{};
-  float shift_u = 0, shift_v = 0;
+  Vec2 shifted_uv{};  // barycentric; see uv_there()
+  bool knows_uv = false, knows_axes = false, knows_object_normal = false;
+  OffsetAxes axes{};
+  Vec3 normal_in_object{};
 
   const float* at(uint32_t word) const { return (word & kConstant ? constants : registers) + (word & ~kConstant); }
   float number(uint32_t word) const { return *at(word); }
@@ -53,18 +58,20 @@ struct Frame {
   Vec3 position() const;            // absolute, shifted; background: the direction
   Vec3 object_position() const;     // in the object's coordinates, shifted
   Vec3 normal_to_object(const Vec3& n) const;    // unit
+  const Vec3& object_normal();      // normal() in the object's coordinates
   Vec3 normal_from_object(const Vec3& n) const;  // unit
-  Vec3 generated() const;
+  Vec3 generated();
   const Mesh& mesh() const { return scene.meshes[scene.instances[point.instance].mesh]; }
   const Affine& world_to_object() const;  // from coordinates relative to the scene's origin
   Affine object_to_world() const;   // to coordinates relative to the scene's origin
   // Of the mesh at the shifted point; false where it has none.
-  bool attribute(uint32_t id, std::array<float, 4>& value, uint32_t& components) const;
-  Vec3 uv(uint32_t id) const;       // kNone: the render-active UV map
+  bool attribute(uint32_t id, std::array<float, 4>& value, uint32_t& components);
+  Vec3 uv(uint32_t id);             // kNone: the render-active UV map
 
   // normals.cpp
   void corners(Vec3* corner) const;  // of the triangle, relative to the scene's origin
-  OffsetAxes offset_axes() const;
+  const OffsetAxes& offset_axes();
+  Vec2 uv_there();                   // barycentric coordinates of the shifted point
 };
 
 // surface.cpp

@@ -45,8 +45,8 @@ Vec3 box_weights(const Vec3& n, float blend) {
   return (n * (2 - limit) + Vec3{1, 1, 1} * (limit - 1)) / (2 * limit - 1);
 }
 
-Color box(const Frame& f, uint32_t texture, const Vec3& p, float blend, bool unassociate) {
-  const Vec3 n = f.normal_to_object(f.normal());
+Color box(Frame& f, uint32_t texture, const Vec3& p, float blend, bool unassociate) {
+  const Vec3& n = f.object_normal();
   Vec3 a = each(n, [](float c) { return std::abs(c); });
   a = a / (a.x + a.y + a.z);
   const Vec3 weights = box_weights(a, blend);

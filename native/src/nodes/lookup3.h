@@ -9,36 +9,37 @@ namespace photon_splat::nodes {
 template <class Word>
 static inline Word rotate(const Word& x, int k) { return x << k | x >> (32 - k); }
 
-// lookup3's last mixing of three words, of which the third is the hash.
-template <class Word>
+// lookup3's last mixing of three words, of which the third is the hash. kLow: of which its lowest six bits are, for less.
+template <bool kLow, class Word>
 static inline Word finish_hash(Word a, Word b, Word c) {
   c = (c ^ b) - rotate(b, 14);
   a = (a ^ c) - rotate(c, 11);
   b = (b ^ a) - rotate(a, 25);
   c = (c ^ b) - rotate(b, 16);
   a = (a ^ c) - rotate(c, 4);
+  if constexpr (kLow) return b = (b ^ a) - (a >> 18), (c ^ b) - (b >> 8);
   b = (b ^ a) - rotate(a, 14);
   return (c ^ b) - rotate(b, 24);
 }
 template <class Word>
 static inline Word hash_start(uint32_t words) { return Word{} + (0xdeadbeefu + (words << 2) + 13); }
 
-template <class Word>
+template <bool kLow = false, class Word>
 static inline Word lookup3(const Word& x) {
   const Word s = hash_start<Word>(1);
-  return finish_hash<Word>(s + x, s, s);
+  return finish_hash<kLow>(s + x, s, s);
 }
-template <class Word>
+template <bool kLow = false, class Word>
 static inline Word lookup3(const Word& x, const Word& y) {
   const Word s = hash_start<Word>(2);
-  return finish_hash<Word>(s + x, s + y, s);
+  return finish_hash<kLow>(s + x, s + y, s);
 }
-template <class Word>
+template <bool kLow = false, class Word>
 static inline Word lookup3(const Word& x, const Word& y, const Word& z) {
   const Word s = hash_start<Word>(3);
-  return finish_hash<Word>(s + x, s + y, s + z);
+  return finish_hash<kLow>(s + x, s + y, s + z);
 }
-template <class Word>
+template <bool kLow = false, class Word>
 static inline Word lookup3(const Word& x, const Word& y, const Word& z, const Word& w) {
   const Word s = hash_start<Word>(4);
   Word a = s + x, b = s + y, c = s + z;
@@ -48,7 +49,7 @@ static inline Word lookup3(const Word& x, const Word& y, const Word& z, const Wo
   a = (a - c) ^ rotate(c, 16); c += b;
   b = (b - a) ^ rotate(a, 19); a += c;
   c = (c - b) ^ rotate(b, 4);  b += a;
-  return finish_hash<Word>(a + w, b, c);
+  return finish_hash<kLow>(a + w, b, c);
 }
 
 }  // namespace photon_splat::nodes

@@ -1,158 +1,37 @@
-// Fractals of Perlin noise by Musgrave (Ebert et al., "Texturing and modeling", chapter 16). All the octaves that a texture asks for
-// are computed by one call of a kernel (simd/noise_kernel.inl).
 #include "noise.h"
 
 #include <cstring>
 
 #include "frame.h"
 #include "hashes.h"
-#include "noise_kernel.h"
 
 namespace photon_splat::nodes {
 namespace {
+
+constexpr float kPeriod = 100000;
+
+// Noise repeats every 100,000 units; where there is no point it is 0.
+template <int N>
+Point<N> repeated(Point<N> p) {
+  for (float& c : p.c) {
+    if (!std::isfinite(c)) return {};  // noise is 0 at whole numbers
+    if (std::abs(c) >= kPeriod) c = std::fmod(c, kPeriod) + (std::abs(c) >= 10 * kPeriod ? 0.5f : 0.0f);
+  }
+  return p;
+}
+
+template <int N>
+bool is_near(const Point<N>& p) {
+  bool near = true;
+  for (float c : p.c) near &= std::abs(c) < kPeriod;
+  return near;
+}
 
 template <int N>
 Point<N> operator*(const Point<N>& p, float s) {
   Point<N> out;
   for (int d = 0; d < N; ++d) out.c[d] = p.c[d] * s;
   return out;
-}
-
-// Points whose noise is wanted, then their noise. It repeats every 100,000 units; where there is no point it is 0.
-template <int N>
-class Batch {
- public:
-  void add(const Point<N>& p) {
-    const uint32_t i = count_++;
-    bool near = true;
-    for (int d = 0; d < N; ++d) {
-      points_.c[d][i] = p.c[d];
-      near &= std::abs(p.c[d]) < 100000.0f;
-    }
-    if (!near) repeat(i);
-  }
-  const float* evaluate() {
-    for (int d = 0; d < N; ++d) std::memset(&points_.c[d][count_], 0, NoisePoints::kPadding * sizeof(float));
-    static const NoiseKernel kernel = choose_noise_kernel();
-    kernel(N, points_, count_, values_);
-    return values_;
-  }
-
- private:
-  void repeat(uint32_t i) {
-    for (int d = 0; d < N; ++d) {
-      float& c = points_.c[d][i];
-      if (!std::isfinite(c)) {
-        for (int e = 0; e < N; ++e) points_.c[e][i] = 0;  // noise is 0 at whole numbers
-        return;
-      }
-      if (std::abs(c) >= 100000.0f) c = std::fmod(c, 100000.0f) + (std::abs(c) >= 1000000.0f ? 0.5f : 0.0f);
-    }
-  }
-
-  NoisePoints points_;
-  uint32_t count_ = 0;
-  alignas(64) float values_[NoisePoints::kMost];
-};
-
-float part_of_octave(const FractalSettings& s) { return s.detail - std::floor(s.detail); }
-
-// Octaves of a fractal, with the one of which but a part counts.
-uint32_t octaves_of(const FractalSettings& s) {
-  return static_cast<uint32_t>(to_int(s.detail)) + 1 + (part_of_octave(s) != 0 && s.type != NoiseType::RIDGED_MULTIFRACTAL ? 1 : 0);
-}
-
-template <int N>
-void add_octaves(Batch<N>& batch, Point<N> p, const FractalSettings& s) {
-  float scale = 1;
-  for (uint32_t i = 0, n = octaves_of(s); i < n; ++i) {
-    if (s.type == NoiseType::FBM) {
-      batch.add(p * scale);
-      scale *= s.lacunarity;
-    } else {
-      batch.add(p);
-      p = p * s.lacunarity;
-    }
-  }
-}
-
-// Each takes the noise of the octaves.
-
-float fbm(const float* noise, const FractalSettings& s) {
-  float amplitude = 1, total = 0, sum = 0;
-  const int n = to_int(s.detail);
-  for (int i = 0; i <= n; ++i) {
-    sum += noise[i] * amplitude;
-    total += amplitude;
-    amplitude *= s.roughness;
-  }
-  const auto finished = [&](float x, float weight) { return s.normalize ? 0.5f * x / weight + 0.5f : x; };
-  const float rest = part_of_octave(s);
-  if (rest == 0) return finished(sum, total);
-  return mix(finished(sum, total), finished(sum + noise[n + 1] * amplitude, total + amplitude), rest);
-}
-
-float multifractal(const float* noise, const FractalSettings& s) {
-  float value = 1, power = 1;
-  const int n = to_int(s.detail);
-  for (int i = 0; i <= n; ++i) {
-    value *= power * noise[i] + 1;
-    power *= s.roughness;
-  }
-  const float rest = part_of_octave(s);
-  return rest == 0 ? value : value * (rest * power * noise[n + 1] + 1);
-}
-
-float hetero_terrain(const float* noise, const FractalSettings& s) {
-  float power = s.roughness, value = s.offset + noise[0];
-  const int n = to_int(s.detail);
-  for (int i = 1; i <= n; ++i) {
-    value += (noise[i] + s.offset) * power * value;
-    power *= s.roughness;
-  }
-  const float rest = part_of_octave(s);
-  return rest == 0 ? value : value + rest * (noise[n + 1] + s.offset) * power * value;
-}
-
-float hybrid_multifractal(const float* noise, const FractalSettings& s) {
-  float power = 1, value = 0, weight = 1;
-  const int n = to_int(s.detail);
-  for (int i = 0; weight > 0.001f && i <= n; ++i) {
-    weight = std::min(weight, 1.0f);
-    const float signal = (noise[i] + s.offset) * power;
-    power *= s.roughness;
-    value += weight * signal;
-    weight *= s.gain * signal;
-  }
-  const float rest = part_of_octave(s);
-  if (rest == 0 || !(weight > 0.001f)) return value;
-  return value + rest * std::min(weight, 1.0f) * (noise[n + 1] + s.offset) * power;
-}
-
-float ridged_multifractal(const float* noise, const FractalSettings& s) {
-  const auto ridge = [&](int i) {
-    const float r = s.offset - std::abs(noise[i]);
-    return r * r;
-  };
-  float power = s.roughness, signal = ridge(0), value = signal;
-  for (int i = 1, n = to_int(s.detail); i <= n; ++i) {
-    const float weight = clamp_unit(signal * s.gain);
-    signal = ridge(i) * weight;
-    value += signal * power;
-    power *= s.roughness;
-  }
-  return value;
-}
-
-float fractal_of(const float* noise, const FractalSettings& s) {
-  switch (s.type) {
-    case NoiseType::MULTIFRACTAL: return multifractal(noise, s);
-    case NoiseType::RIDGED_MULTIFRACTAL: return ridged_multifractal(noise, s);
-    case NoiseType::HYBRID_MULTIFRACTAL: return hybrid_multifractal(noise, s);
-    case NoiseType::FBM: return fbm(noise, s);
-    case NoiseType::HETERO_TERRAIN: return hetero_terrain(noise, s);
-  }
-  return 0;
 }
 
 // Offsets in 100..200 stand in for a seed.
@@ -163,27 +42,44 @@ Point<N> moved(Point<N> p, float seed) {
   return p;
 }
 
+void evaluate_noise(int dimensions, NoisePoints& points, uint32_t count, float* values) {
+  static const NoiseKernel kernel = choose_noise_kernel();
+  for (int d = 0; d < dimensions; ++d) std::memset(&points.c[d][count], 0, NoisePoints::kPadding * sizeof(float));
+  kernel(dimensions, points, count, values);
+}
+
 template <int N>
-void noise_in(Frame& f, const uint32_t* w, Point<N> p, float distortion, const FractalSettings& s) {
-  if (distortion != 0) {
-    Batch<N> batch;
-    for (int d = 0; d < N; ++d) batch.add(moved(p, static_cast<float>(d)));
-    const float* noise = batch.evaluate();
-    for (int d = 0; d < N; ++d) p.c[d] += noise[d] * distortion;
+Point<N> distorted(Point<N> p, float distortion) {
+  NoisePoints points;
+  for (int k = 0; k < N; ++k) {
+    const Point<N> at = moved(p, static_cast<float>(k));
+    const Point<N> near = is_near(at) ? at : repeated(at);
+    for (int d = 0; d < N; ++d) points.c[d][k] = near.c[d];
   }
-  const bool colored = w[1] != kUnused;
-  Batch<N> batch;
-  add_octaves(batch, p, s);
-  if (colored) {
-    add_octaves(batch, moved(p, N), s);
-    add_octaves(batch, moved(p, N + 1), s);
-  }
-  const float* noise = batch.evaluate();
+  float noise[NoisePoints::kMost];
+  evaluate_noise(N, points, N, noise);
+  for (int d = 0; d < N; ++d) p.c[d] += noise[d] * distortion;
+  return p;
+}
+
+void finish_noise(Frame& f, const NoiseQueue::Texture& texture, const float* noise) {
+  const FractalSettings& s = texture.settings;
   const float value = fractal_of(noise, s);
-  f.set(w[0], value);
+  f.set(texture.w[0], value);
+  if (texture.w[1] == kUnused) return;
+  const uint32_t n = s.octaves;
+  f.set(texture.w[1], Vec3{value, fractal_of(noise + n, s), fractal_of(noise + 2 * n, s)});
+}
+
+template <int N>
+void add_noise(Frame& f, const NoiseQueue::Texture& texture, Point<N> p, float distortion) {
+  if (distortion != 0) p = distorted(p, distortion);
+  const bool colored = texture.w[1] != kUnused;
+  f.noise.add<N>(f, texture.settings.octaves * (colored ? 3 : 1));
+  f.noise.add_octaves(p);
   if (!colored) return;
-  const uint32_t n = octaves_of(s);
-  f.set(w[1], Vec3{value, fractal_of(noise + n, s), fractal_of(noise + 2 * n, s)});
+  f.noise.add_octaves(moved(p, N));
+  f.noise.add_octaves(moved(p, N + 1));
 }
 
 }  // namespace
@@ -201,27 +97,77 @@ NoiseKernel choose_noise_kernel(const std::string& name) {
 }
 
 template <int N>
-float fractal_noise(Point<N> p, const FractalSettings& s) {
-  Batch<N> batch;
-  add_octaves(batch, p, s);
-  return fractal_of(batch.evaluate(), s);
+void NoiseQueue::add(Frame& f, uint32_t points) {
+  if (textures_ > 0 && (dimensions_ != N || points_ + points > kMost)) {
+    const Texture texture = waiting_[textures_];
+    evaluate(f);
+    waiting_[0] = texture;
+  }
+  dimensions_ = N;
+  waiting_[textures_++].first = points_;
 }
 
-template float fractal_noise(Point<3>, const FractalSettings&);
+template <int N>
+void NoiseQueue::add_point(const Point<N>& p) {
+  for (int d = 0; d < N; ++d) at_.c[d][points_] = p.c[d];
+  ++points_;
+}
+
+template <int N>
+void NoiseQueue::add_octaves(Point<N> p) {
+  const FractalSettings& s = waiting_[textures_ - 1].settings;
+  const bool by_scale = s.type == NoiseType::FBM;
+  float scale = 1;
+  for (uint32_t i = 0; i < s.octaves; ++i) {
+    const Point<N> at = by_scale ? p * scale : p;
+    add_point(is_near(at) ? at : repeated(at));
+    scale *= s.lacunarity;
+    if (!by_scale) p = p * s.lacunarity;
+  }
+}
+
+void NoiseQueue::finish_texture(Frame& f) {
+  if (together > 1) {
+    --together;
+    return;
+  }
+  together = 0;
+  evaluate(f);
+}
+
+void NoiseQueue::evaluate(Frame& f) {
+  if (textures_ == 0) return;
+  alignas(64) float values[NoisePoints::kMost];
+  evaluate_noise(dimensions_, at_, points_, values);
+  for (const Texture* t = waiting_; t < waiting_ + textures_; ++t) t->finish(f, *t, values + t->first);
+  points_ = textures_ = 0;
+}
+
+template void NoiseQueue::add<3>(Frame&, uint32_t);
+template void NoiseQueue::add_octaves(Point<3>);
 
 void noise_texture(Frame& f, const uint32_t* w) {
   const float scale = f.number(w[4]), distortion = f.number(w[10]);
   const Vec3 v = f.vector(w[2]) * scale;
   const float t = f.number(w[3]) * scale;
-  FractalSettings s{std::clamp(f.number(w[5]), 0.0f, 15.0f), std::max(f.number(w[6]), 0.0f), f.number(w[7]), f.number(w[8]),
-                    f.number(w[9]), f.mode<NoiseType>(w[12]), f.on(w[13])};
-  if (!(s.detail >= 0)) s.detail = 0;
+  NoiseQueue::Texture& texture = f.noise.next();
+  texture.w = w;
+  texture.finish = finish_noise;
+  FractalSettings& s = texture.settings;
+  s.roughness = std::max(f.number(w[6]), 0.0f);
+  s.lacunarity = f.number(w[7]);
+  s.offset = f.number(w[8]);
+  s.gain = f.number(w[9]);
+  s.type = f.mode<NoiseType>(w[12]);
+  s.normalize = f.on(w[13]);
+  s.set_detail(f.number(w[5]));
   switch (f.mode<Dimensions>(w[11])) {
-    case Dimensions::D1: return noise_in<1>(f, w, {{t}}, distortion, s);
-    case Dimensions::D2: return noise_in<2>(f, w, {{v.x, v.y}}, distortion, s);
-    case Dimensions::D3: return noise_in<3>(f, w, {{v.x, v.y, v.z}}, distortion, s);
-    case Dimensions::D4: return noise_in<4>(f, w, {{v.x, v.y, v.z, t}}, distortion, s);
+    case Dimensions::D1: add_noise<1>(f, texture, {{t}}, distortion); break;
+    case Dimensions::D2: add_noise<2>(f, texture, {{v.x, v.y}}, distortion); break;
+    case Dimensions::D3: add_noise<3>(f, texture, {{v.x, v.y, v.z}}, distortion); break;
+    case Dimensions::D4: add_noise<4>(f, texture, {{v.x, v.y, v.z, t}}, distortion); break;
   }
+  f.noise.finish_texture(f);
 }
 
 }  // namespace photon_splat::nodes

@@ -8,7 +8,7 @@ namespace photon_splat::nodes {
 
 // Up to three fractals of 16 octaves and a part of one more; whole vectors are read and written.
 struct NoisePoints {
-  static constexpr uint32_t kMost = 64, kPadding = 8;
+  static constexpr uint32_t kMost = 80, kPadding = 16;
   alignas(64) float c[4][kMost];
 };
 

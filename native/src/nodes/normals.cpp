@@ -30,7 +30,7 @@ Vec3 tangent_of_triangle(const Frame& f, uint32_t uv, float& sign) {
 }
 
 // Tangent and sign of the bitangent in object coordinates, the tangent not normalised, as the exporter gives them or from the triangle's UVs.
-Vec3 tangent_frame(const Frame& f, uint32_t tangent, uint32_t uv, float& sign) {
+Vec3 tangent_frame(Frame& f, uint32_t tangent, uint32_t uv, float& sign) {
   std::array<float, 4> value{};
   uint32_t components;
   if (!f.attribute(tangent, value, components)) return safe_normalize(tangent_of_triangle(f, uv, sign));
@@ -64,14 +64,31 @@ void Frame::corners(Vec3* corner) const {
   }
 }
 
-OffsetAxes Frame::offset_axes() const {
+const OffsetAxes& Frame::offset_axes() {
+  if (knows_axes) return axes;
   const float size = point.ray.footprint > 0 ? point.ray.footprint : 5e-4f * scene.radius();
   const Vec3 n = point.ng;
   // Perpendicular to (1, 1, 1) and the normal, which is where Cycles has its first direction.
   Vec3 x{n.z - n.y, n.x - n.z, n.y - n.x};
   if (n.x == n.y && n.x == n.z) x = {n.z - n.y, n.x + n.z, -n.y - n.x};
   x = safe_normalize(x);
-  return {x * size, cross(n, x) * size};
+  knows_axes = true;
+  return axes = {x * size, cross(n, x) * size};
+}
+
+// Those of the point itself and how they change along the shift, by least squares in the triangle's plane.
+Vec2 Frame::uv_there() {
+  if (knows_uv) return shifted_uv;
+  knows_uv = true;
+  shifted_uv = {point.u, point.v};
+  if (!is_on_mesh() || (shift.x == 0 && shift.y == 0 && shift.z == 0)) return shifted_uv;
+  Vec3 corner[3];
+  corners(corner);
+  const Vec3 e1 = corner[1] - corner[0], e2 = corner[2] - corner[0];
+  const float a = dot(e1, e1), b = dot(e1, e2), c = dot(e2, e2), determinant = a * c - b * b;
+  if (!(determinant > 0)) return shifted_uv;
+  const float p = dot(e1, shift), q = dot(e2, shift);
+  return shifted_uv = {point.u + (p * c - q * b) / determinant, point.v + (q * a - p * b) / determinant};
 }
 
 void tangent_radial(Frame& f, const uint32_t* w) {
@@ -118,19 +135,10 @@ void normal_map(Frame& f, const uint32_t* w) {
 void offset(Frame& f, const uint32_t* w) {
   const OffsetAxis axis = f.mode<OffsetAxis>(w[0]);
   f.shift = {};
-  f.shift_u = f.shift_v = 0;
+  f.knows_uv = false;
   if (axis == OffsetAxis::NONE || !f.is_on_mesh()) return;
-  const OffsetAxes axes = f.offset_axes();
+  const OffsetAxes& axes = f.offset_axes();
   f.shift = (axis == OffsetAxis::DX ? axes.x : axes.y) * f.number(w[1]);
-  // The barycentric coordinates that move along, by least squares in the triangle's plane.
-  Vec3 corner[3];
-  f.corners(corner);
-  const Vec3 e1 = corner[1] - corner[0], e2 = corner[2] - corner[0];
-  const float a = dot(e1, e1), b = dot(e1, e2), c = dot(e2, e2), determinant = a * c - b * b;
-  if (!(determinant > 0)) return;
-  const float p = dot(e1, f.shift), q = dot(e2, f.shift);
-  f.shift_u = (p * c - q * b) / determinant;
-  f.shift_v = (q * a - p * b) / determinant;
 }
 
 void bump(Frame& f, const uint32_t* w) {
@@ -140,7 +148,7 @@ void bump(Frame& f, const uint32_t* w) {
   const Vec3 n = f.vector(w[7]);
   if (!f.is_on_mesh()) return f.set(w[0], n);
   // Surface gradient (Mikkelsen 2010, "Bump mapping unparametrized surfaces on the GPU").
-  const OffsetAxes axes = f.offset_axes();
+  const OffsetAxes& axes = f.offset_axes();
   const Vec3 rx = cross(axes.y, n), ry = cross(n, axes.x);
   const float determinant = dot(axes.x, rx);
   const Vec3 gradient = (rx * dx + ry * dy) * (determinant < 0 ? -distance : distance);

@@ -62,15 +62,27 @@ float brick_tint(uint32_t n) {
 
 void wave_texture(Frame& f, const uint32_t* w) {
   const Vec3 p = nudged(f.vector(w[1]) * f.number(w[2]));
-  float n = wave_phase(p, f.mode<WaveType>(w[8]), f.mode<BandsDirection>(w[9]), f.mode<RingsDirection>(w[10])) + f.number(w[7]);
+  const float n = wave_phase(p, f.mode<WaveType>(w[8]), f.mode<BandsDirection>(w[9]), f.mode<RingsDirection>(w[10])) + f.number(w[7]);
   const float distortion = f.number(w[3]);
   if (distortion != 0) {
     const Vec3 q = p * f.number(w[5]);
-    const float detail = std::clamp(f.number(w[4]), 0.0f, 15.0f);
-    FractalSettings s{detail >= 0 ? detail : 0, f.number(w[6]), 2};
-    n += distortion * (fractal_noise<3>({{q.x, q.y, q.z}}, s) * 2 - 1);
+    NoiseQueue::Texture& waiting = f.noise.next();
+    FractalSettings& s = waiting.settings;
+    s = {f.number(w[6]), 2, 0, 0, NoiseType::FBM, true, {}, {}, {}};
+    s.set_detail(f.number(w[4]));
+    waiting.w = w;
+    waiting.carried[0] = n;
+    waiting.carried[1] = distortion;
+    waiting.finish = [](Frame& frame, const NoiseQueue::Texture& t, const float* noise) {
+      const float phase = t.carried[0] + t.carried[1] * (fractal_of(noise, t.settings) * 2 - 1);
+      frame.set(t.w[0], wave_profile(phase, Frame::mode<WaveProfile>(t.w[11])));
+    };
+    f.noise.add<3>(f, s.octaves);
+    f.noise.add_octaves<3>({{q.x, q.y, q.z}});
+  } else {
+    f.set(w[0], wave_profile(n, f.mode<WaveProfile>(w[11])));
   }
-  f.set(w[0], wave_profile(n, f.mode<WaveProfile>(w[11])));
+  f.noise.finish_texture(f);
 }
 
 void magic_texture(Frame& f, const uint32_t* w) {

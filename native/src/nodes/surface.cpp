@@ -9,10 +9,11 @@ Vec3 origin_of(const Scene& scene) {
 }
 
 // The shading normal at the shifted point, on the side that is looked at.
-Vec3 shifted_normal(const Frame& f) {
-  if (!f.is_on_mesh() || (f.shift_u == 0 && f.shift_v == 0) || f.mesh().corner_normals.empty()) return f.normal();
+Vec3 shifted_normal(Frame& f) {
+  if (!f.is_on_mesh() || f.mesh().corner_normals.empty()) return f.normal();
+  const auto [u, v] = f.uv_there();
+  if (u == f.point.u && v == f.point.v) return f.normal();
   const Vec3* n = &f.mesh().corner_normals[3 * static_cast<size_t>(f.point.triangle)];
-  const float u = f.point.u + f.shift_u, v = f.point.v + f.shift_v;
   Vec3 world = n[0] * (1 - u - v) + n[1] * u + n[2] * v;
   const Instance& instance = f.scene.instances[f.point.instance];
   if (instance.shared) world = instance.to_local.transposed_vector(world);
@@ -39,7 +40,7 @@ Vec3 reflection(const Frame& f) {
 }
 
 // Around the Z axis of the generated coordinates.
-Vec3 tangent_around_z(const Frame& f) {
+Vec3 tangent_around_z(Frame& f) {
   const Vec3 g = f.generated(), n = f.normal();
   const Vec3 t = f.normal_from_object({-(g.y - 0.5f), g.x - 0.5f, 0});
   return cross(n, safe_normalize(cross(t, n)));
@@ -116,19 +117,26 @@ Vec3 Frame::normal_to_object(const Vec3& n) const {
   return is_background() ? n : safe_normalize(object_to_world().transposed_vector(n));
 }
 
+const Vec3& Frame::object_normal() {
+  if (!knows_object_normal) normal_in_object = normal_to_object(normal());
+  knows_object_normal = true;
+  return normal_in_object;
+}
+
 Vec3 Frame::normal_from_object(const Vec3& n) const {
   return is_background() ? n : safe_normalize(world_to_object().transposed_vector(n));
 }
 
-bool Frame::attribute(uint32_t id, std::array<float, 4>& value, uint32_t& components) const {
+bool Frame::attribute(uint32_t id, std::array<float, 4>& value, uint32_t& components) {
   const MeshAttribute* found = id == kNone || !is_on_mesh() ? nullptr : mesh().attribute(id);
   if (!found) return false;
-  value = found->at(mesh().triangles[point.triangle], point.triangle, point.u + shift_u, point.v + shift_v);
+  const Vec2 at = uv_there();
+  value = found->at(mesh().triangles[point.triangle], point.triangle, at.x, at.y);
   components = found->components;
   return true;
 }
 
-Vec3 Frame::generated() const {
+Vec3 Frame::generated() {
   if (!is_on_mesh()) return object_position();
   std::array<float, 4> own;
   uint32_t components;
@@ -137,13 +145,13 @@ Vec3 Frame::generated() const {
   return object_position() * space.scale + space.offset;
 }
 
-Vec3 Frame::uv(uint32_t id) const {
+Vec3 Frame::uv(uint32_t id) {
   if (point.lamp && id == kNone) return {1 - point.u - point.v, point.u, 0};
   if (!is_on_mesh()) return {};
   std::array<float, 4> value{};
   uint32_t components;
   if (id == kNone) {
-    const Vec2 active = scene.uv_at(point.instance, point.triangle, point.u + shift_u, point.v + shift_v);
+    const Vec2 at = uv_there(), active = scene.uv_at(point.instance, point.triangle, at.x, at.y);
     return {active.x, active.y, 0};
   }
   attribute(id, value, components);
@@ -159,8 +167,8 @@ void geometry(Frame& f, const uint32_t* w) {
     case GeometryVector::TRUE_NORMAL: v = f.is_background() ? f.point.wo : f.point.ng; break;
     case GeometryVector::INCOMING: v = f.point.wo; break;
     case GeometryVector::PARAMETRIC: {
-      const float u = f.point.u + f.shift_u, v2 = f.point.v + f.shift_v;
-      v = {1 - u - v2, u, 0};
+      const Vec2 at = f.uv_there();
+      v = {1 - at.x - at.y, at.x, 0};
       break;
     }
   }
@@ -254,7 +262,7 @@ void wireframe(Frame& f, const uint32_t* w) {
   float width = 0.5f * f.number(w[1]);
   if (f.on(w[2])) {
     // A pixel's width as it is seen: of two directions across the surface, one is foreshortened.
-    const OffsetAxes axes = f.offset_axes();
+    const OffsetAxes& axes = f.offset_axes();
     const auto seen = [&](const Vec3& d) { return length(d - f.point.wo * dot(d, f.point.wo)); };
     width *= 0.5f * (seen(axes.x) + seen(axes.y));
   }

@@ -110,6 +110,7 @@ void execute(Frame& f) {
 
       case Op::ImageTexture: image_texture(f, w); break;
       case Op::EnvironmentTexture: environment_texture(f, w); break;
+      case Op::Together: f.noise.together = w[0]; break;
       case Op::NoiseTexture: noise_texture(f, w); break;
       case Op::VoronoiTexture: voronoi_texture(f, w); break;
       case Op::WaveTexture: wave_texture(f, w); break;
@@ -151,7 +152,8 @@ void run_program(const Scene& scene, const Program& program, const ShadingPoint&
   } else {
     std::memset(registers, 0, program.registers * sizeof(float));
   }
-  Frame frame{scene, program, point, out, memory, program.constants.data()};
+  NoiseQueue noise;
+  Frame frame{scene, program, point, out, memory, program.constants.data(), noise};
   execute(frame);
 }
 
@@ -161,7 +163,8 @@ std::vector<float> run_constant_program(const Scene& scene, const Program& progr
   ShadingPoint nowhere;
   nowhere.ng = nowhere.ns = nowhere.wo = up;
   Bsdf out(Transport::kRadiance, up, up, up, false);
-  Frame frame{scene, program, nowhere, out, registers.data(), program.constants.data()};
+  NoiseQueue noise;
+  Frame frame{scene, program, nowhere, out, registers.data(), program.constants.data(), noise};
   execute(frame);
   return registers;
 }

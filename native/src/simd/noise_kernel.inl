@@ -1,7 +1,7 @@
 // Perlin's improved noise (2002) with the gradients of Gustavson's variants for other dimensions and lookup3 as the hash, as in
 // Open Shading Language and Cycles. Written once for vectors of kLanes (GCC and Clang vector extensions) or for plain numbers (1).
-// A lane is a corner of a point's cell: the lowest dimensions' corners lie in lanes, the others' in more vectors; where corners leave
-// lanes free, several points share a vector. Included with PHOTON_SPLAT_LANES and PHOTON_SPLAT_KERNEL defined, in files compiled for
+// A lane is a point or, where there are fewer points than lanes, a corner of a point's cell: the lowest dimensions' corners lie in lanes, the
+// others' in more vectors. Included with PHOTON_SPLAT_LANES and PHOTON_SPLAT_KERNEL defined, in files compiled for
 // one instruction set each and without contraction of products and sums, so that all give the same numbers.
 #include <cstring>
 #include <utility>
@@ -61,104 +61,136 @@ inline To bits_of(const From& from) {
   return to;
 }
 
-inline Floats negated(const Floats& x, const Words& bit) {  // -x where bit (0 or 1) is set
-  return bits_of<Floats>(bits_of<Words>(x) ^ bit << 31);
+inline Floats negated(const Floats& x, const Words& h, int bit) {  // -x where this bit of h is set
+  return bits_of<Floats>(bits_of<Words>(x) ^ (h << (31 - bit) & 0x80000000u));
+}
+inline Floats chosen(const Words& h, int bit, const Floats& set, const Floats& other) {  // by this bit of h
+  return bits_of<Signed>(h << (31 - bit)) < 0 ? set : other;
 }
 
-// Gradients of hashes h times the offsets f, in N dimensions.
+// Gradients of hashes h, of which the lowest bits count, times the offsets f, in N dimensions.
 template <int N>
-inline Floats gradient(Words h, const Floats* f) {
-  if constexpr (N == 1) return negated(converted<Floats>((h & 7u) + 1u), h >> 3 & 1u) * f[0];
-  if constexpr (N == 2) {
-    h = h & 7u;
-    const Floats u = h < 4u ? f[0] : f[1], v = h < 4u ? f[1] : f[0];
-    return negated(u, h & 1u) + negated(v * 2.0f, h >> 1 & 1u);
-  }
+inline Floats gradient(const Words& h, const Floats* f) {
+  if constexpr (N == 1) return negated(converted<Floats>(bits_of<Signed>((h & 7u) + 1u)), h, 3) * f[0];
+  if constexpr (N == 2) return negated(chosen(h, 2, f[1], f[0]), h, 0) + negated(chosen(h, 2, f[0], f[1]) * 2.0f, h, 1);
   if constexpr (N == 3) {
-    h = h & 15u;
-    const Floats u = h < 8u ? f[0] : f[1], other = (h & 13u) == 12u ? f[0] : f[2], v = h < 4u ? f[1] : other;
-    return negated(u, h & 1u) + negated(v, h >> 1 & 1u);
+    const Floats other = (h & 13u) == 12u ? f[0] : f[2];
+    return negated(chosen(h, 3, f[1], f[0]), h, 0) + negated((h & 12u) == 0u ? f[1] : other, h, 1);
   }
   if constexpr (N == 4) {
-    h = h & 31u;
-    const Floats u = h < 24u ? f[0] : f[1], v = h < 16u ? f[1] : f[2], s = h < 8u ? f[2] : f[3];
-    return negated(u, h & 1u) + negated(v, h >> 1 & 1u) + negated(s, h >> 2 & 1u);
+    const Floats u = (h & 24u) == 24u ? f[1] : f[0], v = chosen(h, 4, f[2], f[1]), s = (h & 24u) == 0u ? f[2] : f[3];
+    return negated(u, h, 0) + negated(v, h, 1) + negated(s, h, 2);
   }
 }
 
 template <int N>
 inline Words hash_of(const Words* c) {
-  if constexpr (N == 1) return lookup3(c[0]);
-  if constexpr (N == 2) return lookup3(c[0], c[1]);
-  if constexpr (N == 3) return lookup3(c[0], c[1], c[2]);
-  if constexpr (N == 4) return lookup3(c[0], c[1], c[2], c[3]);
+  if constexpr (N == 1) return lookup3<true>(c[0]);
+  if constexpr (N == 2) return lookup3<true>(c[0], c[1]);
+  if constexpr (N == 3) return lookup3<true>(c[0], c[1], c[2]);
+  if constexpr (N == 4) return lookup3<true>(c[0], c[1], c[2], c[3]);
 }
 
 constexpr float kScale[5] = {0, 0.2500f, 0.6616f, 0.9820f, 0.8344f};  // to [-1, 1] or so
 constexpr int kLaneBits = kLanes == 1 ? 0 : kLanes == 4 ? 2 : kLanes == 8 ? 3 : 4;
 
+// Coordinates of kPoints points, each in as many lanes in a row as there are.
+template <int kPoints>
+inline Floats spread(const float* c) {
+  Floats x;
+  if constexpr (kPoints == kLanes) {
+    std::memcpy(&x, c, sizeof x);
+  } else {
+    static constexpr Lanes kNumbers = numbers_of_lanes();
+    x = Floats{} + c[0];
+    for (uint32_t k = 1; k < kPoints; ++k)  // one by one: what has just been written one by one is slow to read as a vector
+      x = bits_of<Words>(kNumbers) / (kLanes / kPoints) == k ? Floats{} + c[k] : x;
+  }
+  return x;
+}
+
+// A cell's two sides along one dimension: coordinate, offset of the point and weight of the corners there.
+struct Sides {
+  Words cell[2];
+  Floats offset[2], weight[2];
+};
+
+// Sum over the corners' sides from dimension D on, of those of the corners in `cell` and `offset` before it.
+template <int N, int D>
+#if PHOTON_SPLAT_LANES > 1
+__attribute__((always_inline))
+#endif
+inline Floats sum_corners(const Sides (&sides)[N], Words (&cell)[N], Floats (&offset)[N], const Floats& weight) {
+  if constexpr (D == N) {
+    return gradient<N>(hash_of<N>(cell), offset) * weight;
+  } else {
+    Floats sum[2];
+    for (int side = 0; side < 2; ++side) {
+      cell[D] = sides[D].cell[side];
+      offset[D] = sides[D].offset[side];
+      sum[side] = sum_corners<N, D + 1>(sides, cell, offset, weight * sides[D].weight[side]);
+    }
+    return sum[0] + sum[1];
+  }
+}
+
+// Noise at kPoints points, whose corners' sides are lanes along as many dimensions as fit. The sum is over the highest dimension first
+// whatever lies in lanes.
+template <int N, int kPoints>
+inline void noise_at(const NoisePoints& points, uint32_t first, float* values) {
+  constexpr int kCorners = kLanes / kPoints, kInLanes = kCorners == 1 ? 0 : kCorners == 2 ? 1 : kCorners == 4 ? 2 : kCorners == 8 ? 3 : 4;
+  static constexpr Lanes kBeyond[4] = {lanes_with(0), lanes_with(1), lanes_with(2), lanes_with(3)};
+  static_assert(kInLanes <= N && kPoints <= static_cast<int>(NoisePoints::kPadding));
+  Words cell[N];
+  Floats offset[N], weight = Floats{} + kScale[N];
+  Sides sides[N];
+  for (int d = 0; d < N; ++d) {
+    const Floats x = spread<kPoints>(&points.c[d][first]);
+    const Floats near_whole = converted<Floats>(converted<Signed>(x));
+    const Floats whole = near_whole > x ? near_whole - 1.0f : near_whole;
+    const Floats t = x - whole, far = t * t * t * (t * (t * 6.0f - 15.0f) + 10.0f);
+    cell[d] = bits_of<Words>(converted<Signed>(whole));
+    if (d < kInLanes) {
+      const Words beyond = bits_of<Words>(kBeyond[d]);
+      cell[d] = cell[d] - beyond;
+      offset[d] = t + converted<Floats>(bits_of<Signed>(beyond));
+      weight = weight * (beyond != 0u ? far : 1.0f - far);
+    } else {
+      sides[d] = {{cell[d], cell[d] + 1u}, {t, t - 1.0f}, {1.0f - far, far}};
+    }
+  }
+  Floats all = sum_corners<N, kInLanes>(sides, cell, offset, weight);
+#if PHOTON_SPLAT_LANES > 1
+  constexpr auto kEvery = std::make_integer_sequence<int, kLanes>();
+  if constexpr (kInLanes > 3) all = all + shuffled(all, [](int i) { return i ^ 8; }, kEvery);
+  if constexpr (kInLanes > 2) all = all + shuffled(all, [](int i) { return i ^ 4; }, kEvery);
+  if constexpr (kInLanes > 1) all = all + shuffled(all, [](int i) { return i ^ 2; }, kEvery);
+  if constexpr (kInLanes > 0) all = all + shuffled(all, [](int i) { return i ^ 1; }, kEvery);
+#endif
+  if constexpr (kPoints == kLanes) std::memcpy(values + first, &all, sizeof all);
+  else for (int k = 0; k < kPoints; ++k) values[first + static_cast<uint32_t>(k)] = lane(all, k * kCorners);
+}
+
+// Of `left` points from `first` on as many as lanes allow, and no more lanes than it takes; the fewer points, the more corners are lanes.
+template <int N, int kPoints = kLanes>
+inline uint32_t noise_of_some(const NoisePoints& points, uint32_t first, uint32_t left, float* values) {
+  constexpr int kFewest = kLanes >> (N < kLaneBits ? N : kLaneBits);
+  if constexpr (kPoints > kFewest)
+    if (left <= kPoints / 2) return noise_of_some<N, kPoints / 2>(points, first, left, values);
+  noise_at<N, kPoints>(points, first, values);
+  return kPoints;
+}
+
 template <int N>
 inline void noise_in(const NoisePoints& points, uint32_t count, float* values) {
-  constexpr int kInLanes = N < kLaneBits ? N : kLaneBits;  // dimensions whose corners are lanes
-  constexpr int kCorners = 1 << kInLanes, kVectors = 1 << (N - kInLanes), kPoints = kLanes / kCorners;
-  static constexpr Lanes kNumbers = numbers_of_lanes(), kBeyond[4] = {lanes_with(0), lanes_with(1), lanes_with(2), lanes_with(3)};
-  static_assert(kPoints <= static_cast<int>(NoisePoints::kPadding));
-  for (uint32_t first = 0; first < count; first += kPoints) {
-    Words cell[N];
-    Floats fraction[N], far[N];  // far: weight of the corners beyond
-    for (int d = 0; d < N; ++d) {
-      Floats x = Floats{} + points.c[d][first];
-      for (int k = 1; k < kPoints; ++k)  // one by one: what has just been written one by one is slow to read as a vector
-        x = bits_of<Words>(kNumbers) >> kInLanes == static_cast<uint32_t>(k) ? Floats{} + points.c[d][first + static_cast<uint32_t>(k)] : x;
-      const Floats near_whole = converted<Floats>(converted<Signed>(x));
-      const Floats whole = near_whole > x ? near_whole - 1.0f : near_whole;
-      const Floats t = x - whole;
-      cell[d] = bits_of<Words>(converted<Signed>(whole));
-      fraction[d] = t;
-      far[d] = t * t * t * (t * (t * 6.0f - 15.0f) + 10.0f);
-    }
-    Floats sum[kVectors];
-    for (int k = 0; k < kVectors; ++k) {
-      Words corner[N];
-      Floats offset[N], weight = Floats{} + kScale[N];
-      for (int d = 0; d < N; ++d) {
-        if (d < kInLanes) {
-          const Words beyond = bits_of<Words>(kBeyond[d]);
-          corner[d] = cell[d] - beyond;
-          offset[d] = fraction[d] + converted<Floats>(bits_of<Signed>(beyond));
-          weight = weight * (beyond != 0u ? far[d] : 1.0f - far[d]);
-        } else {
-          const bool beyond = k >> (d - kInLanes) & 1;
-          corner[d] = cell[d] + (beyond ? 1u : 0u);
-          offset[d] = fraction[d] - (beyond ? 1.0f : 0.0f);
-          weight = weight * (beyond ? far[d] : 1.0f - far[d]);
-        }
-      }
-      sum[k] = gradient<N>(hash_of<N>(corner), offset) * weight;
-    }
-    for (int half = kVectors / 2; half > 0; half /= 2)
-      for (int k = 0; k < half; ++k) sum[k] = sum[k] + sum[k + half];
-    Floats all = sum[0];
-#if PHOTON_SPLAT_LANES > 1
-    constexpr auto kEvery = std::make_integer_sequence<int, kLanes>();
-    if constexpr (kInLanes > 3) all = all + shuffled(all, [](int i) { return i ^ 8; }, kEvery);
-    if constexpr (kInLanes > 2) all = all + shuffled(all, [](int i) { return i ^ 4; }, kEvery);
-    if constexpr (kInLanes > 1) all = all + shuffled(all, [](int i) { return i ^ 2; }, kEvery);
-    if constexpr (kInLanes > 0) all = all + shuffled(all, [](int i) { return i ^ 1; }, kEvery);
-#endif
-    for (int k = 0; k < kPoints; ++k) values[first + static_cast<uint32_t>(k)] = lane(all, k * kCorners);
-  }
+  for (uint32_t i = 0; i < count;) i += noise_of_some<N>(points, i, count - i, values);
 }
 
 }  // namespace
 
 void PHOTON_SPLAT_KERNEL(int dimensions, const NoisePoints& points, uint32_t count, float* values) {
   switch (dimensions) {
-#if PHOTON_SPLAT_LANES == 1
     case 1: return noise_in<1>(points, count, values);
-#else
-    case 1: return noise_generic(dimensions, points, count, values);  // two corners a point are not worth a vector
-#endif
     case 2: return noise_in<2>(points, count, values);
     case 3: return noise_in<3>(points, count, values);
     default: return noise_in<4>(points, count, values);
