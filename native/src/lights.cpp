@@ -187,8 +187,8 @@ std::optional<Lights::Pick> Lights::pick_of_many(const Receiver& to, float weigh
 }
 
 // Where the guide is wrong the world's own density makes up for it.
-float Lights::guided_pdf(const SkyGuide::Cell& cell, const Vec3& direction) const {
-  return kGuided * cell.pdf(environment_, direction) + (1 - kGuided) * environment_.pdf(direction);
+float Lights::guided_pdf(const SkyGuide::Cell& cell, const Environment::Density& density) const {
+  return kGuided * cell.pdf(environment_, density) + (1 - kGuided) * environment_.pdf(density);
 }
 
 std::optional<LightSample> Lights::sample_world(const Receiver& to, uint32_t i, float choice, const Vec2& all) const {
@@ -198,9 +198,10 @@ std::optional<LightSample> Lights::sample_world(const Receiver& to, uint32_t i, 
   const Vec2 u{std::min((all.x + n) / count, kBelowOne), shifted(all.y, n * kGolden)};
   choice = shifted(choice, n / count);
   LightSample out{};
-  out.direction = choice < kGuided ? to.sky->sample(environment_, u) : environment_.sample(u).direction;
+  const Environment::Sample s = choice < kGuided ? to.sky->sample(environment_, u) : environment_.sample(u);
+  out.direction = s.direction;
   out.distance = INFINITY;
-  out.pdf = count * guided_pdf(*to.sky, out.direction);
+  out.pdf = count * guided_pdf(*to.sky, s.density);
   if (!(out.pdf > 0)) return std::nullopt;
   out.weight = environment_.radiance(out.direction) / out.pdf;
   out.use_mis = true;
@@ -465,7 +466,7 @@ Rgb Lights::lamp_radiance_met(const Lamp& lamp, const Vec3& origin, const Vec3& 
 Rgb Lights::world_met(const Receiver& to, const Vec3& direction, float bsdf_pdf) const {
   const Rgb radiance = environment_.radiance(direction);
   if (!(bsdf_pdf < INFINITY) || is_black(radiance)) return radiance;
-  if (to.sky) return radiance * power_heuristic(bsdf_pdf, static_cast<float>(to.world_samples) * guided_pdf(*to.sky, direction));
+  if (to.sky) return radiance * power_heuristic(bsdf_pdf, static_cast<float>(to.world_samples) * guided_pdf(*to.sky, environment_.density(direction)));
   if (environment_.constant()) return radiance;
   return radiance * power_heuristic(bsdf_pdf, world_probability(to, emitters_weight(to)) * environment_.pdf(direction));
 }

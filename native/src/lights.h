@@ -248,7 +248,7 @@ class Lights {
   float choice_probability(uint32_t emitter, const Receiver& to) const;  // of an emitter among themselves
   float emitters_weight(const Receiver& to) const;                         // of all together
   float world_probability(const Receiver& to, float emitters_weight) const;
-  float guided_pdf(const SkyGuide::Cell& cell, const Vec3& direction) const;
+  float guided_pdf(const SkyGuide::Cell& cell, const Environment::Density& density) const;
   // lights_shaded.cpp: the factor of the lamp's radiance by its program, at `position` (of a sun: anything) seen from `distance`
   // along -wo. White for lamps without one.
   Rgb shade(const Lamp& lamp, const Vec3& position, const Vec3& wo, float distance) const;

@@ -80,9 +80,9 @@ TEST_CASE("the density of directions integrates to one and is that of the sample
     CHECK(shares == doctest::Approx(1).epsilon(1e-4));
     for (uint32_t i = 0; i < 2000; ++i) {
       const Vec3 d = i % 2 ? sample_sphere(sobol_2d(i, 1, 1)) : world.sample(sobol_2d(i, 1, 1)).direction;
-      CHECK(world.pdf_by_parts([&](int part) { return world.part_share(part); }, d) == doctest::Approx(world.pdf(d)).epsilon(1e-3));
+      CHECK(world.pdf_by_parts([&](int part) { return world.part_share(part); }, world.density(d)) == doctest::Approx(world.pdf(d)).epsilon(1e-3));
       const int part = world.part_of(d);
-      const Vec3 again = world.sample_part(part, sobol_2d(i, 7, 2));
+      const Vec3 again = world.sample_part(part, sobol_2d(i, 7, 2)).direction;
       if (part != Environment::kDiscs) CHECK((world.part_of(again) == part || world.part_of(again) == Environment::kDiscs));
     }
     const auto red = [&](const Vec3& d) { return world.radiance(d).x; };
