@@ -46,7 +46,10 @@ class DirectionTable {
     return {std::clamp(static_cast<int>(row * static_cast<float>(height_)), 0, height_ - 1),
             std::clamp(static_cast<int>(column * static_cast<float>(width_)), 0, width_ - 1)};
   }
-  float pdf(const Cell& c) const { return density_[static_cast<size_t>(c.row) * width_ + c.column]; }  // of sample(), 1/sr
+  float pdf(const Cell& c) const {  // of sample(), 1/sr
+    const Step& step = steps_[static_cast<size_t>(c.row) * row_steps_ + c.column / kStep];
+    return scale_ * unpacked(step.density[place_in_step(c.column % kStep)]);
+  }
   int patch_of(const Cell& c) const { return band_of_[c.row] * kSectors + sector_of_[c.column]; }
   float share(int patch) const { return share_[patch]; }  // of the directions that sample() draws
   float pdf_in_patch(const Cell& c) const { return pdf(c) * over_share_[patch_of(c)]; }  // of sample_patch(), 1/sr
@@ -55,19 +58,28 @@ class DirectionTable {
   static double solid_angle(int row, int width, int height);
 
  private:
-  static constexpr int kStep = 32;  // entries of a CDF between two that a search sees first
+  // Densities of cells next to each other in a row, in the upper halves of floats: what a draw looks at last is one line of the cache.
+  static constexpr int kStep = 32, kFours = kStep / 4;
+  struct alignas(64) Step {
+    uint16_t density[kStep] = {};  // of each four cells the first, then the second ones, ...
+  };
+  static int place_in_step(int i) { return i % 4 * kFours + i / 4; }
+  static float unpacked(uint16_t half) { return std::bit_cast<float>(static_cast<uint32_t>(half) << 16); }
+  static uint16_t packed(float f) { return static_cast<uint16_t>((std::bit_cast<uint32_t>(f) + 0x8000) >> 16); }
+
   void divide();
-  int pick_column(int row, float u) const;
+  Sample sample_row(int row, float down, float target, int first, int last) const;
   int first_row(int band) const { return (band * height_ + kBands - 1) / kBands; }
   int first_column(int sector) const { return (sector * width_ + kSectors - 1) / kSectors; }
   Vec3 direction_in(const Cell& cell, float down, float along) const;
 
-  int width_, height_, steps_;      // steps: of one row
+  int width_, height_, row_steps_;
   bool even_ = false;
-  std::vector<float> density_;      // per cell, 1/sr
-  std::vector<float> cdf_;          // per row over longitude, normalised
-  std::vector<float> coarse_cdf_;   // the last entries of each row's steps
-  std::vector<float> row_cdf_, coarse_row_cdf_;
+  float scale_ = 1;                 // of the densities kept
+  std::vector<Step> steps_;         // row by row
+  std::vector<float> step_cdf_;     // per row over its steps, normalised
+  std::vector<float> sector_cdf_;   // the same where sectors begin, and 1
+  std::vector<float> row_cdf_, coarse_row_cdf_;  // all rows; the last of every so many
   std::vector<float> patch_cdf_;    // per sector, over the rows of each band, normalised within the patch
   std::vector<float> cosine_;       // of the polar angle, where rows begin
   std::vector<uint8_t> band_of_, sector_of_;  // rows and columns
