@@ -92,6 +92,27 @@ TEST_CASE("the density of directions integrates to one and is that of the sample
   }
 }
 
+TEST_CASE("samples bring the density that their direction has, but where rounding moves it to the next cell") {
+  for (const int width : {96, 100, 512}) {  // of the image; the table's rows end within a step, and with one
+    CAPTURE(width);
+    Scene scene(1);
+    add_map(scene, width);
+    add_sun(scene, 0.5f, 0.05f);
+    const Environment world(scene);
+    int moved = 0, count = 0;
+    const auto check = [&](const Environment::Sample& s) {
+      REQUIRE(s.pdf == world.pdf(s.density));
+      const bool same = s.pdf == world.pdf(s.direction) && world.density(s.direction).patch == s.density.patch;
+      moved += !same;
+      ++count;
+    };
+    for (uint32_t i = 0; i < 100000; ++i) check(world.sample(sobol_2d(i, 1, 1)));
+    for (int part = 0; part < Environment::kParts; ++part)
+      for (uint32_t i = 0; i < 100; ++i) check(world.sample_part(part, sobol_2d(i, 2, part)));
+    CHECK(moved < count / 500);
+  }
+}
+
 TEST_CASE("a world that is the same everywhere is known as such") {
   Scene scene(1);
   scene.world = {0.3f, 0.2f, 0.1f};
