@@ -258,6 +258,7 @@ class Lights {
   float spread_attenuation(const Lamp& lamp, float tangent) const;  // of the angle to the lamp's axis
   bool inside_shape(const Lamp& lamp, const Vec3& from_center) const;
   float sampled_area(const Lamp& lamp, const Vec3& x) const;  // of an area lamp, from x
+  bool sample(const Receiver& to, float choice, const Vec2& u, LightSample& out) const;
   // `by_cosine`: in proportion to the receiver's cosine.
   bool sample_lamp(const Emitter& e, const Receiver& receiver, const Vec2& u, LightSample& out, bool& by_cosine) const;
   bool sample_mesh(const Emitter& e, const Receiver& receiver, const Vec2& u, LightSample& out, bool& by_cosine) const;

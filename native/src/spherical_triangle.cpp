@@ -27,7 +27,8 @@ void sine_cosine(float x, float& sine, float& cosine) {
 }  // namespace
 
 // Solid angle by Van Oosterom & Strackee (1983); the triple product is taken of edges, so that small triangles keep their digits.
-SphericalTriangle::SphericalTriangle(const Vec3& p0, const Vec3& p1, const Vec3& p2) {
+void SphericalTriangle::see(const Vec3& p0, const Vec3& p1, const Vec3& p2) {
+  solid_angle_ = 0;
   const float l0 = length(p0), l1 = length(p1), l2 = length(p2);
   if (!(l0 > 0 && l1 > 0 && l2 > 0)) return;
   a_ = p0 / l0;
