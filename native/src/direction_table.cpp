@@ -5,21 +5,9 @@
 namespace photon_splat {
 namespace {
 
-// The first entry above u, or the last one. Halves without branches: which way they go nobody can guess.
-size_t pick(const float* cdf, size_t count, float u) {
-  const float* first = cdf;
-  for (size_t left = count; left > 1;) {
-    const size_t half = left / 2;
-    first += first[half - 1] <= u ? half : 0;
-    left -= half;
-  }
-  return first - cdf;
-}
+float before(const float* cdf, int i) { return i ? cdf[i - 1] : 0.0f; }
 
-// Where u lies between two entries.
-float within(float low, float high, float u) { return std::clamp((u - low) / std::max(high - low, 1e-30f), 0.0f, kBelowOne); }
-
-float before(const float* cdf, size_t i) { return i ? cdf[i - 1] : 0.0f; }
+constexpr int kRowsAtOnce = 32;  // of the search for a row
 
 }  // namespace
 
@@ -29,94 +17,101 @@ double DirectionTable::solid_angle(int row, int width, int height) {
 }
 
 DirectionTable::DirectionTable(std::vector<float> density, int width, int height)
-    : width_(width), height_(height), density_(std::move(density)), cdf_(density_.size()), row_cdf_(height) {
+    : width_(width), height_(height), row_steps_((width + kStep - 1) / kStep), steps_(static_cast<size_t>(row_steps_) * height),
+      row_cdf_(height) {
   double rows = 0;
   for (int row = 0; row < height_; ++row) {
     double running = 0;
-    float* const cdf = &cdf_[static_cast<size_t>(row) * width_];
-    for (int column = 0; column < width_; ++column)
-      cdf[column] = static_cast<float>(running += density_[static_cast<size_t>(row) * width_ + column]);
-    for (int column = 0; column < width_; ++column) cdf[column] /= static_cast<float>(running);
+    std::vector<double> sums;  // up to each cell
+    for (int column = 0; column < width_; ++column) {
+      uint16_t& kept = steps_[static_cast<size_t>(row) * row_steps_ + column / kStep].density[place_in_step(column % kStep)];
+      kept = packed(density[static_cast<size_t>(row) * width_ + column]);
+      sums.push_back(running);
+      running += unpacked(kept);
+    }
+    for (int step = 1; step < row_steps_; ++step) step_cdf_.push_back(static_cast<float>(sums[step * kStep] / running));
+    step_cdf_.push_back(1);
+    for (int sector = 0; sector < kSectors; ++sector) sector_cdf_.push_back(static_cast<float>(sums[first_column(sector)] / running));
+    sector_cdf_.push_back(1);
     row_cdf_[row] = static_cast<float>(rows += running * solid_angle(row, width_, height_));
+    cosine_.push_back(std::cos(kPi * static_cast<float>(row) / static_cast<float>(height_)));
+    band_of_.push_back(static_cast<uint8_t>(row * kBands / height_));
   }
-  for (float& d : density_) d /= row_cdf_.back();
+  cosine_.push_back(-1);
+  for (int column = 0; column < width_; ++column) sector_of_.push_back(static_cast<uint8_t>(column * kSectors / width_));
+  scale_ = 1 / row_cdf_.back();
+  for (float& r : row_cdf_) r *= scale_;
+  for (int row = 0; row < height_; row += kRowsAtOnce) coarse_row_cdf_.push_back(row_cdf_[std::min(row + kRowsAtOnce, height_) - 1]);
   divide();
 }
 
 void DirectionTable::divide() {
-  if (!even()) patch_cdf_.resize(static_cast<size_t>(kSectors) * height_);
+  patch_cdf_.resize(static_cast<size_t>(kSectors) * height_);
   double all = 0, sums[kPatches] = {};
   for (int band = 0; band < kBands; ++band)
     for (int sector = 0; sector < kSectors; ++sector) {
       double& sum = sums[band * kSectors + sector];
-      float* const cdf = even() ? nullptr : &patch_cdf_[static_cast<size_t>(sector) * height_];
+      float* const cdf = &patch_cdf_[static_cast<size_t>(sector) * height_];
       for (int row = first_row(band); row < first_row(band + 1); ++row) {
         const double omega = solid_angle(row, width_, height_);
         for (int column = first_column(sector); column < first_column(sector + 1); ++column)
-          sum += omega * (even() ? 1 : density_[static_cast<size_t>(row) * width_ + column]);
-        if (cdf) cdf[row] = static_cast<float>(sum);
+          sum += omega * pdf({row, column});
+        cdf[row] = static_cast<float>(sum);
       }
-      if (cdf)
-        for (int row = first_row(band); row < first_row(band + 1); ++row) cdf[row] = sum > 0 ? cdf[row] / static_cast<float>(sum) : 1;
+      for (int row = first_row(band); row < first_row(band + 1); ++row) cdf[row] = sum > 0 ? cdf[row] / static_cast<float>(sum) : 1;
       all += sum;
     }
-  for (int i = 0; i < kPatches; ++i) share_[i] = static_cast<float>(sums[i] / all);
-}
-
-int DirectionTable::row_of(const Vec3& d) const {
-  const float polar = std::atan2(std::hypot(d.x, d.y), d.z);
-  return std::clamp(static_cast<int>(polar / kPi * static_cast<float>(height_)), 0, height_ - 1);
-}
-
-int DirectionTable::column_of(const Vec3& d) const {
-  const float longitude = std::atan2(d.y, d.x);
-  const float turns = (longitude < 0 ? longitude + 2 * kPi : longitude) / (2 * kPi);
-  return std::clamp(static_cast<int>(turns * static_cast<float>(width_)), 0, width_ - 1);
+  for (int i = 0; i < kPatches; ++i) {
+    share_[i] = static_cast<float>(sums[i] / all);
+    over_share_[i] = 1 / share_[i];
+  }
 }
 
 // Uniform in solid angle within the cell.
-Vec3 DirectionTable::direction_in(int row, int column, float down, float along) const {
-  const float top = std::cos(kPi * static_cast<float>(row) / static_cast<float>(height_));
-  const float bottom = std::cos(kPi * static_cast<float>(row + 1) / static_cast<float>(height_));
+Vec3 DirectionTable::direction_in(const Cell& cell, float down, float along) const {
+  const float top = cosine_[cell.row], bottom = cosine_[cell.row + 1];
   const float z = top + (bottom - top) * down;
-  const float longitude = (static_cast<float>(column) + along) * 2 * kPi / static_cast<float>(width_);
   const float sine = std::sqrt(std::max(0.0f, 1 - z * z));
-  return {sine * std::cos(longitude), sine * std::sin(longitude), z};
+  const Vec2 around = cos_sin_of_turn((static_cast<float>(cell.column) + along) / static_cast<float>(width_));
+  return {sine * around.x, sine * around.y, z};
 }
 
-Vec3 DirectionTable::sample(const Vec2& u) const {
-  if (even()) return sample_sphere(u);
-  const float target = u.x * row_cdf_.back();
-  const size_t row = pick(row_cdf_.data(), row_cdf_.size(), target);
-  const float* const cdf = &cdf_[row * width_];
-  const size_t column = pick(cdf, width_, u.y);
-  return direction_in(static_cast<int>(row), static_cast<int>(column), within(before(row_cdf_.data(), row), row_cdf_[row], target),
-                      within(before(cdf, column), cdf[column], u.y));
+// target: of the row's CDF. Columns from first to last, which rounding must not leave.
+DirectionTable::Sample DirectionTable::sample_row(int row, float down, float target, int first, int last) const {
+  const float* const cdf = &step_cdf_[static_cast<size_t>(row) * row_steps_];
+  const int number = pick(cdf, row_steps_, target);
+  const Step& step = steps_[static_cast<size_t>(row) * row_steps_ + number];
+  float density[4][kFours], up_to[kFours];  // up to the end of each four
+  for (int i = 0; i < 4; ++i)
+    for (int k = 0; k < kFours; ++k) density[i][k] = unpacked(step.density[i * kFours + k]);
+  for (int k = 0; k < kFours; ++k) up_to[k] = (density[0][k] + density[1][k]) + (density[2][k] + density[3][k]);
+  for (int k = 1; k < kFours; ++k) up_to[k] += up_to[k - 1];
+  const float in_step = within(before(cdf, number), cdf[number], target) * up_to[kFours - 1];
+  int four = 0;
+  for (int k = 0; k + 1 < kFours; ++k) four += up_to[k] <= in_step;
+  float rest = in_step - before(up_to, four);
+  const float a = density[0][four], ab = a + density[1][four], abc = ab + density[2][four];
+  const int which = (rest >= a) + (rest >= ab) + (rest >= abc);
+  const float from[] = {0, a, ab, abc};
+  const Cell cell{row, std::clamp(number * kStep + 4 * four + which, first, last)};
+  rest -= from[which];
+  return {direction_in(cell, down, std::clamp(rest / std::max(density[which][four], 1e-30f), 0.0f, kBelowOne)), cell};
 }
 
-float DirectionTable::pdf(const Vec3& d) const {
-  if (even()) return 1 / (4 * kPi);
-  return density_[static_cast<size_t>(row_of(d)) * width_ + column_of(d)];
+DirectionTable::Sample DirectionTable::sample(const Vec2& u) const {
+  const int coarse = pick(coarse_row_cdf_.data(), static_cast<int>(coarse_row_cdf_.size()), u.x) * kRowsAtOnce;
+  const int row = coarse + pick(row_cdf_.data() + coarse, std::min(kRowsAtOnce, height_ - coarse), u.x);
+  return sample_row(row, within(before(row_cdf_.data(), row), row_cdf_[row], u.x), u.y, 0, width_ - 1);
 }
 
-Vec3 DirectionTable::sample_patch(int patch, const Vec2& u) const {
+DirectionTable::Sample DirectionTable::sample_patch(int patch, const Vec2& u) const {
   const int band = patch / kSectors, sector = patch % kSectors;
-  if (even()) return direction_in(band, sector, u.x, u.y);
   const int top = first_row(band), rows = first_row(band + 1) - top;
   const float* const row_cdf = &patch_cdf_[static_cast<size_t>(sector) * height_ + top];
-  const size_t row = pick(row_cdf, rows, u.x);
-  const int left = first_column(sector), columns = first_column(sector + 1) - left;
-  const float* const cdf = &cdf_[(top + row) * width_];
-  const float low = before(cdf, left), high = cdf[left + columns - 1], target = low + (high - low) * u.y;
-  const size_t column = pick(cdf + left, columns, target);
-  return direction_in(top + static_cast<int>(row), left + static_cast<int>(column), within(before(row_cdf, row), row_cdf[row], u.x),
-                      within(before(cdf, left + column), cdf[left + column], target));
-}
-
-float DirectionTable::pdf_in_patch(const Vec3& d) const {
-  const int row = row_of(d), column = column_of(d);
-  const float density = even() ? 1 / (4 * kPi) : density_[static_cast<size_t>(row) * width_ + column];
-  return density / share_[patch_at(row, column)];
+  const int down = pick(row_cdf, rows, u.x), row = top + down;
+  const float* const edge = &sector_cdf_[static_cast<size_t>(row) * (kSectors + 1) + sector];
+  return sample_row(row, within(before(row_cdf, down), row_cdf[down], u.x), edge[0] + (edge[1] - edge[0]) * u.y, first_column(sector),
+                    first_column(sector + 1) - 1);
 }
 
 }  // namespace photon_splat

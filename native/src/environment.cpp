@@ -27,7 +27,7 @@ Vec3 direction_at(float polar, float longitude) {
 
 }  // namespace
 
-Environment::Environment(Scene& scene) : scene_(scene) {
+Environment::Environment(Scene& scene) : scene_(scene), straight_(scene.world_map.to_lookup.m == Affine{}.m) {
   add_discs();
   if (scene_.world_map.texture >= 0 || scene_.world_program >= 0) bake();
   else measure({scene_.world}, 1, 1);
@@ -44,10 +44,14 @@ Rgb Environment::map_radiance(const Vec3& d) const {
   }
   const WorldMap& map = scene_.world_map;
   if (map.texture < 0) return scene_.world;
-  const Vec3 v = map.to_lookup.vector(d) + map.to_lookup.column(3);
-  const float len = length(v);
-  if (!(len > 0)) return {};
-  const Rgb texel = scene_.textures[map.texture].lookup(map.mirror_ball ? mirror_ball_uv(v / len) : equirectangular_uv(v / len));
+  Vec3 v = d;
+  if (!straight_) {
+    v = map.to_lookup.vector(d) + map.to_lookup.column(3);
+    const float len = length(v);
+    if (!(len > 0)) return {};
+    v = v / len;
+  }
+  const Rgb texel = scene_.textures[map.texture].lookup(map.mirror_ball ? mirror_ball_uv(v) : equirectangular_uv(v));
   return max(texel, Vec3{}) * scene_.world;
 }
 
@@ -165,13 +169,21 @@ Vec3 Environment::sample_discs(const Vec2& u) const {
 }
 
 Environment::Sample Environment::sample(const Vec2& u) const {
-  const Vec3 direction =
-      u.x < disc_share_ ? sample_discs(u) : table_.sample({std::min((u.x - disc_share_) / (1 - disc_share_), kBelowOne), u.y});
-  return {direction, pdf(direction)};
+  if (u.x < disc_share_) {
+    const Vec3 direction = sample_discs(u);
+    return known(direction, density(direction));
+  }
+  const auto s = table_.sample({std::min((u.x - disc_share_) / (1 - disc_share_), kBelowOne), u.y});
+  return known(s.direction, density_in(s.cell, s.direction));
 }
 
-Vec3 Environment::sample_part(int part, const Vec2& u) const {
-  return part == kDiscs ? sample_discs({u.x * disc_share_, u.y}) : table_.sample_patch(part, u);
+Environment::Sample Environment::sample_part(int part, const Vec2& u) const {
+  if (part == kDiscs) {
+    const Vec3 direction = sample_discs({u.x * disc_share_, u.y});
+    return known(direction, density(direction));
+  }
+  const auto s = table_.sample_patch(part, u);
+  return known(s.direction, density_in(s.cell, s.direction));
 }
 
 float Environment::disc_density(const Vec3& d) const {
@@ -181,8 +193,6 @@ float Environment::disc_density(const Vec3& d) const {
       sum += (disc_cdf_[i] - (i ? disc_cdf_[i - 1] : 0.0f)) / (2 * kPi * discs_[i].one_minus_cos);
   return sum;
 }
-
-float Environment::pdf(const Vec3& d) const { return (disc_share_ < 1 ? (1 - disc_share_) * table_.pdf(d) : 0) + disc_density(d); }
 
 // Ramamoorthi & Hanrahan 2001, "An efficient representation for irradiance environment maps".
 float Environment::irradiance(const Vec3& n) const {

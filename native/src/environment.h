@@ -18,23 +18,30 @@ class Environment {
   Rgb radiance(const Vec3& d) const { return map_radiance(d) + disc_radiance(d); }
   Rgb mean() const { return mean_; }  // over all directions
 
+  // How densely a direction is drawn, 1/sr: by the table, within the table's patch, and as part of the discs.
+  struct Density {
+    float table, in_patch, discs;
+    int patch;
+  };
   struct Sample {
     Vec3 direction;
+    Density density;
     float pdf;   // solid angle
   };
   Sample sample(const Vec2& u) const;
-  float pdf(const Vec3& d) const;
+  Density density(const Vec3& d) const { return density_in(table_.cell_of(d), d); }
+  float pdf(const Density& density) const { return (1 - disc_share_) * density.table + density.discs; }
+  float pdf(const Vec3& d) const { return pdf(density(d)); }
 
   // Directions in parts: the patches of the table, and in the last one all of the suns' discs.
   static constexpr int kDiscs = DirectionTable::kPatches, kParts = kDiscs + 1;
-  int part_of(const Vec3& d) const { return disc_density(d) > 0 ? kDiscs : table_.patch_of(d); }
+  int part_of(const Vec3& d) const { return disc_density(d) > 0 ? kDiscs : table_.patch_of(table_.cell_of(d)); }
   float part_share(int part) const { return part == kDiscs ? disc_share_ : (1 - disc_share_) * table_.share(part); }  // of sample()'s
-  Vec3 sample_part(int part, const Vec2& u) const;
-  // Density of d among directions from parts that are drawn with these chances, 1/sr; chance: of each part.
+  Sample sample_part(int part, const Vec2& u) const;
+  // Density of a direction among those from parts that are drawn with these chances, 1/sr; chance: of each part.
   template <class Chance>
-  float pdf_by_parts(const Chance& chance, const Vec3& d) const {
-    const float table = chance(table_.patch_of(d)) * table_.pdf_in_patch(d);
-    return discs_.empty() || !(disc_share_ > 0) ? table : table + chance(kDiscs) * disc_density(d) / disc_share_;
+  float pdf_by_parts(const Chance& chance, const Density& density) const {
+    return chance(density.patch) * density.in_patch + (density.discs > 0 ? chance(kDiscs) * density.discs / disc_share_ : 0);
   }
 
   // About the irradiance of an unshadowed surface, mean over RGB; n = 0: of both sides of any.
@@ -56,9 +63,14 @@ class Environment {
   void bake();
   void measure(const std::vector<Rgb>& cells, int width, int height);
   Vec3 sample_discs(const Vec2& u) const;     // u.x: below disc_share_
+  Density density_in(const DirectionTable::Cell& cell, const Vec3& d) const {
+    return {table_.pdf(cell), table_.pdf_in_patch(cell), discs_.empty() ? 0 : disc_density(d), table_.patch_of(cell)};
+  }
+  Sample known(const Vec3& direction, const Density& density) const { return {direction, density, pdf(density)}; }
   float disc_density(const Vec3& d) const;    // of the share that the discs have of sample()'s
 
   Scene& scene_;
+  bool straight_ = false;                // the image is looked up as directions come
   std::vector<Disc> discs_;
   std::vector<float> disc_cdf_;          // up to the discs' share of the samples
   float disc_share_ = 0;
@@ -78,7 +90,7 @@ inline Vec2 sphere_uv(const Vec3& p) {
 }
 
 inline Vec2 equirectangular_uv(const Vec3& d) {
-  return {0.5f - std::atan2(d.y, d.x) / (2 * kPi), 0.5f + std::atan2(d.z, std::hypot(d.x, d.y)) / kPi};
+  return {0.5f - turn_of(d.y, d.x), 0.5f + 2 * turn_of(d.z, std::sqrt(d.x * d.x + d.y * d.y))};
 }
 // The same of a photographed mirror ball.
 inline Vec2 mirror_ball_uv(Vec3 d) {

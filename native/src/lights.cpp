@@ -187,8 +187,8 @@ std::optional<Lights::Pick> Lights::pick_of_many(const Receiver& to, float weigh
 }
 
 // Where the guide is wrong the world's own density makes up for it.
-float Lights::guided_pdf(const SkyGuide::Cell& cell, const Vec3& direction) const {
-  return kGuided * cell.pdf(environment_, direction) + (1 - kGuided) * environment_.pdf(direction);
+float Lights::guided_pdf(const SkyGuide::Cell& cell, const Environment::Density& density) const {
+  return kGuided * cell.pdf(environment_, density) + (1 - kGuided) * environment_.pdf(density);
 }
 
 std::optional<LightSample> Lights::sample_world(const Receiver& to, uint32_t i, float choice, const Vec2& all) const {
@@ -198,9 +198,10 @@ std::optional<LightSample> Lights::sample_world(const Receiver& to, uint32_t i, 
   const Vec2 u{std::min((all.x + n) / count, kBelowOne), shifted(all.y, n * kGolden)};
   choice = shifted(choice, n / count);
   LightSample out{};
-  out.direction = choice < kGuided ? to.sky->sample(environment_, u) : environment_.sample(u).direction;
+  const Environment::Sample s = choice < kGuided ? to.sky->sample(environment_, u) : environment_.sample(u);
+  out.direction = s.direction;
   out.distance = INFINITY;
-  out.pdf = count * guided_pdf(*to.sky, out.direction);
+  out.pdf = count * guided_pdf(*to.sky, s.density);
   if (!(out.pdf > 0)) return std::nullopt;
   out.weight = environment_.radiance(out.direction) / out.pdf;
   out.use_mis = true;
@@ -210,49 +211,53 @@ std::optional<LightSample> Lights::sample_world(const Receiver& to, uint32_t i, 
 }
 
 std::optional<LightSample> Lights::sample(const Receiver& to, float choice, const Vec2& u) const {
+  std::optional<LightSample> out(std::in_place);  // in its place from the first: copies of what has just been written are slow
+  if (!sample(to, choice, u, *out)) out.reset();
+  return out;
+}
+
+bool Lights::sample(const Receiver& to, float choice, const Vec2& u, LightSample& out) const {
   float weight[kFewEmitters], sum = 0;
   const bool few = emitters_.size() <= kFewEmitters;
   if (few) for (size_t i = 0; i < emitters_.size(); ++i) sum += weight[i] = emitter_weight(emitters_[i], to);
   else sum = emitters_weight(to);
-  LightSample out{};
   const float world = world_probability(to, sum);
   if (choice < world) {
     const Environment::Sample s = environment_.sample(u);
-    if (!(s.pdf > 0)) return std::nullopt;
+    if (!(s.pdf > 0)) return false;
     out.direction = s.direction;
     out.distance = INFINITY;
     out.pdf = s.pdf * world;
     out.weight = environment_.radiance(s.direction) / out.pdf;
     out.use_mis = true;
     out.light_group = scene_.world_light_group;
-    if (is_black(out.weight)) return std::nullopt;
-    return out;
+    return !is_black(out.weight);
   }
-  if (!(sum > 0)) return std::nullopt;
+  if (!(sum > 0)) return false;
   choice = std::min((choice - world) / (1 - world), kBelowOne);
   size_t chosen = 0;
   float probability = 1 - world;
   if (few) {
     float target = choice * sum;
     for (chosen = 0; chosen + 1 < emitters_.size() && target >= weight[chosen]; ++chosen) target -= weight[chosen];
-    if (!(weight[chosen] > 0)) return std::nullopt;
+    if (!(weight[chosen] > 0)) return false;
     probability *= weight[chosen] / sum;
   } else {
     const auto pick = pick_of_many(to, sum, choice);
-    if (!pick) return std::nullopt;
+    if (!pick) return false;
     chosen = pick->emitter;
-    if (!(emitters_[chosen].lit_groups & to.group)) return std::nullopt;  // the tree does not know
+    if (!(emitters_[chosen].lit_groups & to.group)) return false;  // the tree does not know
     probability *= pick->probability;
   }
   const Emitter& e = emitters_[chosen];
   bool by_cosine = false;
-  if (!(e.lamp >= 0 ? sample_lamp(e, to, u, out, by_cosine) : sample_mesh(e, to, u, out, by_cosine))) return std::nullopt;
+  if (!(e.lamp >= 0 ? sample_lamp(e, to, u, out, by_cosine) : sample_mesh(e, to, u, out, by_cosine))) return false;
   out.weight *= 1 / probability;
   out.pdf *= probability;
   out.use_mis = out.pdf > 0 && !by_cosine && shares_with_rays(e, to);
   out.blockers = e.blockers;
   out.light_group = e.light_group;
-  return out;
+  return true;
 }
 
 bool Lights::sample_lamp(const Emitter& e, const Receiver& receiver, const Vec2& u, LightSample& out, bool& by_cosine) const {
@@ -465,7 +470,7 @@ Rgb Lights::lamp_radiance_met(const Lamp& lamp, const Vec3& origin, const Vec3& 
 Rgb Lights::world_met(const Receiver& to, const Vec3& direction, float bsdf_pdf) const {
   const Rgb radiance = environment_.radiance(direction);
   if (!(bsdf_pdf < INFINITY) || is_black(radiance)) return radiance;
-  if (to.sky) return radiance * power_heuristic(bsdf_pdf, static_cast<float>(to.world_samples) * guided_pdf(*to.sky, direction));
+  if (to.sky) return radiance * power_heuristic(bsdf_pdf, static_cast<float>(to.world_samples) * guided_pdf(*to.sky, environment_.density(direction)));
   if (environment_.constant()) return radiance;
   return radiance * power_heuristic(bsdf_pdf, world_probability(to, emitters_weight(to)) * environment_.pdf(direction));
 }

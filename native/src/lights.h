@@ -248,7 +248,7 @@ class Lights {
   float choice_probability(uint32_t emitter, const Receiver& to) const;  // of an emitter among themselves
   float emitters_weight(const Receiver& to) const;                         // of all together
   float world_probability(const Receiver& to, float emitters_weight) const;
-  float guided_pdf(const SkyGuide::Cell& cell, const Vec3& direction) const;
+  float guided_pdf(const SkyGuide::Cell& cell, const Environment::Density& density) const;
   // lights_shaded.cpp: the factor of the lamp's radiance by its program, at `position` (of a sun: anything) seen from `distance`
   // along -wo. White for lamps without one.
   Rgb shade(const Lamp& lamp, const Vec3& position, const Vec3& wo, float distance) const;
@@ -258,6 +258,7 @@ class Lights {
   float spread_attenuation(const Lamp& lamp, float tangent) const;  // of the angle to the lamp's axis
   bool inside_shape(const Lamp& lamp, const Vec3& from_center) const;
   float sampled_area(const Lamp& lamp, const Vec3& x) const;  // of an area lamp, from x
+  bool sample(const Receiver& to, float choice, const Vec2& u, LightSample& out) const;
   // `by_cosine`: in proportion to the receiver's cosine.
   bool sample_lamp(const Emitter& e, const Receiver& receiver, const Vec2& u, LightSample& out, bool& by_cosine) const;
   bool sample_mesh(const Emitter& e, const Receiver& receiver, const Vec2& u, LightSample& out, bool& by_cosine) const;

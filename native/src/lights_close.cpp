@@ -29,27 +29,28 @@ float sample_linear_from_corner(float u, float a, float b) {
 bool Lights::see_close(const Emitter& e, const Receiver& to, CloseLamp& out) const {
   const Vec3& x = to.x;
   if (length2(e.center - x) > kClose * kClose * e.radius * e.radius) return false;
-  Vec3 corner[CloseLamp::kMost][3];
+  const auto add = [&](int i, const Vec3& a, const Vec3& b, const Vec3& c) {
+    out.corner[i][0] = a - x;
+    out.corner[i][1] = b - x;
+    out.corner[i][2] = c - x;
+    out.seen[i].see(out.corner[i][0], out.corner[i][1], out.corner[i][2]);
+    out.share[i] = out.seen[i].solid_angle();
+    out.total += out.share[i];
+    return out.share[i] > kLeastSolidAngle;
+  };
+  out.total = 0;
   if (e.lamp < 0) {
     if (e.triangles.size() > CloseLamp::kMost) return false;
     out.count = static_cast<int>(e.triangles.size());
-    for (int i = 0; i < out.count; ++i) std::copy_n(e.triangles[i].corner, 3, corner[i]);
+    for (int i = 0; i < out.count; ++i)
+      if (const Vec3* const c = e.triangles[i].corner; !add(i, c[0], c[1], c[2])) return false;
   } else {
     const Lamp& lamp = lamps_[e.lamp];
     if (lamp.s.kind != LampKind::kArea || lamp.s.ellipse || lamp.normalize_spread != 0) return false;
     const Vec3 right = lamp.axis_x * lamp.half_x, up = lamp.axis_y * lamp.half_y;
-    const Vec3 places[4] = {lamp.center - right - up, lamp.center + right - up, lamp.center + right + up, lamp.center - right + up};
+    const Vec3 low = lamp.center - right - up, high = lamp.center + right + up;
     out.count = 2;
-    for (int i = 0; i < 2; ++i)
-      for (int k = 0; k < 3; ++k) corner[i][k] = places[k == 0 ? 0 : i + k];
-  }
-  out.total = 0;
-  for (int i = 0; i < out.count; ++i) {
-    for (int k = 0; k < 3; ++k) out.corner[i][k] = corner[i][k] - x;
-    out.seen[i] = SphericalTriangle(out.corner[i][0], out.corner[i][1], out.corner[i][2]);
-    out.share[i] = out.seen[i].solid_angle();
-    if (!(out.share[i] > kLeastSolidAngle)) return false;
-    out.total += out.share[i];
+    if (!add(0, low, lamp.center + right - up, high) || !add(1, low, high, lamp.center - right + up)) return false;
   }
   if (!(out.total < kMostSolidAngle)) return false;
   if (out.total < kMostByCosine && to.diffuse()) out.weigh_by_cosine(to.ns);

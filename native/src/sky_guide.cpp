@@ -1,6 +1,7 @@
 #include "sky_guide.h"
 
 #include <algorithm>
+#include <bit>
 
 namespace photon_splat {
 namespace {
@@ -15,15 +16,20 @@ constexpr double kDoubt = 32;              // sightings' worth of what the envir
 
 }  // namespace
 
-Vec3 SkyGuide::Cell::sample(const Environment& environment, const Vec2& u) const {
-  const size_t part = std::min<size_t>(std::upper_bound(cdf.begin(), cdf.end(), u.x) - cdf.begin(), cdf.size() - 1);
-  const float low = part ? cdf[part - 1] : 0, share = cdf[part] - low;
-  const float again = share > 0 ? std::clamp((u.x - low) / share, 0.0f, kBelowOne) : 0.5f;
-  return environment.sample_part(static_cast<int>(part), {again, u.y});
+Environment::Sample SkyGuide::Cell::sample(const Environment& environment, const Vec2& u) const {
+  constexpr int kSectors = DirectionTable::kSectors;
+  const float patches = band_cdf_[DirectionTable::kBands - 1];
+  if (u.x >= patches && environment.part_share(Environment::kDiscs) > 0)
+    return environment.sample_part(Environment::kDiscs, {within(patches, 1, u.x), u.y});
+  const int band = pick(band_cdf_, DirectionTable::kBands, u.x);
+  const int part = band * kSectors + pick(cdf_ + band * kSectors, kSectors, u.x);
+  return environment.sample_part(part, {within(part ? cdf_[part - 1] : 0, cdf_[part], u.x), u.y});
 }
 
-float SkyGuide::Cell::pdf(const Environment& environment, const Vec3& d) const {
-  return environment.pdf_by_parts([this](int part) { return cdf[part] - (part ? cdf[part - 1] : 0); }, d);
+float SkyGuide::Cell::pdf(const Environment& environment, const Environment::Density& density) const {
+  return environment.pdf_by_parts([this](int part) {
+    return part == Environment::kDiscs ? 1 - cdf_[part - 1] : cdf_[part] - (part ? cdf_[part - 1] : 0);
+  }, density);
 }
 
 void SkyGuide::learn(const std::vector<Sighting>& sightings) { waiting_.insert(waiting_.end(), sightings.begin(), sightings.end()); }
@@ -52,9 +58,9 @@ uint64_t SkyGuide::parent_of(uint64_t key) {
 // The coarser cells hold what the finest have found.
 void SkyGuide::join_levels() {
   for (int level = 1; level < kLevels; ++level) {
-    cells_[level].clear();
-    for (const auto& [key, cell] : cells_[level - 1]) {
-      Cell& parent = cells_[level][parent_of(key)];
+    found_[level].clear();
+    for (const auto& [key, cell] : found_[level - 1]) {
+      Found& parent = found_[level][parent_of(key)];
       parent.rays += cell.rays;
       parent.seen += cell.seen;
       parent.found += cell.found;
@@ -65,7 +71,7 @@ void SkyGuide::join_levels() {
   }
 }
 
-void SkyGuide::add(Cell& cell, const Sighting& s) const {
+void SkyGuide::add(Found& cell, const Sighting& s) const {
   cell.rays += s.ray;
   if (!(s.weight > 0)) return;
   cell.seen += s.ray;
@@ -109,35 +115,58 @@ void SkyGuide::end_pass() {
       edge *= static_cast<float>(kCoarser);
     }
   }
-  for (const Sighting& s : waiting_) add(cells_[0][key(0, s.x, s.n)], s);
+  for (const Sighting& s : waiting_) add(found_[0][key(0, s.x, s.n)], s);
   waiting_.clear();
   join_levels();
   const bool uneven = environment_->contrast() > kContrast;
-  for (auto& cells : cells_)
-    for (auto& [_, cell] : cells) believe(cell, uneven);
+  cells_.clear();
+  for (int level = kLevels - 1; level >= 0; --level) {
+    slots_[level].assign(2 * std::bit_ceil(found_[level].size() + 1), {});
+    for (const auto& [key, found] : found_[level]) {
+      int32_t cell = believe(found, uneven);
+      if (cell == kUnknown && level + 1 < kLevels) cell = look_up(level + 1, parent_of(key));
+      if (cell != kUnknown) keep(level, key, cell);
+    }
+  }
 }
 
-void SkyGuide::believe(Cell& cell, bool uneven) const {
+int32_t SkyGuide::believe(const Found& cell, bool uneven) {
+  if (cell.found < kEnough) return kUnknown;
   double total = 0;
   for (const float sum : cell.sums) total += sum;
   const bool hidden = static_cast<float>(cell.seen) < kFree * static_cast<float>(cell.rays);
-  cell.useful = cell.found >= kEnough && total > 0 && (uneven || hidden);
-  if (!cell.useful) return;
-  cell.cdf.resize(Environment::kParts);
+  if (!(total > 0) || !(uneven || hidden)) return kNoGuide;
   const double doubt = kDoubt / (kDoubt + cell.found);
+  const auto share = [&](int part) { return (1 - doubt) * cell.sums[part] / total + doubt * environment_->part_share(part); };
+  const double discs = share(Environment::kDiscs);
+  Cell& made = cells_.emplace_back();
   double sum = 0;
-  for (int i = 0; i < Environment::kParts; ++i)
-    cell.cdf[i] = static_cast<float>(sum += (1 - doubt) * cell.sums[i] / total + doubt * environment_->part_share(i));
+  for (int i = 0; i < DirectionTable::kPatches; ++i) {
+    made.cdf_[i] = static_cast<float>(std::min(sum += share(i), 1 - discs));
+    made.band_cdf_[i / DirectionTable::kSectors] = made.cdf_[i];
+  }
+  return static_cast<int32_t>(cells_.size() - 1);
+}
+
+void SkyGuide::keep(int level, uint64_t key, int32_t cell) {
+  std::vector<Slot>& slots = slots_[level];
+  size_t at = hash64(key);
+  while (slots[at & (slots.size() - 1)].cell != kUnknown) ++at;
+  slots[at & (slots.size() - 1)] = {key, cell};
+}
+
+int32_t SkyGuide::look_up(int level, uint64_t key) const {
+  const std::vector<Slot>& slots = slots_[level];
+  for (size_t at = hash64(key);; ++at) {
+    const Slot& slot = slots[at & (slots.size() - 1)];
+    if (slot.key == key || slot.cell == kUnknown) return slot.cell;
+  }
 }
 
 const SkyGuide::Cell* SkyGuide::find(const Vec3& x, const Vec3& n) const {
-  if (!(scale_[0] > 0)) return nullptr;
-  for (int level = 0; level < kLevels; ++level) {
-    const auto at = cells_[level].find(key(level, x, n));
-    if (at == cells_[level].end()) continue;
-    if (at->second.useful) return &at->second;
-    if (at->second.found >= kEnough) return nullptr;
-  }
+  if (cells_.empty()) return nullptr;
+  for (int level = 0; level < kLevels; ++level)
+    if (const int32_t cell = look_up(level, key(level, x, n)); cell != kUnknown) return cell >= 0 ? &cells_[cell] : nullptr;
   return nullptr;
 }
 

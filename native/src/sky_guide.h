@@ -22,16 +22,15 @@ class SkyGuide {
     bool ray;
   };
   // A histogram that directions can be drawn from.
-  class Cell {
+  class alignas(64) Cell {
    public:
-    Vec3 sample(const Environment& environment, const Vec2& u) const;
-    float pdf(const Environment& environment, const Vec3& d) const;  // solid angle
+    Environment::Sample sample(const Environment& environment, const Vec2& u) const;
+    float pdf(const Environment& environment, const Environment::Density& density) const;  // solid angle
 
    private:
     friend class SkyGuide;
-    std::vector<float> sums, cdf;
-    uint32_t rays = 0, seen = 0, found = 0;  // of the surface's own; those of them that met the world; all that did
-    bool useful = false;
+    float band_cdf_[DirectionTable::kBands];   // the patches' share of all up to the end of each band; what is left is the discs'
+    float cdf_[DirectionTable::kPatches];
   };
 
   // Forgets all; what is learnt from now on is of `environment`, which must outlive it.
@@ -50,18 +49,33 @@ class SkyGuide {
  private:
   static constexpr uint32_t kPasses = 9;  // that are learnt from
   static constexpr int kLevels = 3;
+  // What has been found, and what directions are drawn by.
+  struct Found {
+    std::vector<float> sums;                 // by part; none before anything is found
+    uint32_t rays = 0, seen = 0, found = 0;  // of the surface's own; those of them that met the world; all that did
+  };
+  // Cells by their keys, to be looked up.
+  struct Slot {
+    uint64_t key = ~uint64_t{0};
+    int32_t cell = kUnknown;
+  };
+  static constexpr int32_t kUnknown = -2, kNoGuide = -1;
   uint64_t key(int level, const Vec3& x, const Vec3& n) const;
   static uint64_t parent_of(uint64_t key);  // one level up
-  void add(Cell& cell, const Sighting& s) const;
+  void add(Found& cell, const Sighting& s) const;
   void join_levels();
-  void believe(Cell& cell, bool uneven) const;  // makes a distribution of what it has found, if that is enough
+  int32_t believe(const Found& cell, bool uneven);  // makes a distribution of what it has found, if that is enough
+  void keep(int level, uint64_t key, int32_t cell);
+  int32_t look_up(int level, uint64_t key) const;
 
   const Environment* environment_ = nullptr;
   uint32_t passes_ = 0;
   Vec3 low_{};
   float scale_[kLevels] = {};      // 1 over the edge of a level's cells, 1/m, the finest first; 0: nothing learnt yet
   std::vector<Sighting> waiting_;  // of the pass
-  std::unordered_map<uint64_t, Cell> cells_[kLevels];
+  std::unordered_map<uint64_t, Found> found_[kLevels];
+  std::vector<Cell> cells_;
+  std::vector<Slot> slots_[kLevels];  // a power of two of them, half of them empty
 };
 
 }  // namespace photon_splat

@@ -12,15 +12,6 @@ Vec3 across(const Vec3& v, const Vec3& axis) {
   return size > 1e-12f ? rest / size : Basis(axis).to_world({1, 0, 0});
 }
 
-// Of y > 0, any x, to 1e-7: Abramowitz & Stegun 4.4.49 on the smaller quotient. Light samples need one for each triangle.
-float arc_tangent(float y, float x) {
-  const float ax = std::abs(x), q = std::min(y, ax) / std::max(y, ax), q2 = q * q;
-  const float series = ((((((((0.0028662257f * q2 - 0.0161657367f) * q2 + 0.0429096138f) * q2 - 0.0752896400f) * q2 + 0.1065626393f) * q2 -
-                            0.1420889944f) * q2 + 0.1999355085f) * q2 - 0.3333314528f) * q2 + 1) * q;
-  const float acute = y > ax ? kPi / 2 - series : series;
-  return x < 0 ? kPi - acute : acute;
-}
-
 // Of 0 <= x; by the series where that ends soon.
 void sine_cosine(float x, float& sine, float& cosine) {
   if (x > 1.6f) {
@@ -36,7 +27,8 @@ void sine_cosine(float x, float& sine, float& cosine) {
 }  // namespace
 
 // Solid angle by Van Oosterom & Strackee (1983); the triple product is taken of edges, so that small triangles keep their digits.
-SphericalTriangle::SphericalTriangle(const Vec3& p0, const Vec3& p1, const Vec3& p2) {
+void SphericalTriangle::see(const Vec3& p0, const Vec3& p1, const Vec3& p2) {
+  solid_angle_ = 0;
   const float l0 = length(p0), l1 = length(p1), l2 = length(p2);
   if (!(l0 > 0 && l1 > 0 && l2 > 0)) return;
   a_ = p0 / l0;
@@ -44,7 +36,7 @@ SphericalTriangle::SphericalTriangle(const Vec3& p0, const Vec3& p1, const Vec3&
   c_ = p2 / l2;
   const float triple = std::abs(dot(p0, cross(p1 - p0, p2 - p0))) / (l0 * l1 * l2);
   if (!(triple > 0)) return;
-  solid_angle_ = 2 * arc_tangent(triple, 1 + dot(a_, b_) + dot(b_, c_) + dot(c_, a_));
+  solid_angle_ = 4 * kPi * turn_of(triple, 1 + dot(a_, b_) + dot(b_, c_) + dot(c_, a_));
   if (!std::isfinite(solid_angle_)) solid_angle_ = 0;
 }
 

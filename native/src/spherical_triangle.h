@@ -10,7 +10,8 @@ class SphericalTriangle {
  public:
   SphericalTriangle() = default;
   // Corners relative to the point, in metres; none may be the point itself.
-  SphericalTriangle(const Vec3& p0, const Vec3& p1, const Vec3& p2);
+  SphericalTriangle(const Vec3& p0, const Vec3& p1, const Vec3& p2) { see(p0, p1, p2); }
+  void see(const Vec3& p0, const Vec3& p1, const Vec3& p2);  // the same, in place
 
   float solid_angle() const { return solid_angle_; }  // sr; 0 for what is seen edge-on
   const Vec3& corner(int k) const { return k == 0 ? a_ : k == 1 ? b_ : c_; }  // unit

@@ -116,3 +116,19 @@ TEST_CASE("cosines and sines by series are the library's to the last bits") {
     CHECK(std::abs(octant.y - std::sin(0.7853981633974483 * (2.0 * turn - 1))) < 1.5e-7);
   }
 }
+
+TEST_CASE("turn_of is atan2 over a full turn, in every octant and on the axes") {
+  Random random(8, 9);
+  for (int i = 0; i < 100000; ++i) {
+    const Vec2 p{2 * random.next() - 1, 2 * random.next() - 1};
+    const float scale = i % 3 == 0 ? 1 : i % 3 == 1 ? 1e-12f : 1e12f, thin = i % 2 ? 1 : 1e-5f;
+    const double turn = std::atan2(double(p.y * scale * thin), double(p.x * scale)) / (2 * double(kPi));
+    REQUIRE(std::abs(turn_of(p.y * scale * thin, p.x * scale) - turn) < 7e-8);
+  }
+  CHECK(turn_of(0, 1) == 0);
+  CHECK(turn_of(1, 0) == doctest::Approx(0.25f));
+  CHECK(turn_of(-1, 0) == doctest::Approx(-0.25f));
+  CHECK(turn_of(0, -1) == doctest::Approx(0.5f));
+  CHECK(turn_of(-0.0f, -1) == doctest::Approx(-0.5f));
+  CHECK(std::abs(turn_of(0, 0)) <= 0.5f);
+}
