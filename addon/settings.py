@@ -90,7 +90,11 @@ class PhotonSplatSettings(bpy.types.PropertyGroup):
         name="Final Gather",
         description="Camera paths take one more bounce before photons light them: noisier, but without blur (final renders only)",
         items=[
-            (FinalGather.AUTO.value, "Automatic", "Where the picture is denoised and no error threshold ends the render; or no photons but caustic ones, where that is less work"),
+            (
+                FinalGather.AUTO.value,
+                "Automatic",
+                "Where the picture is denoised and no error threshold ends the render; without photons where that is less work",
+            ),
             (FinalGather.ON.value, "On", "Always"),
             (FinalGather.OFF.value, "Off", "Photons light what the camera sees"),
         ],
