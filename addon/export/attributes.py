@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -27,11 +29,16 @@ PARTICLE_VECTORS = {"Location": "location", "Velocity": "velocity", "Angular Vel
 def mesh_shading(mesh: Any, name: str, wants: dict[int, Want], left: NDArray[np.bool_] | None, report: Report) -> MeshShading:
     """What `wants` (by id) of a bpy.types.Mesh; what it does not have is left out. `left`: triangles of the rendered ones that count."""
     shading = MeshShading()
-    triangles = sound_triangles(mesh, name, Report())
-    if triangles is None:
-        return shading
-    if left is not None:
-        triangles.corners, triangles.vertices = triangles.corners[left], triangles.vertices[left]
+
+    @cache
+    def triangles() -> Triangles:  # not all attributes ask for them
+        found = sound_triangles(mesh, name, Report())
+        if found is None:
+            raise AssertionError(f"{name} has been exported without triangles")
+        if left is not None:
+            found.corners, found.vertices = found.corners[left], found.vertices[left]
+        return found
+
     for number, want in wants.items():
         found: tuple[Domain, NDArray] | None = None
         if number == GENERATED:
@@ -39,7 +46,7 @@ def mesh_shading(mesh: Any, name: str, wants: dict[int, Want], left: NDArray[np.
         elif want.kind == "tangent":
             found = _tangents(mesh, want.name, name, triangles, report)
         elif want.kind == "island":
-            found = Domain.FACE, island_randoms(mesh)[triangles.vertices[:, 0], None]
+            found = Domain.FACE, island_randoms(mesh)[triangles().vertices[:, 0], None]
         elif want.kind == "pointiness":
             found = Domain.POINT, pointiness(mesh)[:, None]
         elif want.kind == "color":
@@ -71,7 +78,7 @@ def _color_attribute(mesh: Any, name: str) -> Any:
     return mesh.color_attributes[index] if 0 <= index < len(mesh.color_attributes) else None
 
 
-def _values(mesh: Any, attribute: Any, triangles: Triangles, left: NDArray[np.bool_] | None) -> tuple[Domain, NDArray] | None:
+def _values(mesh: Any, attribute: Any, triangles: Callable[[], Triangles], left: NDArray[np.bool_] | None) -> tuple[Domain, NDArray] | None:
     """A layer's values as the renderer has them, or None for what holds no numbers."""
     if attribute is None or len(attribute.data) == 0:
         return None
@@ -91,10 +98,10 @@ def _values(mesh: Any, attribute: Any, triangles: Triangles, left: NDArray[np.bo
     if attribute.domain == "POINT":
         return Domain.POINT, values
     if attribute.domain == "CORNER":
-        return Domain.CORNER, values[triangles.corners.ravel()]
+        return Domain.CORNER, values[triangles().corners.ravel()]
     if attribute.domain == "FACE":
         faces = read(mesh.loop_triangle_polygons, "value", np.int32)
-        faces = faces if triangles.kept is None else faces[triangles.kept]
+        faces = faces if triangles().kept is None else faces[triangles().kept]
         return Domain.FACE, values[faces if left is None else faces[left]]
     if attribute.domain == "EDGE":
         return Domain.POINT, _at_vertices(mesh, values.astype(np.float32))
@@ -139,7 +146,7 @@ def _at_vertices(mesh: Any, values: NDArray[np.float32]) -> NDArray[np.float32]:
     return (total / counts[:, None]).astype(np.float32)
 
 
-def _tangents(mesh: Any, layer: str, name: str, triangles: Triangles, report: Report) -> tuple[Domain, NDArray] | None:
+def _tangents(mesh: Any, layer: str, name: str, triangles: Callable[[], Triangles], report: Report) -> tuple[Domain, NDArray] | None:
     """(3 T, 4): tangents of corners, in the mesh's coordinates, and the sign of the bitangent.
 
     None: the renderer takes the triangles' own.
@@ -157,7 +164,7 @@ def _tangents(mesh: Any, layer: str, name: str, triangles: Triangles, report: Re
     values[:, :3] = read_copy(mesh.loops, "tangent", np.float32, 3)
     values[:, 3] = read_copy(mesh.loops, "bitangent_sign", np.float32)
     mesh.free_tangents()
-    return Domain.CORNER, values[triangles.corners.ravel()]
+    return Domain.CORNER, values[triangles().corners.ravel()]
 
 
 # --- instances ---
