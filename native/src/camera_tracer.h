@@ -28,6 +28,8 @@ struct Record {
 
 using Records = LargeArray<Record>;
 
+inline constexpr int kTileSize = 16;  // pixels along the side of a tile, which one thread traces
+
 class CameraTracer {
  public:
   CameraTracer(Scene& scene, const Lights& lights, const Camera& camera, uint32_t seed)
@@ -85,7 +87,15 @@ class CameraTracer {
   };
   struct Path;
   enum class Passing { kStays, kPasses, kAbsorbed };
-  struct Job;
+  struct Job {
+    uint32_t pass;
+    const SampleChoice* choice;  // none: one sample
+    int max_bounces;
+    bool records;
+    Tiles tiles = Tiles::kAll;
+    bool learns = false;
+    uint32_t learning_share = 1;  // of the pixels, 1 in so many
+  };
   void trace_tiles(const Job& job, Film& film, const CancelFlag& cancel);
   void trace_tile(const Job& job, size_t t, Film& film);
   bool find_changed(Tile& tile) const;
