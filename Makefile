@@ -11,7 +11,7 @@ SCENE ?= blend_scenes/cornell_box.blend
 NAME := $(basename $(notdir $(SCENE)))
 RENDER_OPTIONS ?=
 # Seconds that a whole `make test` may take after set-up, and one of its test processes.
-TEST_SECONDS ?= 600
+TEST_SECONDS ?= 780
 
 # Python 3.13 is for Blender 5.2 LTS; 3.11, for Blender 4.5 LTS, stands in where there is no 3.13.
 VENV := .venv

@@ -9,17 +9,18 @@ import numpy as np
 import pytest
 
 from tests.compare import save_pictures
-from tests.oracle.cases import CASE, CASES, SCENES, SPLAT_CASES, TEXTURED, Case
+from tests.oracle.cases import CASE, CASES, SCENES, SPLAT_CASES, Case
 from tests.oracle.lamp_trees import LAMP_TREES
 from tests.oracle.verdict import judge, render
 from tests.oracle.worker import Worker
 
-SHARE = 12
+SHARE = 24
 """Of the cases that are no scenes of their own, one of so many; which ones differs between the integrators."""
-QUICK_SPLAT = [case for k, case in enumerate(SPLAT_CASES) if case.name not in TEXTURED and (case.name in SCENES or k % SHARE == 0)]
+SPLAT_SCENES, REFERENCE_SCENES = {"cornell_box", "interior", "light_types"}, {"cornell_box", "interior", "instances"}
+QUICK_SPLAT = [case for k, case in enumerate(SPLAT_CASES) if case.name in SPLAT_SCENES or (case.name not in SCENES and k % SHARE == 0)]
 QUICK_SPLAT += [case for case in LAMP_TREES if case.name in {"lamp_area_checker", "lamp_point_linear", "lamp_spot_ies"}]
-QUICK_GATHER = [case for k, case in enumerate(SPLAT_CASES) if case.name in {"cornell_box", "interior"} or k % (4 * SHARE) == 2]
-QUICK_REFERENCE = [case for k, case in enumerate(CASES) if case.name not in TEXTURED and (case.name in SCENES or k % SHARE == 1)]
+QUICK_GATHER = [case for k, case in enumerate(SPLAT_CASES) if case.name in {"cornell_box", "interior"} or k % (2 * SHARE) == 2]
+QUICK_REFERENCE = [case for k, case in enumerate(CASES) if case.name in REFERENCE_SCENES or (case.name not in SCENES and k % SHARE == 1)]
 
 FAILURES = Path(__file__).resolve().parents[2] / "out" / "failures"
 
