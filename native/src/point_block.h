@@ -40,7 +40,8 @@ struct PartBounds {
   float lower_x[kParts], lower_y[kParts], lower_z[kParts], upper_x[kParts], upper_y[kParts], upper_z[kParts];
 };
 
-// Photons one after another, and their places once more, axis by axis.
+// Photons one after another, and their places once more, axis by axis, with room for whole vectors beyond the last.
+inline constexpr uint32_t kSplatRoom = 8;
 struct SplatPhotons {
   const SplatPhoton* photons;
   const float *x, *y, *z;

@@ -167,7 +167,7 @@ void Splatter::sort_photons(const Photon* photons, size_t count, ThreadPool& poo
   const float scale = static_cast<float>((1 << kCurveBits) - 1) / std::max(max_component(size), 1e-30f);
   curve_.resize(count);
   sorted_.resize(count);
-  for (auto* places : {&x_, &y_, &z_}) places->resize(count);
+  for (auto* places : {&x_, &y_, &z_}) places->resize(count + kSplatRoom);
   groups_.assign((count + kGroup - 1) / kGroup, Bounds{});
   const CancelFlag never;
   const size_t chunk_count = (count + kChunk - 1) / kChunk;

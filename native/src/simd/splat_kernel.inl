@@ -2,9 +2,7 @@
 // PHOTON_SPLAT_LANES and PHOTON_SPLAT_KERNEL defined, in files compiled for one instruction set each.
 #include "../point_block.h"
 
-#if PHOTON_SPLAT_LANES == 16
 #include <immintrin.h>
-#endif
 
 namespace photon_splat {
 namespace {
@@ -19,6 +17,19 @@ __attribute__((always_inline)) inline Floats select(Ints mask, Floats value) {
 
 constexpr uint32_t kStretch = 128;  // photons whose places are compared with a part's at a time
 constexpr uint32_t kFound = 256;    // so many within its bounds are added, with what comes of one more stretch
+
+#if PHOTON_SPLAT_LANES < 16
+// For each mask of lanes which they are, one byte each, the first in the lowest.
+struct LanesOfMask {
+  uint64_t lanes[1 << kLanes] = {};
+  constexpr LanesOfMask() {
+    for (uint32_t mask = 0; mask < 1u << kLanes; ++mask)
+      for (uint32_t lane = 0, n = 0; lane < kLanes; ++lane)
+        if (mask >> lane & 1) lanes[mask] |= uint64_t{lane} << 8 * n++;
+  }
+};
+constexpr LanesOfMask kLanesOfMask;
+#endif
 
 // Numbers of the photons of [first, end) that lie within the bounds of part `part`, in their order; how many there are.
 __attribute__((always_inline)) inline uint32_t find_within(const PartBounds& b, uint32_t part, const SplatPhotons& photons, uint32_t first,
@@ -41,12 +52,35 @@ __attribute__((always_inline)) inline uint32_t find_within(const PartBounds& b, 
     _mm512_storeu_si512(found + n, _mm512_maskz_compress_epi32(inside, numbers));
     n += static_cast<uint32_t>(__builtin_popcount(inside));
   }
+#elif PHOTON_SPLAT_LANES == 8
+  for (uint32_t i = first; i < end; i += 8) {
+    const auto within = [i](const float* place, float lower, float upper) __attribute__((always_inline)) {
+      const __m256 p = _mm256_loadu_ps(place + i);
+      return _mm256_and_ps(_mm256_cmp_ps(p, _mm256_set1_ps(lower), _CMP_GE_OQ), _mm256_cmp_ps(p, _mm256_set1_ps(upper), _CMP_LE_OQ));
+    };
+    const __m256 inside = _mm256_and_ps(_mm256_and_ps(within(photons.x, b.lower_x[part], b.upper_x[part]),
+                                                      within(photons.y, b.lower_y[part], b.upper_y[part])),
+                                        within(photons.z, b.lower_z[part], b.upper_z[part]));
+    const uint32_t valid = end - i >= 8 ? 0xff : (1u << (end - i)) - 1;
+    const uint32_t mask = static_cast<uint32_t>(_mm256_movemask_ps(inside)) & valid;
+    const __m256i lanes = _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(static_cast<int64_t>(kLanesOfMask.lanes[mask])));
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(found + n), _mm256_add_epi32(_mm256_set1_epi32(static_cast<int>(i)), lanes));
+    n += static_cast<uint32_t>(__builtin_popcount(mask));
+  }
 #else
-  for (uint32_t i = first; i < end; ++i) {
-    const float x = photons.x[i], y = photons.y[i], z = photons.z[i];
-    found[n] = i;
-    n += (x >= b.lower_x[part]) & (x <= b.upper_x[part]) & (y >= b.lower_y[part]) & (y <= b.upper_y[part]) & (z >= b.lower_z[part]) &
-         (z <= b.upper_z[part]);
+  for (uint32_t i = first; i < end; i += 4) {
+    const auto within = [i](const float* place, float lower, float upper) __attribute__((always_inline)) {
+      const __m128 p = _mm_loadu_ps(place + i);
+      return _mm_and_ps(_mm_cmpge_ps(p, _mm_set1_ps(lower)), _mm_cmple_ps(p, _mm_set1_ps(upper)));
+    };
+    const __m128 inside = _mm_and_ps(_mm_and_ps(within(photons.x, b.lower_x[part], b.upper_x[part]),
+                                                within(photons.y, b.lower_y[part], b.upper_y[part])),
+                                     within(photons.z, b.lower_z[part], b.upper_z[part]));
+    const uint32_t valid = end - i >= 4 ? 0xf : (1u << (end - i)) - 1;
+    const uint32_t mask = static_cast<uint32_t>(_mm_movemask_ps(inside)) & valid;
+    const __m128i lanes = _mm_cvtepu8_epi32(_mm_cvtsi64_si128(static_cast<int64_t>(kLanesOfMask.lanes[mask])));
+    _mm_storeu_si128(reinterpret_cast<__m128i*>(found + n), _mm_add_epi32(_mm_set1_epi32(static_cast<int>(i)), lanes));
+    n += static_cast<uint32_t>(__builtin_popcount(mask));
   }
 #endif
   return n;
