@@ -181,10 +181,11 @@ class _Worker(threading.Thread):
         """Now and then; whether the render is good enough."""
         if self.passes_done < self.next_estimate:
             return False
-        self.next_estimate = next_estimate(self.passes_done)
+        threshold = self.settings.error_threshold
+        # Where no estimate ends the render they are for the message alone: a few in all.
+        self.next_estimate = next_estimate(self.passes_done) if threshold > 0 else 2 * self.passes_done
         self.renderer.make_error_estimate()
         self.relative_error = self.renderer.statistics()["error"]["relative_rmse"]
-        threshold = self.settings.error_threshold
         return threshold > 0 and self.passes_done >= FEWEST_PASSES_TO_STOP and self.relative_error <= threshold
 
     def progress(self) -> Progress:
