@@ -29,9 +29,9 @@ def leaves(roughness: float | None = None) -> Scene:
     return what
 
 
-@pytest.mark.parametrize(("roughness", "photons"), [(0.05, 200), (0.3, 200), (0.3, 20_000)])
+@pytest.mark.parametrize(("roughness", "photons"), [(0.05, 50), (0.3, 50), (0.3, 5_000)])
 def test_the_mean_is_the_path_tracers(roughness: float, photons: int) -> None:
-    """With 200 photons a pass nearly all places fall back, with 20,000 the leaves do."""
+    """With 50 photons a pass nearly all places fall back, with 5,000 the leaves do."""
     truth = c.picture(leaves(roughness), Integrator.REFERENCE, passes=800, max_bounces=12, seed=1)
     result = c.shoot(leaves(roughness), passes=250 if photons < 1000 else 100, photons_per_pass=photons, max_bounces=12, seed=2)
     picture = result.passes["Combined"][..., :3].astype(np.float64)
