@@ -34,7 +34,7 @@ def mesh_shading(mesh: Any, name: str, wants: dict[int, Want], left: NDArray[np.
     def triangles() -> Triangles:  # not all attributes ask for them
         found = sound_triangles(mesh, name, Report())
         if found is None:
-            raise AssertionError(f"{name} has been exported without triangles")
+            raise ValueError(f"The mesh '{name}' has lost its triangles while it was exported. Please render again.")
         if left is not None:
             found.corners, found.vertices = found.corners[left], found.vertices[left]
         return found
