@@ -59,7 +59,11 @@ def measure(case: Case, budgets: list[float], most_seeds: int, long: bool) -> di
         if not all(shot.picture.any() for shot in shots):
             print(f"   {method}: no picture yet after {budget:g} s")
             continue
-        found[method].append(figures.point(budget, [s.picture for s in shots], [s.seconds for s in shots], halves))
+        point = figures.point(budget, [s.picture for s in shots], [s.seconds for s in shots], halves)
+        if point.rmse > 0:
+            found[method].append(point)
+        else:
+            print(f"   {method}: after {budget:g} s nearer to the truth than its two halves are to each other, left out")
     return {method: points for method, points in found.items() if points}
 
 

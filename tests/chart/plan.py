@@ -47,7 +47,7 @@ class Case:
 
 
 CASES = (
-    Case("cornell_box", 512, 512, "diffuse"),
+    Case("cornell_box", 512, 512, "diffuse", truth_seconds=200.0),  # what it is to judge is quiet
     Case("interior", 400, 250, "interior"),
     Case("kitchen", 360, 240, "textured", "photons", 120.0),  # the sun in its pans: on the wall paths find it once in 10,000
     Case("many_lights", 400, 266, "many lights", truth_seconds=300.0),  # lamps all but touch surfaces: a few pixels have most of the noise
