@@ -40,7 +40,7 @@ struct PartBounds {
   float lower_x[kParts], lower_y[kParts], lower_z[kParts], upper_x[kParts], upper_y[kParts], upper_z[kParts];
 };
 
-// Photons one after another, and their places once more, axis by axis, with room for whole vectors beyond the last.
+// Photons one after another, and their places once more, axis by axis, with room for so many more: kernels read whole vectors.
 inline constexpr uint32_t kSplatRoom = 8;
 struct SplatPhotons {
   const SplatPhoton* photons;

@@ -29,6 +29,19 @@ struct LanesOfMask {
   }
 };
 constexpr LanesOfMask kLanesOfMask;
+
+// Bit k: whether lane k is set; and the lanes that bytes tell.
+#if PHOTON_SPLAT_LANES == 8
+__attribute__((always_inline)) inline uint32_t mask_of(Ints set) { return static_cast<uint32_t>(_mm256_movemask_ps(reinterpret_cast<__m256>(set))); }
+__attribute__((always_inline)) inline Ints spread(uint64_t bytes) {
+  return reinterpret_cast<Ints>(_mm256_cvtepu8_epi32(_mm_cvtsi64_si128(static_cast<int64_t>(bytes))));
+}
+#else
+__attribute__((always_inline)) inline uint32_t mask_of(Ints set) { return static_cast<uint32_t>(_mm_movemask_ps(reinterpret_cast<__m128>(set))); }
+__attribute__((always_inline)) inline Ints spread(uint64_t bytes) {
+  return reinterpret_cast<Ints>(_mm_cvtepu8_epi32(_mm_cvtsi64_si128(static_cast<int64_t>(bytes))));
+}
+#endif
 #endif
 
 // Numbers of the photons of [first, end) that lie within the bounds of part `part`, in their order; how many there are.
@@ -52,34 +65,19 @@ __attribute__((always_inline)) inline uint32_t find_within(const PartBounds& b, 
     _mm512_storeu_si512(found + n, _mm512_maskz_compress_epi32(inside, numbers));
     n += static_cast<uint32_t>(__builtin_popcount(inside));
   }
-#elif PHOTON_SPLAT_LANES == 8
-  for (uint32_t i = first; i < end; i += 8) {
-    const auto within = [i](const float* place, float lower, float upper) __attribute__((always_inline)) {
-      const __m256 p = _mm256_loadu_ps(place + i);
-      return _mm256_and_ps(_mm256_cmp_ps(p, _mm256_set1_ps(lower), _CMP_GE_OQ), _mm256_cmp_ps(p, _mm256_set1_ps(upper), _CMP_LE_OQ));
-    };
-    const __m256 inside = _mm256_and_ps(_mm256_and_ps(within(photons.x, b.lower_x[part], b.upper_x[part]),
-                                                      within(photons.y, b.lower_y[part], b.upper_y[part])),
-                                        within(photons.z, b.lower_z[part], b.upper_z[part]));
-    const uint32_t valid = end - i >= 8 ? 0xff : (1u << (end - i)) - 1;
-    const uint32_t mask = static_cast<uint32_t>(_mm256_movemask_ps(inside)) & valid;
-    const __m256i lanes = _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(static_cast<int64_t>(kLanesOfMask.lanes[mask])));
-    _mm256_storeu_si256(reinterpret_cast<__m256i*>(found + n), _mm256_add_epi32(_mm256_set1_epi32(static_cast<int>(i)), lanes));
-    n += static_cast<uint32_t>(__builtin_popcount(mask));
-  }
 #else
-  for (uint32_t i = first; i < end; i += 4) {
+  for (uint32_t i = first; i < end; i += kLanes) {
     const auto within = [i](const float* place, float lower, float upper) __attribute__((always_inline)) {
-      const __m128 p = _mm_loadu_ps(place + i);
-      return _mm_and_ps(_mm_cmpge_ps(p, _mm_set1_ps(lower)), _mm_cmple_ps(p, _mm_set1_ps(upper)));
+      Floats p;
+      __builtin_memcpy(&p, place + i, sizeof p);
+      return (p >= lower) & (p <= upper);
     };
-    const __m128 inside = _mm_and_ps(_mm_and_ps(within(photons.x, b.lower_x[part], b.upper_x[part]),
-                                                within(photons.y, b.lower_y[part], b.upper_y[part])),
-                                     within(photons.z, b.lower_z[part], b.upper_z[part]));
-    const uint32_t valid = end - i >= 4 ? 0xf : (1u << (end - i)) - 1;
-    const uint32_t mask = static_cast<uint32_t>(_mm_movemask_ps(inside)) & valid;
-    const __m128i lanes = _mm_cvtepu8_epi32(_mm_cvtsi64_si128(static_cast<int64_t>(kLanesOfMask.lanes[mask])));
-    _mm_storeu_si128(reinterpret_cast<__m128i*>(found + n), _mm_add_epi32(_mm_set1_epi32(static_cast<int>(i)), lanes));
+    const Ints inside = within(photons.x, b.lower_x[part], b.upper_x[part]) & within(photons.y, b.lower_y[part], b.upper_y[part]) &
+                        within(photons.z, b.lower_z[part], b.upper_z[part]);
+    const uint32_t valid = end - i >= kLanes ? (1u << kLanes) - 1 : (1u << (end - i)) - 1;
+    const uint32_t mask = mask_of(inside) & valid;
+    const Ints numbers = spread(kLanesOfMask.lanes[mask]) + static_cast<int32_t>(i);
+    __builtin_memcpy(found + n, &numbers, sizeof numbers);
     n += static_cast<uint32_t>(__builtin_popcount(mask));
   }
 #endif
