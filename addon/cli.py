@@ -73,7 +73,7 @@ def parser() -> argparse.ArgumentParser:
     r.add_argument("--seconds", type=_number(float, 1e-3), metavar="S", help="stop after S seconds; with no --passes, only then")
     r.add_argument("--error", type=_number(float, 1e-6), metavar="X", help="stop at this relative error; with no --passes, only then")
     r.add_argument("--passes", type=_number(int, 1, UNLIMITED_PASSES), metavar="N", help="stop after N passes")
-    r.add_argument("--photons-per-pass", type=_number(int, 0, MOST_PHOTONS), metavar="N", help="photon paths traced in each pass")
+    r.add_argument("--photons-per-pass", type=_number(int, 0, MOST_PHOTONS), metavar="N", help="photon paths of the first pass")
     r.add_argument("--resolution", type=_resolution, metavar="WxH", help="size of the picture in pixels")
     r.add_argument("--seed", type=_number(int, 0, 2**32 - 1), metavar="N")
     r.add_argument("--threads", type=_number(int, 0, 1024), metavar="N", help="0 = all")
@@ -85,7 +85,7 @@ def parser() -> argparse.ArgumentParser:
     r.add_argument("--no-boundary-correction", dest="boundary_correction", action="store_const", const=False)
     r.add_argument("--denoise", action="store_const", const=True, help="run Open Image Denoise on the finished picture")
     r.add_argument("--no-adaptive-radius", dest="adaptive_radius", action="store_const", const=False, help="one law for all pixels")
-    r.add_argument("--no-adaptive-samples", dest="adaptive_samples", action="store_const", const=False, help="as many for all pixels")
+    r.add_argument("--no-adaptive-samples", dest="adaptive_samples", action="store_const", const=False, help="passes are all alike")
     r.add_argument("--no-fallback", dest="fallback", action="store_const", const=False, help="no camera paths where photons serve badly")
     r.add_argument("--final-gather", choices=[g.value for g in FinalGather], type=str.upper, help="photons light the second place of paths")
     r.add_argument(

@@ -49,7 +49,7 @@ class PhotonSplatSettings(bpy.types.PropertyGroup):
     )
     photons_per_pass: IntProperty(  # type: ignore[valid-type]
         name="Photons per Pass",
-        description="Number of photon paths that start at the lights in each pass",
+        description="Number of photon paths that start at the lights in the first pass; those that follow have as many as pay",
         default=DEFAULTS.photons_per_pass,
         min=0,
         soft_max=10_000_000,

@@ -39,7 +39,7 @@ def prepared(scene: Scene, **settings: object):
     renderer.build()
     renderer.trace_camera(0)
     renderer.make_points(0)
-    renderer.trace_photons(0, 0, made.photons_per_pass)
+    renderer.trace_photons(0, made.photons_per_pass)
     return renderer
 
 
@@ -77,7 +77,7 @@ def compare(scene: Scene, **settings: object) -> None:
         if layer:
             renderer.select_layer(layer)
             renderer.make_points(0)
-            renderer.trace_photons(0, 0, renderer.paths_per_pass)
+            renderer.trace_photons(0, renderer.paths_per_pass)
         renderer.splat()
         cpu = renderer.points()
         dark = dark and not cpu["irradiance"].any()

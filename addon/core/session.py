@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable, Collection
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -37,6 +37,8 @@ SAMPLES_OF_NOISY_FEATURES = 32.0
 """Up to so many the denoiser's features are noisier than it expects: filtered first, street after 1, 14, 64 samples has an error (relMSE)
 .49, .90, .99 times as large."""
 POLL_SECONDS = 0.05
+FEWEST_PHOTONS = 0.25
+"""Of those that a pass wants: with fewer of them, for want of time, it is left out."""
 FEWEST_PASSES_TO_STOP = 8
 """Before so many the error's estimate is too rough to end a render."""
 
@@ -46,9 +48,28 @@ def next_estimate(passes: int) -> int:
     return passes + max(1, passes // 4)
 
 
-def samples_that_fit(left: float, took: float, camera: float, samples: float) -> float:
-    """Camera samples per pixel that a pass can have in `left` seconds, if another took `took`, `camera` of them for `samples`."""
-    return (left - (took - camera)) * samples / max(camera, 1e-9)
+class PassSize(NamedTuple):
+    """What a pass has, or the seconds that go with it: camera samples per pixel, and photons over those of the first pass."""
+
+    samples: float
+    photons: float
+
+
+def pass_that_fits(left: float, took: float, seconds: PassSize, last: PassSize, wanted: PassSize) -> PassSize | None:
+    """What of the pass `wanted` can be done in `left` seconds, if the last one took `took`, `seconds` of them for its samples and
+    photons; None if there is no time for a sample in each pixel and some photons."""
+    left -= took - sum(seconds)
+    of_samples = seconds.samples * wanted.samples / last.samples
+    of_photons = seconds.photons * wanted.photons / last.photons
+    if left <= 0.0:
+        return None
+    if of_samples + of_photons <= left:
+        return wanted
+    share = left / (of_samples + of_photons)
+    if share * wanted.samples >= 1.0:
+        return PassSize(share * wanted.samples, share * wanted.photons)
+    left -= of_samples / wanted.samples
+    return PassSize(1.0, wanted.photons * min(left / of_photons, 1.0)) if 0.0 < FEWEST_PHOTONS * of_photons <= left else None
 
 
 class _Worker(threading.Thread):
@@ -114,15 +135,15 @@ class _Worker(threading.Thread):
         self.prepare()
         self.prepared = True
         while self.passes_done < self.settings.passes:
-            began, pilot, camera = time.monotonic(), self.renderer.pilot_seconds, self.renderer.camera_seconds
-            samples = self.renderer.samples_per_pass
+            began, pilot, before = time.monotonic(), self.renderer.pilot_seconds, self._stage_seconds()
+            size = PassSize(*self.renderer.next_pass)
             self.stage = f"Pass {self.passes_done + 1}"
             if self.settings.integrator is Integrator.REFERENCE:
                 self.renderer.trace_reference(self.passes_done)
             else:
                 self._splat_pass(self.passes_done)
             self.passes_done += 1
-            self.samples_done += samples
+            self.samples_done += size.samples
             converged = self._estimate_error()
             if self.want_interim and self.interim is None and self.passes_done < self.settings.passes:
                 self.interim = passes_from_film(self.renderer.film(film_arrays(self.wanted)), self.light_groups)
@@ -130,17 +151,24 @@ class _Worker(threading.Thread):
             if converged:
                 return
             if self.settings.time_limit:
-                took = time.monotonic() - began - (self.renderer.pilot_seconds - pilot)
-                if not self._another_fits(took, min(took, self.renderer.camera_seconds - camera), samples):
+                pilot = self.renderer.pilot_seconds - pilot
+                now, took = self._stage_seconds(), time.monotonic() - began - pilot
+                photons = min(max(now.photons - before.photons - pilot, 0.0), took)
+                seconds = PassSize(min(now.samples - before.samples, took - photons), photons)
+                if not self._another_fits(took, seconds, size):
                     return
 
-    def _another_fits(self, took: float, camera: float, samples: float) -> bool:
-        """Whether one more pass like the last one keeps the time limit, if need be with fewer camera samples, which it then gets."""
-        fitting = samples_that_fit(self.started + self.settings.time_limit - time.monotonic(), took, camera, samples)
-        if fitting < 1.0:
+    def _stage_seconds(self) -> PassSize:
+        return PassSize(self.renderer.camera_seconds, self.renderer.photon_seconds)
+
+    def _another_fits(self, took: float, seconds: PassSize, last: PassSize) -> bool:
+        """Whether one more pass keeps the time limit, if need be a smaller one, which it then will be."""
+        wanted = PassSize(*self.renderer.next_pass)
+        fitting = pass_that_fits(self.started + self.settings.time_limit - time.monotonic(), took, seconds, last, wanted)
+        if fitting is None:
             return False
-        if fitting < self.renderer.samples_per_pass:
-            self.renderer.limit_samples(fitting)
+        if fitting != wanted:
+            self.renderer.limit_pass(*fitting)
         return True
 
     def _choose_splatter(self) -> Splatter:
@@ -173,7 +201,7 @@ class _Worker(threading.Thread):
             batch = min(max(-(-photons // BATCHES_PER_PASS), LEAST_PHOTONS_PER_BATCH), batch)
         self.splatter.begin_pass()
         for first in range(0, photons, batch):
-            self.renderer.trace_photons(number, first, min(batch, photons - first))
+            self.renderer.trace_photons(first, min(batch, photons - first))
             self.splatter.add_photons()
         self.splatter.finish_pass()
 

@@ -302,7 +302,7 @@ class Controller:
                 renderer.select_layer(layer)
                 renderer.make_points(number)
                 for first in range(0, renderer.paths_per_pass, PHOTONS_PER_BATCH):
-                    renderer.trace_photons(number, first, min(PHOTONS_PER_BATCH, renderer.paths_per_pass - first))
+                    renderer.trace_photons(first, min(PHOTONS_PER_BATCH, renderer.paths_per_pass - first))
                     renderer.splat()
             renderer.resolve()
             self.counts.passes += 1

@@ -2,6 +2,7 @@
 #include <atomic>
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
@@ -414,15 +415,18 @@ NB_MODULE(photon_splat_native, m) {
       .def("build", &Renderer::build, released)
       .def_prop_ro("layers", &Renderer::layer_count, "Kinds of photons: indirect light, and caustics where something can make them.")
       .def("select_layer", &Renderer::select_layer, "layer"_a, "The one that points, photons and splats are about from now on; 0 at first.")
-      .def_prop_ro("samples_per_pass", &Renderer::samples_per_pass, "Camera samples of the next pass, in each pixel on average.")
-      .def("limit_samples", &Renderer::limit_samples, "mean"_a, "Fewer of them in the passes to come: at most so many on average, if not less than 1.",
+      .def_prop_ro("next_pass", [](Renderer& r) { const Renderer::PassSize size = r.next_pass(); return std::pair(size.samples, size.photons); },
+                   "Of the next pass: camera samples in each pixel on average; photons over those of the first pass, by their work.")
+      .def("limit_pass", [](Renderer& r, double samples, double photons) { r.limit_pass({samples, photons}); }, "samples"_a, "photons"_a,
+           "Less in the passes to come than next_pass says: at most so much, but one camera sample in each pixel at the least.",
            released)
       .def_prop_ro("camera_seconds", [](Renderer& r) { return r.seconds().camera; }, "Of the stages' seconds: those that camera samples took.")
+      .def_prop_ro("photon_seconds", [](Renderer& r) { return r.seconds().photons + r.seconds().splat; }, "Likewise: photons.")
       .def_prop_ro("pilot_seconds", [](Renderer& r) { return r.seconds().pilot; }, "Of the stages' seconds: in the first pass only.")
       .def_prop_ro("paths_per_pass", &Renderer::paths_per_pass, "Photon paths of a pass in the selected layer.")
       .def("trace_camera", &Renderer::trace_camera, "pass"_a, released)
       .def("make_points", &Renderer::make_points, "pass"_a, released)
-      .def("trace_photons", &Renderer::trace_photons, "pass"_a, "first"_a, "count"_a, released)
+      .def("trace_photons", &Renderer::trace_photons, "first"_a, "count"_a, released)
       .def("splat", &Renderer::splat, released)
       .def("resolve", &Renderer::resolve, released)
       .def("trace_reference", &Renderer::trace_reference, "sample"_a, released)

@@ -11,8 +11,9 @@ constexpr double kCausticPhotonsPerDisc = 25;
 constexpr size_t kUnscouted = 16;  // at most one record of so many lies on a surface that scouts have not seen, or the pilot is traced again
 constexpr uint32_t kGatheredSamples = 4;  // of a pixel in a pass where photons light what paths meet: theirs is most of the noise
 constexpr uint32_t kPathSamples = 16;     // the same where paths bring all of the indirect light
+constexpr float kNoiseOfOne = 4.0f / 3;   // photon in a disc: squared relative error of what an Epanechnikov kernel makes of it
 constexpr float kGatheredSpacing = 2;  // times that of points that are seen: a pixel's paths meet many
-constexpr double kShrinkExponent = -1.0 / 6.0;  // h ~ pass^(-1/6): variance and squared bias fall alike (Knaus & Zwicker 2011)
+constexpr double kShrinkExponent = -1.0 / 6.0;  // h ~ paths^(-1/6): variance and squared bias fall alike (Knaus & Zwicker 2011)
 
 class Timer {
  public:
@@ -36,6 +37,7 @@ void Renderer::add_layer(PhotonStream stream, double photons_per_disc, uint64_t 
   // Where photons light what paths meet one bounce on, theirs are one less.
   const int bounces = std::max(0, options.max_bounces - (options.final_gather && stream != PhotonStream::kCaustic));
   layer->tracer = std::make_unique<PhotonTracer>(scene, *lights_, bounces, stream);
+  layer->index = layers_.size();
   layer->splatter = std::make_unique<Splatter>(options.kernel);
   if (scene.light_groups) layer->tracer->keep_light_groups();
   layers_.push_back(std::move(layer));
@@ -65,8 +67,18 @@ void Renderer::reset_film() {
   film_.height = camera_settings.region_height;
   film_.light_groups = scene.light_groups;
   errors_.reset(film_.width, film_.height);
-  samples_.reset(film_.width, film_.height, options.final_gather ? kGatheredSamples : 1);
-  for (const auto& layer : layers_) layer->choice.reset(film_.width, film_.height);
+  std::vector<PhotonSet> photons(layers_.size());
+  for (const auto& layer : layers_) {
+    PhotonSet& set = photons[layer->index];
+    // What photons do to paths that end at them passes for the camera's noise.
+    if (options.final_gather && layer->stream != PhotonStream::kCaustic) set.fewest = 1;
+    if (options.kept_photon_bytes) set.fewest = set.most = 1;
+  }
+  samples_.reset(film_.width, film_.height, options.final_gather ? kGatheredSamples : 1, std::move(photons));
+  for (const auto& layer : layers_) {
+    layer->choice.reset(film_.width, film_.height);
+    layer->first_path = 0;
+  }
   fallback_.reset();  // of other records
   fallback_learnt_ = false;
 }
@@ -86,13 +98,14 @@ Layer& Renderer::selected() const {
   return *current_;
 }
 
-float Renderer::radius_factor(uint32_t pass) const {
-  return options.radius_scale * static_cast<float>(std::pow(pass + 1.0, kShrinkExponent));
+float Renderer::radius_factor(const Layer& layer) const {
+  const double paths = static_cast<double>(layer.first_path + paths_of(layer));
+  return options.radius_scale * static_cast<float>(std::pow(std::max(1.0, paths / std::max(1.0, double(layer.paths_per_pass))), kShrinkExponent));
 }
 
 void Renderer::trace_records(uint32_t pass, CameraTracer::Tiles tiles) {
   Timer timer(seconds_.camera);
-  camera_tracer_->set_fallback(fallback_ ? &*fallback_ : nullptr, layers_.size() > 1, radius_factor(pass));
+  camera_tracer_->set_fallback(fallback_ ? &*fallback_ : nullptr, layers_.size() > 1, radius_factor(*layers_.front()));
   begin_pass_film();
   samples_.begin_pass(scene.pool());
   records_ = &camera_tracer_->trace(pass, samples_, sky_, options.max_bounces, pass_film_, cancel_, tiles);
@@ -155,7 +168,7 @@ void Renderer::forget_fallback() {
 // What the first pass lacks once the fallback has been learnt; whether anything falls back.
 bool Renderer::trace_more(uint32_t pass, CameraTracer::Tiles tiles) {
   Timer timer(seconds_.camera);
-  camera_tracer_->set_fallback(&*fallback_, layers_.size() > 1, radius_factor(pass));
+  camera_tracer_->set_fallback(&*fallback_, layers_.size() > 1, radius_factor(*layers_.front()));
   records_ = &camera_tracer_->trace(pass, samples_, sky_, options.max_bounces, pass_film_, cancel_, tiles);
   return camera_tracer_->last_fallbacks() > 0;
 }
@@ -228,7 +241,7 @@ void Renderer::make_points(uint32_t pass) {
     PointSettings s;
     s.photons_per_disc = layer.photons_per_disc;
     s.paths_per_pass = static_cast<double>(std::max<uint64_t>(1, layer.paths_per_pass));
-    s.radius_factor = radius_factor(pass);
+    s.radius_factor = radius_factor(layer);
     s.caustics = layer.stream == PhotonStream::kCaustic;
     s.spacing = options.point_spacing;
     if (options.final_gather) s.wandered_spacing = kGatheredSpacing * options.point_spacing;
@@ -246,10 +259,10 @@ void Renderer::make_points(uint32_t pass) {
   layer.splatter->set_blocks(layer.points.block_bounds());
 }
 
-void Renderer::trace_photons(uint32_t pass, uint64_t first, uint64_t count) {
+void Renderer::trace_photons(uint64_t first, uint64_t count) {
   Layer& layer = selected();
   Timer timer(seconds_.photons);
-  const uint64_t from = pass * layer.paths_per_pass + first;
+  const uint64_t from = layer.first_path + first;
   if (const PhotonSlices::Slice* kept = layer.kept.find(from, count)) {
     photons_ = &kept->photons;
     photon_groups_ = &kept->light_groups;
@@ -259,7 +272,7 @@ void Renderer::trace_photons(uint32_t pass, uint64_t first, uint64_t count) {
     const bool keep = options.kept_photon_bytes > kept_photon_bytes() && !layer.kept.full();
     KeyFilter everywhere;
     if (keep) everywhere.add_all();
-    photons_ = &layer.tracer->trace(from, count, static_cast<double>(layer.paths_per_pass), hash_combine(layer.seed, 1),
+    photons_ = &layer.tracer->trace(from, count, static_cast<double>(paths_of(layer)), hash_combine(layer.seed, 1),
                                     keep ? everywhere : layer.points.keys(), cancel_);
     photon_groups_ = &layer.tracer->light_groups();
     if (keep) layer.kept.add(from, count, *photons_, *photon_groups_, options.kept_photon_bytes - kept_photon_bytes());
@@ -307,7 +320,8 @@ void Renderer::resolve() {
     add_irradiance(*layer, false);
     layer->choice.end_pass(scene.pool());
   }
-  if (adaptive) samples_.end_pass(pass_film_, camera_work(), scene.pool());
+  if (adaptive) samples_.end_pass(pass_film_, take_work(), scene.pool());
+  for (const auto& layer : layers_) layer->first_path += paths_of(*layer);
   finish_pass();
 }
 
@@ -316,6 +330,8 @@ void Renderer::add_irradiance(Layer& layer, bool wandered) {
   const Records& records = *records_;
   const std::vector<PointBlock>& blocks = layer.points.blocks();
   const std::vector<size_t>& ranges = camera_tracer_->tile_ranges();
+  std::vector<float>& noise = samples_.photons(layer.index).noise;
+  if (!wandered) std::fill(noise.begin(), noise.end(), 0.0f);
   scene.pool().for_each(ranges.size() - 1, cancel_, [&](size_t tile, int) {
     for (size_t i = ranges[tile]; i < ranges[tile + 1]; ++i) {
       const uint32_t point = layer.points.point_of_record(i), lane = point % kBlockSize;
@@ -333,6 +349,7 @@ void Renderer::add_irradiance(Layer& layer, bool wandered) {
       if (wide > 0) {
         const float detail = luminance(light) * (1 - block.narrow[lane] * block.narrow_scale[lane] / wide);
         pixel.detail += detail;
+        if (!wandered) noise[records[i].pixel] += luminance(light) * pixel.share() * std::sqrt(kNoiseOfOne / block.count[lane]);
         if (!wandered) layer.choice.detail()[records[i].pixel] += detail * pixel.share();
       }
       // Photons per square metre: the kernel disc holds `count` of them.
@@ -341,25 +358,42 @@ void Renderer::add_irradiance(Layer& layer, bool wandered) {
   });
 }
 
-// What one camera sample in each pixel costs, over what the pass' photons do, from the rays of both. In camera rays with their
-// shading: a photon's ray is about a third of one, a material's program that it runs one, a photon splatted two, a record that finds its
-// point one, a point's boundary four.
-double Renderer::camera_work() const {
-  double samples = 0, photons = 0;
+// Of the last pass, in camera rays with their shading: a photon's ray is about a third of one, a material's program that it runs one, a
+// photon splatted two, a record that finds its point one, a point's boundary eight.
+PassWork Renderer::take_work() {
+  PassWork work;
+  double samples = 0;
   for (const Pixel& p : pass_film_.pixels) samples += p.samples;
+  const double camera = static_cast<double>(camera_tracer_->last_rays()) + static_cast<double>(records_ ? records_->size() : 0);
+  work.samples = camera / std::max(samples, 1.0) * static_cast<double>(pass_film_.pixels.size());
   for (const auto& layer : layers_) {
+    double& photons = samples_.photons(layer->index).work = 0;
     if (idle(*layer)) continue;
     if (options.kept_photon_bytes) {  // found again or not, so that pictures do not depend on it
-      if (layer->last_paths) photons += 2.0 * static_cast<double>(layer->last_used) * layer->paths_per_pass / layer->last_paths;
+      if (layer->last_paths) photons = 2.0 * static_cast<double>(layer->last_used) * layer->paths_per_pass / layer->last_paths;
       continue;
     }
     const PhotonCounts counts = layer->tracer->last_counts();
     if (counts.traced)
-      photons += (counts.rays / 3.0 + 1.2 * counts.shaded + 2.0 * counts.stored) * layer->paths_per_pass / counts.traced;
-    photons += 4.0 * static_cast<double>(layer->points.size());
+      photons = (counts.rays / 3.0 + 1.2 * counts.shaded + 2.0 * counts.stored) * static_cast<double>(paths_of(*layer)) / counts.traced;
+    work.fixed += 8.0 * static_cast<double>(layer->points.size());
   }
-  const double camera = (static_cast<double>(camera_tracer_->last_rays()) + static_cast<double>(records_ ? records_->size() : 0)) / std::max(samples, 1.0);
-  return photons > 0 ? camera * static_cast<double>(pass_film_.pixels.size()) / photons : 1;
+  return work;
+}
+
+// As wished for, of 1 where passes are all alike.
+uint64_t Renderer::paths_of(const Layer& layer) const {
+  return options.adaptive_samples ? std::llround(samples_.photons(layer.index).count * static_cast<double>(layer.paths_per_pass)) : layer.paths_per_pass;
+}
+
+Renderer::PassSize Renderer::next_pass() {
+  if (!options.adaptive_samples) return {};
+  samples_.begin_pass(scene.pool());
+  return {samples_.mean_count(), samples_.photon_count()};
+}
+
+void Renderer::limit_pass(const PassSize& most) {
+  if (options.adaptive_samples) samples_.limit(most.samples, most.photons, scene.pool());
 }
 
 void Renderer::finish_pass() {

@@ -65,6 +65,8 @@ struct Layer {
   PhotonSlices kept{};
   PhotonCounts before{};          // of the tracer when this render began
   uint64_t used = 0, reused = 0;  // photons handed to the splatter in this render; those of them that were kept
+  size_t index = 0;               // among the layers
+  uint64_t first_path = 0;        // of this pass: so many were of the passes before
   uint64_t last_paths = 0, last_used = 0;  // of the last batch: paths, and the photons they left
 };
 
@@ -86,21 +88,19 @@ class Renderer {
   const Layer& layer(size_t i) const { return *layers_.at(i); }
   // The layer that the following stages are about; 0, the indirect light, at first.
   void select_layer(size_t i) { current_ = layers_.at(i).get(); }
-  // Camera samples of the next pass, in each pixel on average.
-  double samples_per_pass() {
-    if (options.adaptive_samples) samples_.begin_pass(scene.pool());
-    return options.adaptive_samples ? samples_.mean_count() : 1;
-  }
-  // Fewer in the passes to come, so that they are at most `mean` in each pixel on average.
-  void limit_samples(double mean) {
-    if (options.adaptive_samples) samples_.limit(mean, scene.pool());
-  }
+  // What the next pass has: camera samples in each pixel on average, and photons over those of the first pass, by their work.
+  struct PassSize {
+    double samples = 1, photons = 1;
+  };
+  PassSize next_pass();
+  // Less in the passes to come; one camera sample in each pixel at the least.
+  void limit_pass(const PassSize& most);
   // Photon paths of a pass in the selected layer: 0 where camera paths bring all of its light, as the first trace_camera() may find.
-  uint64_t paths_per_pass() const { return current_ && !idle(*current_) ? current_->paths_per_pass : 0; }
+  uint64_t paths_per_pass() const { return current_ && !idle(*current_) ? paths_of(*current_) : 0; }
   // Visible points for those records; the first call traces the pilot that chooses radii.
   void make_points(uint32_t pass);
-  // Photon paths [first, first + count) of pass `pass`. Kept until the next call.
-  void trace_photons(uint32_t pass, uint64_t first, uint64_t count);
+  // Photon paths [first, first + count) of the pass that trace_camera() has begun. Kept until the next call.
+  void trace_photons(uint64_t first, uint64_t count);
   // Adds those photons to the points.
   void splat();
   // Instead of splat(), for a splatter elsewhere: which of the photons [first, first + count) each block may catch. That
@@ -153,7 +153,8 @@ class Renderer {
 
  private:
   void finish_pass();
-  double camera_work() const;
+  PassWork take_work();
+  uint64_t paths_of(const Layer& layer) const;
   Layer& selected() const;
   void add_layer(PhotonStream stream, double photons_per_disc, uint64_t paths_per_pass);
   void make_layers();
@@ -168,7 +169,7 @@ class Renderer {
   KeyFilter keys_seen(const Layer& layer) const;
   // Of photons that are kept: none, as they serve all views.
   const Camera* viewer() const { return options.kept_photon_bytes ? nullptr : camera_.get(); }
-  float radius_factor(uint32_t pass) const;
+  float radius_factor(const Layer& layer) const;
   void add_irradiance(Layer& layer, bool wandered);
   void check_light_groups() const;
   void splat_groups(Layer& layer);

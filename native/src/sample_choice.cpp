@@ -12,6 +12,8 @@ constexpr double kMost = 256;       // samples of a pixel in one pass
 constexpr double kMostMean = 2;     // of all pixels: passes stay short
 constexpr double kOutlier = 100;    // times the mean deviation: more counts as that much
 constexpr double kLeastWork = 0.05;
+// Variance of low-discrepancy samples over that of random ones: before it is known, and the smallest that is believed.
+constexpr double kUsualOrder = 0.5, kBestOrder = 0.05;
 
 float known(float variance) { return variance < 1e30f ? variance : 0; }
 
@@ -34,7 +36,13 @@ float SampleChoice::Moments::variance(size_t i, float samples, float passes) con
   return std::max(0.0f, squares[i] - sum[i] * sum[i] / samples) / (passes - 1);
 }
 
-void SampleChoice::reset(int width, int height, uint32_t least) {
+double PhotonSet::variance(double limit) const {
+  double sum = 0;
+  for (const float n : noise) sum += std::pow(n < limit ? n : limit, 2);
+  return sum * last;
+}
+
+void SampleChoice::reset(int width, int height, uint32_t least, std::vector<PhotonSet> photons) {
   least_ = least;
   width_ = width;
   height_ = height;
@@ -43,6 +51,9 @@ void SampleChoice::reset(int width, int height, uint32_t least) {
   const size_t pixels = static_cast<size_t>(width) * height;
   camera_.reset(pixels);
   all_.reset(pixels);
+  photons_ = std::move(photons);
+  for (PhotonSet& set : photons_) set.noise.assign(pixels, 0.0f);
+  by_photons_.assign(pixels, 0.0f);
   samples_.assign(pixels, 0.0f);
   extra_.assign(pixels, 0);
   count_.assign(pixels, 1);
@@ -62,39 +73,55 @@ double SampleChoice::mean_count() const {
 
 void SampleChoice::see_camera(const Film& pass, ThreadPool& pool) { see(pass, camera_, pool); }
 
-void SampleChoice::end_pass(const Film& pass, double work, ThreadPool& pool) {
+double SampleChoice::photon_count() const {
+  double first = 0, next = 0;
+  for (const PhotonSet& set : photons_) {
+    first += set.unit_work();
+    next += set.unit_work() * set.count;
+  }
+  return first > 0 ? next / first : 1;
+}
+
+void SampleChoice::end_pass(const Film& pass, const PassWork& work, ThreadPool& pool) {
   see(pass, all_, pool);
   const CancelFlag never;
   pool.for_each(static_cast<size_t>(height_), never, [&](size_t row, int) {
     for (size_t i = row * width_; i < (row + 1) * width_; ++i) {
       samples_[i] += pass.pixels[i].samples;
+      for (const PhotonSet& set : photons_) by_photons_[i] += pass.pixels[i].samples * set.noise[i] * set.noise[i];
       extra_[i] += count_[i] - 1u;
     }
   });
+  for (PhotonSet& set : photons_) set.last = set.count;
   to_choose_ = std::has_single_bit(++passes_);
   work_ = work;
 }
 
-void SampleChoice::limit(double mean, ThreadPool& pool) {
+void SampleChoice::limit(double mean, double photons, ThreadPool& pool) {
   begin_pass(pool);
   while (mean_count() > std::max(mean, 1.0))
     for (uint16_t& count : count_) count = static_cast<uint16_t>((count + 1) / 2);
+  const double share = std::min(1.0, photons / photon_count());
+  for (PhotonSet& set : photons_)
+    if (set.fewest < set.most) set.count *= share;
 }
 
 void SampleChoice::begin_pass(ThreadPool& pool) {
-  const auto of = [&](const Moments& moments) { return passes_ > 1 ? deviations(moments, pool) : first_deviations(moments, pool); };
-  if (to_choose_) choose(of(camera_), of(all_));
+  if (to_choose_) choose(passes_ > 1 ? deviations(pool) : first_deviations(all_, pool));
   to_choose_ = false;
 }
 
 // Of one sample, as the eight pixels around tell. The pixel's own samples have no say: what is bright by chance would get more company
-// than what is dark by chance, and the mean come out too dark.
-std::vector<float> SampleChoice::deviations(const Moments& moments, ThreadPool& pool) const {
+// than what is dark by chance, and the mean come out too dark. What edges do to the light of photons counts as well.
+std::vector<float> SampleChoice::deviations(ThreadPool& pool) const {
   std::vector<float> own(samples_.size()), result(samples_.size());
   const CancelFlag never;
   pool.for_each(static_cast<size_t>(height_), never, [&](size_t row, int) {
-    for (size_t i = row * width_; i < (row + 1) * width_; ++i)
-      own[i] = known(moments.variance(i, std::max(samples_[i], 1.0f), static_cast<float>(passes_)));
+    for (size_t i = row * width_; i < (row + 1) * width_; ++i) {
+      const float samples = std::max(samples_[i], 1.0f), passes = static_cast<float>(passes_);
+      const float all = known(all_.variance(i, samples, passes)), camera = known(camera_.variance(i, samples, passes));
+      own[i] = std::max(camera, all - known(by_photons_[i] / passes));
+    }
   });
   pool.for_each(static_cast<size_t>(height_), never, [&](size_t row, int) {
     const int top = std::max(static_cast<int>(row) - 1, 0), bottom = std::min(static_cast<int>(row) + 1, height_ - 1);
@@ -112,7 +139,8 @@ std::vector<float> SampleChoice::deviations(const Moments& moments, ThreadPool& 
 }
 
 // The same after one sample of each pixel: as those next to each other differ, at most two pixels away. What is seen only further than
-// one away counts little, but an edge that is as bright as a lamp is not to be missed.
+// one away counts little, but an edge that is as bright as a lamp is not to be missed. What photons add differs little so close by, but
+// at edges.
 std::vector<float> SampleChoice::first_deviations(const Moments& moments, ThreadPool& pool) const {
   const std::vector<float>& light = moments.sum;
   std::vector<float> across(light.size()), down(light.size()), result(light.size());
@@ -153,25 +181,58 @@ std::vector<float> SampleChoice::first_deviations(const Moments& moments, Thread
   return result;
 }
 
-void SampleChoice::choose(const std::vector<float>& camera, const std::vector<float>& all) {
-  const auto mean_below = [&](double limit) {
-    double sum = 0;
-    for (const float d : all) sum += std::min<double>(d, limit);
-    return all.empty() ? 0 : sum / static_cast<double>(all.size());
-  };
-  const double limit = kOutlier * mean_below(INFINITY);
-  double photons = 0, wanted = 0;
-  for (size_t i = 0; i < all.size(); ++i) {
-    const double d = std::min<double>(all[i], limit), c = std::min<double>(camera[i], limit);
-    photons += std::max(0.0, d * d - c * c);
-    wanted += c;
+void SampleChoice::choose(const std::vector<float>& deviations) {
+  const double pixels = static_cast<double>(deviations.size());
+  double all = 0, wanted = 0, photons = 0, photon_work = work_.fixed;
+  for (size_t i = 0; i < deviations.size(); ++i) {
+    float variance = deviations[i] * deviations[i];
+    for (const PhotonSet& set : photons_) variance += set.noise[i] * set.noise[i];
+    all += std::sqrt(known(variance));
   }
-  const double pixels = static_cast<double>(all.size());
-  const double worth = std::sqrt(photons / pixels * std::max(work_, kLeastWork));
+  const double limit = kOutlier * all / std::max(pixels, 1.0);
+  for (const float d : deviations) wanted += std::min<double>(d, limit);
+  for (const PhotonSet& set : photons_) {
+    photons += set.variance(limit);
+    photon_work += set.unit_work();
+  }
+  const double relative_work = photon_work > 0 ? work_.samples / photon_work : 1;
+  const double worth = std::sqrt(photons / pixels * std::max(relative_work, kLeastWork));
   const double least = std::clamp(worth > 0 ? wanted / pixels / worth : kMost, 1.0, static_cast<double>(least_));
   const double unit = std::max(worth, wanted / pixels / kMostMean);
-  for (size_t i = 0; i < count_.size(); ++i)
-    count_[i] = static_cast<uint16_t>(unit > 0 ? rounded(std::min<double>(camera[i], limit) / unit, least) : 1);
+  double remaining = 0;
+  for (size_t i = 0; i < count_.size(); ++i) {
+    const double d = std::min<double>(deviations[i], limit);
+    count_[i] = static_cast<uint16_t>(unit > 0 ? rounded(d / unit, least) : 1);
+    remaining += d * d / count_[i];
+  }
+  choose_photons(limit, remaining * gain_of_order(deviations, limit));
+}
+
+// By how much the mean of low-discrepancy samples varies less than that of random ones with the same deviations, as the passes since
+// the last choice differ from those before it.
+double SampleChoice::gain_of_order(const std::vector<float>& deviations, double limit) {
+  double found = 0, random = 0;
+  if (passes_ > 1)
+    for (size_t i = 0; i < samples_.size(); ++i) {
+      const float before = samples_then_[i], since = samples_[i] - before;
+      const double difference = known(then_[i] / before - (camera_.sum[i] - then_[i]) / since);
+      const double of_one = 1 / before + 1 / since;
+      found += std::min(difference * difference, limit * limit * of_one);
+      random += std::pow(std::min<double>(deviations[i], limit), 2) * of_one;
+    }
+  then_ = camera_.sum;
+  samples_then_ = samples_;
+  return random > 0 ? std::clamp(found / random, kBestOrder, 1.0) : kUsualOrder;
+}
+
+void SampleChoice::choose_photons(double limit, double camera_variance) {
+  const double others = work_.fixed + work_.samples * mean_count();
+  for (PhotonSet& set : photons_) {
+    const double variance = set.variance(limit);
+    if (!(set.work > 0)) continue;
+    const double wanted = variance > 0 ? std::sqrt(variance / camera_variance * (others / set.unit_work())) : 0;
+    set.count = std::clamp(wanted, set.fewest, set.most);
+  }
 }
 
 }  // namespace photon_splat

@@ -61,7 +61,7 @@ Rgb mean_light(Renderer& renderer, uint32_t passes, bool reference) {
     for (size_t layer = 0; layer < renderer.layer_count(); ++layer) {
       renderer.select_layer(layer);
       renderer.make_points(pass);
-      renderer.trace_photons(pass, 0, photons);
+      renderer.trace_photons(0, renderer.paths_per_pass());
       renderer.splat();
     }
     renderer.resolve();

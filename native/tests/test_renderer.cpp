@@ -37,9 +37,9 @@ void fill_box(Renderer& renderer, bool glowing) {
 void render_pass(Renderer& renderer, uint32_t pass) {
   renderer.trace_camera(pass);
   renderer.make_points(pass);
-  const uint64_t photons = renderer.options.photons_per_pass;
+  const uint64_t photons = renderer.paths_per_pass();
   for (uint64_t first = 0; first < photons; first += 8192) {
-    renderer.trace_photons(pass, first, std::min<uint64_t>(8192, photons - first));
+    renderer.trace_photons(first, std::min<uint64_t>(8192, photons - first));
     renderer.splat();
   }
   renderer.resolve();
@@ -92,7 +92,7 @@ TEST_CASE("a render that is cancelled from another thread stops soon, with Cance
     for (uint32_t pass = 1; pass < 100000; ++pass) {
       renderer.trace_camera(pass);
       renderer.make_points(pass);
-      renderer.trace_photons(pass, 0, 20000);
+      renderer.trace_photons(0, 20000);
       renderer.splat();
     }
   };

@@ -55,7 +55,7 @@ double mean_indirect(const Film& film) {
 void render_pass(Renderer& renderer, uint32_t pass) {
   renderer.trace_camera(pass);
   renderer.make_points(pass);
-  renderer.trace_photons(pass, 0, renderer.options.photons_per_pass);
+  renderer.trace_photons(0, renderer.paths_per_pass());
   renderer.splat();
   renderer.resolve();
 }

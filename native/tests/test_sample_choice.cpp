@@ -11,10 +11,11 @@ constexpr int kWidth = 32, kHeight = 24;
 
 // After `passes` passes of a picture in which camera_noise(x) and photon_noise(x) are the deviations of one sample of each kind.
 template <class Camera, class Photons>
-SampleChoice after(uint32_t passes, Camera&& camera_noise, Photons&& photon_noise, uint32_t least = 1) {
+SampleChoice after(uint32_t passes, Camera&& camera_noise, Photons&& photon_noise, uint32_t least = 1,
+                   const PassWork& work = {1, 0}) {
   ThreadPool pool(2);
   SampleChoice choice;
-  choice.reset(kWidth, kHeight, least);
+  choice.reset(kWidth, kHeight, least, {PhotonSet{}});
   Film film;
   film.reset(kWidth, kHeight);
   Random random(3, 5);
@@ -27,11 +28,14 @@ SampleChoice after(uint32_t passes, Camera&& camera_noise, Photons&& photon_nois
       for (uint32_t s = 0; s < choice.count(i); ++s) p.emission += Rgb{1, 1, 1} * (1 + noise(camera_noise(x)));
     }
     choice.see_camera(film, pool);
+    PhotonSet& photons = choice.photons(0);
     for (size_t i = 0; i < film.pixels.size(); ++i) {  // photons are those of the pass, for all its samples
       Pixel& p = film.pixels[i];
-      p.diffuse_indirect += Rgb{1, 1, 1} * (p.samples * (1 + noise(photon_noise(static_cast<int>(i % kWidth)))));
+      photons.noise[i] = photon_noise(static_cast<int>(i % kWidth)) / static_cast<float>(std::sqrt(photons.count));
+      p.diffuse_indirect += Rgb{1, 1, 1} * (p.samples * (1 + noise(photons.noise[i])));
     }
-    choice.end_pass(film, 1, pool);
+    photons.work = photons.count;
+    choice.end_pass(film, work, pool);
     choice.begin_pass(pool);
   }
   return choice;
@@ -88,18 +92,60 @@ TEST_CASE("limited samples keep where they go, and number on") {
   SampleChoice choice = after(4, stripe, nothing, 4);
   const uint32_t first = choice.first(kMiddle + 20, 4), count = choice.count(kMiddle + 20);
   ThreadPool pool(2);
-  choice.limit(3, pool);
+  choice.limit(3, 8, pool);
   CHECK(choice.mean_count() <= 3);
   CHECK(choice.count(kMiddle + 20) > choice.count(kMiddle + 5));
   CHECK(choice.count(kMiddle + 20) < count);
   CHECK(choice.first(kMiddle + 20, 4) == first);
-  choice.limit(0, pool);
+  choice.limit(0, 8, pool);
   CHECK(choice.mean_count() == 1);
 }
 
 TEST_CASE("a black picture and light that is not finite ask for nothing") {
   CHECK(total(after(4, nothing, nothing)) == kWidth * kHeight);
   CHECK(total(after(4, [](int) { return INFINITY; }, nothing)) == kWidth * kHeight);
+}
+
+TEST_CASE("photons get what they are worth beside the camera's samples, within bounds") {
+  const auto photons_after = [](float camera, float photons, const PassWork& work) {
+    return after(16, [=](int) { return camera; }, [=](int) { return photons; }, 1, work).photons(0).count;
+  };
+  // Random samples: their order gains nothing. One of each pixel, as noise is the photons': (c^2 + s^2/m) (1 + m) is least for m = s/c.
+  CHECK(photons_after(0.1f, 0.3f, {1, 0}) == doctest::Approx(3).epsilon(0.15));
+  CHECK(photons_after(0.1f, 0.3f, {1, 3}) == doctest::Approx(6).epsilon(0.15));  // half as much, with three times the work fixed
+  CHECK(photons_after(0.01f, 0.3f, {1, 0}) == 8);
+  CHECK(photons_after(0.0f, 0.3f, {1, 0}) == 8);
+  CHECK(photons_after(0.3f, 0.001f, {1, 0}) == 0.25);
+  CHECK(photons_after(0.3f, 0.0f, {1, 0}) == 0.25);
+}
+
+TEST_CASE("limited photons keep their proportions; where all passes have to have as many they do") {
+  ThreadPool pool(2);
+  PhotonSet fixed;
+  fixed.fewest = fixed.most = 1;
+  SampleChoice choice;
+  choice.reset(kWidth, kHeight, 1, {PhotonSet{}, PhotonSet{}, fixed});
+  Film film;
+  film.reset(kWidth, kHeight);
+  for (Pixel& p : film.pixels) p = {}, p.samples = 1;
+  for (uint32_t pass = 0; pass < 2; ++pass) {
+    choice.see_camera(film, pool);
+    for (size_t set = 0; set < 3; ++set) {
+      PhotonSet& photons = choice.photons(set);
+      std::fill(photons.noise.begin(), photons.noise.end(), set ? 0.1f : 0.0f);
+      photons.work = photons.count;
+    }
+    choice.end_pass(film, {1, 1}, pool);
+    choice.begin_pass(pool);
+  }
+  CHECK(choice.photons(0).count == 0.25);
+  CHECK(choice.photons(1).count == 8);
+  CHECK(choice.photons(2).count == 1);
+  CHECK(choice.photon_count() == doctest::Approx(9.25 / 3));
+  choice.limit(1, 9.25 / 6, pool);
+  CHECK(choice.photons(1).count == doctest::Approx(4));
+  CHECK(choice.photons(0).count == doctest::Approx(0.125));
+  CHECK(choice.photons(2).count == 1);
 }
 
 TEST_CASE("heavy-tailed noise: samples that ask for more do not make the mean darker") {
@@ -109,7 +155,7 @@ TEST_CASE("heavy-tailed noise: samples that ask for more do not make the mean da
   constexpr int kRuns = 40;
   for (int run = 0; run < kRuns; ++run) {
     SampleChoice choice;
-    choice.reset(kWidth, kHeight);
+    choice.reset(kWidth, kHeight, 1, {});
     Film film;
     film.reset(kWidth, kHeight);
     Random random(11, static_cast<uint32_t>(run));
@@ -123,7 +169,7 @@ TEST_CASE("heavy-tailed noise: samples that ask for more do not make the mean da
         samples[i] += p.samples;
       }
       choice.see_camera(film, pool);
-      choice.end_pass(film, 1, pool);
+      choice.end_pass(film, {1, 1}, pool);
       choice.begin_pass(pool);
     }
     double mean = 0;

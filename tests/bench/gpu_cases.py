@@ -128,7 +128,7 @@ def _one_pass(renderer: Any, card: splatter.GpuSplatter, case: Case, cpu: bool) 
     card.begin_pass()
     done = first = 0
     while done < case.photons:
-        timed("trace", renderer.trace_photons, 0, first, min(PATHS_PER_BATCH, case.photons))
+        timed("trace", renderer.trace_photons, first, min(PATHS_PER_BATCH, case.photons))
         pairs_before = renderer.statistics()["seconds"]["splat"]
         card.add_photons()
         seconds["pairs"] += renderer.statistics()["seconds"]["splat"] - pairs_before

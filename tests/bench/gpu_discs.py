@@ -109,7 +109,7 @@ def measure_discs(case: Case, scene: Any) -> dict[str, Any]:
     drawer = context.submit(_Drawer, view, position.reshape(case.height, case.width, 4), plane.reshape(case.height, case.width, 4)).result()
     done = first = fragments = 0
     while done < case.photons:
-        renderer.trace_photons(0, first, min(PATHS_PER_BATCH, case.photons))
+        renderer.trace_photons(first, min(PATHS_PER_BATCH, case.photons))
         count = renderer.photon_count
         records = renderer.photon_records(0, count, -(-count // PHOTONS_PER_ROW) * PHOTONS_PER_ROW)
         radius = np.zeros(count, np.float32)

@@ -40,7 +40,7 @@ def seed_table() -> Figures:
             renderer.trace_camera(0)
             renderer.make_points(0)
             before = renderer.statistics()
-            renderer.trace_photons(0, 0, 2_000_000)
+            renderer.trace_photons(0, 2_000_000)
             traced = renderer.statistics()
             renderer.splat()
             splatted = renderer.statistics()

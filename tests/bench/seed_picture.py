@@ -31,7 +31,7 @@ def panel(scene: object, share: float) -> np.ndarray:
     renderer.build()
     renderer.trace_camera(0)
     renderer.make_points(0)
-    renderer.trace_photons(0, 0, round(PHOTONS * share))
+    renderer.trace_photons(0, round(PHOTONS * share))
     renderer.splat()
     renderer.resolve()
     passes = passes_from_film(renderer.film())

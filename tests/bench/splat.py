@@ -66,7 +66,7 @@ def seconds_of(scene: Scene, radius: float = 1.0) -> dict[str, float]:
         before = renderer.statistics()
         first = stored = 0
         while stored < PHOTONS:
-            renderer.trace_photons(number, first, PHOTONS_PER_BATCH)
+            renderer.trace_photons(first, PHOTONS_PER_BATCH)
             renderer.splat()
             first += PHOTONS_PER_BATCH
             stored = renderer.statistics()["photons"]["stored"] - before["photons"]["stored"]

@@ -110,7 +110,7 @@ def _one_pass(renderer: Any, number: int) -> None:
         renderer.make_points(number)
         paths = renderer.paths_per_pass
         for first in range(0, paths, PHOTONS_PER_BATCH):
-            renderer.trace_photons(number, first, min(PHOTONS_PER_BATCH, paths - first))
+            renderer.trace_photons(first, min(PHOTONS_PER_BATCH, paths - first))
             renderer.splat()
     renderer.resolve()
 

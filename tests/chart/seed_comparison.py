@@ -51,7 +51,7 @@ def dual(scene: Scene, photons: int, k: int, spacing: float) -> tuple[float, dic
         kept = []
         before = renderer.statistics()["seconds"]["splat"]
         for first in range(0, photons, BATCH):
-            renderer.trace_photons(0, first, min(BATCH, photons - first))
+            renderer.trace_photons(first, min(BATCH, photons - first))
             renderer.splat()
             if repeat + 1 == REPEATS:
                 kept.append(renderer.photons())

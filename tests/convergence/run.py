@@ -92,7 +92,7 @@ def errors(scene: Scene, halves: np.ndarray, seed: int, radius: float = 0.0) -> 
         for layer in range(renderer.layers):
             renderer.select_layer(layer)
             renderer.make_points(number)
-            renderer.trace_photons(number, 0, renderer.paths_per_pass)
+            renderer.trace_photons(0, renderer.paths_per_pass)
             renderer.splat()
         renderer.resolve()
         if number + 1 in COUNTS:

@@ -67,7 +67,7 @@ def test_random_photons(room, method: str, seed: int, count: int, reach: float, 
 
 def test_several_atlases(room, method: str) -> None:
     room.make_points(0)
-    room.trace_photons(0, 0, 20_000)
+    room.trace_photons(0, 20_000)
     room.splat()
     cpu = room.points()
     gpu, statistics = splat_on_gpu(room, most_texels=2 * TILE, method=method)
@@ -91,7 +91,7 @@ def test_pairs_are_bounded(room, method: str, monkeypatch: pytest.MonkeyPatch) -
     splat = painter.Painter.splat
     monkeypatch.setattr(painter.Painter, "splat", lambda self, batch: (handed.append(len(batch.order)), splat(self, batch))[1])
     room.make_points(0)
-    room.trace_photons(0, 0, 20_000)
+    room.trace_photons(0, 20_000)
     room.splat()
     cpu = room.points()
     gpu, statistics = splat_on_gpu(room, method=method)
@@ -121,7 +121,7 @@ def test_more_blocks_than_work_groups_in_a_row(room, groups: int, monkeypatch: p
     need_method("gather")
     monkeypatch.setattr(methods, "MOST_GROUPS", groups)
     room.make_points(0)
-    room.trace_photons(0, 0, 5_000)
+    room.trace_photons(0, 5_000)
     room.splat()
     cpu = room.points()
     expect_agreement(cpu, splat_on_gpu(room, method="gather")[0])
@@ -133,7 +133,7 @@ def test_both_methods_in_one_pass(room, monkeypatch: pytest.MonkeyPatch) -> None
     monkeypatch.setattr(splatter, "MOST_PAIRS", 20_000)
     monkeypatch.setattr(context.submit(context.graphics).result().rule, "_seconds", {})
     room.make_points(0)
-    room.trace_photons(0, 0, 20_000)
+    room.trace_photons(0, 20_000)
     room.splat()
     cpu = room.points()
     gpu, statistics = splat_on_gpu(room)

@@ -22,7 +22,7 @@ from tests.opengl import need_method
 
 moderngl = pytest.importorskip("moderngl")
 pytestmark = pytest.mark.usefixtures("opengl")
-SETTINGS = {"passes": 3, "photons_per_pass": 40_000, "seed": 1}
+SETTINGS = {"passes": 3, "photons_per_pass": 40_000, "seed": 1, "adaptive_samples": False}
 
 
 def fail_at_call(monkeypatch: pytest.MonkeyPatch, method: str, number: int, error: Exception) -> None:

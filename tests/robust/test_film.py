@@ -21,7 +21,7 @@ def test_arrays_by_name_are_those_of_the_whole_film() -> None:
     for number in range(3):
         renderer.trace_camera(number)
         renderer.make_points(number)
-        renderer.trace_photons(number, 0, 2000)
+        renderer.trace_photons(0, 2000)
         renderer.splat()
         renderer.resolve()
         film = renderer.film()

@@ -39,7 +39,7 @@ def test_what_needs_no_photons_traces_none(what: Scene, settings: dict, sentence
 @pytest.mark.parametrize("what", [floor(emission=0.1), floor(world=0.1), floor(lamp=1.0)])
 def test_any_light_is_enough(what: Scene) -> None:
     assert make_plan(what, RenderSettings()).flags["photons"]
-    assert c.shoot(what, passes=2, photons_per_pass=1000).statistics["photons"]["traced"] == 2000
+    assert c.shoot(what, passes=2, photons_per_pass=1000, adaptive_samples=False).statistics["photons"]["traced"] == 2000
 
 
 def test_words_and_flags() -> None:
@@ -69,8 +69,8 @@ def test_components_can_be_forced_off() -> None:
 def test_components_can_be_forced_on() -> None:
     """What the plan leaves out would have cost something and brought nothing."""
     what = room(pixels=24)
-    plain = c.shoot(what, passes=6, photons_per_pass=20_000)
-    forced = c.shoot(what, passes=6, photons_per_pass=20_000, force=("caustics",))
+    plain = c.shoot(what, passes=6, photons_per_pass=20_000, adaptive_samples=False)
+    forced = c.shoot(what, passes=6, photons_per_pass=20_000, adaptive_samples=False, force=("caustics",))
     assert forced.statistics["photons"]["traced"] == 2 * plain.statistics["photons"]["traced"]
     assert forced.statistics["photons"]["caustic"]["stored"] == 0
     assert "Forced on: caustics." in forced.statistics["plan"]["sentences"]

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from photon_splat.core.result import RenderResult
 from photon_splat.core.scene import Scene
-from photon_splat.core.session import render, samples_that_fit
+from photon_splat.core.session import PassSize, pass_that_fits, render
 from photon_splat.core.settings import Integrator, RenderSettings
 
 from tests import corescene as c
@@ -58,19 +58,27 @@ def test_memory_does_not_grow_with_photons() -> None:
 
 
 def test_passes_add_up() -> None:
-    """Twice the passes is half the variance; the first passes are the same."""
+    """Twice as many like passes is half the variance; the first passes are the same."""
     spread = []
     for passes in (4, 16):
-        runs = np.stack([c.picture(room(pixels=16), passes=passes, photons_per_pass=3000, seed=s) for s in range(12)])
+        alike = {"passes": passes, "photons_per_pass": 3000, "adaptive_samples": False}
+        runs = np.stack([c.picture(room(pixels=16), seed=s, **alike) for s in range(12)])
         spread.append(runs.var(0, ddof=1).mean())
     assert 2.4 < spread[0] / spread[1] < 6.5
 
 
-def test_the_last_pass_gets_the_samples_that_fit() -> None:
-    assert samples_that_fit(left=3.0, took=3.0, camera=2.0, samples=4.0) == 4.0
-    assert samples_that_fit(left=2.0, took=3.0, camera=2.0, samples=4.0) == 2.0
-    assert samples_that_fit(left=1.0, took=3.0, camera=2.0, samples=4.0) < 1.0  # its photons alone take that long
-    assert samples_that_fit(left=-1.0, took=3.0, camera=0.0, samples=1.0) < 1.0
+def test_the_last_pass_gets_what_fits() -> None:
+    seconds, last = PassSize(2.0, 0.5), PassSize(4.0, 1.0)  # of the last pass, which took half a second for the rest
+    fits = pass_that_fits
+    assert fits(3.0, 3.0, seconds, last, last) == last
+    assert fits(1.75, 3.0, seconds, last, last) == PassSize(2.0, 0.5)
+    assert fits(3.0, 3.0, seconds, last, PassSize(8.0, 2.0)) == PassSize(4.0, 1.0)
+    assert fits(1.25, 3.0, seconds, last, last) == PassSize(1.2, 0.3)
+    assert fits(1.2, 3.0, seconds, last, PassSize(1.0, 1.0)) == PassSize(1.0, pytest.approx(0.4))  # a sample in each pixel at the least
+    assert fits(1.1, 3.0, seconds, last, PassSize(1.0, 1.0)) is None  # too few photons
+    assert fits(0.4, 3.0, seconds, last, last) is None  # the rest alone takes longer
+    assert fits(-1.0, 3.0, PassSize(0.0, 0.0), last, last) is None
+    assert fits(2.0, 3.0, PassSize(2.5, 0.0), last, last) == PassSize(2.4, 0.6)  # photons cost nothing
 
 
 def test_time_limit_is_kept() -> None:

@@ -97,7 +97,7 @@ def renderer_after_camera(scene: Scene, settings: RenderSettings) -> Renderer:
 def photons_of(scene: Scene, paths: int) -> Photons:
     settings = RenderSettings(passes=1, photons_per_pass=paths, max_bounces=64, caustics=False, fallback=False)
     renderer = renderer_after_camera(scene, settings)
-    renderer.trace_photons(0, 0, paths)
+    renderer.trace_photons(0, paths)
     got = renderer.photons()
     position = got["position"] + world_bounds(scene).mean(0)
     return Photons(position, got["normal"].astype(float), got["key"], got["power"].mean(-1).astype(float))
