@@ -9,9 +9,10 @@ namespace {
 constexpr int kReach = 2;           // pixels around one that tell after one sample
 constexpr float kFurther = 0.1f;    // weight of those that are not next to it
 constexpr double kMost = 256;       // samples of a pixel in one pass
-constexpr double kMostMean = 2;     // of all pixels: passes stay short
+constexpr double kMostMean = 3;     // of all pixels: passes stay short
 constexpr double kOutlier = 100;    // times the mean deviation: more counts as that much
 constexpr double kLeastWork = 0.05;
+constexpr double kWithBlur = 1.5;    // times the variance of photons is their squared error, where radii balance the two: see RadiusChoice
 // Variance of low-discrepancy samples over that of random ones: before it is known, and the smallest that is believed.
 constexpr double kUsualOrder = 0.5, kBestOrder = 0.05;
 
@@ -230,7 +231,7 @@ void SampleChoice::choose_photons(double limit, double camera_variance) {
   for (PhotonSet& set : photons_) {
     const double variance = set.variance(limit);
     if (!(set.work > 0)) continue;
-    const double wanted = variance > 0 ? std::sqrt(variance / camera_variance * (others / set.unit_work())) : 0;
+    const double wanted = variance > 0 ? std::sqrt(kWithBlur * variance / camera_variance * (others / set.unit_work())) : 0;
     set.count = std::clamp(wanted, set.fewest, set.most);
   }
 }

@@ -111,8 +111,9 @@ TEST_CASE("photons get what they are worth beside the camera's samples, within b
     return after(16, [=](int) { return camera; }, [=](int) { return photons; }, 1, work).photons(0).count;
   };
   // Random samples: their order gains nothing. One of each pixel, as noise is the photons': (c^2 + s^2/m) (1 + m) is least for m = s/c.
-  CHECK(photons_after(0.1f, 0.3f, {1, 0}) == doctest::Approx(3).epsilon(0.15));
-  CHECK(photons_after(0.1f, 0.3f, {1, 3}) == doctest::Approx(6).epsilon(0.15));  // half as much, with three times the work fixed
+  // With their blur, half of it again, they count as sqrt(1.5) times as much.
+  CHECK(photons_after(0.1f, 0.3f, {1, 0}) == doctest::Approx(3 * std::sqrt(1.5)).epsilon(0.15));
+  CHECK(photons_after(0.1f, 0.3f, {1, 3}) == doctest::Approx(6 * std::sqrt(1.5)).epsilon(0.15));  // three times the work is fixed
   CHECK(photons_after(0.01f, 0.3f, {1, 0}) == 8);
   CHECK(photons_after(0.0f, 0.3f, {1, 0}) == 8);
   CHECK(photons_after(0.3f, 0.001f, {1, 0}) == 0.25);
