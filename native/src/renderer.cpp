@@ -78,6 +78,7 @@ void Renderer::reset_film() {
   for (const auto& layer : layers_) {
     layer->choice.reset(film_.width, film_.height);
     layer->first_path = 0;
+    layer->points.forget_clear_regions();
   }
   fallback_.reset();  // of other records
   fallback_learnt_ = false;

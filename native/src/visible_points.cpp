@@ -209,6 +209,11 @@ void VisiblePoints::fill_blocks(Scene& scene, const Records& records, const Canc
 
 void VisiblePoints::correct_boundaries(Scene& scene, bool occlusion, const CancelFlag& cancel) {
   std::atomic<uint64_t> cut{0}, obstructed{0};
+  struct Look {
+    uint64_t region;
+    bool done, clear;
+  };
+  std::vector<Look> looks(occlusion ? places_.size() : 0);
   scene.pool().for_each(blocks_.size(), cancel, [&](size_t b, int) {
     PointBlock& block = blocks_[b];
     for (uint32_t lane = 0; lane < kBlockSize && b * kBlockSize + lane < places_.size(); ++lane) {
@@ -223,7 +228,13 @@ void VisiblePoints::correct_boundaries(Scene& scene, bool occlusion, const Cance
       }
       const uint32_t seed = hash_combine(std::bit_cast<uint32_t>(x.x), hash_combine(std::bit_cast<uint32_t>(x.y), std::bit_cast<uint32_t>(x.z)));
       DiscOcclusion inside{0, 0, h};
-      if (occlusion) inside = disc_occlusion(scene, instance, triangle, block.key[lane], x, n, h, seed);
+      if (occlusion) {
+        Look& look = looks[b * kBlockSize + lane];
+        look.region = ClearRegions::region(block.key[lane], x, h);
+        look.done = clear_regions_.to_look_at(look.region, hash32(seed));
+        if (look.done) inside = disc_occlusion(scene, instance, triangle, block.key[lane], x, n, h, seed);
+        look.clear = !(inside.hidden > 0 || inside.clear < h);
+      }
       cut.fetch_add(m.mass < kWhole, std::memory_order_relaxed);
       obstructed.fetch_add(inside.hidden > 0 || inside.clear < h, std::memory_order_relaxed);
       if (inside.clear < h) {
@@ -242,6 +253,8 @@ void VisiblePoints::correct_boundaries(Scene& scene, bool occlusion, const Cance
       block.narrow_scale[lane] = 4 / (kPi * h * h * m.narrow);
     }
   });
+  for (const Look& look : looks)
+    if (look.done) clear_regions_.learn(look.region, look.clear);
   counts_.points += points_.size();
   counts_.cut += cut;
   counts_.obstructed += obstructed;

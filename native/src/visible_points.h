@@ -3,6 +3,7 @@
 #pragma once
 
 #include "camera_tracer.h"
+#include "clear_regions.h"
 #include "kernel_mass.h"
 #include "point_block.h"
 #include "radius_map.h"
@@ -29,8 +30,12 @@ class VisiblePoints {
              uint32_t pass, uint32_t seed, const CancelFlag& cancel);
 
   // Kernel masses of all points (the seed's boundary term), kept apart so that it can be timed. `occlusion`: less what
-  // things that stand on the surface hide, and discs that do not reach past walls.
+  // things that stand on the surface hide, and discs that do not reach past walls. Where earlier calls have met none of them few
+  // points are looked at.
   void correct_boundaries(Scene& scene, bool occlusion, const CancelFlag& cancel);
+
+  // Another view learns anew, so that its picture does not depend on those before.
+  void forget_clear_regions() { clear_regions_ = {}; }
 
   // What correct_boundaries() has met, over all calls.
   struct Counts {
@@ -70,6 +75,7 @@ class VisiblePoints {
   std::vector<Bounds> bounds_;
   KeyFilter keys_;
   Counts counts_;
+  ClearRegions clear_regions_;
 };
 
 }  // namespace photon_splat
