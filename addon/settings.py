@@ -135,7 +135,7 @@ class PhotonSplatSettings(bpy.types.PropertyGroup):
     )
     viewport_photons_per_pass: IntProperty(  # type: ignore[valid-type]
         name="Viewport Photons per Pass",
-        description="Number of photon paths that start at the lights in each pass that refines the viewport",
+        description="Number of photon paths that start at the lights in the first pass that refines the viewport",
         default=100_000,
         min=0,
         soft_max=10_000_000,
