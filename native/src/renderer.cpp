@@ -382,9 +382,10 @@ PassWork Renderer::take_work() {
   return work;
 }
 
-// As wished for, of 1 where passes are all alike.
+// One at the least where there are any: a pass without them would lack their light.
 uint64_t Renderer::paths_of(const Layer& layer) const {
-  return options.adaptive_samples ? std::llround(samples_.photons(layer.index).count * static_cast<double>(layer.paths_per_pass)) : layer.paths_per_pass;
+  if (!options.adaptive_samples || !layer.paths_per_pass) return layer.paths_per_pass;
+  return std::max(1ll, std::llround(samples_.photons(layer.index).count * static_cast<double>(layer.paths_per_pass)));
 }
 
 Renderer::PassSize Renderer::next_pass() {

@@ -108,7 +108,7 @@ void SampleChoice::limit(double mean, double photons, ThreadPool& pool) {
 }
 
 void SampleChoice::begin_pass(ThreadPool& pool) {
-  if (to_choose_) choose(passes_ > 1 ? deviations(pool) : first_deviations(all_, pool));
+  if (to_choose_) choose(passes_ > 1 ? deviations(pool) : first_deviations(pool));
   to_choose_ = false;
 }
 
@@ -142,8 +142,8 @@ std::vector<float> SampleChoice::deviations(ThreadPool& pool) const {
 // The same after one sample of each pixel: as those next to each other differ, at most two pixels away. What is seen only further than
 // one away counts little, but an edge that is as bright as a lamp is not to be missed. What photons add differs little so close by, but
 // at edges.
-std::vector<float> SampleChoice::first_deviations(const Moments& moments, ThreadPool& pool) const {
-  const std::vector<float>& light = moments.sum;
+std::vector<float> SampleChoice::first_deviations(ThreadPool& pool) const {
+  const std::vector<float>& light = all_.sum;
   std::vector<float> across(light.size()), down(light.size()), result(light.size());
   const CancelFlag never;
   const auto rows = [&](auto&& work) { pool.for_each(static_cast<size_t>(height_), never, [&](size_t row, int) { work(static_cast<int>(row)); }); };

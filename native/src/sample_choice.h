@@ -70,7 +70,7 @@ class SampleChoice {
   };
   void see(const Film& pass, Moments& moments, ThreadPool& pool) const;
   std::vector<float> deviations(ThreadPool& pool) const;
-  std::vector<float> first_deviations(const Moments& moments, ThreadPool& pool) const;
+  std::vector<float> first_deviations(ThreadPool& pool) const;
   void choose(const std::vector<float>& deviations);
   double gain_of_order(const std::vector<float>& deviations, double limit);
   void choose_photons(double limit, double camera_variance);

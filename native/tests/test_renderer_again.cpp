@@ -106,6 +106,22 @@ TEST_CASE("a render of another view is that of a new renderer, bit for bit, and 
   }
 }
 
+TEST_CASE("a single photon path is left in passes that want fewer") {
+  Renderer renderer(2);
+  fill_box(renderer, 0);
+  renderer.options.photons_per_pass = 1;
+  renderer.build();
+  for (uint32_t pass = 0; pass < 9; ++pass) {
+    renderer.trace_camera(pass);
+    CHECK(renderer.paths_per_pass() == 1);
+    renderer.make_points(pass);
+    renderer.trace_photons(0, renderer.paths_per_pass());
+    renderer.splat();
+    renderer.resolve();
+    renderer.limit_pass({1, 0.01});
+  }
+}
+
 TEST_CASE("photons that do not fit any more are traced again and are the same ones") {
   Renderer all(2), some(2);
   for (Renderer* renderer : {&all, &some}) renderer->options.adaptive_radius = renderer->options.adaptive_samples = false;
