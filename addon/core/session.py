@@ -38,7 +38,7 @@ SAMPLES_OF_NOISY_FEATURES = 32.0
 .49, .90, .99 times as large."""
 POLL_SECONDS = 0.05
 FEWEST_PHOTONS = 0.25
-"""Of those that a pass wants: with fewer of them, for want of time, it is left out."""
+"""Of those that a pass wants: where time is short it has so many before a second sample of any pixel, or is left out."""
 FEWEST_PASSES_TO_STOP = 8
 """Before so many the error's estimate is too rough to end a render."""
 
@@ -57,19 +57,22 @@ class PassSize(NamedTuple):
 
 def pass_that_fits(left: float, took: float, seconds: PassSize, last: PassSize, wanted: PassSize) -> PassSize | None:
     """What of the pass `wanted` can be done in `left` seconds, if the last one took `took`, `seconds` of them for its samples and
-    photons; None if there is no time for a sample in each pixel and some photons."""
+    photons: one sample of each pixel, and the same part of all others and of photons, but not too few photons; None if there is no
+    time for that."""
     left -= took - sum(seconds)
-    of_samples = seconds.samples * wanted.samples / last.samples
+    of_one = seconds.samples / last.samples  # in each pixel
+    of_others = of_one * (wanted.samples - 1.0)
     of_photons = seconds.photons * wanted.photons / last.photons
-    if left <= 0.0:
+    if left < of_one + FEWEST_PHOTONS * of_photons:
         return None
-    if of_samples + of_photons <= left:
+    if of_one + of_others + of_photons <= left:
         return wanted
-    share = left / (of_samples + of_photons)
-    if share * wanted.samples >= 1.0:
-        return PassSize(share * wanted.samples, share * wanted.photons)
-    left -= of_samples / wanted.samples
-    return PassSize(1.0, wanted.photons * min(left / of_photons, 1.0)) if 0.0 < FEWEST_PHOTONS * of_photons <= left else None
+    share = (left - of_one) / (of_others + of_photons)
+    if share >= FEWEST_PHOTONS:
+        return PassSize(1.0 + share * (wanted.samples - 1.0), share * wanted.photons)
+    of_fewest = FEWEST_PHOTONS * of_photons
+    share = (left - of_one - of_fewest) / of_others if of_others > 0.0 else 0.0
+    return PassSize(1.0 + share * (wanted.samples - 1.0), FEWEST_PHOTONS * wanted.photons)
 
 
 class _Worker(threading.Thread):

@@ -100,8 +100,16 @@ void SampleChoice::end_pass(const Film& pass, const PassWork& work, ThreadPool& 
 
 void SampleChoice::limit(double mean, double photons, ThreadPool& pool) {
   begin_pass(pool);
-  while (mean_count() > std::max(mean, 1.0))
-    for (uint16_t& count : count_) count = static_cast<uint16_t>((count + 1) / 2);
+  const double all = mean_count();
+  if (all > mean) {
+    const double part = std::max(mean - 1, 0.0) / (all - 1);
+    double due = 0;  // and not given yet: what is left over goes to the next pixel
+    for (uint16_t& count : count_) {
+      due += 1 + part * (count - 1);
+      count = static_cast<uint16_t>(due);
+      due -= count;
+    }
+  }
   const double share = std::min(1.0, photons / photon_count());
   for (PhotonSet& set : photons_)
     if (set.fewest < set.most) set.count *= share;

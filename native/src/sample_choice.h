@@ -51,8 +51,8 @@ class SampleChoice {
   const PhotonSet& photons(size_t set) const { return photons_[set]; }
   // Photons of the next pass over those of the first, by their work.
   double photon_count() const;
-  // Fewer in the passes until the next choice: the same part of each pixel's samples, so that they are at most `mean`, one at the least,
-  // and of all photons, so that photon_count() is at most `photons`.
+  // Fewer in the passes until the next choice: one sample of each pixel and the same part of those beyond it, so that they are `mean` at
+  // most, and the same part of all photons, so that photon_count() is at most `photons`.
   void limit(double mean, double photons, ThreadPool& pool);
 
   // The pass' film when it holds what camera paths found, and again when photons have been added.
