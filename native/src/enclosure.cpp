@@ -1,5 +1,7 @@
 #include "enclosure.h"
 
+#include <bit>
+
 namespace photon_splat {
 namespace {
 
@@ -15,10 +17,24 @@ bool is_dark(const Scene& scene, const Surface& hit, const Vec3& wo) {
   return is_black(bsdf.transparency()) && is_black(bsdf.emission()) && !bsdf.transmits();
 }
 
-bool Enclosures::hold(const Vec3& point) {
-  const Vec3 origin = point + basis_.normal * height_;
-  Surface above;
-  if (!scene_.intersect(origin, basis_.normal, 0, INFINITY, false, above) || !above.back || above.key == key_) return false;
+unsigned Enclosures::hold(const Vec3* points, uint32_t count, unsigned which) {
+  if (!which) return 0;
+  Vec3 origins[Scene::kPacket], ways[Scene::kPacket];
+  for (uint32_t k = 0; k < count; ++k) {
+    origins[k] = points[k] + basis_.normal * height_;
+    ways[k] = basis_.normal;
+  }
+  Surface above[Scene::kPacket];
+  unsigned inside = 0;
+  for (unsigned met = which & scene_.intersect_packet(origins, ways, count, above); met; met &= met - 1) {
+    const int k = std::countr_zero(met);
+    if (above[k].back && above[k].key != key_ && holds_under(above[k], origins[k])) inside |= 1u << k;
+  }
+  return inside;
+}
+
+// Whether the thing is closed whose back `above` is, as seen from `origin`.
+bool Enclosures::holds_under(const Surface& above, const Vec3& origin) {
   for (int i = 0; i < known_; ++i)
     if (keys_[i] == above.key) return closed_[i];
   const bool closed = is_dark(scene_, above, -basis_.normal) && backs_all_around(origin);

@@ -17,11 +17,13 @@ class Enclosures {
   Enclosures(const Scene& scene, uint32_t key, const Basis& basis, float height, uint32_t seed)
       : scene_(scene), key_(key), basis_(basis), height_(height), random_(seed, 0xe7c1) {}
 
-  bool hold(const Vec3& point);
+  // Of `count` <= Scene::kPacket points those whose bits are set in `which`: the bits of those that are inside.
+  unsigned hold(const Vec3* points, uint32_t count, unsigned which);
 
  private:
   static constexpr int kKnown = 4;
 
+  bool holds_under(const Surface& above, const Vec3& origin);
   bool backs_all_around(const Vec3& origin);
 
   const Scene& scene_;

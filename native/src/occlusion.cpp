@@ -4,6 +4,7 @@
 
 #include "enclosure.h"
 #include "kernel_mass.h"
+#include "patch_outline.h"
 #include "sampling.h"
 
 namespace photon_splat {
@@ -23,49 +24,6 @@ constexpr float kGolden = 2.39996323f;
 float mass_within(float s) {
   const float s2 = std::min(1.0f, s * s);
   return s2 * (2 - s2);
-}
-
-struct PatchQuery {
-  const Scene& scene;
-  uint32_t instance, patch;
-  Vec3 y, normal;
-  float tolerance;
-  bool found = false;
-};
-
-// Whether the patch comes within the tolerance of y.
-bool look_for_patch(RTCPointQueryFunctionArguments* arguments) {
-  PatchQuery& q = *static_cast<PatchQuery*>(arguments->userPtr);
-  const bool instanced = arguments->context->instStackSize > 0;
-  if ((instanced ? arguments->context->instID[0] : arguments->geomID) != q.instance) return false;
-  const Instance& placed = q.scene.instances[q.instance];
-  const Mesh& mesh = q.scene.meshes[placed.mesh];
-  if (mesh.topology.patch[arguments->primID] != q.patch) return false;
-  Vec3 corner[3];
-  for (int i = 0; i < 3; ++i) {
-    const Vec3& p = mesh.positions[mesh.triangles[arguments->primID][i]];
-    corner[i] = placed.shared ? placed.to_world.point(p) : p;
-  }
-  // Does the normal through y pass the triangle, near y? Edges take half a tolerance more, so that no seam shows.
-  const Vec3 n = cross(corner[1] - corner[0], corner[2] - corner[0]);
-  const float len = length(n);
-  if (!(len > 0) || std::abs(dot(q.y - corner[0], n)) > q.tolerance * len) return false;
-  for (int i = 0; i < 3; ++i) {
-    const Vec3 edge = corner[(i + 1) % 3] - corner[i];
-    if (dot(cross(edge, q.y - corner[i]), n) < -1e-4f * q.tolerance * len * length(edge)) return false;
-  }
-  q.found = true;
-  arguments->query->radius = 0;
-  return true;
-}
-
-bool on_patch(const Scene& scene, uint32_t instance, uint32_t patch, const Vec3& y, const Vec3& normal, float tolerance) {
-  PatchQuery q{scene, instance, patch, y, normal, tolerance};
-  RTCPointQuery query{y.x, y.y, y.z, 0, tolerance};
-  RTCPointQueryContext context;
-  rtcInitPointQueryContext(&context);
-  rtcPointQuery(scene.embree(), &query, &context, look_for_patch, &q);
-  return q.found;
 }
 
 // What lies close over a point is looked for from above it, down to just before the surface.
@@ -88,8 +46,8 @@ bool lit_from_the_rim(const Scene& scene, const Vec3& y, const Basis& basis, flo
 }
 
 // The parts of the two kernels where the patch is covered. Under a cover itself all is alike: nothing is left out.
-void add_covered(const Scene& scene, uint32_t instance, uint32_t patch, const Vec3& x, const Vec3& normal, const Basis& basis, float h,
-                 uint32_t seed, DiscOcclusion& out) {
+void add_covered(const Scene& scene, PatchOutline& outline, const Vec3& x, const Basis& basis, float h, uint32_t seed, DiscOcclusion& out) {
+  const Vec3& normal = basis.normal;
   Random random(seed, 0xc07e);
   const float turn = 2 * kPi * random.next();
   if (covered(scene, x, normal, h)) return;
@@ -100,7 +58,7 @@ void add_covered(const Scene& scene, uint32_t instance, uint32_t patch, const Ve
   static_assert(kCoverScouts % kTogether == 0 && kCoverProbes % kTogether == 0);
   for (int first = 0; first < kCoverProbes; first += kTogether) {
     if (first == kCoverScouts && !any) return;
-    Vec3 places[kTogether], above[kTogether];
+    Vec3 offsets[kTogether], above[kTogether];
     float squares[kTogether];
     for (int i = 0; i < kTogether; ++i) {
       // Each stands for as much of the kernel. The scouts go all over it, and so does what follows.
@@ -108,13 +66,13 @@ void add_covered(const Scene& scene, uint32_t instance, uint32_t patch, const Ve
       const int place = k < kCoverScouts ? k : k - kCoverScouts, of = k < kCoverScouts ? kCoverScouts : kCoverProbes - kCoverScouts;
       squares[i] = 1 - std::sqrt(1 - (static_cast<float>(place) + 0.5f) / static_cast<float>(of));
       const float s = std::sqrt(squares[i]), angle = turn + kGolden * static_cast<float>(k);
-      places[i] = x + basis.to_world({h * s * std::cos(angle), h * s * std::sin(angle), 0});
-      above[i] = places[i] + normal * (kCover * h);
+      offsets[i] = Vec3{std::cos(angle), std::sin(angle), 0} * (h * s);
+      above[i] = x + basis.to_world(offsets[i]) + normal * (kCover * h);
     }
     for (unsigned met = scene.occluded_packet(above, kTogether, -normal, far); met; met &= met - 1) {
       const int i = std::countr_zero(met);
-      const Vec3& y = places[i];
-      if (!is_cover(scene, y, normal, h) || !on_patch(scene, instance, patch, y, normal, 0.25f * kHeight * h)) continue;
+      const Vec3 y = x + basis.to_world(offsets[i]);
+      if (!is_cover(scene, y, normal, h) || !outline.holds(offsets[i].x, offsets[i].y)) continue;
       any = true;
       if (lit_from_the_rim(scene, y, basis, h, random)) continue;
       out.hidden += 1.0f / kCoverProbes;
@@ -123,6 +81,62 @@ void add_covered(const Scene& scene, uint32_t instance, uint32_t patch, const Ve
     }
   }
 }
+
+// Places on the patch beyond what rays from x have met, each for a part of the kernels; as many together as a packet has rays.
+class Probes {
+ public:
+  Probes(const Scene& scene, PatchOutline& outline, uint32_t key, const Vec3& x, const Basis& basis, float h, uint32_t seed, DiscOcclusion& out)
+      : scene_(scene), outline_(outline), x_(x), basis_(basis), h_(h), far_(length_of_look(x, h)),
+        enclosures_(scene, key, basis, kHeight * h, seed), out_(out) {}
+
+  // From `inner` to `outer` (in h) along `way` (in the basis), on which something has been met `distance` away.
+  void add(const Vec3& way, float inner, float outer, float distance) {
+    const Vec3 offset = way * (h_ * 0.5f * (inner + outer));
+    if (!outline_.holds(offset.x, offset.y)) return;
+    places_[count_] = x_ + basis_.to_world(offset);
+    parts_[count_] = {inner, outer, distance};
+    if (++count_ == Scene::kPacket) look();
+  }
+
+  // At those that still wait.
+  void look() {
+    if (!count_) return;
+    unsigned open = (1u << count_) - 1;
+    if (far_ > 0) {  // what is covered has been counted already
+      Vec3 above[Scene::kPacket];
+      for (uint32_t i = 0; i < count_; ++i) above[i] = places_[i] + basis_.normal * (kCover * h_);
+      for (unsigned met = scene_.occluded_packet(above, count_, -basis_.normal, far_); met; met &= met - 1)
+        if (const int i = std::countr_zero(met); is_cover(scene_, places_[i], basis_.normal, h_)) open &= ~(1u << i);
+    }
+    const unsigned held = enclosures_.hold(places_, count_, open);
+    for (; open; open &= open - 1) {
+      const int i = std::countr_zero(open);
+      const Part& part = parts_[i];
+      if (held >> i & 1) {
+        out_.hidden += (mass_within(part.outer) - mass_within(part.inner)) / kDirections;
+        out_.narrow_hidden += (mass_within(part.outer / kNarrow) - mass_within(part.inner / kNarrow)) / kDirections;
+      } else {
+        out_.clear = std::min(out_.clear, part.distance);
+      }
+    }
+    count_ = 0;
+  }
+
+ private:
+  struct Part {
+    float inner, outer, distance;
+  };
+  const Scene& scene_;
+  PatchOutline& outline_;
+  const Vec3& x_;
+  const Basis& basis_;
+  float h_, far_;
+  Enclosures enclosures_;
+  DiscOcclusion& out_;
+  Vec3 places_[Scene::kPacket];
+  Part parts_[Scene::kPacket];
+  uint32_t count_ = 0;
+};
 
 }  // namespace
 
@@ -135,40 +149,34 @@ DiscOcclusion disc_occlusion(const Scene& scene, uint32_t instance, uint32_t tri
   const Basis basis(normal);
   const float turn = to_unit_float(hash32(seed));
   const Vec3 origin = x + normal * std::max(kHeight * h, ray_epsilon(x, h));
-  const auto direction_of = [&](int i) {
+  const auto way_of = [&](int i) {
     const float angle = 2 * kPi * (static_cast<float>(i) + turn) / kDirections;
-    return basis.to_world({std::cos(angle), std::sin(angle), 0});
+    return Vec3{std::cos(angle), std::sin(angle), 0};
   };
   const auto met = [&](int i, float& distance) {
     Surface hit;
-    if (!scene.intersect(origin, direction_of(i), 0, h, false, hit) || hit.key == key) return false;
+    if (!scene.intersect(origin, basis.to_world(way_of(i)), 0, h, false, hit) || hit.key == key) return false;
     distance = hit.distance;
     return true;
   };
-  Enclosures enclosures(scene, key, basis, kHeight * h, seed);
   float distance[kDirections];
   bool blocked[kDirections] = {}, any = false;
-  add_covered(scene, instance, patch, x, normal, basis, h, seed, out);
+  PatchOutline outline(scene, instance, patch, x, basis, h);
+  add_covered(scene, outline, x, basis, h, seed, out);
   for (int i = 0; i < kDirections; i += kDirections / kScouts) any |= blocked[i] = met(i, distance[i]);
   if (!any) return out;
-  for (int i = 0; i < kDirections; ++i) {
+  for (int i = 0; i < kDirections; ++i)
     if (i % (kDirections / kScouts)) blocked[i] = met(i, distance[i]);
+  Probes probes(scene, outline, key, x, basis, h, seed, out);
+  for (int i = 0; i < kDirections; ++i) {
     if (!blocked[i]) continue;
     const float first = distance[i] / h;
     if (first > kRim) continue;
-    for (int k = 0; k < kProbes; ++k) {
-      const float inner = first + (1 - first) * static_cast<float>(k) / kProbes, outer = first + (1 - first) * static_cast<float>(k + 1) / kProbes;
-      const Vec3 y = x + direction_of(i) * (h * 0.5f * (inner + outer));
-      if (!on_patch(scene, instance, patch, y, normal, 0.25f * kHeight * h)) continue;
-      if (covered(scene, y, normal, h)) continue;  // counted already
-      if (enclosures.hold(y)) {
-        out.hidden += (mass_within(outer) - mass_within(inner)) / kDirections;
-        out.narrow_hidden += (mass_within(outer / kNarrow) - mass_within(inner / kNarrow)) / kDirections;
-      } else {
-        out.clear = std::min(out.clear, distance[i]);
-      }
-    }
+    for (int k = 0; k < kProbes; ++k)
+      probes.add(way_of(i), first + (1 - first) * static_cast<float>(k) / kProbes, first + (1 - first) * static_cast<float>(k + 1) / kProbes,
+                 distance[i]);
   }
+  probes.look();
   return out;
 }
 
