@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from tests.bench.scenes import ROOT, bumpy_globe_in_a_box, from_blend
+from tests.processes import environment
 
 MEMORY_LIMIT = 2e9
 Figures = dict[str, Any]
@@ -233,9 +234,9 @@ MEASUREMENTS: dict[str, Callable[..., Figures]] = {
 def _in_process(name: str, *arguments: str) -> Figures:
     with tempfile.TemporaryDirectory(prefix="photon_splat_bench_") as scratch:
         answer = os.path.join(scratch, "figures.json")
-        environment = os.environ | {"BLENDER_USER_RESOURCES": os.path.join(scratch, "blender")}
         command = [sys.executable, "-m", "tests.bench.run", "--child", answer, name, *arguments]
-        done = subprocess.run(command, cwd=ROOT, env=environment, stdout=sys.stderr, timeout=900, check=False)
+        blender = environment(os.path.join(scratch, "blender"))
+        done = subprocess.run(command, cwd=ROOT, env=blender, stdout=sys.stderr, timeout=900, check=False)
         try:
             with open(answer) as file:
                 return json.load(file)

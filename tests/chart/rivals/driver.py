@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import os
 import pickle
 import subprocess
 import sys
@@ -12,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from tests.chart.plan import Case
+from tests.processes import environment
 
 ROOT = Path(__file__).resolve().parents[3]
 python = ROOT / ".venv-rivals" / "bin" / "python"
@@ -24,7 +24,7 @@ def run(command: list[str], seconds: float) -> str:
         done = subprocess.run(
             command,
             cwd=ROOT,
-            env=os.environ | {"BLENDER_USER_RESOURCES": folder},
+            env=environment(folder),
             timeout=10 * seconds + 300,
             check=False,
             stdout=subprocess.PIPE,
