@@ -71,14 +71,14 @@ def test_the_last_pass_gets_what_fits() -> None:
     seconds, last = PassSize(2.0, 0.5), PassSize(4.0, 1.0)  # of the last pass, which took half a second for the rest
     fits = pass_that_fits
     assert fits(3.0, 3.0, seconds, last, last) == last
-    assert fits(1.75, 3.0, seconds, last, last) == PassSize(2.2, pytest.approx(0.4))
-    assert fits(3.0, 3.0, seconds, last, PassSize(8.0, 2.0)) == PassSize(4.0, 1.0)
-    assert fits(1.25, 3.0, seconds, last, last) == PassSize(1.2, 0.3)
-    assert fits(1.2, 3.0, seconds, last, PassSize(1.0, 1.0)) == PassSize(1.0, pytest.approx(0.4))  # a sample in each pixel at the least
+    assert fits(1.75, 3.0, seconds, last, last) == PassSize(2.125, 0.375)  # the same part of samples beyond the first, and of photons
+    assert fits(3.0, 3.0, seconds, last, PassSize(8.0, 2.0)) == PassSize(pytest.approx(1 + 7 * 4 / 9), pytest.approx(2 * 4 / 9))
+    assert fits(1.25, 3.0, seconds, last, last) == PassSize(pytest.approx(1.25), 0.25)  # a quarter of the photons first
+    assert fits(1.2, 3.0, seconds, last, PassSize(1.0, 1.0)) == PassSize(1.0, pytest.approx(0.4))
     assert fits(1.1, 3.0, seconds, last, PassSize(1.0, 1.0)) is None  # too few photons
     assert fits(0.4, 3.0, seconds, last, last) is None  # the rest alone takes longer
     assert fits(-1.0, 3.0, PassSize(0.0, 0.0), last, last) is None
-    assert fits(2.0, 3.0, PassSize(2.5, 0.0), last, last) == PassSize(2.4, 0.6)  # photons cost nothing
+    assert fits(2.0, 3.0, PassSize(2.5, 0.0), last, last) == PassSize(pytest.approx(2.4), pytest.approx(7 / 15))  # photons cost nothing
 
 
 def test_time_limit_is_kept() -> None:
