@@ -1,6 +1,7 @@
 #include "kernel_mass.h"
 
 #include "bent_mass.h"
+#include "patch_outline.h"
 
 namespace photon_splat {
 namespace {
@@ -68,10 +69,7 @@ KernelMass kernel_mass(const Scene& scene, uint32_t instance, uint32_t triangle,
     }
   } else {
     mass = {1, 1};
-    const Vec3 local = placed.shared ? placed.to_local.point(x) : x;
-    const float stretch = placed.shared ? std::max({length(placed.to_local.column(0)), length(placed.to_local.column(1)),
-                                                    length(placed.to_local.column(2))}) : 1.0f;
-    mesh.edge_tree->near(local, h * stretch, patch, [&](const BoundaryEdge& edge) {
+    edges_near(scene, instance, patch, x, h, [&](const BoundaryEdge& edge) {
       if (!project(x, world_front(edge), h, world(edge.a), world(edge.b), e)) return;
       mass.wide -= mass_beyond(e);
       mass.narrow -= mass_beyond(rescaled(e, kNarrow));

@@ -26,17 +26,12 @@ void PatchOutline::add(const BoundaryEdge& edge) {
 
 void PatchOutline::find_edges() {
   found_ = true;
-  const Instance& placed = scene_.instances[instance_];
-  const Mesh& mesh = scene_.meshes[placed.mesh];
-  const uint32_t first = mesh.topology.first_edge[patch_], end = mesh.topology.first_edge[patch_ + 1];
-  if (end - first <= kFewEdges) {
-    for (uint32_t i = first; i < end; ++i) add(mesh.topology.edges[i]);
-    return;
-  }
-  const Vec3 local = placed.shared ? placed.to_local.point(x_) : x_;
-  const float stretch = placed.shared ? std::max({length(placed.to_local.column(0)), length(placed.to_local.column(1)),
-                                                  length(placed.to_local.column(2))}) : 1.0f;
-  mesh.edge_tree->near(local, reach_ * stretch, patch_, [&](const BoundaryEdge& edge) { add(edge); });
+  const Topology& topology = scene_.meshes[scene_.instances[instance_].mesh].topology;
+  const uint32_t first = topology.first_edge[patch_], end = topology.first_edge[patch_ + 1];
+  if (end - first <= kFewEdges)
+    for (uint32_t i = first; i < end; ++i) add(topology.edges[i]);
+  else
+    edges_near(scene_, instance_, patch_, x_, reach_, [&](const BoundaryEdge& edge) { add(edge); });
 }
 
 bool PatchOutline::holds(float a, float b) {
