@@ -26,36 +26,30 @@ struct alignas(64) PointBlock {
 // The kernel mass M(x) takes the same weight.
 inline constexpr float kNormalWeightSlope = 2;
 
-// A photon as a kernel reads it: position, key, surface normal, power and its luminance.
-struct SplatPhoton {
-  float x, y, z;
-  uint32_t key;
-  float nx, ny, nz;
-  float r, g, b, luminance;
+// The points of one surface among 16 neighbours of a block, from `first` on. Where their discs reach, photons of their key are
+// looked for; where the cosine of a photon's normal to `axis` is `full_from` or more, it has the full weight at all of them.
+inline constexpr uint32_t kPartSize = 16;
+struct SplatPart {
+  float lower_x, lower_y, lower_z, upper_x, upper_y, upper_z;
+  uint32_t key, first;
+  float axis_x, axis_y, axis_z, full_from;
 };
 
-// Where the discs of each 16 points of a block reach, which are neighbours: photons elsewhere need no look at them.
-inline constexpr uint32_t kPartSize = 16, kParts = kBlockSize / kPartSize;
-struct PartBounds {
-  float lower_x[kParts], lower_y[kParts], lower_z[kParts], upper_x[kParts], upper_y[kParts], upper_z[kParts];
+// 16 photons that follow each other: positions, surface normals, keys, powers and their luminance. Places beyond the last
+// photon are not numbers and found nowhere.
+inline constexpr uint32_t kGroupSize = 16;
+struct alignas(64) SplatGroup {
+  float x[kGroupSize], y[kGroupSize], z[kGroupSize], nx[kGroupSize], ny[kGroupSize], nz[kGroupSize];
+  uint32_t key[kGroupSize];
+  float r[kGroupSize], g[kGroupSize], b[kGroupSize], luminance[kGroupSize];
 };
 
-// Photons one after another, and their places once more, axis by axis, with room for so many more: kernels read whole vectors.
-inline constexpr uint32_t kSplatRoom = 8;
-struct SplatPhotons {
-  const SplatPhoton* photons;
-  const float *x, *y, *z;
-};
-struct SplatRun {
-  uint32_t begin, end;  // of photons
-};
+// Adds the photons of groups[numbers[0 .. count)], in this order, to the sums of a part of a block.
+using SplatKernel = void (*)(PointBlock& block, const SplatPart& part, const SplatGroup* groups, const uint32_t* numbers, uint32_t count);
 
-// Adds the photons of all runs, in their order, to the sums of a block.
-using SplatKernel = void (*)(PointBlock& block, const PartBounds& parts, const SplatPhotons& photons, const SplatRun* runs, uint32_t count);
-
-void splat_block_generic(PointBlock& block, const PartBounds& parts, const SplatPhotons& photons, const SplatRun* runs, uint32_t count);
-void splat_block_sse42(PointBlock& block, const PartBounds& parts, const SplatPhotons& photons, const SplatRun* runs, uint32_t count);
-void splat_block_avx2(PointBlock& block, const PartBounds& parts, const SplatPhotons& photons, const SplatRun* runs, uint32_t count);
-void splat_block_avx512(PointBlock& block, const PartBounds& parts, const SplatPhotons& photons, const SplatRun* runs, uint32_t count);
+void splat_part_generic(PointBlock& block, const SplatPart& part, const SplatGroup* groups, const uint32_t* numbers, uint32_t count);
+void splat_part_sse42(PointBlock& block, const SplatPart& part, const SplatGroup* groups, const uint32_t* numbers, uint32_t count);
+void splat_part_avx2(PointBlock& block, const SplatPart& part, const SplatGroup* groups, const uint32_t* numbers, uint32_t count);
+void splat_part_avx512(PointBlock& block, const SplatPart& part, const SplatGroup* groups, const uint32_t* numbers, uint32_t count);
 
 }  // namespace photon_splat

@@ -1,12 +1,12 @@
 #include "splatter.h"
 
-#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <stdexcept>
 
 #include "morton.h"
 #include "radix_sort.h"
+#include "splat_parts.h"
 
 #if defined(__SSE2__)
 #include <emmintrin.h>
@@ -17,14 +17,14 @@ namespace {
 
 constexpr size_t kFanout = 4;
 constexpr size_t kChunk = 4096;      // photons that one thread looks up at a time
-constexpr size_t kGroup = 16;        // photons that search together
 constexpr uint32_t kFoundAtOnce = 64;
 constexpr size_t kRun = 1 << 20;     // photons sorted at once
 constexpr int kCurveBits = 10;       // of each axis
 constexpr size_t kFewTasks = 256;    // blocks are worked on one after another where there are more, so that the next can be fetched
 constexpr size_t kMostInTask = 16;
+constexpr size_t kGroupsPerChunk = kChunk / kGroupSize;
+constexpr Photon kNoPhoton{{NAN, NAN, NAN}, 0, 0, 0, {}};
 constexpr size_t kFetched = 16;      // photons ahead: in their own order they lie anywhere
-constexpr float kRounded = 1.000001f;  // no photon within a disc is outside its bounds
 
 // Has the memory of a block come while the one before is worked on: small discs make more blocks than caches hold.
 void fetch_ahead(const PointBlock& block) {
@@ -43,11 +43,11 @@ SplatKernel choose_kernel(const std::string& name, std::string* chosen) {
   const bool avx512 = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
                       __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw");
   const bool avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
-  if (avx512 && (name.empty() || name == "avx512")) return take("avx512", splat_block_avx512);
-  if (avx2 && (name.empty() || name == "avx2")) return take("avx2", splat_block_avx2);
-  if (__builtin_cpu_supports("sse4.2") && (name.empty() || name == "sse42")) return take("sse42", splat_block_sse42);
+  if (avx512 && (name.empty() || name == "avx512")) return take("avx512", splat_part_avx512);
+  if (avx2 && (name.empty() || name == "avx2")) return take("avx2", splat_part_avx2);
+  if (__builtin_cpu_supports("sse4.2") && (name.empty() || name == "sse42")) return take("sse42", splat_part_sse42);
 #endif
-  if (name.empty() || name == "generic") return take("generic", splat_block_generic);
+  if (name.empty() || name == "generic") return take("generic", splat_part_generic);
   throw std::invalid_argument("the splatting kernel '" + name + "' does not run on this machine");
 }
 
@@ -94,6 +94,8 @@ struct Splatter::Query {
 void Splatter::set_blocks(const std::vector<Bounds>& bounds) {
   levels_.clear();
   parts_.clear();
+  bounds_ = {};
+  for (const Bounds& b : bounds) bounds_.add(b);
   std::vector<Bounds> below = bounds;
   do {
     std::vector<Node> level;
@@ -159,66 +161,57 @@ void Splatter::deal_pairs(size_t chunk_count, size_t block_count) {
     for (const Pair& pair : chunk_pairs_[c]) order_[next[pair.block]++] = pair.index;
 }
 
-// Along a Morton curve through the bounds of all photons, equal places in the order given; with the bounds of each group.
+// Along a Morton curve through the bounds of all blocks, equal places in the order given; with the bounds of each group.
 void Splatter::sort_photons(const Photon* photons, size_t count, ThreadPool& pool) {
-  Bounds all;
-  for (size_t i = 0; i < count; ++i) all.add(photons[i].position);
-  const Vec3 size = all.upper - all.lower;
-  const float scale = static_cast<float>((1 << kCurveBits) - 1) / std::max(max_component(size), 1e-30f);
+  constexpr float kMost = (1 << kCurveBits) - 1;
+  const float scale = kMost / std::max(max_component(bounds_.upper - bounds_.lower), 1e-30f);
+  const size_t group_count = (count + kGroupSize - 1) / kGroupSize;
   curve_.resize(count);
-  sorted_.resize(count);
-  for (auto* places : {&x_, &y_, &z_}) places->resize(count + kSplatRoom);
-  groups_.assign((count + kGroup - 1) / kGroup, Bounds{});
+  groups_.resize(group_count);
+  group_bounds_.resize(group_count);
   const CancelFlag never;
-  const size_t chunk_count = (count + kChunk - 1) / kChunk;
-  pool.for_each(chunk_count, never, [&](size_t c, int) {
-    for (size_t i = c * kChunk; i < std::min(count, (c + 1) * kChunk); ++i) {
-      const Vec3 cell = (photons[i].position - all.lower) * scale;
-      const uint64_t place = morton(static_cast<uint32_t>(cell.x), static_cast<uint32_t>(cell.y), static_cast<uint32_t>(cell.z));
+  pool.for_parts(count, kChunk, never, [&](size_t begin, size_t end) {
+    const auto cell = [&](float x, float lower) { return static_cast<uint32_t>(std::clamp((x - lower) * scale, 0.0f, kMost)); };
+    for (size_t i = begin; i < end; ++i) {
+      const Vec3 p = photons[i].position;
+      const uint64_t place = morton(cell(p.x, bounds_.lower.x), cell(p.y, bounds_.lower.y), cell(p.z, bounds_.lower.z));
       curve_[i] = place << 32 | static_cast<uint32_t>(i);
     }
   });
-  radix_sort(curve_, curve_scratch_, 32, 32 + 3 * kCurveBits, [](uint64_t value) { return value; });
-  pool.for_each(chunk_count, never, [&](size_t c, int) {
-    for (size_t i = c * kChunk; i < std::min(count, (c + 1) * kChunk); ++i) {
-      prefetch(&photons[static_cast<uint32_t>(curve_[std::min(i + kFetched, count - 1)])]);
-      const Photon& p = photons[static_cast<uint32_t>(curve_[i])];
-      const Vec3 n = decode_direction(p.normal);
-      sorted_[i] = {p.position.x, p.position.y, p.position.z, p.key, n.x, n.y, n.z, p.power.x, p.power.y, p.power.z, luminance(p.power)};
-      x_[i] = p.position.x;
-      y_[i] = p.position.y;
-      z_[i] = p.position.z;
-      groups_[i / kGroup].add(p.position);
+  radix_sort(curve_, curve_scratch_, 32, 32 + 3 * kCurveBits, &pool, [](uint64_t value) { return value; });
+  pool.for_parts(group_count, kGroupsPerChunk, never, [&](size_t begin, size_t end) {
+    for (size_t g = begin; g < end; ++g) {
+      group_bounds_[g] = {};
+      for (size_t k = 0, i = g * kGroupSize; k < kGroupSize; ++k, ++i) {
+        prefetch(&photons[static_cast<uint32_t>(curve_[std::min(i + kFetched, count - 1)])]);
+        const Photon& p = i < count ? photons[static_cast<uint32_t>(curve_[i])] : kNoPhoton;
+        const Vec3 n = decode_direction(p.normal);
+        SplatGroup& to = groups_[g];
+        to.x[k] = p.position.x, to.y[k] = p.position.y, to.z[k] = p.position.z;
+        to.nx[k] = n.x, to.ny[k] = n.y, to.nz[k] = n.z;
+        to.key[k] = p.key;
+        to.r[k] = p.power.x, to.g[k] = p.power.y, to.b[k] = p.power.z, to.luminance[k] = luminance(p.power);
+        if (i < count) group_bounds_[g].add(p.position);
+      }
     }
   });
 }
 
-void Splatter::bound_parts(const std::vector<PointBlock>& blocks, ThreadPool& pool) {
+void Splatter::make_parts(const std::vector<PointBlock>& blocks, ThreadPool& pool) {
   parts_.resize(blocks.size());
   pool.for_each(blocks.size(), CancelFlag(), [&](size_t b, int) {
-    const PointBlock& block = blocks[b];
-    for (uint32_t part = 0; part < kParts; ++part) {
-      Bounds bounds;
-      for (uint32_t i = part * kPartSize; i < (part + 1) * kPartSize; ++i) {
-        if (!std::isfinite(block.inverse_h2[i])) continue;
-        const float h = kRounded / std::sqrt(block.inverse_h2[i]);
-        const Vec3 x{block.x[i], block.y[i], block.z[i]};
-        bounds.add(x - Vec3{h, h, h});
-        bounds.add(x + Vec3{h, h, h});
-      }
-      PartBounds& out = parts_[b];
-      out.lower_x[part] = bounds.lower.x; out.lower_y[part] = bounds.lower.y; out.lower_z[part] = bounds.lower.z;
-      out.upper_x[part] = bounds.upper.x; out.upper_y[part] = bounds.upper.y; out.upper_z[part] = bounds.upper.z;
-    }
+    Parts& to = parts_[b];
+    to.parts = parts_of(blocks[b]);
+    std::vector<Bounds> bounds;
+    for (const SplatPart& p : to.parts) bounds.push_back({{p.lower_x, p.lower_y, p.lower_z}, {p.upper_x, p.upper_y, p.upper_z}});
+    for (size_t i = 0; i < bounds.size(); i += kFanout) to.bounds.push_back(make_node(bounds, i));
   });
 }
 
 void Splatter::splat(const Photons& photons, std::vector<PointBlock>& blocks, ThreadPool& pool,
                      const CancelFlag& cancel) {
   if (blocks.empty()) return;
-  if (parts_.size() != blocks.size()) bound_parts(blocks, pool);
-  static_assert(kChunk % kGroup == 0);
-  constexpr size_t kGroupsPerChunk = kChunk / kGroup;
+  if (parts_.size() != blocks.size()) make_parts(blocks, pool);
   for (size_t first = 0; first < photons.size(); first += kRun) {
     const size_t count = std::min(photons.size() - first, kRun);
     sort_photons(photons.data() + first, count, pool);
@@ -227,23 +220,29 @@ void Splatter::splat(const Photons& photons, std::vector<PointBlock>& blocks, Th
     pool.for_each(chunk_count, cancel, [&](size_t c, int) {
       chunk_pairs_[c].clear();
       for (size_t g = c * kGroupsPerChunk; g < std::min(groups_.size(), (c + 1) * kGroupsPerChunk); ++g)
-        find_blocks(groups_[g], static_cast<uint32_t>(g), chunk_pairs_[c]);
+        find_blocks(group_bounds_[g], static_cast<uint32_t>(g), chunk_pairs_[c]);
     });
     deal_pairs(chunk_count, blocks.size());
-    const SplatPhotons photons_there{sorted_.data(), x_.data(), y_.data(), z_.data()};
     const size_t task = std::clamp<size_t>(blocks.size() / kFewTasks, 1, kMostInTask);
     pool.for_each((blocks.size() + task - 1) / task, cancel, [&](size_t t, int) {
       const size_t last = std::min(blocks.size(), (t + 1) * task);
-      std::vector<SplatRun> runs;
+      std::vector<uint32_t> met;  // numbers of groups, as many places for each part as groups may meet the block
+      std::vector<uint32_t> count;
       for (size_t b = t * task; b < last; ++b) {
         if (b + 1 < last && first_[b + 1] < first_[b + 2]) fetch_ahead(blocks[b + 1]);
-        runs.clear();
-        for (uint32_t k = first_[b]; k < first_[b + 1]; ++k) {  // groups that follow each other go together
-          const uint32_t begin = order_[k] * kGroup, end = static_cast<uint32_t>(std::min<size_t>(begin + kGroup, count));
-          if (!runs.empty() && runs.back().end == begin) runs.back().end = end;
-          else runs.push_back({begin, end});
+        const auto& [parts, bounds] = parts_[b];
+        const size_t most = first_[b + 1] - first_[b];
+        met.resize(std::max(met.size(), bounds.size() * kFanout * most));
+        count.assign(bounds.size() * kFanout, 0);
+        for (uint32_t i = first_[b]; i < first_[b + 1]; ++i) {
+          const Query query(group_bounds_[order_[i]]);
+          for (size_t node = 0; node < bounds.size(); ++node) {
+            const unsigned mask = query.meets(bounds[node]);
+            for (size_t k = 0, part = node * kFanout; k < kFanout; count[part++] += mask >> k++ & 1) met[part * most + count[part]] = order_[i];
+          }
         }
-        if (!runs.empty()) kernel_(blocks[b], parts_[b], photons_there, runs.data(), static_cast<uint32_t>(runs.size()));
+        for (size_t part = 0; part < parts.size(); ++part)
+          if (count[part]) kernel_(blocks[b], parts[part], groups_.data(), &met[part * most], count[part]);
       }
     });
   }

@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "large_pages.h"
 #include "photons.h"
 #include "point_block.h"
 
@@ -40,23 +41,27 @@ class Splatter {
   struct alignas(16) Node {
     float lower_x[4], lower_y[4], lower_z[4], upper_x[4], upper_y[4], upper_z[4];
   };
+  struct Parts {
+    std::vector<SplatPart> parts;
+    std::vector<Node> bounds;  // of them by fours
+  };
   static Node make_node(const std::vector<Bounds>& bounds, size_t first);
   struct Query;
   void sort_photons(const Photon* photons, size_t count, ThreadPool& pool);
-  void bound_parts(const std::vector<PointBlock>& blocks, ThreadPool& pool);
+  void make_parts(const std::vector<PointBlock>& blocks, ThreadPool& pool);
   void deal_pairs(size_t chunk_count, size_t block_count);
   void find_blocks(const Bounds& bounds, uint32_t index, std::vector<Pair>& out) const;
 
   std::string kernel_name_;
   SplatKernel kernel_;
   std::vector<std::vector<Node>> levels_;  // level 0: the blocks by fours; each further level the nodes of the one below
-  std::vector<PartBounds> parts_;          // of the blocks, or none yet
+  Bounds bounds_;                          // of all blocks
+  std::vector<Parts> parts_;               // of the blocks, or none yet
   std::vector<std::vector<Pair>> chunk_pairs_;
   std::vector<uint32_t> first_, order_;
-  std::vector<uint64_t> curve_, curve_scratch_;  // place on the curve and index of each photon
-  std::vector<SplatPhoton> sorted_;
-  std::vector<float> x_, y_, z_;  // their places
-  std::vector<Bounds> groups_;
+  LargeArray<uint64_t> curve_, curve_scratch_;  // place on the curve and index of each photon
+  LargeArray<SplatGroup> groups_;
+  std::vector<Bounds> group_bounds_;
   uint64_t pairs_ = 0;
 };
 

@@ -136,7 +136,7 @@ SurfaceTree::SurfaceTree(std::span<const Vec3> positions, std::span<const Triang
     if (const uint32_t p = topology.patch[t]; !topology.planar[p])
       sorted.push_back({uint64_t{p} << kPlaceBits | place_in(bounds[p], builder.centroid(t)), t});
   cancel.check();
-  radix_sort(sorted, scratch, 0, kPlaceBits + std::bit_width(patches - 1), [](const Placed& placed) { return placed.key; });
+  radix_sort(sorted, scratch, 0, kPlaceBits + std::bit_width(patches - 1), nullptr, [](const Placed& placed) { return placed.key; });
   cancel.check();
   order_.reserve(count);
   builder.keys.reserve(count);

@@ -159,7 +159,13 @@ void VisiblePoints::fill_blocks(Scene& scene, const Records& records, const Canc
     order[i] = {morton(static_cast<uint64_t>(q.x), static_cast<uint64_t>(q.y), static_cast<uint64_t>(q.z)), i};
   }
   decltype(order) scratch;
-  radix_sort(order, scratch, 0, 63, [](const auto& placed) { return placed.first; });
+  radix_sort(order, scratch, 0, 63, &scene.pool(), [](const auto& placed) { return placed.first; });
+  // The points of a block by surface: a photon is looked at with those of one.
+  scene.pool().for_parts(order.size(), kBlockSize, cancel, [&](size_t begin, size_t end) {
+    std::stable_sort(order.begin() + begin, order.begin() + end, [&](const auto& a, const auto& b) {
+      return records[points_[a.second].record].key < records[points_[b.second].record].key;
+    });
+  });
   std::vector<uint32_t> place(order.size());
   for (uint32_t i = 0; i < order.size(); ++i) place[order[i].second] = i;
   scene.pool().for_each(chunks_of(point_of_record_.size()), cancel, [&](size_t c, int) {

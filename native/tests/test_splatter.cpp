@@ -12,7 +12,8 @@ namespace {
 
 Vec3 random_place(Random& random) { return {random.next(), random.next(), random.next() * 0.05f}; }
 
-// Blocks of points scattered over the unit square, of two surfaces, some places unused.
+// Blocks of points scattered over the unit square, some places unused: in turn of two surfaces, and of one that is flat, bent a
+// little (photons have the full weight at some of their parts only), or folded.
 std::vector<PointBlock> make_blocks(size_t count, std::vector<Bounds>& bounds) {
   std::vector<PointBlock> blocks(count);
   bounds.assign(count, Bounds{});
@@ -27,8 +28,10 @@ std::vector<PointBlock> make_blocks(size_t count, std::vector<Bounds>& bounds) {
       const Vec3 p = corner + random_place(random) * 0.1f;
       const float h = 0.02f + 0.08f * random.next();
       block.x[i] = p.x, block.y[i] = p.y, block.z[i] = p.z;
-      block.nz[i] = 1;
-      block.key[i] = random.next() < 0.5f ? 7 : 8;
+      const float bend = b % 4 == 2 ? 0.5f : b % 4 == 3 ? 2.0f : 0.0f;
+      const Vec3 n = normalize({bend * (random.next() - 0.5f), bend * (random.next() - 0.5f), 1});
+      block.nx[i] = n.x, block.ny[i] = n.y, block.nz[i] = n.z;
+      block.key[i] = b % 4 == 0 && random.next() < 0.5f ? 7 : 8;
       block.inverse_h2[i] = 1 / (h * h);
       bounds[b].add(p - Vec3{h, h, h});
       bounds[b].add(p + Vec3{h, h, h});
@@ -41,8 +44,10 @@ Photons make_photons(size_t count) {
   Photons photons(count);
   for (size_t i = 0; i < count; ++i) {
     Random random(i, 3);
-    photons[i] = {random_place(random), random.next() < 0.5f ? 7u : 8u, encode_direction(normalize({random.next() - 0.5f, 0.4f, random.next()})),
-                  0, {random.next(), 1, 2}};
+    const Vec3 place = random_place(random);
+    const bool upright = place.x < 0.5f;  // the rest so bent that not all have the full weight
+    const Vec3 normal = upright ? Vec3{random.next() - 0.5f, random.next() - 0.5f, 2} : Vec3{random.next() - 0.5f, 0.4f, random.next()};
+    photons[i] = {place, random.next() < 0.5f ? 7u : 8u, encode_direction(normalize(normal)), 0, {random.next(), 1, 2}};
   }
   return photons;
 }
@@ -56,7 +61,8 @@ Sums sums_at(const PointBlock& block, uint32_t i, const Photons& photons) {
   for (const Photon& p : photons) {
     const double dx = double(p.position.x) - block.x[i], dy = double(p.position.y) - block.y[i], dz = double(p.position.z) - block.z[i];
     const double kernel = 1 - (dx * dx + dy * dy + dz * dz) * block.inverse_h2[i];
-    const double facing = std::min(1.0, 2.0 * double(decode_direction(p.normal).z));
+    const Vec3 n = decode_direction(p.normal);
+    const double facing = std::min(1.0, 2.0 * (double(n.x) * block.nx[i] + double(n.y) * block.ny[i] + double(n.z) * block.nz[i]));
     if (kernel <= 0 || facing <= 0 || p.key != block.key[i]) continue;
     sums.r += kernel * facing * p.power.x;
     sums.b += kernel * facing * p.power.z;

@@ -4,6 +4,8 @@
 
 #include <immintrin.h>
 
+#include <cstddef>
+
 namespace photon_splat {
 namespace {
 
@@ -15,8 +17,7 @@ __attribute__((always_inline)) inline Floats select(Ints mask, Floats value) {
   return reinterpret_cast<Floats>(mask & reinterpret_cast<Ints>(value));
 }
 
-constexpr uint32_t kStretch = 128;  // photons whose places are compared with a part's at a time
-constexpr uint32_t kFound = 256;    // so many within its bounds are added, with what comes of one more stretch
+constexpr uint32_t kFound = 256;  // so many photons found are added, with what comes of one more group
 
 #if PHOTON_SPLAT_LANES < 16
 // For each mask of lanes which they are, one byte each, the first in the lowest.
@@ -29,84 +30,112 @@ struct LanesOfMask {
   }
 };
 constexpr LanesOfMask kLanesOfMask;
+#endif
 
-// Bit k: whether lane k is set; and the lanes that bytes tell.
+// Truths: what comparing vectors gives, to be joined by &; mask_of: bit k tells whether that of lane k is one.
+// write_numbers: first + k for each bit k of a mask, one after another, and more that is to be written over.
+#if PHOTON_SPLAT_LANES == 16
+typedef __mmask16 Truths;
+__attribute__((always_inline)) inline Truths at_least(Floats a, Floats b) { return _mm512_cmp_ps_mask(a, b, _CMP_GE_OQ); }
+__attribute__((always_inline)) inline Truths equal(Ints a, Ints b) {
+  return _mm512_cmpeq_epi32_mask(reinterpret_cast<__m512i>(a), reinterpret_cast<__m512i>(b));
+}
+__attribute__((always_inline)) inline Floats choose(Truths truths, Floats a, Floats b) { return _mm512_mask_blend_ps(truths, b, a); }
+__attribute__((always_inline)) inline uint32_t mask_of(Truths truths) { return truths; }
+__attribute__((always_inline)) inline void write_numbers(uint32_t mask, uint32_t first, uint32_t* out) {
+  const __m512i count_up = _mm512_set_epi32(15, 14, 13, 12, 11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1, 0);
+  const __m512i numbers = _mm512_add_epi32(_mm512_set1_epi32(static_cast<int>(first)), count_up);
+  // Compressing straight into memory takes far longer on some machines.
+  _mm512_storeu_si512(out, _mm512_maskz_compress_epi32(static_cast<__mmask16>(mask), numbers));
+}
+#else
+typedef Ints Truths;
+__attribute__((always_inline)) inline Truths at_least(Floats a, Floats b) { return a >= b; }
+__attribute__((always_inline)) inline Truths equal(Ints a, Ints b) { return a == b; }
+__attribute__((always_inline)) inline Floats choose(Truths truths, Floats a, Floats b) { return select(truths, a) + select(~truths, b); }
 #if PHOTON_SPLAT_LANES == 8
-__attribute__((always_inline)) inline uint32_t mask_of(Ints set) { return static_cast<uint32_t>(_mm256_movemask_ps(reinterpret_cast<__m256>(set))); }
+__attribute__((always_inline)) inline uint32_t mask_of(Truths truths) { return static_cast<uint32_t>(_mm256_movemask_ps(reinterpret_cast<__m256>(truths))); }
 __attribute__((always_inline)) inline Ints spread(uint64_t bytes) {
   return reinterpret_cast<Ints>(_mm256_cvtepu8_epi32(_mm_cvtsi64_si128(static_cast<int64_t>(bytes))));
 }
 #else
-__attribute__((always_inline)) inline uint32_t mask_of(Ints set) { return static_cast<uint32_t>(_mm_movemask_ps(reinterpret_cast<__m128>(set))); }
+__attribute__((always_inline)) inline uint32_t mask_of(Truths truths) { return static_cast<uint32_t>(_mm_movemask_ps(reinterpret_cast<__m128>(truths))); }
 __attribute__((always_inline)) inline Ints spread(uint64_t bytes) {
   return reinterpret_cast<Ints>(_mm_cvtepu8_epi32(_mm_cvtsi64_si128(static_cast<int64_t>(bytes))));
 }
 #endif
+__attribute__((always_inline)) inline void write_numbers(uint32_t mask, uint32_t first, uint32_t* out) {
+  const Ints numbers = spread(kLanesOfMask.lanes[mask]) + static_cast<int32_t>(first);
+  __builtin_memcpy(out, &numbers, sizeof numbers);
+}
 #endif
 
-// Numbers of the photons of [first, end) that lie within the bounds of part `part`, in their order; how many there are.
-__attribute__((always_inline)) inline uint32_t find_within(const PartBounds& b, uint32_t part, const SplatPhotons& photons, uint32_t first,
-                                                           uint32_t end, uint32_t* found) {
-  uint32_t n = 0;
-#if PHOTON_SPLAT_LANES == 16
-  const __m512i count_up = _mm512_set_epi32(15, 14, 13, 12, 11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1, 0);
-  for (uint32_t i = first; i < end; i += 16) {
-    __mmask16 inside = end - i >= 16 ? 0xffff : static_cast<__mmask16>((1u << (end - i)) - 1);
-    const auto within = [&](const float* place, float lower, float upper) __attribute__((always_inline)) {
-      const __m512 p = _mm512_maskz_loadu_ps(inside, place + i);
-      inside = _mm512_mask_cmp_ps_mask(inside, p, _mm512_set1_ps(lower), _CMP_GE_OQ);
-      inside = _mm512_mask_cmp_ps_mask(inside, p, _mm512_set1_ps(upper), _CMP_LE_OQ);
+// Where the numbers of a photon lie, in floats from its x.
+#define PHOTON_SPLAT_PLACE(member) (offsetof(SplatGroup, member) / sizeof(float))
+constexpr size_t kY = PHOTON_SPLAT_PLACE(y), kZ = PHOTON_SPLAT_PLACE(z), kNx = PHOTON_SPLAT_PLACE(nx), kNy = PHOTON_SPLAT_PLACE(ny),
+                 kNz = PHOTON_SPLAT_PLACE(nz), kR = PHOTON_SPLAT_PLACE(r), kG = PHOTON_SPLAT_PLACE(g), kB = PHOTON_SPLAT_PLACE(b),
+                 kLuminance = PHOTON_SPLAT_PLACE(luminance);
+#undef PHOTON_SPLAT_PLACE
+constexpr uint32_t kGroupFloats = sizeof(SplatGroup) / sizeof(float);
+
+// What of a group a part may catch.
+struct Found {
+  uint32_t count;
+  bool full_weight;  // their normals have the full weight at all points of the part
+};
+
+// Writes which photons of a group lie within the bounds of a part, and on its surface, in their order: places of their x, in
+// floats from that of the first group.
+__attribute__((always_inline)) inline Found find_within(const SplatPart& part, const SplatGroup* groups, uint32_t number, uint32_t* found) {
+  const SplatGroup& group = groups[number];
+  uint32_t n = 0, partly = 0;
+  for (uint32_t i = 0; i < kGroupSize; i += kLanes) {
+    const auto at = [i](const float* numbers) __attribute__((always_inline)) { return *reinterpret_cast<const Floats*>(numbers + i); };
+    const auto within = [](Floats p, float lower, float upper) __attribute__((always_inline)) {
+      return at_least(p, Floats{} + lower) & at_least(Floats{} + upper, p);
     };
-    within(photons.x, b.lower_x[part], b.upper_x[part]);
-    within(photons.y, b.lower_y[part], b.upper_y[part]);
-    within(photons.z, b.lower_z[part], b.upper_z[part]);
-    // Sixteen are written, and overwritten: compressing into memory takes far longer on some machines.
-    const __m512i numbers = _mm512_add_epi32(_mm512_set1_epi32(static_cast<int>(i)), count_up);
-    _mm512_storeu_si512(found + n, _mm512_maskz_compress_epi32(inside, numbers));
-    n += static_cast<uint32_t>(__builtin_popcount(inside));
-  }
-#else
-  for (uint32_t i = first; i < end; i += kLanes) {
-    const auto within = [i](const float* place, float lower, float upper) __attribute__((always_inline)) {
-      Floats p;
-      __builtin_memcpy(&p, place + i, sizeof p);
-      return (p >= lower) & (p <= upper);
-    };
-    const Ints inside = within(photons.x, b.lower_x[part], b.upper_x[part]) & within(photons.y, b.lower_y[part], b.upper_y[part]) &
-                        within(photons.z, b.lower_z[part], b.upper_z[part]);
-    const uint32_t valid = end - i >= kLanes ? (1u << kLanes) - 1 : (1u << (end - i)) - 1;
-    const uint32_t mask = mask_of(inside) & valid;
-    const Ints numbers = spread(kLanesOfMask.lanes[mask]) + static_cast<int32_t>(i);
-    __builtin_memcpy(found + n, &numbers, sizeof numbers);
+    const Truths same = equal(*reinterpret_cast<const Ints*>(group.key + i), Ints{} + static_cast<int32_t>(part.key));
+    const uint32_t mask = mask_of(within(at(group.x), part.lower_x, part.upper_x) & within(at(group.y), part.lower_y, part.upper_y) &
+                                  within(at(group.z), part.lower_z, part.upper_z) & same);
+    const Floats cosine = at(group.nx) * part.axis_x + at(group.ny) * part.axis_y + at(group.nz) * part.axis_z;
+    partly |= mask & ~mask_of(at_least(cosine, Floats{} + part.full_from));
+    write_numbers(mask, number * kGroupFloats + i, found + n);
     n += static_cast<uint32_t>(__builtin_popcount(mask));
   }
-#endif
-  return n;
+  return {n, partly == 0};
 }
 
-// Adds photons to the points of a part.
-__attribute__((always_inline)) inline void add(PointBlock& block, uint32_t part, const SplatPhoton* photons, const uint32_t* found, uint32_t count) {
-  for (uint32_t lane = part * kPartSize; lane < (part + 1) * kPartSize; lane += kLanes) {
+// Adds photons to the points of a part; kFullWeight: whose normals need no look.
+template <bool kFullWeight>
+__attribute__((always_inline)) inline void add(PointBlock& block, const SplatPart& part, const SplatGroup* groups, const uint32_t* found,
+                                               uint32_t count) {
+  const Floats full = Floats{} + 1.0f;
+  for (uint32_t lane = part.first; lane < part.first + kPartSize; lane += kLanes) {
     const auto at = [lane](float* p) __attribute__((always_inline)) { return reinterpret_cast<Floats*>(p + lane); };
+    const Truths same = equal(*reinterpret_cast<const Ints*>(block.key + lane), Ints{} + static_cast<int32_t>(part.key));
+    if (!mask_of(same)) continue;
     const Floats x = *at(block.x), y = *at(block.y), z = *at(block.z);
     const Floats nx = *at(block.nx), ny = *at(block.ny), nz = *at(block.nz);
-    const Floats inverse_h2 = *at(block.inverse_h2);
-    const Ints key = *reinterpret_cast<const Ints*>(block.key + lane);
+    const Floats inverse_h2 = choose(same, *at(block.inverse_h2), Floats{} + __builtin_inff());  // others catch nothing
     Floats r = *at(block.r), g = *at(block.g), b = *at(block.b), caught = *at(block.count), narrow = *at(block.narrow);
     for (uint32_t i = 0; i < count; ++i) {
-      const SplatPhoton& p = photons[found[i]];
-      const Floats dx = p.x - x, dy = p.y - y, dz = p.z - z;
+      const float* const p = reinterpret_cast<const float*>(groups) + found[i];
+      const Floats dx = *p - x, dy = p[kY] - y, dz = p[kZ] - z;
       const Floats relative = (dx * dx + dy * dy + dz * dz) * inverse_h2, kernel = 1.0f - relative, within = kernel - relative;
-      const Floats facing = kNormalWeightSlope * (nx * p.nx + ny * p.ny + nz * p.nz);
-      const Ints inside = (kernel > 0.0f) & (facing > 0.0f) & (key == static_cast<int32_t>(p.key));
-      const Floats full = Floats{} + 1.0f;
-      const Ints partly = facing < full;
-      const Floats shared = select(partly, facing) + select(~partly, full);
-      const Floats weight = select(inside, kernel) * shared;
-      narrow += select(inside & (within > 0.0f), within) * shared * p.luminance;
-      r += weight * p.r;
-      g += weight * p.g;
-      b += weight * p.b;
+      Ints inside = kernel > 0.0f;
+      Floats weight = select(inside, kernel), narrow_weight = select(within > 0.0f, within);
+      if constexpr (!kFullWeight) {
+        const Floats facing = kNormalWeightSlope * (nx * p[kNx] + ny * p[kNy] + nz * p[kNz]);
+        inside &= facing > 0.0f;
+        const Ints partly = facing < full;
+        const Floats shared = select(inside, select(partly, facing) + select(~partly, full));
+        weight *= shared;
+        narrow_weight *= shared;
+      }
+      narrow += narrow_weight * p[kLuminance];
+      r += weight * p[kR];
+      g += weight * p[kG];
+      b += weight * p[kB];
       caught += select(inside, full);
     }
     *at(block.r) = r;
@@ -119,18 +148,18 @@ __attribute__((always_inline)) inline void add(PointBlock& block, uint32_t part,
 
 }  // namespace
 
-void PHOTON_SPLAT_KERNEL(PointBlock& block, const PartBounds& parts, const SplatPhotons& photons, const SplatRun* runs, uint32_t count) {
-  uint32_t found[kFound + kStretch + 16];
-  for (uint32_t part = 0; part < kParts; ++part) {
-    uint32_t n = 0;
-    for (const SplatRun* run = runs; run != runs + count; ++run)
-      for (uint32_t first = run->begin; first < run->end; first += kStretch) {
-        n += find_within(parts, part, photons, first, run->end - first < kStretch ? run->end : first + kStretch, found + n);
-        if (n < kFound) continue;
-        add(block, part, photons.photons, found, n);
-        n = 0;
-      }
-    if (n) add(block, part, photons.photons, found, n);
+void PHOTON_SPLAT_KERNEL(PointBlock& block, const SplatPart& part, const SplatGroup* groups, const uint32_t* numbers, uint32_t count) {
+  uint32_t found[kFound + kGroupSize + kLanes], n = 0;
+  bool full_weight = true;
+  for (uint32_t k = 0; k < count; ++k) {
+    const Found more = find_within(part, groups, numbers[k], found + n);
+    n += more.count;
+    full_weight &= more.full_weight;
+    if (n < kFound && (k + 1 < count || n == 0)) continue;
+    if (full_weight) add<true>(block, part, groups, found, n);
+    else add<false>(block, part, groups, found, n);
+    n = 0;
+    full_weight = true;
   }
 }
 
