@@ -21,6 +21,7 @@ void CameraTracer::Tile::clear() {
   rays = bad_samples = places = fallbacks = deep_rays = 0;
   trial = {};
   deep.clear();
+  near = {};
   again = false;
 }
 
@@ -111,7 +112,7 @@ bool CameraTracer::find_changed(Tile& tile) const {
     bool changed = false;
     for (end = first; end < tile.records.size() && tile.records[end].pixel == tile.records[first].pixel; ++end) {
       const Record& r = tile.records[end];
-      changed = changed || (!r.caustics_only && fallback_->at(r.key, r.position, r.instance, r.triangle, radius_factor_));
+      changed = changed || (!r.caustics_only && fallback_->at(r.key, r.position, r.instance, r.triangle, radius_factor_, tile.near));
     }
     tile.changed[first] = changed;
     any |= changed;

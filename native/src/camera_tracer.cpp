@@ -307,7 +307,7 @@ bool CameraTracer::falls_back(Path& path, const Surface& hit, const Bsdf& bsdf) 
   if (fallback_->reach() == Fallback::Reach::kFirst && path.wanders == 0) return true;
   ++path.tile.places;
   const uint32_t key = here ? hit.key : hit.key ^ 1u;
-  if (!(path.fell_back && !fallback_->knows(key)) && !fallback_->at(key, hit.position, hit.instance, hit.triangle, radius_factor_))
+  if (!(path.fell_back && !fallback_->knows(key)) && !fallback_->at(key, hit.position, hit.instance, hit.triangle, radius_factor_, path.tile.near))
     return false;
   ++path.tile.fallbacks;
   path.fell_back = true;

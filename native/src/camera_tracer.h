@@ -83,6 +83,7 @@ class CameraTracer {
     GatherTrial trial;
     std::vector<float> deep;       // of the trial: luminance of each pixel from beyond the first place that its paths went on from
     uint64_t deep_rays = 0;
+    RadiusMap::Memory near;        // what `fallback_` was asked last
     void clear();
   };
   struct Path;

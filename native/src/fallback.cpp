@@ -10,16 +10,16 @@ constexpr float kAcross = 1.7f; // mass of a disc of radius 1 that a strip of wi
 
 }  // namespace
 
-bool Fallback::at(uint32_t key, const Vec3& x, uint32_t instance, uint32_t triangle, float radius_factor) const {
+bool Fallback::at(uint32_t key, const Vec3& x, uint32_t instance, uint32_t triangle, float radius_factor, RadiusMap::Memory& memory) const {
   if (!radii_) return false;
   const Instance& placed = scene_.instances[instance];
   const Topology& topology = scene_.meshes[placed.mesh].topology;
   const uint32_t patch = topology.patch[triangle];
   const float area = topology.patch_area[patch] * placed.scale * placed.scale, rim = topology.patch_rim[patch] * placed.scale;
-  const float wished = radius_factor * radii_->radius(key, x, photons_, paths_);
+  const float wished = radius_factor * radii_->radius(key, x, photons_, paths_, memory);
   const float h = std::min(wished, curvature_radius_limit(scene_, instance, triangle));
   // Photons per square metre: all that the pilot saw on the patch, spread over it; or more, as the disc's radius was chosen.
-  double density = radii_->photons_on(key, paths_) / std::max(double(area), 1e-30);
+  double density = radii_->photons_on_surface(memory, paths_) / std::max(double(area), 1e-30);
   if (wished < radius_factor * radii_->largest())
     density = std::max(density, photons_ * radius_factor * radius_factor / (kPi * double(wished) * wished));
   double reached = std::min(kPi * double(h) * h, double(area));

@@ -28,8 +28,8 @@ class Fallback {
   Reach reach() const { return reach_; }
   bool knows(uint32_t key) const { return !radii_ || known_.contains(key); }
   // Whether too few photons of a pass come into the largest disc about x that neither bends nor reaches past its patch.
-  // `radius_factor`: on all radii of that pass.
-  bool at(uint32_t key, const Vec3& x, uint32_t instance, uint32_t triangle, float radius_factor) const;
+  // `radius_factor`: on all radii of that pass. `memory`: of this Fallback's map.
+  bool at(uint32_t key, const Vec3& x, uint32_t instance, uint32_t triangle, float radius_factor, RadiusMap::Memory& memory) const;
 
  private:
   const Scene& scene_;

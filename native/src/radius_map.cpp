@@ -26,25 +26,34 @@ RadiusMap::RadiusMap(const Scene& scene, const Photons& pilot, double pilot_path
   counts_.keep_from(kFewest);
 }
 
-uint64_t RadiusMap::cell(uint32_t key, const Vec3& x, int level) const {
+uint64_t RadiusMap::index_at(const Vec3& x, int level) const {
   const float scale = static_cast<float>(1 << level) / size_;
   const Vec3 p = (x - corner_) * scale;
   const auto index = [](float f) { return static_cast<uint64_t>(static_cast<int64_t>(std::floor(f)) & 0xffff); };
-  return hash64((uint64_t{key} << 4 | static_cast<uint64_t>(level)) * 0x9e3779b97f4a7c15ull ^
-                hash64(index(p.x) | index(p.y) << 16 | index(p.z) << 32));
+  return index(p.x) | index(p.y) << 16 | index(p.z) << 32;
 }
 
-float RadiusMap::radius(uint32_t key, const Vec3& x, double photons, double paths) const {
-  // A cell that holds a sliver of the patch shows too low a density, so the densest of the nested cells is believed.
-  double densest = 0;
-  for (int level = 0; level < kLevels; ++level) {
-    const uint32_t count = counts_.count(cell(key, x, level));
-    if (!count) break;
-    const double size = double(size_) / (1 << level);
-    densest = std::max(densest, count / (size * size));
+uint64_t RadiusMap::cell(uint32_t key, const Vec3& x, int level) const {
+  return hash64((uint64_t{key} << 4 | static_cast<uint64_t>(level)) * 0x9e3779b97f4a7c15ull ^ hash64(index_at(x, level)));
+}
+
+// A cell that holds a sliver of the patch shows too low a density, so the densest of the nested cells is believed. The first of
+// them that is not kept, or the smallest of all, is where the answer holds.
+void RadiusMap::look_up(uint32_t key, const Vec3& x, Memory& memory) const {
+  memory = {key, on_surface_.count(hash64(key)), 0, 0, 0};
+  for (;; ++memory.level) {
+    const uint32_t count = counts_.count(cell(key, x, memory.level));
+    const double size = double(size_) / (1 << memory.level);
+    memory.densest = std::max(memory.densest, count / (size * size));
+    if (!count || memory.level == kLevels - 1) break;
   }
-  if (!(densest > 0)) return largest_;
-  return std::min(largest_, static_cast<float>(std::sqrt(photons * pilot_paths_ / (kPi * densest * paths))));
+  memory.index = index_at(x, memory.level);
+}
+
+float RadiusMap::radius(uint32_t key, const Vec3& x, double photons, double paths, Memory& memory) const {
+  if (memory.level < 0 || memory.key != key || memory.index != index_at(x, memory.level)) look_up(key, x, memory);
+  if (!(memory.densest > 0)) return largest_;
+  return std::min(largest_, static_cast<float>(std::sqrt(photons * pilot_paths_ / (kPi * memory.densest * paths))));
 }
 
 }  // namespace photon_splat

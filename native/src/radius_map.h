@@ -12,19 +12,27 @@ class RadiusMap {
   // `pilot_paths` is the number of paths that left `pilot`.
   RadiusMap(const Scene& scene, const Photons& pilot, double pilot_paths);
 
+  // What was found out of a place, to be kept by who asks: the answer is the same all over a cell, and neighbours ask for neighbours.
+  struct Memory {
+    uint32_t key = 0, on_surface = 0;
+    int level = -1;
+    uint64_t index = 0;  // of a cell of that level
+    double densest = 0;
+  };
+
   // Radius of the disc around x on surface `key` that about `photons` of a set of `paths` paths are to fall in.
-  float radius(uint32_t key, const Vec3& x, double photons, double paths) const;
+  float radius(uint32_t key, const Vec3& x, double photons, double paths, Memory& memory) const;
   float largest() const { return largest_; }
-  // How many of a set of `paths` paths come to lie on the surface, anywhere on it.
-  double photons_on(uint32_t key, double paths) const {
-    return on_surface_.count(hash64(key)) * paths / pilot_paths_;
-  }
+  // How many of a set of `paths` paths come to lie on the surface of the place asked for last, anywhere on it.
+  double photons_on_surface(const Memory& last, double paths) const { return last.on_surface * paths / pilot_paths_; }
 
  private:
   static constexpr int kLevels = 11;
   static constexpr uint32_t kFewest = 24;  // photons in a cell whose density is believed
 
+  uint64_t index_at(const Vec3& x, int level) const;
   uint64_t cell(uint32_t key, const Vec3& x, int level) const;
+  void look_up(uint32_t key, const Vec3& x, Memory& memory) const;
 
   Vec3 corner_;
   float size_, largest_;

@@ -46,6 +46,7 @@ void VisiblePoints::find_cells(Scene& scene, const Records& records, const Radiu
   const float smallest = std::max(1e-6f * (std::isfinite(magnitude) ? magnitude : 1.0f), 1e-30f);
   scene.pool().for_each(chunks_of(records.size()), cancel, [&](size_t c, int) {
     const size_t end = std::min(records.size(), (c + 1) * kChunk);
+    RadiusMap::Memory near;
     for (size_t i = c * kChunk; i < end; ++i) {
       const Record& r = records[i];
       if (r.caustics_only && !s.caustics) {
@@ -53,7 +54,7 @@ void VisiblePoints::find_cells(Scene& scene, const Records& records, const Radiu
         continue;
       }
       const float factor = s.radius_factor * (s.pixel_factors && !r.wandered ? s.pixel_factors[r.pixel] : 1.0f);
-      float whole = radii.radius(r.key, r.position, s.photons_per_disc, s.paths_per_pass);
+      float whole = radii.radius(r.key, r.position, s.photons_per_disc, s.paths_per_pass, near);
       // Discs of any size that reach across a strip agree with each other, however the light changes across it: passes begin with
       // such as do not, and widen them where nothing is seen to change.
       whole = std::max(std::min(whole, patch_width(scene, r.instance, r.triangle)), kLeastOnStrips * whole);
