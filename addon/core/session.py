@@ -21,8 +21,6 @@ from .scene import Scene
 from .settings import Backend, Integrator, RenderSettings
 from .splatter import CpuSplatter, Splatter, SplatterFailed
 
-PHOTONS_PER_BATCH = 1 << 18
-"""Photon paths in memory at once; a pass of more streams them."""
 LEAST_PHOTONS_PER_BATCH = 1 << 14
 BATCHES_PER_PASS = 8
 """At least so many, if they are not too small, where a graphics card splats one while the CPU traces the next."""
@@ -199,7 +197,7 @@ class _Worker(threading.Thread):
     def _splat_photons(self, number: int) -> None:
         """Adds all photons of a pass and layer to its points, whose sums are 0 before."""
         photons = self.renderer.paths_per_pass
-        batch = PHOTONS_PER_BATCH
+        batch = self.renderer.paths_per_batch
         if self.splatter.backend == Backend.GPU:
             batch = min(max(-(-photons // BATCHES_PER_PASS), LEAST_PHOTONS_PER_BATCH), batch)
         self.splatter.begin_pass()

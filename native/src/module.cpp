@@ -423,6 +423,8 @@ NB_MODULE(photon_splat_native, m) {
       .def_prop_ro("camera_seconds", [](Renderer& r) { return r.seconds().camera; }, "Of the stages' seconds: those that camera samples took.")
       .def_prop_ro("photon_seconds", [](Renderer& r) { return r.seconds().photons + r.seconds().splat; }, "Likewise: photons.")
       .def_prop_ro("pilot_seconds", [](Renderer& r) { return r.seconds().pilot; }, "Of the stages' seconds: in the first pass only.")
+      .def_prop_ro("paths_per_batch", &Renderer::paths_per_batch,
+                   "Photon paths that are best traced and splatted at once onto the points there are.")
       .def_prop_ro("paths_per_pass", &Renderer::paths_per_pass, "Photon paths of a pass in the selected layer.")
       .def("trace_camera", &Renderer::trace_camera, "pass"_a, released)
       .def("make_points", &Renderer::make_points, "pass"_a, released)

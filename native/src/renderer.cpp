@@ -13,6 +13,8 @@ constexpr uint32_t kGatheredSamples = 4;  // of a pixel in a pass where photons 
 constexpr uint32_t kPathSamples = 16;     // the same where paths bring all of the indirect light
 constexpr float kNoiseOfOne = 4.0f / 3;   // photon in a disc: squared relative error of what an Epanechnikov kernel makes of it
 constexpr float kGatheredSpacing = 2;  // times that of points that are seen: a pixel's paths meet many
+constexpr uint64_t kPathsPerPoint = 4, kFewestPathsPerBatch = 1 << 17, kMostPathsPerBatch = 1 << 20;
+constexpr uint64_t kKeptPathsPerBatch = 1 << 18;  // where photons are kept, and found again by their batch
 constexpr double kShrinkExponent = -1.0 / 6.0;  // h ~ paths^(-1/6): variance and squared bias fall alike (Knaus & Zwicker 2011)
 
 class Timer {
@@ -429,6 +431,11 @@ uint64_t Renderer::rays() const {
   uint64_t sum = camera_tracer_ ? camera_tracer_->rays() : 0;
   for (const auto& layer : layers_) sum += layer->tracer->counts().rays - layer->before.rays;
   return sum;
+}
+
+uint64_t Renderer::paths_per_batch() const {
+  if (options.kept_photon_bytes) return kKeptPathsPerBatch;
+  return std::clamp<uint64_t>(kPathsPerPoint * points().size(), kFewestPathsPerBatch, kMostPathsPerBatch);
 }
 
 size_t Renderer::kept_photon_bytes() const {

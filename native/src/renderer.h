@@ -96,6 +96,8 @@ class Renderer {
   // Less in the passes to come; one camera sample in each pixel at the least.
   void limit_pass(const PassSize& most);
   // Photon paths of a pass in the selected layer: 0 where camera paths bring all of its light, as the first trace_camera() may find.
+  // So many of them are best traced and splatted at once: in memory they take no more than the points, and rarely look at each.
+  uint64_t paths_per_batch() const;
   uint64_t paths_per_pass() const { return current_ && !idle(*current_) ? paths_of(*current_) : 0; }
   // Visible points for those records; the first call traces the pilot that chooses radii.
   void make_points(uint32_t pass);

@@ -10,7 +10,6 @@ import numpy as np
 from photon_splat.core.native import load
 from photon_splat.core.native_scene import fill_renderer
 from photon_splat.core.scene import Mesh, Scene
-from photon_splat.core.session import PHOTONS_PER_BATCH
 from photon_splat.core.settings import RenderSettings
 
 from tests.bench.scenes import from_blend
@@ -64,11 +63,11 @@ def seconds_of(scene: Scene, radius: float = 1.0) -> dict[str, float]:
         renderer.trace_camera(number)
         renderer.make_points(number)
         before = renderer.statistics()
-        first = stored = 0
+        first, stored, batch = 0, 0, renderer.paths_per_batch
         while stored < PHOTONS:
-            renderer.trace_photons(first, PHOTONS_PER_BATCH)
+            renderer.trace_photons(first, batch)
             renderer.splat()
-            first += PHOTONS_PER_BATCH
+            first += batch
             stored = renderer.statistics()["photons"]["stored"] - before["photons"]["stored"]
         now = renderer.statistics()
         seconds.append((now["seconds"]["splat"] - before["seconds"]["splat"]) * PHOTONS / stored)

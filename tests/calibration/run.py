@@ -102,15 +102,13 @@ def follow(name: str, seed: int, budgets: tuple[float, ...]) -> Figures:
 
 
 def _one_pass(renderer: Any, number: int) -> None:
-    from photon_splat.core.session import PHOTONS_PER_BATCH
-
     renderer.trace_camera(number)
     for layer in range(renderer.layers):
         renderer.select_layer(layer)
         renderer.make_points(number)
-        paths = renderer.paths_per_pass
-        for first in range(0, paths, PHOTONS_PER_BATCH):
-            renderer.trace_photons(first, min(PHOTONS_PER_BATCH, paths - first))
+        paths, batch = renderer.paths_per_pass, renderer.paths_per_batch
+        for first in range(0, paths, batch):
+            renderer.trace_photons(first, min(batch, paths - first))
             renderer.splat()
     renderer.resolve()
 
