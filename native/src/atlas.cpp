@@ -6,7 +6,7 @@
 
 namespace photon_splat {
 
-void Atlas::pack(const std::vector<PointBlock>& blocks, float* position, uint32_t* plane, ThreadPool& pool,
+void Atlas::pack(const PointBlocks& blocks, float* position, uint32_t* plane, ThreadPool& pool,
                  const CancelFlag& cancel) const {
   pool.for_each(count, cancel, [&](size_t i, int) {
     const PointBlock& b = blocks[first + i];
@@ -24,7 +24,7 @@ void Atlas::pack(const std::vector<PointBlock>& blocks, float* position, uint32_
   });
 }
 
-void Atlas::unpack(const float* sums, std::vector<PointBlock>& blocks, ThreadPool& pool, const CancelFlag& cancel) const {
+void Atlas::unpack(const float* sums, PointBlocks& blocks, ThreadPool& pool, const CancelFlag& cancel) const {
   pool.for_each(count, cancel, [&](size_t i, int) {
     PointBlock& b = blocks[first + i];
     for (size_t l = 0; l < kBlockSize; ++l) {

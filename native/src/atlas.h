@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "parallel.h"
-#include "point_block.h"
+#include "point_blocks.h"
 
 namespace photon_splat {
 
@@ -24,11 +24,11 @@ struct Atlas {
 
   // position: x, y, z, 1/h^2 (the largest float where there is no point); plane: bits of the normal's x, y, z, and the
   // key. Tiles beyond the last block are left as they are.
-  void pack(const std::vector<PointBlock>& blocks, float* position, uint32_t* plane, ThreadPool& pool,
+  void pack(const PointBlocks& blocks, float* position, uint32_t* plane, ThreadPool& pool,
             const CancelFlag& cancel) const;
   // sums: red, green, blue, count, narrow. They replace those of the blocks.
   static constexpr size_t kSums = 5;
-  void unpack(const float* sums, std::vector<PointBlock>& blocks, ThreadPool& pool, const CancelFlag& cancel) const;
+  void unpack(const float* sums, PointBlocks& blocks, ThreadPool& pool, const CancelFlag& cancel) const;
 };
 
 static_assert(Atlas::kTile * Atlas::kTile == kBlockSize);

@@ -331,7 +331,7 @@ void Renderer::resolve() {
 // Of records that camera paths have left behind a fallback, whose noise is the camera's; or of all others.
 void Renderer::add_irradiance(Layer& layer, bool wandered) {
   const Records& records = *records_;
-  const std::vector<PointBlock>& blocks = layer.points.blocks();
+  const PointBlocks& blocks = layer.points.blocks();
   const std::vector<size_t>& ranges = camera_tracer_->tile_ranges();
   std::vector<float>& noise = samples_.photons(layer.index).noise;
   if (!wandered) std::fill(noise.begin(), noise.end(), 0.0f);

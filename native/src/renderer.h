@@ -108,7 +108,7 @@ class Renderer {
   // Instead of splat(), for a splatter elsewhere: which of the photons [first, first + count) each block may catch. That
   // splatter writes its sums into blocks().
   const Splatter& find_pairs(size_t first, size_t count);
-  std::vector<PointBlock>& blocks() { return selected().points.blocks(); }
+  PointBlocks& blocks() { return selected().points.blocks(); }
   // Instead of trace_photons(): photons made elsewhere.
   void set_photons(Photons photons);
   // Adds the pass to the film, the points' irradiance with it. Until then the film is that of the passes before.

@@ -17,7 +17,7 @@ void Renderer::check_light_groups() const {
 
 // The sums in the points change places with those of a group.
 void Renderer::swap_sums(Layer& layer, int group) {
-  std::vector<PointBlock>& blocks = layer.points.blocks();
+  PointBlocks& blocks = layer.points.blocks();
   GroupSums* const sums = &layer.group_sums[group * blocks.size()];
   for (size_t b = 0; b < blocks.size(); ++b)
     for (uint32_t lane = 0; lane < kBlockSize; ++lane) {
@@ -28,7 +28,7 @@ void Renderer::swap_sums(Layer& layer, int group) {
 }
 
 void Renderer::splat_groups(Layer& layer) {
-  std::vector<PointBlock>& blocks = layer.points.blocks();
+  PointBlocks& blocks = layer.points.blocks();
   if (blocks.empty()) return;
   for (int group = kNoLightGroup; group < scene.light_groups; ++group) {
     part_.clear();
@@ -43,7 +43,7 @@ void Renderer::splat_groups(Layer& layer) {
 
 // Adds the groups' sums to the rest that is in the points.
 void Renderer::join_groups(Layer& layer) {
-  std::vector<PointBlock>& blocks = layer.points.blocks();
+  PointBlocks& blocks = layer.points.blocks();
   for (size_t i = 0; i < layer.group_sums.size(); ++i) {
     PointBlock& block = blocks[i % blocks.size()];
     const GroupSums& sums = layer.group_sums[i];

@@ -197,7 +197,7 @@ void Splatter::sort_photons(const Photon* photons, size_t count, ThreadPool& poo
   });
 }
 
-void Splatter::make_parts(const std::vector<PointBlock>& blocks, ThreadPool& pool) {
+void Splatter::make_parts(const PointBlocks& blocks, ThreadPool& pool) {
   parts_.resize(blocks.size());
   pool.for_each(blocks.size(), CancelFlag(), [&](size_t b, int) {
     Parts& to = parts_[b];
@@ -208,7 +208,7 @@ void Splatter::make_parts(const std::vector<PointBlock>& blocks, ThreadPool& poo
   });
 }
 
-void Splatter::splat(const Photons& photons, std::vector<PointBlock>& blocks, ThreadPool& pool,
+void Splatter::splat(const Photons& photons, PointBlocks& blocks, ThreadPool& pool,
                      const CancelFlag& cancel) {
   if (blocks.empty()) return;
   if (parts_.size() != blocks.size()) make_parts(blocks, pool);

@@ -5,7 +5,7 @@
 
 #include "large_pages.h"
 #include "photons.h"
-#include "point_block.h"
+#include "point_blocks.h"
 
 namespace photon_splat {
 
@@ -22,7 +22,7 @@ class Splatter {
 
   // Adds photons to the sums of all blocks they may reach. They are sorted along a space-filling curve first, and search
   // together in groups of neighbours; each block takes them in that order, so that the sums are the same for any number of threads.
-  void splat(const Photons& photons, std::vector<PointBlock>& blocks, ThreadPool& pool, const CancelFlag& cancel);
+  void splat(const Photons& photons, PointBlocks& blocks, ThreadPool& pool, const CancelFlag& cancel);
 
   // Which photons each block may catch, for a splatter elsewhere: block b those of order()[first()[b] .. first()[b + 1]),
   // ascending.
@@ -48,7 +48,7 @@ class Splatter {
   static Node make_node(const std::vector<Bounds>& bounds, size_t first);
   struct Query;
   void sort_photons(const Photon* photons, size_t count, ThreadPool& pool);
-  void make_parts(const std::vector<PointBlock>& blocks, ThreadPool& pool);
+  void make_parts(const PointBlocks& blocks, ThreadPool& pool);
   void deal_pairs(size_t chunk_count, size_t block_count);
   void find_blocks(const Bounds& bounds, uint32_t index, std::vector<Pair>& out) const;
 

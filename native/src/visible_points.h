@@ -5,7 +5,7 @@
 #include "camera_tracer.h"
 #include "clear_regions.h"
 #include "kernel_mass.h"
-#include "point_block.h"
+#include "point_blocks.h"
 #include "radius_map.h"
 
 namespace photon_splat {
@@ -44,8 +44,8 @@ class VisiblePoints {
   const Counts& counts() const { return counts_; }
 
   size_t size() const { return points_.size(); }
-  std::vector<PointBlock>& blocks() { return blocks_; }
-  const std::vector<PointBlock>& blocks() const { return blocks_; }
+  PointBlocks& blocks() { return blocks_; }
+  const PointBlocks& blocks() const { return blocks_; }
   const std::vector<Bounds>& block_bounds() const { return bounds_; }  // grown by the kernel radii
   const KeyFilter& keys() const { return keys_; }
   static constexpr uint32_t kNone = ~0u;  // of a record that wants none of this light
@@ -71,7 +71,7 @@ class VisiblePoints {
   std::vector<Point> points_;
   std::vector<std::pair<uint32_t, uint32_t>> places_;  // instance and triangle per point, in block order
   std::vector<uint32_t> point_of_record_;
-  std::vector<PointBlock> blocks_;
+  PointBlocks blocks_;
   std::vector<Bounds> bounds_;
   KeyFilter keys_;
   Counts counts_;

@@ -14,8 +14,8 @@ Vec3 random_place(Random& random) { return {random.next(), random.next(), random
 
 // Blocks of points scattered over the unit square, some places unused: in turn of two surfaces, and of one that is flat, bent a
 // little (photons have the full weight at some of their parts only), or folded.
-std::vector<PointBlock> make_blocks(size_t count, std::vector<Bounds>& bounds) {
-  std::vector<PointBlock> blocks(count);
+PointBlocks make_blocks(size_t count, std::vector<Bounds>& bounds) {
+  PointBlocks blocks(count);
   bounds.assign(count, Bounds{});
   Random random(1, 2);
   for (size_t b = 0; b < count; ++b) {
@@ -92,7 +92,7 @@ TEST_CASE("every kernel gives the sums of the definition") {
   for (const std::string& name : kernels_of_this_machine()) {
     CAPTURE(name);
     std::vector<Bounds> bounds;
-    std::vector<PointBlock> blocks = make_blocks(40, bounds);
+    PointBlocks blocks = make_blocks(40, bounds);
     Splatter splatter(name);
     CHECK(splatter.kernel_name() == name);
     splatter.set_blocks(bounds);
@@ -113,7 +113,7 @@ TEST_CASE("every kernel gives the sums of the definition") {
 
 TEST_CASE("the sums are the same bit for bit for any number of threads") {
   const Photons photons = make_photons(20000);
-  std::vector<std::vector<PointBlock>> results;
+  std::vector<PointBlocks> results;
   for (int threads : {1, 2, 5}) {
     std::vector<Bounds> bounds;
     results.push_back(make_blocks(100, bounds));
@@ -129,7 +129,7 @@ TEST_CASE("no photons, no blocks: nothing happens") {
   ThreadPool pool(1);
   Splatter splatter;
   std::vector<Bounds> bounds;
-  std::vector<PointBlock> none, blocks = make_blocks(1, bounds);
+  PointBlocks none, blocks = make_blocks(1, bounds);
   splatter.set_blocks({});
   splatter.splat(make_photons(10), none, pool, CancelFlag());
   splatter.set_blocks(bounds);
