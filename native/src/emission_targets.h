@@ -23,8 +23,9 @@ class EmissionTargets {
   size_t size() const { return spheres_.size(); }
   const Sphere& sphere(size_t i) const { return spheres_[i]; }
 
-  // A path that began with `start` was of so much use: photons stored, say. After finish(), pairs are drawn by the root of
-  // the mean use of their paths as well, none less than a twentieth of its share before.
+  // A path that began with `start` was of so much use: the squares of what its photons kept of its power, say. After finish(), pairs
+  // are drawn by the root of the mean use of their paths as well (with squares: what makes the variance of the sum least), none less
+  // than a twentieth of its share before.
   void learn(const PhotonStart& start, double useful);
   void finish();
 

@@ -1,6 +1,21 @@
 #include "photon_join.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace photon_splat {
+
+float power_dispersion(const Photons& photons) {
+  constexpr double kMost = 32;
+  double sum = 0, squares = 0;
+  for (const Photon& p : photons) {
+    const double power = luminance(p.power);
+    sum += power;
+    squares += power * power;
+  }
+  const double found = static_cast<double>(photons.size()) * squares / (sum * sum);
+  return std::isfinite(found) ? static_cast<float>(std::clamp(found, 1.0, kMost)) : 1;
+}
 
 void PhotonJoin::clear() {
   photons_.clear();

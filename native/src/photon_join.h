@@ -20,6 +20,9 @@ struct Photon {
 static_assert(sizeof(Photon) == 32);
 using Photons = LargeArray<Photon>;
 
+// Mean square of their powers over the squared mean, 1 to 32: so many times the noise of equal photons is that of these.
+float power_dispersion(const Photons& photons);
+
 struct PhotonRun {
   Photons photons;
   std::vector<int16_t> groups;  // light groups of the photons, or empty

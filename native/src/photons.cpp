@@ -113,9 +113,15 @@ void PhotonTracer::keep_bounced(Travellers& travellers, uint32_t from, uint32_t 
   travellers.rest[to] = travellers.rest[from];
 }
 
+float PhotonTracer::use_of(const Photon& photon, const PhotonStart& start, double total) const {
+  if (stream_ != PhotonStream::kCaustic) return 1;
+  const float own = luminance(start.power) * static_cast<float>(1 / total), share = own > 0 ? luminance(photon.power) / own : 0;
+  return std::isfinite(share) ? share * share : 0;
+}
+
 // All paths of a chunk advance by one ray at a time.
 void PhotonTracer::trace_chunk(uint64_t first, uint64_t count, double total, uint32_t seed, const KeyFilter& visible,
-                               const KeyFilter* filter, uint16_t* useful, Travellers& travellers, PhotonRun& run) const {
+                               const KeyFilter* filter, float* useful, Travellers& travellers, PhotonRun& run) const {
   uint32_t alive = start_all(first, static_cast<uint32_t>(count), total, seed, travellers);
   PhotonPaths& paths = travellers.paths;
   const SobolPair first_bounce(3, seed);
@@ -167,7 +173,8 @@ void PhotonTracer::trace_chunk(uint64_t first, uint64_t count, double total, uin
             travellers.put(kept++, path, origin, direction, path.bounces == 0 || path.guessed);
         }
         if (useful)
-          for (size_t p = stored; p < run.photons.size(); ++p) useful[place] += !filter || filter->contains(run.photons[p].key);
+          for (size_t p = stored; p < run.photons.size(); ++p)
+            if (!filter || filter->contains(run.photons[p].key)) useful[place] += use_of(run.photons[p], travellers.starts[place], total);
         if (keeps_groups_) run.groups.resize(run.photons.size(), travellers.starts[place].light_group);
       }
     }
@@ -183,7 +190,7 @@ const Photons& PhotonTracer::trace(uint64_t first, uint64_t count, double total,
 const Photons& PhotonTracer::trace(uint64_t first, uint64_t count, double total, uint32_t seed, const KeyFilter& visible,
                                    const CancelFlag& cancel, Usefulness* useful) {
   join_.clear();
-  if (useful) useful->counts.assign(count, 0);
+  if (useful) useful->of_path.assign(count, 0);
   if (lights_.total_power() <= 0 || max_bounces_ < 1) return join_.photons();
   const size_t chunk_count = (count + kPathsPerChunk - 1) / kPathsPerChunk;
   travellers_.resize(scene_.pool().size());
@@ -194,7 +201,7 @@ const Photons& PhotonTracer::trace(uint64_t first, uint64_t count, double total,
       const uint64_t begin = c * kPathsPerChunk;
       std::unique_ptr<PhotonRun> run = join_.take();
       trace_chunk(first + begin, std::min(kPathsPerChunk, count - begin), total, seed, visible, useful ? useful->filter : nullptr,
-                  useful ? &useful->counts[begin] : nullptr, travellers_[worker], *run);
+                  useful ? &useful->of_path[begin] : nullptr, travellers_[worker], *run);
       join_.add(c, std::move(run));
     });
     join_.finish(scene_.pool(), cancel);
@@ -217,7 +224,7 @@ const Photons* PhotonTracer::learn_emission(uint64_t paths, uint32_t seed, const
     targets_ = lights_.aim_at(caustic_targets(scene_));
     Usefulness useful;
     trace(0, paths, static_cast<double>(paths), seed, visible, cancel, &useful);
-    for (uint64_t i = 0; i < paths; ++i) targets_->learn(start(i, seed), useful.counts[i]);
+    for (uint64_t i = 0; i < paths; ++i) targets_->learn(start(i, seed), useful.of_path[i]);
     targets_->finish();
     return nullptr;
   }
@@ -226,8 +233,8 @@ const Photons* PhotonTracer::learn_emission(uint64_t paths, uint32_t seed, const
   EmissionGuide guide = lights_.make_guide();
   uint64_t useful_paths = 0;
   for (uint64_t i = 0; i < paths; ++i) {
-    useful_paths += useful.counts[i] > 0;
-    guide.learn(lights_.primary(i, seed, nullptr), useful.counts[i]);
+    useful_paths += useful.of_path[i] > 0;
+    guide.learn(lights_.primary(i, seed, nullptr), useful.of_path[i]);
   }
   if (static_cast<double>(useful_paths) > kUsefulShare * static_cast<double>(paths) || !useful_paths) return &photons;
   guide.finish();

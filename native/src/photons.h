@@ -102,15 +102,17 @@ class PhotonTracer {
     Vec2 next(Path& path) const { return path.bounces == 0 ? first_bounce.at(index) : path.random.next2(); }
   };
   uint32_t start_all(uint64_t first, uint32_t count, double total, uint32_t seed, Travellers& travellers) const;
-  // Counts how many photons each of the paths has stored, those alone that `filter` lets pass where there is one.
+  // What each path has stored, of what `filter` lets pass where there is one: the number of photons, which diffuse surfaces leave all
+  // alike; of a caustic path the sum of their squared powers over its own at the start.
   struct Usefulness {
     const KeyFilter* filter = nullptr;
-    std::vector<uint16_t> counts;  // by path, from the first one traced
+    std::vector<float> of_path;  // from the first one traced
   };
   const Photons& trace(uint64_t first, uint64_t count, double total, uint32_t seed, const KeyFilter& visible, const CancelFlag& cancel,
                        Usefulness* useful);
   void trace_chunk(uint64_t first, uint64_t count, double total, uint32_t seed, const KeyFilter& visible, const KeyFilter* filter,
-                   uint16_t* useful, Travellers& travellers, PhotonRun& run) const;
+                   float* useful, Travellers& travellers, PhotonRun& run) const;
+  float use_of(const Photon& photon, const PhotonStart& start, double total) const;
   PhotonStart start(uint64_t index, uint32_t seed) const;
   void start(uint64_t first, uint32_t count, uint32_t seed, PhotonStart* starts) const;
   bool lit(const Path& path, const Surface& hit, const PhotonStart& start) const;

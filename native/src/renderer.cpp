@@ -227,6 +227,7 @@ void Renderer::learn(Layer& layer, const KeyFilter& seen, bool stores_all) {
   const Photons* pilot = layer.tracer->learn_emission(paths, hash_combine(layer.seed, 4), seen, stored, cancel_);
   if (!pilot) pilot = &layer.tracer->trace(0, paths, static_cast<double>(paths), hash_combine(layer.seed, 3), stored, cancel_);
   layer.radii = std::make_unique<RadiusMap>(scene, *pilot, static_cast<double>(paths));
+  if (layer.stream == PhotonStream::kCaustic) layer.dispersion = power_dispersion(*pilot);
   layer.pilot = since(layer.before, layer.tracer->counts());
 }
 
@@ -335,6 +336,7 @@ void Renderer::add_irradiance(Layer& layer, bool wandered) {
   const std::vector<size_t>& ranges = camera_tracer_->tile_ranges();
   std::vector<float>& noise = samples_.photons(layer.index).noise;
   if (!wandered) std::fill(noise.begin(), noise.end(), 0.0f);
+  const float of_one = kNoiseOfOne * layer.dispersion;
   scene.pool().for_each(ranges.size() - 1, cancel_, [&](size_t tile, int) {
     for (size_t i = ranges[tile]; i < ranges[tile + 1]; ++i) {
       const uint32_t point = layer.points.point_of_record(i), lane = point % kBlockSize;
@@ -352,7 +354,7 @@ void Renderer::add_irradiance(Layer& layer, bool wandered) {
       if (wide > 0) {
         const float detail = luminance(light) * (1 - block.narrow[lane] * block.narrow_scale[lane] / wide);
         pixel.detail += detail;
-        if (!wandered) noise[records[i].pixel] += luminance(light) * pixel.share() * std::sqrt(kNoiseOfOne / block.count[lane]);
+        if (!wandered) noise[records[i].pixel] += luminance(light) * pixel.share() * std::sqrt(of_one / block.count[lane]);
         if (!wandered) layer.choice.detail()[records[i].pixel] += detail * pixel.share();
       }
       // Photons per square metre: the kernel disc holds `count` of them.

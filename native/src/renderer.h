@@ -57,6 +57,7 @@ struct Layer {
   std::unique_ptr<PhotonTracer> tracer;
   std::unique_ptr<RadiusMap> radii{};
   PhotonCounts pilot{};
+  float dispersion = 1;           // of the power of caustic photons: their noise over that of equal ones
   std::unique_ptr<Splatter> splatter{};
   VisiblePoints points{};
   std::vector<GroupSums> group_sums{};  // of each light group, one for each block of points, which hold the rest until resolve()

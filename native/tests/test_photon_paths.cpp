@@ -126,3 +126,18 @@ TEST_CASE("runs of photons are joined in their order, however they come and howe
     CHECK(join.rays() == kRuns * (kRuns - 1) / 2);
   }
 }
+
+TEST_CASE("the dispersion of photons' power is its mean square over the squared mean, and within bounds") {
+  const auto of = [](std::initializer_list<float> powers) {
+    Photons photons;
+    for (const float power : powers) photons.push_back({{}, 0, 0, 0, {power, power, power}});
+    return power_dispersion(photons);
+  };
+  CHECK(of({2, 2, 2}) == doctest::Approx(1));
+  CHECK(of({1, 3}) == doctest::Approx(1.25));
+  CHECK(of({}) == 1);
+  CHECK(of({0, 0}) == 1);
+  Photons rare(1000, Photon{});
+  rare[7].power = {1, 1, 1};
+  CHECK(power_dispersion(rare) == 32);
+}
