@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from tests.chart import draw, figures, runs
-from tests.chart.plan import BUDGETS, CASES, LONG, MEAN_CASE, MEAN_SECONDS, MEAN_TOLERANCE, RIVALS, Case, Method, seeds
+from tests.chart.plan import BETWEEN, BUDGETS, CASES, LONG, MEAN_CASE, MEAN_SECONDS, MEAN_TOLERANCE, RIVALS, Case, Method, seeds
 from tests.chart.rivals import driver
 
 FOLDER = Path(__file__).resolve().parent
@@ -50,7 +50,8 @@ def measure(case: Case, budgets: list[float], most_seeds: int, long: bool) -> di
     """`long`: renders Cycles' quarter of an hour; that is taken up wherever it has been made."""
     halves = runs.truth(case)
     methods = [*METHODS, *rivals_of(case)]
-    asked = [(method, budget) for budget in budgets for method in methods]
+    ours = (Method.SPLAT, Method.SPLAT_DENOISED)
+    asked = [(method, budget) for budget in sorted({*budgets, BETWEEN}) for method in methods if budget in budgets or method in ours]
     if long or runs.path_of(case, Method.CYCLES, LONG, 1).exists():
         asked.append((Method.CYCLES, LONG))
     found: dict[Method, list[figures.Point]] = {method: [] for method in methods}
