@@ -24,23 +24,34 @@ float power_heuristic(float a, float b) {
 
 }  // namespace
 
-Lights::Lights(Scene& scene, const std::vector<LampSettings>& lamps) : scene_(scene), environment_(scene) {
+Lights::Lights(Scene& scene, const std::vector<LampSettings>& lamps) : scene_(scene), environment_(scene), discs_(scene.center(), scene.radius() * 1.0001f) {
   for (const LampSettings& lamp : lamps) add_lamp(lamp);
   add_emissive_instances();
-  double sum = 0;
-  for (const Emitter& e : emitters_) power_cdf_.push_back(sum += e.power);
-  // All directions times the disc that the scene shows.
-  const double r = scene_disc();
-  world_power_ = average(environment_.mean()) * 4.0 * kPi * kPi * r * r;
-  power_cdf_.push_back(total_power_ = sum + world_power_);
-  const auto over_share = [&](double power) { return static_cast<float>(total_power_ / std::max(power, 1e-300)); };
-  for (Emitter& e : emitters_) e.over_share = over_share(e.power);
-  over_world_share_ = over_share(world_power_);
+  share_power();
   if (emitters_.size() > kFewEmitters) build_tree();
   for (uint32_t i = 0; i < emitters_.size(); ++i)
     if (emitters_[i].lamp >= 0 && lamps_[emitters_[i].lamp].s.camera_visible) visible_lamps_.push_back(i);
   for (uint32_t i = 0; i < emitters_.size(); ++i)
     if (~emitters_[i].blockers) shadow_linked_.push_back(i);
+}
+
+// All directions of the world times the discs that its light comes through.
+void Lights::share_power() {
+  for (Emitter& e : emitters_)
+    if (e.parallel_flux > 0) e.power = e.parallel_flux * discs_.least_area();
+  world_power_ = average(environment_.mean()) * 4.0 * kPi * discs_.least_area();
+  power_cdf_.clear();
+  double sum = 0;
+  for (const Emitter& e : emitters_) power_cdf_.push_back(sum += e.power);
+  power_cdf_.push_back(total_power_ = sum + world_power_);
+  const auto over_share = [&](double power) { return static_cast<float>(total_power_ / std::max(power, 1e-300)); };
+  for (Emitter& e : emitters_) e.over_share = over_share(e.power);
+  over_world_share_ = over_share(world_power_);
+}
+
+void Lights::focus(const Vec3& center, float radius) {
+  discs_.focus(center, radius);
+  share_power();
 }
 
 void Lights::build_tree() {

@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "emission_discs.h"
 #include "emission_guide.h"
 #include "emission_targets.h"
 #include "environment.h"
@@ -134,6 +135,9 @@ class Lights {
   Rgb lamps_seen(const Vec3& origin, const Vec3& direction, float near, float far, GroupLight* groups = nullptr) const;
 
   const Environment& environment() const { return environment_; }
+  // Photons of suns and of the world start about what is seen, of which half lies within `radius` of `center`, and fewer everywhere else.
+  // To be called before any photon is emitted, guided or aimed.
+  void focus(const Vec3& center, float radius);
   double total_power() const { return total_power_; }  // W, mean over RGB
 
   // Photon number `index` of the stream `seed` starts in proportion to power, or where `guide` sends it.
@@ -194,6 +198,7 @@ class Lights {
     uint64_t lit_groups = ~uint64_t{0}, blockers = ~uint64_t{0};
     int16_t light_group = kNoLightGroup;
     double power = 0;
+    double parallel_flux = 0;               // of a sun: through a surface that faces it, mean over RGB, W/m^2
     float over_share = 0;                   // one over its share of all lights' power
     std::vector<EmissiveTriangle> triangles;
     std::vector<float> cdf;                 // over triangles, by power
@@ -281,13 +286,16 @@ class Lights {
   MeshPoint point_on_mesh(const Emitter& e, float pick, const Vec2& place) const;
   Draft natural_draft(uint32_t emitter, const Vec2& pick, const Vec2& place, const Vec2& way) const;
   Draft aimed_draft(uint32_t emitter, const EmissionTargets::Sphere& target, const Vec2& pick, const Vec2& place, const Vec2& way) const;
+  void cross_scene(Draft& draft) const;
+  void weigh_parallel(Draft& draft) const;
   void weigh_lamp(const Lamp& lamp, Draft& draft) const;
   void weigh_mesh(const Emitter& e, const MeshPoint& point, Draft& draft) const;
   float aimed_density(const Draft& draft, const EmissionTargets::Sphere& target, bool own) const;
   double flux_between(uint32_t emitter, const EmissionTargets::Sphere& target) const;
   PhotonStart emit_parallel(const Vec3& direction, const Vec2& place) const;
   PhotonStart emit_world(const Vec2& place, const Vec2& way) const;
-  float scene_disc() const { return scene_.radius() * 1.0001f; }  // radius of the disc that parallel light comes through
+  Vec3 parallel_origin(const Vec3& direction, const Vec3& through, const Vec3& outside, float width) const;
+  void share_power();
   // A lamp of a few triangles, seen from a place: lights_close.cpp.
   struct CloseLamp {
     static constexpr int kMost = 4;
@@ -313,6 +321,7 @@ class Lights {
 
   const Scene& scene_;
   Environment environment_;
+  EmissionDiscs discs_;
   const SkyGuide* guide_ = nullptr;
   std::vector<Lamp> lamps_;
   std::vector<Emitter> emitters_;

@@ -6,7 +6,8 @@
 //   kPoint     area lamps and meshes: the origin. The targets draw another direction.
 //   kLines     point and spot lamps, of lines that pass the centre within a radius: if that is 0, or smaller than the target,
 //              the place on the disc across the line. Else the targets draw both.
-//   kParallel  suns and the world: the direction. The targets draw another place on the disc across it.
+//   kParallel  suns and the world: the direction. The targets draw another place on the disc across it. Densities are relative to a
+//              uniform one on the disc that shows all of the scene.
 #include "lights.h"
 #include "table.h"
 
@@ -18,6 +19,7 @@ struct Lights::Draft {
   Sort sort = kPoint;
   bool inside = false;   // of a spherical lamp that holds geometry
   float natural = 0;     // density of natural emission over directions, 1/sr
+  Rgb flux{};            // parallel: the power over the area that a photon stands for
   Vec3 center, offset;   // of the disc across the line, and where the line crosses it
   float radius = 0;
 
@@ -52,12 +54,7 @@ float cone_density(const Vec3& axis, float one_minus_cos, const Vec3& direction,
 void Lights::weigh_lamp(const Lamp& lamp, Draft& draft) const {
   PhotonStart& start = draft.start;
   switch (lamp.s.kind) {
-    case LampKind::kSun: {
-      const float disc = kPi * draft.radius * draft.radius;
-      start.power = (lamp.one_minus_cos > 0 ? lamp.radiance * (2 * kPi * lamp.one_minus_cos) : lamp.intensity) * disc;
-      draft.natural = 1;
-      return;
-    }
+    case LampKind::kSun: return;  // weigh_parallel()
     case LampKind::kArea: {
       const float cosine = dot(start.direction, lamp.forward);
       start.power = {};
@@ -101,13 +98,27 @@ void Lights::weigh_mesh(const Emitter& e, const MeshPoint& p, Draft& draft) cons
   start.power = emission_of(e, t, p.u, p.v, on_back, start.direction) * (kPi / (t.pdf * side_share));
 }
 
+// Of a draft of natural emission.
+void Lights::cross_scene(Draft& draft) const {
+  draft.sort = Draft::kParallel;
+  draft.cross_disc(discs_.center(), discs_.radius());
+  const float area = discs_.area(draft.start.direction, draft.center + draft.offset);
+  draft.natural = static_cast<float>(discs_.scene_area() / area);
+  draft.flux = draft.start.power / area;
+}
+
+// Power and natural density of a parallel draft that has been sent elsewhere.
+void Lights::weigh_parallel(Draft& draft) const {
+  const float area = discs_.area(draft.start.direction, draft.center + draft.offset);
+  draft.natural = area > 0 ? static_cast<float>(discs_.scene_area() / area) : 0;
+  draft.start.power = draft.flux * area;
+}
+
 Lights::Draft Lights::natural_draft(uint32_t index, const Vec2& pick, const Vec2& place, const Vec2& way) const {
   Draft draft;
   if (index == emitters_.size()) {
-    draft.sort = Draft::kParallel;
     draft.start = emit_world(place, way);
-    draft.natural = 1;
-    draft.cross_disc(scene_.center(), scene_disc());
+    cross_scene(draft);
     return draft;
   }
   const Emitter& e = emitters_[index];
@@ -120,9 +131,10 @@ Lights::Draft Lights::natural_draft(uint32_t index, const Vec2& pick, const Vec2
   draft.start = emit_lamp(lamp, pick.y, place, way);
   draft.inside = lamp.holds_geometry && pick.y < 0.5f;
   if (lamp.s.kind == LampKind::kSun) {
-    draft.sort = Draft::kParallel;
-    draft.cross_disc(scene_.center(), scene_disc());
-  } else if (lamp.s.kind != LampKind::kArea) {
+    cross_scene(draft);
+    return draft;
+  }
+  if (lamp.s.kind != LampKind::kArea) {
     draft.sort = Draft::kLines;
     draft.cross_disc(lamp.center, lamp.s.radius);
   }
@@ -157,9 +169,14 @@ Lights::Draft Lights::aimed_draft(uint32_t index, const EmissionTargets::Sphere&
   draft.offset = Basis(start.direction).to_world({p.x * spread, p.y * spread, 0});
   if (t.radius < draft.radius) draft.offset += to - start.direction * dot(to, start.direction);
   const float depth2 = draft.radius * draft.radius - length2(draft.offset);
+  if (!lamp) {
+    weigh_parallel(draft);
+    const Vec3 across = draft.center + draft.offset, through = across + start.direction * dot(t.center - across, start.direction);
+    start.origin = parallel_origin(start.direction, through, across - start.direction * draft.radius, t.radius);
+    return draft;
+  }
   if (depth2 < 0) start.power = {};  // natural emission leaves that dark
-  float ahead = -draft.radius;
-  if (lamp) ahead = lamp->s.soft_falloff ? 0 : std::sqrt(std::max(0.0f, depth2)) * (draft.inside ? -1.0f : 1.0f);
+  const float ahead = lamp->s.soft_falloff ? 0 : std::sqrt(std::max(0.0f, depth2)) * (draft.inside ? -1.0f : 1.0f);
   start.origin = draft.center + draft.offset + start.direction * ahead;
   if (draft.inside) start.first_hit_to = -2 * ahead;
   return draft;
@@ -175,7 +192,7 @@ float Lights::aimed_density(const Draft& draft, const EmissionTargets::Sphere& t
     const Vec3 across = to - start.direction * dot(to, start.direction);
     return own || length2(draft.offset - across) <= r2 * kSlack ? disc2 / r2 : 0.0f;
   };
-  if (draft.sort == Draft::kParallel) return draft.natural * place_density(t.center - draft.center);
+  if (draft.sort == Draft::kParallel) return place_density(t.center - draft.center);
   const bool lines = draft.sort == Draft::kLines;
   const Vec3 to = t.center - (lines ? draft.center : start.origin);
   const float d2 = length2(to), reach = t.radius + (lines ? draft.radius : 0);
@@ -186,12 +203,14 @@ float Lights::aimed_density(const Draft& draft, const EmissionTargets::Sphere& t
 
 // About the power that passes from an emitter to a sphere, W, nothing standing between them.
 double Lights::flux_between(uint32_t index, const EmissionTargets::Sphere& t) const {
-  const float scene = scene_disc();
-  if (index == emitters_.size()) return world_power_ * std::min(1.0f, t.radius * t.radius / (scene * scene));
+  const auto parallel = [&](double power) {
+    return power * std::min(double(kPi) * t.radius * t.radius, discs_.scene_area()) / discs_.least_area();
+  };
+  if (index == emitters_.size()) return parallel(world_power_);
   const Emitter& e = emitters_[index];
   const Vec3 to = t.center - e.center;
   const float d2 = length2(to), d = std::sqrt(d2);
-  if (e.lamp >= 0 && lamps_[e.lamp].s.kind == LampKind::kSun) return e.power * std::min(1.0f, t.radius * t.radius / (scene * scene));
+  if (e.lamp >= 0 && lamps_[e.lamp].s.kind == LampKind::kSun) return parallel(e.power);
   const float reach = t.radius + e.radius;
   if (d <= reach) return e.power * std::min(1.0, double(t.radius) * t.radius / std::max(double(e.radius) * e.radius, 1e-30));
   const double solid_angle = 2 * kPi * cone_of(t.radius * t.radius, d2);

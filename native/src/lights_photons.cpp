@@ -9,6 +9,7 @@ namespace {
 
 constexpr size_t kGuideCells = 1 << 20;
 constexpr float kSmallestSpread = 0.1f * kPi / 180;
+constexpr float kHugeScene = 1000, kStartsAt = 16;  // times the width of a disc
 
 Vec3 around_axis(const Vec3& x, const Vec3& y, const Vec3& z, float cosine, float turn) {
   const float sine = std::sqrt(std::max(0.0f, 1 - cosine * cosine));
@@ -70,7 +71,8 @@ void Lights::add_lamp(const LampSettings& settings) {
       if (lamp.one_minus_cos > 0) lamp.radiance = settings.normalize ? strength / (kPi * sine * sine) : strength;
       const Rgb through_disc = lamp.one_minus_cos > 0 ? lamp.radiance * (2 * kPi * lamp.one_minus_cos) : strength;
       e.importance = average(through_disc);
-      e.power = average(through_disc) * kPi * double(scene_.radius()) * scene_.radius();
+      e.parallel_flux = average(through_disc);
+      e.power = e.parallel_flux * discs_.least_area();
       break;
     }
     case LampKind::kArea: {
@@ -222,15 +224,21 @@ void Lights::add_emissive_triangles(uint32_t instance, Emitter& e, Bounds& bound
   }
 }
 
+// From far outside of a scene that is huge against what is seen nothing could be hit precisely: unless something far off stands in the
+// way, the path starts nearer.
+Vec3 Lights::parallel_origin(const Vec3& direction, const Vec3& through, const Vec3& outside, float width) const {
+  if (!discs_.focused() || discs_.radius() < kHugeScene * width) return outside;
+  const Vec3 near = through - direction * (kStartsAt * width);
+  return scene_.occluded(near, -direction, 0, INFINITY) ? outside : near;
+}
+
 PhotonStart Lights::emit_parallel(const Vec3& direction, const Vec2& place) const {
-  const Vec2 p = sample_disk(place);
-  const float r = scene_disc();
-  const Basis basis(direction);
+  const EmissionDiscs::Place from = discs_.sample(direction, place);
   PhotonStart start;
-  start.origin = scene_.center() + basis.to_world({p.x * r, p.y * r, -r});
+  start.origin = parallel_origin(direction, from.through, from.outside, from.width);
   start.direction = direction;
-  const float disc = kPi * r * r;
-  start.power = {disc, disc, disc};
+  const float area = discs_.area(direction, from.through);
+  start.power = {area, area, area};
   return start;
 }
 

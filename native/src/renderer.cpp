@@ -12,6 +12,7 @@ constexpr size_t kUnscouted = 16;  // at most one record of so many lies on a su
 constexpr uint32_t kGatheredSamples = 4;  // of a pixel in a pass where photons light what paths meet: theirs is most of the noise
 constexpr uint32_t kPathSamples = 16;     // the same where paths bring all of the indirect light
 constexpr float kNoiseOfOne = 4.0f / 3;   // photon in a disc: squared relative error of what an Epanechnikov kernel makes of it
+constexpr size_t kLooksForFocus = 4096;  // places that tell what photons are to start about
 constexpr float kGatheredSpacing = 2;  // times that of points that are seen: a pixel's paths meet many
 constexpr uint64_t kPathsPerPoint = 4, kFewestPathsPerBatch = 1 << 17, kMostPathsPerBatch = 1 << 20;
 constexpr uint64_t kKeptPathsPerBatch = 1 << 18;  // where photons are kept, and found again by their batch
@@ -52,6 +53,7 @@ void Renderer::build() {
   check_light_groups();
   scene.build(cancel_);
   lights_ = std::make_unique<Lights>(scene, lamps);
+  focus_on_geometry();
   learn_sky_anew();
   camera_tracer_ = std::make_unique<CameraTracer>(scene, *lights_, *camera_, hash_combine(options.seed, 2));
   make_layers();
@@ -83,7 +85,7 @@ void Renderer::reset_film() {
     layer->points.forget_clear_regions();
   }
   fallback_.reset();  // of other records
-  fallback_learnt_ = false;
+  fallback_learnt_ = view_is_focused_ = false;
 }
 
 void Renderer::begin_pass_film() { pass_film_.reset(film_.width, film_.height, film_.light_groups); }
@@ -220,6 +222,7 @@ KeyFilter Renderer::keys_seen(const Layer& layer) const {
 // A pilot teaches where useful photons start and how dense they land, on surfaces that are seen or on all.
 void Renderer::learn(Layer& layer, const KeyFilter& seen, bool stores_all) {
   Timer timer(seconds_.photons), pilot_timer(seconds_.pilot);
+  focus_on_view();
   KeyFilter stored = seen;
   if (stores_all) stored.add_all();
   const uint64_t paths = std::max<uint64_t>(1, std::min(layer.paths_per_pass, kPilotPaths));
@@ -229,6 +232,52 @@ void Renderer::learn(Layer& layer, const KeyFilter& seen, bool stores_all) {
   layer.radii = std::make_unique<RadiusMap>(scene, *pilot, static_cast<double>(paths));
   if (layer.stream == PhotonStream::kCaustic) layer.dispersion = power_dispersion(*pilot);
   layer.pilot = since(layer.before, layer.tracer->counts());
+}
+
+namespace {
+
+// The middle of points, each coordinate's median, and the distance that half of them are within.
+std::pair<Vec3, float> middle_of(const std::vector<Vec3>& points) {
+  std::vector<float> values(points.size());
+  const auto median = [&](auto&& value) {
+    std::transform(points.begin(), points.end(), values.begin(), value);
+    std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
+    return values[values.size() / 2];
+  };
+  const Vec3 middle{median([](const Vec3& p) { return p.x; }), median([](const Vec3& p) { return p.y; }), median([](const Vec3& p) { return p.z; })};
+  return {middle, median([&](const Vec3& p) { return length(p - middle); })};
+}
+
+}  // namespace
+
+// For photons that serve every view: what is modelled in detail is what will be looked at.
+void Renderer::focus_on_geometry() {
+  size_t count = 0;
+  for (const Instance& instance : scene.instances) count += scene.meshes[instance.mesh].triangles.size();
+  if (!count) return;
+  const size_t step = 1 + count / kLooksForFocus;
+  std::vector<Vec3> points;
+  size_t next = 0;
+  for (const Instance& instance : scene.instances) {
+    const Mesh& mesh = scene.meshes[instance.mesh];
+    for (; next < mesh.triangles.size(); next += step) {
+      const Triangle& t = mesh.triangles[next];
+      points.push_back(instance.to_world.point((mesh.positions[t[0]] + mesh.positions[t[1]] + mesh.positions[t[2]]) * (1 / 3.0f)));
+    }
+    next -= mesh.triangles.size();
+  }
+  const auto [center, radius] = middle_of(points);
+  lights_->focus(center, radius);
+}
+
+void Renderer::focus_on_view() {
+  if (view_is_focused_ || options.kept_photon_bytes || !records_ || records_->empty()) return;
+  view_is_focused_ = true;
+  const size_t step = 1 + records_->size() / kLooksForFocus;
+  std::vector<Vec3> points;
+  for (size_t i = 0; i < records_->size(); i += step) points.push_back((*records_)[i].position);
+  const auto [center, radius] = middle_of(points);
+  lights_->focus(center, radius);
 }
 
 void Renderer::make_points(uint32_t pass) {

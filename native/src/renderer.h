@@ -156,6 +156,8 @@ class Renderer {
 
  private:
   void finish_pass();
+  void focus_on_geometry();
+  void focus_on_view();
   PassWork take_work();
   uint64_t paths_of(const Layer& layer) const;
   Layer& selected() const;
@@ -189,6 +191,7 @@ class Renderer {
   std::vector<std::unique_ptr<Layer>> layers_;
   std::optional<Fallback> fallback_;
   bool fallback_learnt_ = false;
+  bool view_is_focused_ = false;  // photons start about what this view sees
   Layer* current_ = nullptr;
   VisiblePoints no_points_;
   Film film_, pass_film_;

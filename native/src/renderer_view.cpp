@@ -27,6 +27,7 @@ void Renderer::relight() {
   check_light_groups();
   scene.update_features();
   lights_ = std::make_unique<Lights>(scene, lamps);
+  focus_on_geometry();
   camera_tracer_ = std::make_unique<CameraTracer>(scene, *lights_, *camera_, hash_combine(options.seed, 2));
   set_photons({});
   make_layers();

@@ -138,6 +138,36 @@ TEST_CASE("aimed emission brings the flux that natural emission brings, to its t
   }
 }
 
+TEST_CASE("emission focused on what is seen brings the same flux everywhere, and far more photons there") {
+  constexpr uint64_t count = 1 << 16;
+  const Vec3 seen{0.4f, 0.6f, 0.9f};
+  const std::vector<EmissionTargets::Sphere> probes{{seen, 0.01f}, {{0.43f, 0.6f, 0.88f}, 0.02f}, {{0.9f, 0.2f, 0.3f}, 0.3f}, {{-0.2f, 0.9f, 0.5f}, 0.4f}};
+  for (const Named& lights : lights_of_every_kind()) {
+    if (lights.name != "world" && lights.name.find(" sun") == std::string::npos) continue;
+    CAPTURE(lights.name);
+    Scene scene(1);
+    fill_for(scene, lights);
+    Lights all(scene, lights.lamps);
+    const std::vector<EmissionTargets::Sphere> targets{{{0.9f, 0.2f, 0.3f}, 0.2f, 1}, {seen, 0.02f, 1}};
+    const auto wide = flux_through(probes, 32 * count, [&](uint64_t i) { return all.emit(all.primary(i, 1, nullptr)); });
+    all.focus(seen, 0.01f);
+    const auto focused = flux_through(probes, 4 * count, [&](uint64_t i) { return all.emit(all.primary(i, 2, nullptr)); });
+    const EmissionTargets aimed = all.aim_at(targets);
+    const auto towards = flux_through(probes, 4 * count, [&](uint64_t i) { return all.emit_towards(aimed, i, 4); });
+    for (size_t s = 0; s < probes.size(); ++s) {
+      CAPTURE(s);
+      for (const auto& [a, b] : {std::pair(wide[s], focused[s]), std::pair(focused[s], towards[s])}) {
+        CAPTURE(a.mean);
+        CAPTURE(b.mean);
+        CHECK(std::abs(a.mean - b.mean) < 4 * std::hypot(a.error, b.error) + 1e-3 * b.mean);
+      }
+    }
+    const double gain = wide[0].error * std::sqrt(8.0) / focused[0].error;
+    CAPTURE(gain);
+    CHECK(gain > 4);
+  }
+}
+
 TEST_CASE("paths that start together start as they do one by one, where the upper half of their number changes as well") {
   Scene scene(1);
   Named lights{"area", {lamp_of(LampKind::kArea)}};

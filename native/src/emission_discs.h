@@ -1,0 +1,48 @@
+// Where parallel light enters the scene: the discs across it that photons of suns and of the world start on.
+#pragma once
+
+#include "sampling.h"
+
+namespace photon_splat {
+
+// One disc shows all of the scene. Where what is seen is small against that, as a house on an endless ground is, smaller discs about it,
+// each a fourth as wide as the one before, get as many photons each: their density falls as the squared distance from what is seen, as
+// does the use of light that is scattered there. The mixture's density weighs every photon, so that no light is lost or added.
+class EmissionDiscs {
+ public:
+  // One disc about the bounding sphere of everything.
+  EmissionDiscs(const Vec3& center, float radius) : center_(center), radius_(radius) {}
+
+  // What is seen lies about `center`, half of it within `radius`.
+  void focus(const Vec3& center, float radius);
+  bool focused() const { return small_ > 0; }
+
+  struct Place {
+    Vec3 through;    // a point of the line, on the disc
+    Vec3 outside;    // a point of the line before everything
+    float width;     // of the disc that it was drawn from
+  };
+  Place sample(const Vec3& direction, const Vec2& u) const;
+  // The area that a photon on this line stands for, m^2: one over the density; 0 where no photon starts.
+  float area(const Vec3& direction, const Vec3& on_line) const;
+  // That of a photon through the middle of the smallest disc.
+  double least_area() const;
+  double scene_area() const { return double(kPi) * radius_ * radius_; }
+
+  const Vec3& center() const { return center_; }
+  float radius() const { return radius_; }
+  // The point of a line before everything.
+  Vec3 before_scene(const Vec3& direction, const Vec3& on_line) const {
+    return on_line - direction * (dot(on_line - center_, direction) + radius_);
+  }
+
+ private:
+  static constexpr int kMost = 16;
+
+  Vec3 center_, focus_;
+  float radius_;
+  int small_ = 0;          // number of small discs
+  float width_[kMost]{};   // their radii, the largest first
+};
+
+}  // namespace photon_splat
