@@ -20,6 +20,8 @@ class CountTable {
     return ++slot.count;
   }
 
+  bool empty() const { return size_ == 0; }
+
   // 0: never counted.
   uint32_t count(uint64_t key) const { return slots_.empty() ? 0 : slots_[find(key)].count; }
 

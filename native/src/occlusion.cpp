@@ -19,6 +19,7 @@ constexpr float kRim = 0.98f;    // in h: beyond, the kernel is nothing, and pro
 constexpr float kCover = 0.12f;  // what lies closer over the surface than this, in h, keeps photons off it
 constexpr float kTouching = 1e-3f;
 constexpr float kGolden = 2.39996323f;
+constexpr float kBentReach = 0.7f;  // of a bent disc's radius: further off it has little weight
 
 // The part of a kernel (Epanechnikov) within the share s of its radius.
 float mass_within(float s) {
@@ -178,6 +179,27 @@ DiscOcclusion disc_occlusion(const Scene& scene, uint32_t instance, uint32_t tri
   }
   probes.look();
   return out;
+}
+
+bool stands_in_bent_disc(const Scene& scene, uint32_t instance, uint32_t triangle, uint32_t key, const Vec3& x, const Vec3& normal, float h) {
+  const Instance& placed = scene.instances[instance];
+  const float curvature = scene.meshes[placed.mesh].topology.curvature_of(triangle) / placed.scale;
+  const float tilt = std::min(0.5f * curvature * h, 0.5f);  // to where the surface is at the rim
+  const Basis basis(normal);
+  const Vec3 origin = x + normal * std::max(kHeight * h, ray_epsilon(x, h));
+  const float turn = 2 * kPi * to_unit_float(hash_combine(std::bit_cast<uint32_t>(x.x), std::bit_cast<uint32_t>(x.y)));
+  Vec3 origins[Scene::kPacket], ways[Scene::kPacket];
+  for (uint32_t k = 0; k < Scene::kPacket; ++k) {
+    const float angle = turn + 2 * kPi * static_cast<float>(k) / Scene::kPacket;
+    origins[k] = origin;
+    ways[k] = normalize(basis.to_world({std::cos(angle), std::sin(angle), k % 2 ? -tilt : 0}));
+  }
+  Surface hits[Scene::kPacket];
+  for (unsigned met = scene.intersect_packet(origins, ways, Scene::kPacket, hits); met; met &= met - 1) {
+    const Surface& hit = hits[std::countr_zero(met)];
+    if (hit.distance < kBentReach * h && (hit.key | 1u) != (key | 1u)) return true;
+  }
+  return false;
 }
 
 }  // namespace photon_splat

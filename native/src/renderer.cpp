@@ -13,6 +13,7 @@ constexpr uint32_t kGatheredSamples = 4;  // of a pixel in a pass where photons 
 constexpr uint32_t kPathSamples = 16;     // the same where paths bring all of the indirect light
 constexpr float kNoiseOfOne = 4.0f / 3;   // photon in a disc: squared relative error of what an Epanechnikov kernel makes of it
 constexpr size_t kLooksForFocus = 4096;  // places that tell what photons are to start about
+constexpr size_t kLaterLooks = 16;        // one record in so many, in each pass but the first
 constexpr float kGatheredSpacing = 2;  // times that of points that are seen: a pixel's paths meet many
 constexpr uint64_t kPathsPerPoint = 4, kFewestPathsPerBatch = 1 << 17, kMostPathsPerBatch = 1 << 20;
 constexpr uint64_t kKeptPathsPerBatch = 1 << 18;  // where photons are kept, and found again by their batch
@@ -164,6 +165,17 @@ void Renderer::make_fallback(const KeyFilter& known) {
   fallback_->learn(*indirect.radii, known, indirect.photons_per_disc, static_cast<double>(indirect.paths_per_pass));
 }
 
+// Records of the first pass are all looked at, later ones now and then.
+void Renderer::look_for_crowds(uint32_t pass) {
+  if (!fallback_ || !records_ || idle(*layers_.front())) return;
+  const size_t step = fallback_learnt_ ? kLaterLooks : 1, first = pass % step;
+  if (records_->size() <= first) return;
+  fallback_->look_for_crowds((records_->size() - first - 1) / step + 1, scene.pool(), cancel_, [&](size_t i) {
+    const Record& r = (*records_)[first + i * step];
+    return Fallback::Place{r.position, r.ng, r.key, r.instance, r.triangle};
+  });
+}
+
 // Nothing in view needs it.
 void Renderer::forget_fallback() {
   fallback_.reset();
@@ -185,6 +197,7 @@ void Renderer::learn_fallback(uint32_t pass, bool scouts) {
   KeyFilter known = keys_seen(indirect);
   learn(indirect, known, scouts);
   make_fallback(known);
+  look_for_crowds(pass);
   bool any;
   if (scouts) {
     any = trace_more(pass, CameraTracer::Tiles::kRest);
@@ -375,6 +388,7 @@ void Renderer::resolve() {
   }
   if (adaptive) samples_.end_pass(pass_film_, take_work(), scene.pool());
   for (const auto& layer : layers_) layer->first_path += paths_of(*layer);
+  look_for_crowds(film_.passes);
   finish_pass();
 }
 

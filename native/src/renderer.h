@@ -169,6 +169,7 @@ class Renderer {
   bool try_paths(uint32_t pass);
   void make_fallback(const KeyFilter& known);
   void forget_fallback();
+  void look_for_crowds(uint32_t pass);
   void learn_fallback(uint32_t pass, bool scouts);
   bool trace_more(uint32_t pass, CameraTracer::Tiles tiles);
   KeyFilter keys_seen(const Layer& layer) const;
