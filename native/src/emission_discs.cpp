@@ -13,6 +13,7 @@ constexpr float kSlack = 1 + 1e-4f;  // rounding must not put a line outside the
 
 void EmissionDiscs::focus(const Vec3& center, float radius) {
   small_ = 0;
+  share_[0] = 1;
   focus_ = center;
   const float least = kRoom * radius;
   if (!is_finite(center) || !(least > 1e-9f * radius_)) return;
@@ -20,12 +21,16 @@ void EmissionDiscs::focus(const Vec3& center, float radius) {
   if (!(least < width)) return;
   for (width = least; width < kWorthIt * radius_ && small_ < kMost; width /= kStep) width_[small_++] = width;
   std::reverse(width_, width_ + small_);
+  float sum = share_[0] = std::sqrt(radius_);
+  for (int k = 0; k < small_; ++k) sum += share_[k + 1] = std::sqrt(width_[k]);
+  for (int k = 0; k <= small_; ++k) share_[k] /= sum;
 }
 
 EmissionDiscs::Place EmissionDiscs::sample(const Vec3& direction, const Vec2& u) const {
-  const float scaled = u.x * static_cast<float>(small_ + 1);
-  const int disc = std::min(static_cast<int>(scaled), small_);
-  const Vec2 p = sample_disk({std::min(scaled - static_cast<float>(disc), kBelowOne), u.y});
+  int disc = 0;
+  float rest = u.x;
+  for (; disc < small_ && rest >= share_[disc]; ++disc) rest -= share_[disc];
+  const Vec2 p = sample_disk({std::min(rest / share_[disc], kBelowOne), u.y});
   const float width = disc ? width_[disc - 1] : radius_;
   const Basis basis(direction);
   if (!disc) {
@@ -43,16 +48,16 @@ float EmissionDiscs::area(const Vec3& direction, const Vec3& on_line) const {
   };
   const float whole = kPi * radius_ * radius_;
   if (!small_) return whole;
-  double density = squared_distance(center_) <= squared(radius_) * kSlack ? 1 / double(whole) : 0;
+  double density = squared_distance(center_) <= squared(radius_) * kSlack ? share_[0] / double(whole) : 0;
   const float d2 = squared_distance(focus_);
-  for (int k = 0; k < small_ && d2 <= squared(width_[k]) * kSlack; ++k) density += 1 / (double(kPi) * squared(width_[k]));
-  return density > 0 ? static_cast<float>((small_ + 1) / density) : 0;
+  for (int k = 0; k < small_ && d2 <= squared(width_[k]) * kSlack; ++k) density += share_[k + 1] / (double(kPi) * squared(width_[k]));
+  return density > 0 ? static_cast<float>(1 / density) : 0;
 }
 
 double EmissionDiscs::least_area() const {
-  double density = 1 / scene_area();
-  for (int k = 0; k < small_; ++k) density += 1 / (double(kPi) * squared(width_[k]));
-  return (small_ + 1) / density;
+  double density = share_[0] / scene_area();
+  for (int k = 0; k < small_; ++k) density += share_[k + 1] / (double(kPi) * squared(width_[k]));
+  return 1 / density;
 }
 
 }  // namespace photon_splat

@@ -5,9 +5,10 @@
 
 namespace photon_splat {
 
-// One disc shows all of the scene. Where what is seen is small against that, as a house on an endless ground is, smaller discs about it,
-// each a fourth as wide as the one before, get as many photons each: their density falls as the squared distance from what is seen, as
-// does the use of light that is scattered there. The mixture's density weighs every photon, so that no light is lost or added.
+// One disc shows all of the scene. Where what is seen is small against that, as a house on an endless ground is, there are smaller discs
+// about it, each a fourth as wide as the one before. A disc of radius r gets photons in proportion to sqrt(r), so that their density falls
+// as r^-3/2: the chance that a photon scattered at this distance comes to what is seen falls as r^-2 to r^-3, and variance is least where
+// density goes as its root. The mixture's density weighs every photon, so that no light is lost or added.
 class EmissionDiscs {
  public:
   // One disc about the bounding sphere of everything.
@@ -43,6 +44,7 @@ class EmissionDiscs {
   float radius_;
   int small_ = 0;          // number of small discs
   float width_[kMost]{};   // their radii, the largest first
+  float share_[kMost + 1]{1};  // of photons: of the scene's disc, then of those
 };
 
 }  // namespace photon_splat

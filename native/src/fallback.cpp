@@ -54,10 +54,8 @@ bool Fallback::at(uint32_t key, const Vec3& x, uint32_t instance, uint32_t trian
   const float area = topology.patch_area[patch] * placed.scale * placed.scale, rim = topology.patch_rim[patch] * placed.scale;
   const float wished = radius_factor * radii_->radius(key, x, photons_, paths_, memory);
   const float h = std::min(wished, curvature_radius_limit(scene_, instance, triangle));
-  // Photons per square metre: all that the pilot saw on the patch, spread over it; or more, as the disc's radius was chosen.
-  double density = radii_->photons_on_surface(memory, paths_) / std::max(double(area), 1e-30);
-  if (wished < radius_factor * radii_->largest())
-    density = std::max(density, photons_ * radius_factor * radius_factor / (kPi * double(wished) * wished));
+  // Photons per square metre: all that the pilot saw on the patch, spread over it; or more, as it saw them near by.
+  const double density = std::max(radii_->photons_on_surface(memory, paths_) / std::max(double(area), 1e-30), radii_->density(memory, paths_));
   double reached = std::min(kPi * double(h) * h, double(area));
   if (rim > 0) reached = std::min(reached, kPi * double(h) * kAcross * area / rim);
   return density * reached < kFewest * radius_factor * radius_factor;  // discs of later passes are to hold fewer

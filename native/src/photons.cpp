@@ -3,6 +3,7 @@
 #include <bit>
 
 #include "caustic_targets.h"
+#include "seen_places.h"
 
 namespace photon_splat {
 namespace {
@@ -113,15 +114,22 @@ void PhotonTracer::keep_bounced(Travellers& travellers, uint32_t from, uint32_t 
   travellers.rest[to] = travellers.rest[from];
 }
 
+bool PhotonTracer::Usefulness::counts(const Photon& photon) const {
+  return (!filter || filter->contains(photon.key)) && (!places || places->contains(photon.key, photon.position));
+}
+
 float PhotonTracer::use_of(const Photon& photon, const PhotonStart& start, double total) const {
-  if (stream_ != PhotonStream::kCaustic) return 1;
+  if (stream_ != PhotonStream::kCaustic) {
+    const float share = average(start.power) / static_cast<float>(lights_.total_power());
+    return std::isfinite(share) ? share * share : 0;
+  }
   const float own = luminance(start.power) * static_cast<float>(1 / total), share = own > 0 ? luminance(photon.power) / own : 0;
   return std::isfinite(share) ? share * share : 0;
 }
 
 // All paths of a chunk advance by one ray at a time.
 void PhotonTracer::trace_chunk(uint64_t first, uint64_t count, double total, uint32_t seed, const KeyFilter& visible,
-                               const KeyFilter* filter, float* useful, Travellers& travellers, PhotonRun& run) const {
+                               const Usefulness* filter, float* useful, Travellers& travellers, PhotonRun& run) const {
   uint32_t alive = start_all(first, static_cast<uint32_t>(count), total, seed, travellers);
   PhotonPaths& paths = travellers.paths;
   const SobolPair first_bounce(3, seed);
@@ -174,7 +182,7 @@ void PhotonTracer::trace_chunk(uint64_t first, uint64_t count, double total, uin
         }
         if (useful)
           for (size_t p = stored; p < run.photons.size(); ++p)
-            if (!filter || filter->contains(run.photons[p].key)) useful[place] += use_of(run.photons[p], travellers.starts[place], total);
+            if (filter->counts(run.photons[p])) useful[place] += use_of(run.photons[p], travellers.starts[place], total);
         if (keeps_groups_) run.groups.resize(run.photons.size(), travellers.starts[place].light_group);
       }
     }
@@ -200,7 +208,7 @@ const Photons& PhotonTracer::trace(uint64_t first, uint64_t count, double total,
     scene_.pool().for_each(chunk_count, cancel, [&](size_t c, int worker) {
       const uint64_t begin = c * kPathsPerChunk;
       std::unique_ptr<PhotonRun> run = join_.take();
-      trace_chunk(first + begin, std::min(kPathsPerChunk, count - begin), total, seed, visible, useful ? useful->filter : nullptr,
+      trace_chunk(first + begin, std::min(kPathsPerChunk, count - begin), total, seed, visible, useful,
                   useful ? &useful->of_path[begin] : nullptr, travellers_[worker], *run);
       join_.add(c, std::move(run));
     });
@@ -216,19 +224,19 @@ const Photons& PhotonTracer::trace(uint64_t first, uint64_t count, double total,
 }
 
 const Photons* PhotonTracer::learn_emission(uint64_t paths, uint32_t seed, const KeyFilter& visible,
-                                                        const KeyFilter& stored, const CancelFlag& cancel) {
+                                           const KeyFilter& stored, const SeenPlaces* places, const CancelFlag& cancel) {
   guide_.reset();
   targets_.reset();
   if (lights_.total_power() <= 0 || max_bounces_ < 1) return nullptr;
   if (stream_ == PhotonStream::kCaustic) {
     targets_ = lights_.aim_at(caustic_targets(scene_));
-    Usefulness useful;
+    Usefulness useful{nullptr, places, {}};
     trace(0, paths, static_cast<double>(paths), seed, visible, cancel, &useful);
     for (uint64_t i = 0; i < paths; ++i) targets_->learn(start(i, seed), useful.of_path[i]);
     targets_->finish();
     return nullptr;
   }
-  Usefulness useful{&visible, {}};
+  Usefulness useful{&visible, places, {}};
   const Photons& photons = trace(0, paths, static_cast<double>(paths), seed, stored, cancel, &useful);
   EmissionGuide guide = lights_.make_guide();
   uint64_t useful_paths = 0;

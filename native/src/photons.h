@@ -8,6 +8,8 @@
 
 namespace photon_splat {
 
+class SeenPlaces;
+
 // Which surface keys are visible; may say yes for one that is not, never no for one that is.
 class KeyFilter {
  public:
@@ -59,9 +61,10 @@ class PhotonTracer {
   // Traces a pilot and learns from it where photons that end on visible surfaces start. Guided emission is taken up
   // only where few unguided paths are of use; where not, the pilot's photons are as good as those of any other paths, and are
   // returned (null otherwise; valid until the next trace()). Caustic photons are aimed at what can focus light instead.
-  // `stored`: surfaces whose photons are returned, all visible ones among them.
-  const Photons* learn_emission(uint64_t paths, uint32_t seed, const KeyFilter& visible, const KeyFilter& stored,
-                                            const CancelFlag& cancel);
+  // `stored`: surfaces whose photons are returned, all visible ones among them. `places`: where on visible surfaces photons are of use
+  // (nullptr: everywhere).
+  const Photons* learn_emission(uint64_t paths, uint32_t seed, const KeyFilter& visible, const KeyFilter& stored, const SeenPlaces* places,
+                                const CancelFlag& cancel);
   bool guided() const { return guide_.has_value() || targets_.has_value(); }
 
   // For the benchmark: every ray that path tracing asks for, as origin, near, direction, far (8 floats a ray).
@@ -102,16 +105,19 @@ class PhotonTracer {
     Vec2 next(Path& path) const { return path.bounces == 0 ? first_bounce.at(index) : path.random.next2(); }
   };
   uint32_t start_all(uint64_t first, uint32_t count, double total, uint32_t seed, Travellers& travellers) const;
-  // What each path has stored, of what `filter` lets pass where there is one: the number of photons, which diffuse surfaces leave all
-  // alike; of a caustic path the sum of their squared powers over its own at the start.
+  // What each path has stored, of what `filter` and `places` let pass where there are any: the number of photons, which diffuse surfaces
+  // leave all alike, times the path's squared power over the mean one's; of a caustic path the sum of their squared powers over its own
+  // at the start.
   struct Usefulness {
     const KeyFilter* filter = nullptr;
+    const SeenPlaces* places = nullptr;
+    bool counts(const Photon& photon) const;
     std::vector<float> of_path;  // from the first one traced
   };
   const Photons& trace(uint64_t first, uint64_t count, double total, uint32_t seed, const KeyFilter& visible, const CancelFlag& cancel,
                        Usefulness* useful);
-  void trace_chunk(uint64_t first, uint64_t count, double total, uint32_t seed, const KeyFilter& visible, const KeyFilter* filter,
-                   float* useful, Travellers& travellers, PhotonRun& run) const;
+  void trace_chunk(uint64_t first, uint64_t count, double total, uint32_t seed, const KeyFilter& visible,
+                   const Usefulness* filter, float* useful, Travellers& travellers, PhotonRun& run) const;
   float use_of(const Photon& photon, const PhotonStart& start, double total) const;
   PhotonStart start(uint64_t index, uint32_t seed) const;
   void start(uint64_t first, uint32_t count, uint32_t seed, PhotonStart* starts) const;

@@ -1,29 +1,47 @@
 #include "radius_map.h"
 
 namespace photon_splat {
+namespace {
 
-RadiusMap::RadiusMap(const Scene& scene, const Photons& pilot, double pilot_paths)
+constexpr float kLargestOfScene = 0.25f;  // discs, of the scene's radius
+constexpr float kLargestOfSeen = 0.5f;    // and of that of half of what is seen: what is wider shows one light all over
+constexpr float kSeenShare = 16;          // times that radius the octree begins with
+
+}  // namespace
+
+RadiusMap::RadiusMap(const Scene& scene, const Photons& pilot, double pilot_paths, const Settings& settings)
     : pilot_paths_(std::max(pilot_paths, 1.0)) {
-  const float r = scene.radius();
-  corner_ = scene.center() - Vec3{r, r, r};
+  const bool small = kSeenShare * settings.reach < scene.radius();  // against a scene that is seen in part
+  const float r = small ? std::max(kSeenShare * settings.reach, 1e-20f) : scene.radius();
+  corner_ = (small ? settings.middle : scene.center()) - Vec3{r, r, r};
   size_ = 2 * r;
-  largest_ = 0.25f * r;
-  for (const Photon& p : pilot) on_surface_.add(hash64(p.key));
-  std::vector<uint32_t> inside(pilot.size());
-  for (uint32_t i = 0; i < inside.size(); ++i) inside[i] = i;
+  largest_ = std::min(kLargestOfScene * scene.radius(), std::max(kLargestOfSeen * settings.reach, 1e-20f));
+  std::vector<float> powers(pilot.size(), 1.0f);
+  if (!settings.alike)
+    for (size_t i = 0; i < pilot.size(); ++i) powers[i] = luminance(pilot[i].power);
+  const auto add = [&](Power& power, uint32_t i) {
+    power.sum += powers[i];
+    power.squares += powers[i] * powers[i];
+  };
+  std::vector<uint32_t> inside;
+  for (uint32_t i = 0; i < pilot.size(); ++i) {
+    if (!std::isfinite(powers[i] * powers[i])) continue;
+    add(on_surface_[hash64(pilot[i].key)], i);
+    inside.push_back(i);
+  }
   // Level by level, photons in cells that hold few of them drop out.
   for (int level = 0; level < kLevels && !inside.empty(); ++level) {
     std::vector<uint64_t> cells(inside.size());
     for (size_t i = 0; i < inside.size(); ++i) {
       cells[i] = cell(pilot[inside[i]].key, pilot[inside[i]].position, level);
-      counts_.add(cells[i]);
+      add(cells_[cells[i]], inside[i]);
     }
     size_t kept = 0;
     for (size_t i = 0; i < inside.size(); ++i)
-      if (counts_.count(cells[i]) >= kFewest) inside[kept++] = inside[i];
+      if (cells_.find(cells[i])->photons() >= kFewest) inside[kept++] = inside[i];
     inside.resize(kept);
   }
-  counts_.keep_from(kFewest);
+  cells_.keep_if([](const Power& power) { return power.photons() >= kFewest; });
 }
 
 uint64_t RadiusMap::index_at(const Vec3& x, int level) const {
@@ -40,12 +58,13 @@ uint64_t RadiusMap::cell(uint32_t key, const Vec3& x, int level) const {
 // A cell that holds a sliver of the patch shows too low a density, so the densest of the nested cells is believed. The first of
 // them that is not kept, or the smallest of all, is where the answer holds.
 void RadiusMap::look_up(uint32_t key, const Vec3& x, Memory& memory) const {
-  memory = {key, on_surface_.count(hash64(key)), 0, 0, 0};
+  const auto photons = [](const Power* power) { return power ? power->photons() : 0.0; };
+  memory = {key, photons(on_surface_.find(hash64(key))), 0, 0, 0};
   for (;; ++memory.level) {
-    const uint32_t count = counts_.count(cell(key, x, memory.level));
+    const double count = photons(cells_.find(cell(key, x, memory.level)));
     const double size = double(size_) / (1 << memory.level);
     memory.densest = std::max(memory.densest, count / (size * size));
-    if (!count || memory.level == kLevels - 1) break;
+    if (!(count > 0) || memory.level == kLevels - 1) break;
   }
   memory.index = index_at(x, memory.level);
 }

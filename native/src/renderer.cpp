@@ -1,6 +1,7 @@
 #include "renderer.h"
 
 #include <chrono>
+#include <tuple>
 
 namespace photon_splat {
 namespace {
@@ -87,6 +88,7 @@ void Renderer::reset_film() {
   }
   fallback_.reset();  // of other records
   fallback_learnt_ = view_is_focused_ = false;
+  reach_ = INFINITY;
 }
 
 void Renderer::begin_pass_film() { pass_film_.reset(film_.width, film_.height, film_.light_groups); }
@@ -235,15 +237,16 @@ KeyFilter Renderer::keys_seen(const Layer& layer) const {
 // A pilot teaches where useful photons start and how dense they land, on surfaces that are seen or on all.
 void Renderer::learn(Layer& layer, const KeyFilter& seen, bool stores_all) {
   Timer timer(seconds_.photons), pilot_timer(seconds_.pilot);
-  focus_on_view();
+  const std::optional<SeenPlaces> places = focus_on_view();
   KeyFilter stored = seen;
   if (stores_all) stored.add_all();
   const uint64_t paths = std::max<uint64_t>(1, std::min(layer.paths_per_pass, kPilotPaths));
   layer.tracer->set_viewer(viewer());
-  const Photons* pilot = layer.tracer->learn_emission(paths, hash_combine(layer.seed, 4), seen, stored, cancel_);
+  const Photons* pilot = layer.tracer->learn_emission(paths, hash_combine(layer.seed, 4), seen, stored, places ? &*places : nullptr, cancel_);
   if (!pilot) pilot = &layer.tracer->trace(0, paths, static_cast<double>(paths), hash_combine(layer.seed, 3), stored, cancel_);
-  layer.radii = std::make_unique<RadiusMap>(scene, *pilot, static_cast<double>(paths));
-  if (layer.stream == PhotonStream::kCaustic) layer.dispersion = power_dispersion(*pilot);
+  const bool caustic = layer.stream == PhotonStream::kCaustic;
+  layer.radii = std::make_unique<RadiusMap>(scene, *pilot, static_cast<double>(paths), RadiusMap::Settings{middle_, reach_, caustic});
+  if (caustic) layer.dispersion = power_dispersion(*pilot);
   layer.pilot = since(layer.before, layer.tracer->counts());
 }
 
@@ -279,18 +282,24 @@ void Renderer::focus_on_geometry() {
     }
     next -= mesh.triangles.size();
   }
-  const auto [center, radius] = middle_of(points);
-  lights_->focus(center, radius);
+  const auto [middle, reach] = middle_of(points);
+  lights_->focus(middle, reach);
 }
 
-void Renderer::focus_on_view() {
-  if (view_is_focused_ || options.kept_photon_bytes || !records_ || records_->empty()) return;
-  view_is_focused_ = true;
+// Once for a view. Returns where it looks, unless photons serve all views.
+std::optional<SeenPlaces> Renderer::focus_on_view() {
+  if (options.kept_photon_bytes || !records_ || records_->empty()) return {};
   const size_t step = 1 + records_->size() / kLooksForFocus;
   std::vector<Vec3> points;
   for (size_t i = 0; i < records_->size(); i += step) points.push_back((*records_)[i].position);
-  const auto [center, radius] = middle_of(points);
-  lights_->focus(center, radius);
+  if (!view_is_focused_) {
+    std::tie(middle_, reach_) = middle_of(points);
+    lights_->focus(middle_, reach_);
+    view_is_focused_ = true;
+  }
+  SeenPlaces places(middle_, reach_);
+  for (const Record& r : *records_) places.add(r.key, r.position);
+  return places;
 }
 
 void Renderer::make_points(uint32_t pass) {

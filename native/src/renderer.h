@@ -11,6 +11,7 @@
 #include "photon_store.h"
 #include "radius_choice.h"
 #include "sample_choice.h"
+#include "seen_places.h"
 #include "splatter.h"
 #include "visible_points.h"
 
@@ -157,7 +158,7 @@ class Renderer {
  private:
   void finish_pass();
   void focus_on_geometry();
-  void focus_on_view();
+  std::optional<SeenPlaces> focus_on_view();
   PassWork take_work();
   uint64_t paths_of(const Layer& layer) const;
   Layer& selected() const;
@@ -193,6 +194,8 @@ class Renderer {
   std::optional<Fallback> fallback_;
   bool fallback_learnt_ = false;
   bool view_is_focused_ = false;  // photons start about what this view sees
+  Vec3 middle_{};                 // of that
+  float reach_ = INFINITY;        // half of it is no further from there, m; infinite where photons serve all views
   Layer* current_ = nullptr;
   VisiblePoints no_points_;
   Film film_, pass_film_;
