@@ -22,7 +22,7 @@ NATIVE_SOURCES := $(shell find native -path native/.cache -prune -o -path native
 # What is built in the virtual environment must find its tools there: cmake and ninja.
 IN_VENV = PATH="$(CURDIR)/$(@D)/bin:$$PATH"
 
-.PHONY: help setup setup-old setup-rivals render test lint test-native test-python test-old extension extension-test viewport-test bench bench-viewport bench-persistent bench-gpu bench-nodes chart stability convergence calibration references scenes oracle nodes node-list sanitize wheel clean
+.PHONY: help setup setup-old setup-rivals render test lint test-native test-python test-old extension extension-test viewport-test bench bench-viewport bench-persistent bench-gpu bench-nodes chart stability convergence calibration references scenes oracle agreement wild nodes node-list sanitize wheel clean
 
 help:
 	@sed -n 's/^\([a-z-]*\):.*## /  make \1\t/p' $(MAKEFILE_LIST) | expand -t 20
@@ -138,6 +138,16 @@ sanitize: $(VENV)/.packages ## C++ tests under the address, undefined behaviour 
 
 oracle: setup ## every case against the committed Cycles pictures: out/oracle/index.html
 	$(PY) -m tests.oracle.report
+
+agreement: setup ## splat against the reference integrator on 200 random scenes: out/agreement (AGREEMENT_OPTIONS: see python -m tests.agreement.run --help)
+	$(PY) -m tests.agreement.run $(AGREEMENT_OPTIONS)
+
+# Files by strangers, with Cycles' pictures of them; they are no part of the project.
+WILD ?= ../shared/wild
+WILD_SECONDS ?= 8
+wild: setup ## real files against Cycles: out/wild (WILD: the folder that holds them)
+	@if [ -f $(WILD)/wild.py ]; then $(PY) $(WILD)/wild.py check $(WILD)/files out/wild --seconds $(WILD_SECONDS); \
+	else echo "No real files to judge by: $(WILD)/wild.py is not there (WILD=FOLDER names another place)."; fi
 
 nodes: setup ## node trees against Cycles (NODE_OPTIONS: see python -m tests.nodes.oracle --help)
 	$(PY) -m tests.nodes.oracle $(NODE_OPTIONS)

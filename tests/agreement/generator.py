@@ -5,12 +5,13 @@ from __future__ import annotations
 from math import cos, pi, sin
 
 import numpy as np
-from photon_splat.core.scene import Light, LightKind, Mesh, Scene
+from photon_splat.core.scene import Light, LightKind, Material, Mesh, Scene
 
-from tests.corescene import box, globe, lamp, lambert, look_at, mesh, perspective, scene
+from tests.corescene import box, globe, lambert, lamp, mesh, perspective, scene
 
 WIDTH, HEIGHT = 96, 72
 Draw = np.random.Generator
+Thing = tuple[Mesh, Material]
 
 
 def log_uniform(draw: Draw, low: float, high: float) -> float:
@@ -39,8 +40,13 @@ def turn(draw: Draw, place: np.ndarray, scale: np.ndarray | float = 1.0, *, tumb
     return matrix
 
 
+def level(x: float, y: float, z: float = 0.0, name: str = "floor") -> Mesh:
+    """A rectangle of half sides x and y."""
+    return mesh([(-x, -y, z), (x, -y, z), (x, y, z), (-x, y, z)], [(0, 1, 2, 3)], name)
+
+
 def leaf(draw: Draw, place: np.ndarray, size: float) -> Mesh:
-    return placed(mesh([(-1, -0.4, 0), (1, -0.4, 0), (1, 0.4, 0), (-1, 0.4, 0)], [(0, 1, 2, 3)], "leaf"), turn(draw, place, size, tumbled=True))
+    return placed(level(1.0, 0.4, name="leaf"), turn(draw, place, size, tumbled=True))
 
 
 def thing(draw: Draw, place: np.ndarray, size: float) -> Mesh:
@@ -71,7 +77,7 @@ def clutter(draw: Draw, reach: float) -> list[Mesh]:
         size = 0.25 * reach
         centre = np.array([*draw.uniform(-0.5 * reach, 0.5 * reach, 2), 0.0])
         for _ in range(draw.integers(5, 25)):
-            at = centre + [*draw.normal(0.0, size, 2), abs(draw.normal(0.0, 0.6 * size))]
+            at = centre + np.array([*draw.normal(0.0, size, 2), abs(draw.normal(0.0, 0.6 * size))])
             things.append(placed(globe(0.5, 2 + int(draw.integers(2)), smooth=bool(draw.integers(2))), turn(draw, at, size)))
     return things
 
@@ -93,7 +99,11 @@ def lamps(draw: Draw, reach: float, ceiling: float | None) -> list[Light]:
             case 0:
                 found.append(lamp(LightKind.POINT, power, tuple(place), radius=radius, soft_falloff=bool(draw.integers(2))))
             case 1:
-                found.append(lamp(LightKind.SPOT, power, tuple(place), aim, radius=radius, spot_size=draw.uniform(0.5, 2.5), spot_blend=draw.random()))
+                found.append(
+                    lamp(
+                        LightKind.SPOT, power, tuple(place), aim, radius=radius, spot_size=draw.uniform(0.5, 2.5), spot_blend=draw.random()
+                    )
+                )
             case 2:
                 side = log_uniform(draw, 0.01, 0.5) * distance
                 found.append(lamp(LightKind.AREA, power, tuple(place), aim, size=(side, side * draw.uniform(0.3, 1.0))))
@@ -102,28 +112,43 @@ def lamps(draw: Draw, reach: float, ceiling: float | None) -> list[Light]:
     return found
 
 
+def random_color(draw: Draw) -> Material:
+    return lambert(tuple(draw.uniform(0.05, 0.9, 3).tolist()))
+
+
+def room(draw: Draw, reach: float, ceiling: float) -> list[Thing]:
+    """One wall of which may be missing; alone or on a ground."""
+    whole = box((-reach, -reach, 0.0), (reach, reach, ceiling), inwards=True)
+    missing = int(draw.integers(0, 7))
+    triangles = whole.triangles if missing > 5 else np.delete(whole.triangles, (2 * missing, 2 * missing + 1), 0)
+    things = [(Mesh("room", whole.positions, triangles), random_color(draw))]
+    if draw.random() < 0.5:
+        half = log_uniform(draw, 2.0, 1000.0) * reach
+        things.append((level(half, half, -0.01 * reach), random_color(draw)))
+    return things
+
+
+def field(draw: Draw, reach: float) -> list[Thing]:
+    """A floor, small or endless, sometimes with a wall."""
+    x, y = (log_uniform(draw, 1.2, 1000.0) * reach for _ in range(2))
+    things = [(level(x, y), random_color(draw))]
+    if draw.random() < 0.3:
+        at = draw.uniform(0.5, 1.0) * reach
+        corners = [(-x, at, 0.0), (x, at, 0.0), (x, at, reach), (-x, at, reach)]
+        things.append((mesh(corners, [(0, 1, 2, 3)], "wall"), random_color(draw)))
+    return things
+
+
 def random_scene(seed: int) -> Scene:
     draw = np.random.default_rng(seed)
     reach = log_uniform(draw, 0.05, 50.0)
-    color = lambda: tuple(draw.uniform(0.05, 0.9, 3).tolist())  # noqa: E731
-    things: list[tuple[Mesh, object]] = []
     ceiling = None
-    if draw.random() < 0.45:  # a room, one wall of which may be missing
+    if draw.random() < 0.45:
         ceiling = reach * draw.uniform(0.8, 2.0)
-        room = box((-reach, -reach, 0.0), (reach, reach, ceiling), inwards=True)
-        missing = int(draw.integers(0, 7))
-        triangles = room.triangles if missing > 5 else np.delete(room.triangles, (2 * missing, 2 * missing + 1), 0)
-        things.append((Mesh("room", room.positions, triangles), lambert(color())))
-        if draw.random() < 0.5:  # in a landscape
-            half = log_uniform(draw, 2.0, 1000.0) * reach
-            things.append((mesh([(-half, -half, -0.01 * reach), (half, -half, -0.01 * reach), (half, half, -0.01 * reach), (-half, half, -0.01 * reach)], [(0, 1, 2, 3)]), lambert(color())))
+        things = room(draw, reach, ceiling)
     else:
-        x, y = (log_uniform(draw, 1.2, 1000.0) * reach for _ in range(2))
-        things.append((mesh([(-x, -y, 0.0), (x, -y, 0.0), (x, y, 0.0), (-x, y, 0.0)], [(0, 1, 2, 3)], "floor"), lambert(color())))
-        if draw.random() < 0.3:
-            wall = draw.uniform(0.5, 1.0) * reach
-            things.append((mesh([(-x, wall, 0.0), (x, wall, 0.0), (x, wall, reach), (-x, wall, reach)], [(0, 1, 2, 3)], "wall"), lambert(color())))
-    things += [(one, lambert(color())) for one in clutter(draw, reach)]
+        things = field(draw, reach)
+    things += [(one, random_color(draw)) for one in clutter(draw, reach)]
     world = 0.0 if ceiling is not None and draw.random() < 0.7 else (draw.uniform(0.0, 0.6) if draw.random() < 0.6 else 0.0)
     shining = lamps(draw, reach, ceiling)
     if draw.random() < 0.25:  # a mesh that shines
@@ -131,12 +156,9 @@ def random_scene(seed: int) -> Scene:
         place = np.array([*draw.uniform(-0.7 * reach, 0.7 * reach, 2), draw.uniform(0.3, 0.75) * (ceiling or reach)])
         things.append((placed(globe(0.5, 2), turn(draw, place, size)), lambert(0.5, 10.0 * (reach / size) ** 2)))
     if ceiling is None:
-        angle = draw.uniform(0.0, 2.0 * pi)
-        far = draw.uniform(1.5, 3.5) * reach
+        angle, far = draw.uniform(0.0, 2.0 * pi), draw.uniform(1.5, 3.5) * reach
         eye = (far * cos(angle), far * sin(angle), draw.uniform(0.4, 2.0) * reach)
     else:
         eye = (*draw.uniform(-0.9 * reach, 0.9 * reach, 2), ceiling * draw.uniform(0.3, 0.9))
     aim = (*draw.uniform(-0.4 * reach, 0.4 * reach, 2), 0.15 * reach)
-    made = scene(perspective(eye, aim, WIDTH, HEIGHT, 1.0), things, shining, world)
-    made.camera.matrix = look_at(eye, aim)
-    return made
+    return scene(perspective(eye, aim, WIDTH, HEIGHT, 1.0), things, shining, world)
