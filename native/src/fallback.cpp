@@ -44,6 +44,7 @@ void Fallback::see_crowds(std::vector<Look>& looks, ThreadPool& pool, const Canc
 }
 
 bool Fallback::at(uint32_t key, const Vec3& x, uint32_t instance, uint32_t triangle, float radius_factor, RadiusMap::Memory& memory) const {
+  if (reach_ == Reach::kAll) return true;
   if (!radii_) return false;
   if (!crowded_.empty() && bent(instance, triangle) &&
       crowded_.count(ClearRegions::region(key, x, first_radius(key, x, instance, triangle, memory))))

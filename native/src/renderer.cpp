@@ -14,6 +14,7 @@ constexpr uint32_t kGatheredSamples = 4;  // of a pixel in a pass where photons 
 constexpr uint32_t kPathSamples = 16;     // the same where paths bring all of the indirect light
 constexpr float kNoiseOfOne = 4.0f / 3;   // photon in a disc: squared relative error of what an Epanechnikov kernel makes of it
 constexpr size_t kLooksForFocus = 4096;  // places that tell what photons are to start about
+constexpr double kLeastOfPhotons = 0.25;  // of a pass' photons, that the adaptive choice may come down to
 constexpr size_t kLaterLooks = 16;        // one record in so many, in each pass but the first
 constexpr float kGatheredSpacing = 2;  // times that of points that are seen: a pixel's paths meet many
 constexpr uint64_t kPathsPerPoint = 4, kFewestPathsPerBatch = 1 << 17, kMostPathsPerBatch = 1 << 20;
@@ -32,6 +33,11 @@ class Timer {
 
 PhotonCounts since(const PhotonCounts& before, const PhotonCounts& now) {
   return {now.traced - before.traced, now.stored - before.stored, now.rays - before.rays, now.shaded - before.shaded};
+}
+
+// In camera rays with their shading: see take_work().
+double work_of(const PhotonCounts& counts) {
+  return static_cast<double>(counts.rays) / 3 + 1.2 * static_cast<double>(counts.shaded) + 2.0 * static_cast<double>(counts.stored);
 }
 
 }  // namespace
@@ -221,8 +227,26 @@ void Renderer::learn_fallback(uint32_t pass, bool scouts) {
       any |= trace_more(pass, CameraTracer::Tiles::kAgain);
     }
   }
-  if (!any) forget_fallback();
+  if (!any) return forget_fallback();
+  if (photons_pay()) return;
+  fallback_.emplace(scene, Fallback::Reach::kAll);
+  trace_more(pass, CameraTracer::Tiles::kAgain);
 }
+
+// Places that photons serve, a share s, have little noise; those of paths have all of it. Without photons, of work P beside the camera's
+// C, there is time for (C + P)/C as many paths, and noise is of all places instead of 1 - s: photons pay if P (1 - s) < C s. P: of the
+// smallest pass that there may be.
+bool Renderer::photons_pay() const {
+  if (fallback_->reach() != Fallback::Reach::kBadlyServed || options.kept_photon_bytes) return true;
+  const Layer& indirect = *layers_.front();
+  const PhotonCounts pilot = indirect.tracer->last_counts();
+  const double places = static_cast<double>(std::max<uint64_t>(1, camera_tracer_->places()));
+  const double served = 1 - static_cast<double>(camera_tracer_->fallbacks()) / places;
+  const double photons = kLeastOfPhotons * work_of(pilot) * static_cast<double>(indirect.paths_per_pass) / static_cast<double>(std::max<uint64_t>(1, pilot.traced));
+  const double camera = static_cast<double>(camera_tracer_->last_rays() + records_->size());
+  return photons * (1 - served) < camera * served;
+}
+
 
 // The surfaces that photons of a layer are wanted on.
 KeyFilter Renderer::keys_seen(const Layer& layer) const {
@@ -452,7 +476,7 @@ PassWork Renderer::take_work() {
     }
     const PhotonCounts counts = layer->tracer->last_counts();
     if (counts.traced)
-      photons = (counts.rays / 3.0 + 1.2 * counts.shaded + 2.0 * counts.stored) * static_cast<double>(paths_of(*layer)) / counts.traced;
+      photons = work_of(counts) * static_cast<double>(paths_of(*layer)) / static_cast<double>(counts.traced);
     work.fixed += 8.0 * static_cast<double>(layer->points.size());
   }
   return work;

@@ -171,6 +171,7 @@ class Renderer {
   void make_fallback(const KeyFilter& known);
   void forget_fallback();
   void look_for_crowds(uint32_t pass);
+  bool photons_pay() const;
   void learn_fallback(uint32_t pass, bool scouts);
   bool trace_more(uint32_t pass, CameraTracer::Tiles tiles);
   KeyFilter keys_seen(const Layer& layer) const;
