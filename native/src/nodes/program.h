@@ -41,6 +41,13 @@ struct RayInfo {
   uint16_t depth = 0, diffuse_depth = 0, glossy_depth = 0, transmission_depth = 0, transparent_depth = 0;
 };
 
+// Rays by which something is seen: a bit for each kind. Light samples come by shadow rays. What a translucent surface scatters through
+// itself counts as diffuse.
+using RayMask = uint32_t;
+inline constexpr RayMask kAllRays = ~0u;
+constexpr RayMask ray_bit(RayInfo::Kind kind) { return 1u << kind; }
+inline constexpr RayMask kScatteredRays = ray_bit(RayInfo::kDiffuse) | ray_bit(RayInfo::kGlossy) | ray_bit(RayInfo::kTransmission);
+
 // Where a lamp stands, in coordinates relative to the scene's origin.
 struct LampPlace {
   Affine to_world, to_local;
