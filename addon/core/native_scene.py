@@ -125,6 +125,7 @@ def _add_lights(renderer: Renderer, scene: Scene) -> None:
                 seen_by=light.seen_by,
                 max_bounces=ANY_BOUNCES if light.max_bounces is None else light.max_bounces,
                 met_by_rays=light.met_by_rays,
+                casts_shadows=light.casts_shadows,
             )
     renderer.set_light_groups(len(scene.light_groups), scene.world_light_group)
     renderer.set_world(_rgb(scene.world), scene.world_seen_by)

@@ -181,9 +181,10 @@ class Light:
     lit_groups    bits of the Instances.group that it lights
     blockers      bits of the Instances.group that cast shadows in its light
     light_group   index into Scene.light_groups; -1: none
-    seen_by       the rays (`Ray`) that bring its light; what shadow rays bring is scattered as if by one of these; camera: camera_visible
-    max_bounces   of a path before it finds the lamp; None: any
+    seen_by       the rays (`Ray`) that bring its light; what shadow rays bring is scattered as if by one of these
+    max_bounces   of a path before it finds the lamp (photons count from the surface that they light); None: any
     met_by_rays   False: light samples find it, other rays do not
+    casts_shadows False: nothing blocks its light samples
     """
 
     name: str
@@ -207,6 +208,7 @@ class Light:
     seen_by: int = ALL_RAYS
     max_bounces: int | None = None
     met_by_rays: bool = True
+    casts_shadows: bool = True
 
 
 @dataclass(slots=True)

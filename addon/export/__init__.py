@@ -49,7 +49,6 @@ def export_contents(
     from .kept import Kept
     from .materials import Materials, Shading
     from .objects import Objects
-    from .visibility import world_seen_by
     from .world import export_world
 
     kept = kept or Kept()
@@ -64,8 +63,6 @@ def export_contents(
     objects.collect_shading(depsgraph, shading.around.wants, *shading.wanted)
     world = getattr(view_layer, "world_override", None) or scene.world
     export_world(world, shading, exported)
-    if world is not None:
-        exported.world_seen_by = world_seen_by(world)
     if world is not None and world.original.lightgroup in exported.light_groups:
         exported.world_light_group = exported.light_groups.index(world.original.lightgroup)
     exported.meshes, exported.instances = objects.meshes, objects.instances()

@@ -42,8 +42,7 @@ def export_light(ob: Any, matrix: NDArray[np.float64], shading: Shading) -> Ligh
     r, g, b = (float(v) for v in strength)
     light = Light(ob.name, KINDS[lamp.type], matrix, (r, g, b), camera_visible=bool(ob.visible_camera), program=program)
     light.seen_by = lamp_seen_by(ob)
-    if not lamp.use_shadow or not getattr(cycles, "cast_shadow", True):
-        light.blockers = 0
+    light.casts_shadows = bool(lamp.use_shadow and getattr(cycles, "cast_shadow", True))
     most = int(getattr(cycles, "max_bounces", FEW_BOUNCES))
     light.max_bounces = most if most < FEW_BOUNCES else None
     light.met_by_rays = bool(getattr(cycles, "use_multiple_importance_sampling", True))
@@ -53,6 +52,9 @@ def export_light(ob: Any, matrix: NDArray[np.float64], shading: Shading) -> Ligh
         light.radius = float(lamp.shadow_soft_size)
         light.soft_falloff = bool(lamp.use_soft_falloff)
     if lamp.type == "SPOT":
+        if not np.abs(matrix[:3, 2]).max() > 0.0:
+            report.warn("Spot lights flattened along their axis, which have no direction, are left out: {}", ob.name)
+            return None
         light.spot_size, light.spot_blend = float(lamp.spot_size), float(lamp.spot_blend)
     if lamp.type == "SUN":
         light.angle = float(lamp.angle)

@@ -81,7 +81,7 @@ class Objects:
                 if instance.show_self:
                     light = export_light(ob, np.array(instance.matrix_world, np.float64), self._shading)
                     if light is not None:
-                        light.lit_groups, light.blockers = linking.lit_groups(ob), light.blockers & linking.blockers(ob)
+                        light.lit_groups, light.blockers = linking.lit_groups(ob), linking.blockers(ob)
                         light.light_group = self._light_group_of.get(ob.original.lightgroup, NO_LIGHT_GROUP)
                         self.lights.append(light)
             elif kind in UNSUPPORTED and instance.show_self:

@@ -25,7 +25,7 @@ def seen_by(instance: Any, view_layer: Any) -> int:
         maker = instance.parent
         mask &= _own(maker)
     if maker.original.indirect_only_get(view_layer=view_layer) and not _held_out(maker, view_layer):
-        mask &= ~Ray.CAMERA
+        mask &= ~int(Ray.CAMERA)
     return mask
 
 
@@ -35,8 +35,8 @@ def is_holdout(instance: Any, view_layer: Any) -> bool:
 
 
 def lamp_seen_by(ob: Any) -> int:
-    """The rays that bring a lamp's light; shadow rays always do."""
-    return _own(ob) | Ray.SHADOW
+    """The rays that bring a lamp's light; shadow rays always do, and of the camera Light.camera_visible tells."""
+    return _own(ob) | Ray.SHADOW | Ray.CAMERA
 
 
 def world_seen_by(world: Any) -> int:
@@ -46,7 +46,7 @@ def world_seen_by(world: Any) -> int:
     for name, ray in FLAGS.items():
         seen = getattr(world, f"visible_{name}", getattr(kept, name, True))
         if not seen and ray is not Ray.SHADOW:
-            mask &= ~ray
+            mask &= ~int(ray)
     return mask
 
 
@@ -59,7 +59,7 @@ def _own(ob: Any) -> int:
     mask = ALL_RAYS
     for name, ray in FLAGS.items():
         if not getattr(ob, f"visible_{name}"):
-            mask &= ~ray
+            mask &= ~int(ray)
     return mask
 
 

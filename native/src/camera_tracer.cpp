@@ -66,7 +66,7 @@ struct CameraTracer::Path {
   Rgb diffuse_emission{};            // the part of that which the diffuse lobes of vertex 0 sent on
   Rgb brought{};                     // of throughput: what photons bring of light that meets nothing but sharp lobes from here on
   Part part = Part::kDiffuse;
-  Receiver from{{}, {}, true, ~uint64_t{0}, nullptr, 1, ray_bit(RayInfo::kCamera)};  // the last vertex
+  Receiver from{{}, {}, true, ~uint64_t{0}, nullptr, 1, {}, ray_bit(RayInfo::kCamera)};  // the last vertex
   float pdf = INFINITY;              // of the direction, by its BSDF
   Random random;
 
@@ -157,7 +157,7 @@ void CameraTracer::trace_path(Path& path) const {
     Receiver receiver{hit.position, bsdf.transmits() ? Vec3{} : hit.ng, bsdf.has_rest(), scene_.instances[hit.instance].group};
     if (!brings_all()) receiver.sky = lights_.guide_at(receiver.x, receiver.n);
     receiver.ns = hit.ns;
-    receiver.bounces = path.vertex;
+    receiver.bounces = static_cast<uint16_t>(path.vertex);
     if (path.vertex < kSunnyVertices && lights_.environment().contrast() > kSunny) receiver.world_samples = 2;
     const bool gathers = path.records && path.vertex < path.max_bounces, fallback = gathers && falls_back(path, hit, bsdf);
     if (path.records && bsdf.has_rest()) {
@@ -386,7 +386,7 @@ bool CameraTracer::scatter(Path& path, const Surface& hit, const Bsdf& bsdf, con
   path.near = 0;
   path.far = INFINITY;
   path.from = receiver;
-  path.from.ray = ray_bit(path.info.kind);
+  path.from.ray = static_cast<uint16_t>(ray_bit(path.info.kind));
   path.pdf = s->pdf > 0 ? s->pdf : INFINITY;
   ++path.vertex;
   return true;

@@ -207,7 +207,7 @@ std::optional<LightSample> Lights::sample_world(const Receiver& to, uint32_t i, 
   out.weight = environment_.radiance(out.direction) / out.pdf;
   out.use_mis = true;
   out.light_group = scene_.world_light_group;
-  out.seen_by = scene_.world_seen_by;
+  out.seen_by = as_scattered(scene_.world_seen_by);
   if (is_black(out.weight)) return std::nullopt;
   return out;
 }
@@ -233,7 +233,7 @@ bool Lights::sample(const Receiver& to, float choice, const Vec2& u, LightSample
     out.weight = environment_.radiance(s.direction) / out.pdf;
     out.use_mis = true;
     out.light_group = scene_.world_light_group;
-    out.seen_by = scene_.world_seen_by;
+    out.seen_by = as_scattered(scene_.world_seen_by);
     return !is_black(out.weight);
   }
   if (!(sum > 0)) return false;
@@ -259,7 +259,7 @@ bool Lights::sample(const Receiver& to, float choice, const Vec2& u, LightSample
   out.weight *= 1 / probability;
   out.pdf *= probability;
   out.use_mis = out.pdf > 0 && !by_cosine && shares_with_rays(e, to);
-  out.blockers = e.blockers;
+  out.blockers = e.casts_shadows ? e.blockers : 0;
   out.light_group = e.light_group;
   out.seen_by = e.seen_by;
   return true;

@@ -36,6 +36,7 @@ struct LampSettings {
   RayMask seen_by = kAllRays;          // rays of these kinds bring its light; what shadow rays bring is scattered as if by one of them
   uint32_t max_bounces = ~0u;          // of a path before it finds the lamp
   bool met_by_rays = true;             // else by light samples alone
+  bool casts_shadows = true;           // else light samples pass everything, which other rays to the lamp do not
 };
 
 // Sums of light by group, each times a factor.
@@ -54,10 +55,10 @@ struct Receiver {
   bool sharp = false;  // scatters in narrow lobes: its rays share all lights they can find with `sample`, not near ones only
   uint64_t group = ~uint64_t{0};  // Instance::group
   const SkyGuide::Cell* sky = nullptr;  // of Lights::guide_at(), if any: by what the world is looked for from there
-  uint32_t world_samples = 1;           // how many sample_world() is asked for
-  RayMask ray = kAllRays;               // kind of the ray on its way from there
-  uint32_t bounces = 0;                 // before it, of the path
+  uint16_t world_samples = 1;           // how many sample_world() is asked for
   Vec3 ns{};                            // unit: it scatters in proportion to the cosine with this, more or less; 0: who knows
+  uint16_t ray = 0xffff;                // RayMask of the ray on its way from there
+  uint16_t bounces = 0;                 // of the path before that
 
   // Whether light is to be sampled in proportion to the cosine.
   bool diffuse() const { return !sharp && !is_black(n * n) && !is_black(ns * ns); }
@@ -90,12 +91,13 @@ struct PhotonStart {
   RayMask seen_by = kAllRays;  // the first surface scatters it by lobes of these kinds
   uint32_t max_bounces = ~0u;  // lobes that it goes through
   bool deltas = true;          // the first surface's may be deltas
+  bool casts_shadows = true;   // else nothing blocks it, but behind what would have done so deltas do not scatter it
   int32_t aim = -1;            // pair of EmissionTargets; -1: natural emission
   int32_t shaded_by = -1;      // a lamp with a program: `power` lacks Lights::first_hit_factor(), which needs the distance
 
   // Whether it lights and is stopped by whatever it meets, as it is.
   bool plain() const {
-    return !~lit_groups && seen_by == kAllRays && !~max_bounces && deltas && !~blockers && soft_radius2 < 0 && first_hit_from == 0 && first_hit_to == INFINITY && shaded_by < 0;
+    return !~lit_groups && seen_by == kAllRays && !~max_bounces && deltas && casts_shadows && !~blockers && soft_radius2 < 0 && first_hit_from == 0 && first_hit_to == INFINITY && shaded_by < 0;
   }
   // A disc of radius r that faces a receiver shows it, of the rays that pass its centre at a distance m, those that have gone on for
   // t >= m^2 / sqrt(r^2 - m^2) since they were nearest to the centre. (They leave the disc m^2 / t before that.)
@@ -204,7 +206,7 @@ class Lights {
     int16_t light_group = kNoLightGroup;
     RayMask seen_by = kAllRays;
     uint32_t max_bounces = ~0u;
-    bool met_by_rays = true;
+    bool met_by_rays = true, casts_shadows = true;
     double power = 0;
     float over_share = 0;                   // one over its share of all lights' power
     std::vector<EmissiveTriangle> triangles;

@@ -265,7 +265,7 @@ PhotonStart Lights::emit_towards(const EmissionTargets& targets, uint64_t index,
   draft.start.power *= density > 0 ? static_cast<float>(draft.natural / density) : 0.0f;
   draft.start.aim = aim;
   draft.start.light_group = scene_.world_light_group;
-  draft.start.seen_by = scene_.world_seen_by;
+  draft.start.seen_by = as_scattered(scene_.world_seen_by);
   if (p.emitter < emitters_.size()) {
     draft.start.lit_groups = emitters_[p.emitter].lit_groups;
     draft.start.blockers = emitters_[p.emitter].blockers;
@@ -273,6 +273,7 @@ PhotonStart Lights::emit_towards(const EmissionTargets& targets, uint64_t index,
     draft.start.seen_by = emitters_[p.emitter].seen_by;
     draft.start.max_bounces = emitters_[p.emitter].max_bounces;
     draft.start.deltas = emitters_[p.emitter].met_by_rays;
+    draft.start.casts_shadows = emitters_[p.emitter].casts_shadows;
     const int lamp = emitters_[p.emitter].lamp;
     if (lamp >= 0 && lamps_[lamp].s.program >= 0) draft.start.shaded_by = lamp;
   }

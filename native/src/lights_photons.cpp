@@ -21,12 +21,11 @@ Vec3 around_axis(const Vec3& x, const Vec3& y, const Vec3& z, float cosine, floa
 namespace {
 
 // The matrix of a lamp that may be flattened, as Cycles has it: a point lamp has no axes to lose and a sun but one, so that others take the
-// place of those that are lost; a spot lamp flattened along its axis shines all around. What is flat still after that emits nothing.
-Affine with_all_axes(LampSettings& s) {
+// place of those that are lost. What is flat still after that emits nothing.
+Affine with_all_axes(const LampSettings& s) {
   Affine m = s.to_world;
   Vec3 axis[3] = {m.column(0), m.column(1), m.column(2)};
   const auto flat = [&](int i) { return !(length2(axis[i]) > 0); };
-  if (s.kind == LampKind::kSpot && flat(2) && !flat(0) && !flat(1)) s.kind = LampKind::kPoint;
   if (s.kind == LampKind::kPoint && (flat(0) || flat(1) || flat(2))) {
     axis[0] = {1, 0, 0}, axis[1] = {0, 1, 0}, axis[2] = {0, 0, 1};
   } else if (s.kind == LampKind::kSun && !flat(2)) {
@@ -43,7 +42,7 @@ Affine with_all_axes(LampSettings& s) {
 void Lights::add_lamp(const LampSettings& settings) {
   Lamp lamp;
   lamp.s = settings;
-  const Affine m = with_all_axes(lamp.s);
+  const Affine m = with_all_axes(settings);
   lamp.center = {m.m[3], m.m[7], m.m[11]};
   const Vec3 x = m.column(0), y = m.column(1), z = m.column(2);
   lamp.scale_x = length(x);
@@ -60,7 +59,7 @@ void Lights::add_lamp(const LampSettings& settings) {
   e.lamp = static_cast<int>(lamps_.size());
   e.center = lamp.center;
   const Rgb strength = settings.strength;
-  switch (lamp.s.kind) {
+  switch (settings.kind) {
     case LampKind::kPoint:
     case LampKind::kSpot: {
       // Blender's watts are spread over all directions: I = P / (4 pi); without `normalize` L = P / pi.
@@ -138,9 +137,10 @@ void Lights::add_lamp(const LampSettings& settings) {
   e.lit_groups = settings.lit_groups;
   e.blockers = settings.blockers;
   e.light_group = settings.light_group;
-  e.seen_by = settings.seen_by;
+  e.seen_by = as_scattered(settings.seen_by);
   e.max_bounces = settings.max_bounces;
   e.met_by_rays = settings.met_by_rays;
+  e.casts_shadows = settings.casts_shadows;
   if (!(e.seen_by & kScatteredRays)) e.importance = 0, e.power = 0;
   const bool flat = settings.kind == LampKind::kArea;
   for (const float i : {-1.0f, 1.0f})
@@ -187,7 +187,7 @@ void Lights::add_emissive_instances() {
     e.lit_groups = instance.lit_groups;
     e.blockers = instance.blockers;
     e.light_group = instance.light_group;
-    e.seen_by = instance.seen_by;
+    e.seen_by = as_scattered(instance.seen_by);
     Bounds bounds;
     double sum = 0;
     add_emissive_triangles(i, e, bounds, sum);

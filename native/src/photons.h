@@ -77,6 +77,7 @@ class PhotonTracer {
     // Kind of the camera path's ray that looks back along this one, where `guessed`: see scatter_by_program.
     RayInfo::Kind kind = RayInfo::kDiffuse;
     bool guessed = false;
+    bool unshadowed = false;  // passed what would have blocked the light of another lamp
   };
   // All of it.
   struct Path : Rest {

@@ -45,7 +45,7 @@ bool PhotonTracer::lit(const Path& path, const Surface& hit, const PhotonStart& 
 
 // Straight from its lamp light passes what does not block it, and lights that all the same.
 bool PhotonTracer::blocks(const Path& path, const Surface& hit, const PhotonStart& start) const {
-  return path.bounces > 0 || start.blockers & scene_.instances[hit.instance].group;
+  return path.bounces > 0 || (start.casts_shadows && start.blockers & scene_.instances[hit.instance].group);
 }
 
 // A surface that stands before the point nearest to the centre of a lamp that faces its receivers. The nearer of them are lit from before
@@ -73,6 +73,7 @@ bool PhotonTracer::pass_before_lamp(Path& path, const Surface& hit, const Vec3& 
       if (either) weight = {2, 2, 2};
     }
   }
+  path.unshadowed |= !start.casts_shadows;
   return path.soft_from <= path.soft_to && go_straight_on(path, hit, weight, origin);
 }
 
@@ -116,9 +117,12 @@ bool PhotonTracer::shade(Path& path, const Surface& hit, const PhotonStart& star
   if (hit.program) return scatter_by_program(path, hit, start, draws, visible, origin, direction, photons);
   const bool accepted = lit(path, hit, start);
   if (!blocks(path, hit, start)) {  // the light goes on and is scattered: either, by chance
-    if (!accepted) return go_straight_on(path, hit, {1, 1, 1}, origin);
-    if (path.random.next() < 0.5f) return go_straight_on(path, hit, {2, 2, 2}, origin);
-    path.power *= 2;
+    const bool passes = !accepted || path.random.next() < 0.5f;
+    if (accepted) path.power *= 2;
+    if (passes) {
+      path.unshadowed = !start.casts_shadows;
+      return go_straight_on(path, hit, {1, 1, 1}, origin);
+    }
   }
   if (!accepted) return false;
   store(path, hit, direction, visible, photons);
@@ -184,6 +188,7 @@ bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const Phot
     const float passing = mean / (mean + scattered);
     if (scattered == 0 || path.random.next() < passing) {
       if (passing_asked) path.kind = passing_ray.kind, path.guessed = true;
+      path.unshadowed |= !blocking && !start.casts_shadows;
       return go_straight_on(path, hit, transparency / (passing * passing_chance), origin);
     }
     path.power *= 1 / (1 - passing);
@@ -194,7 +199,7 @@ bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const Phot
   const bool caustic = stream_ == PhotonStream::kCaustic;
   const auto s = caustic ? bsdf.sample_sharp(choice, draws.next(path)) : bsdf.sample(choice, draws.next(path));
   if (!s) return false;
-  if (direct && s->pdf <= 0 && !start.deltas) return false;
+  if (direct && s->pdf <= 0 && (!start.deltas || path.unshadowed)) return false;
   if (!scatters_for(start, path, kind_of(*s))) return false;
   if (path.guessed) {
     const bool delta = s->pdf <= 0;

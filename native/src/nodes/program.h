@@ -48,6 +48,9 @@ inline constexpr RayMask kAllRays = ~0u;
 constexpr RayMask ray_bit(RayInfo::Kind kind) { return 1u << kind; }
 inline constexpr RayMask kScatteredRays = ray_bit(RayInfo::kDiffuse) | ray_bit(RayInfo::kGlossy) | ray_bit(RayInfo::kTransmission);
 
+// For light that is scattered only these make a difference.
+constexpr RayMask as_scattered(RayMask seen_by) { return seen_by | ~kScatteredRays; }
+
 // Where a lamp stands, in coordinates relative to the scene's origin.
 struct LampPlace {
   Affine to_world, to_local;
