@@ -21,7 +21,7 @@ from .lights import export_light
 from .linking import Linking
 from .materials import Materials, Shading
 from .mesh import export_mesh, flattened
-from .visibility import FLAGS, is_holdout, report_catcher, seen_by
+from .visibility import FLAGS, Visibility, report_catcher
 
 Value = TypeVar("Value")
 SEEING_RAYS = sum(FLAGS.values())
@@ -57,6 +57,7 @@ class Objects:
         view_layer = depsgraph.view_layer
         override = view_layer.material_override
         linking = Linking(depsgraph, self._report)
+        visibility = Visibility(view_layer)
         for place, instance in enumerate(depsgraph.object_instances):
             ob = instance.object
             kind = ob.type
@@ -65,7 +66,7 @@ class Objects:
             if kind == "MESH":
                 if instance.show_particles:
                     self._report_particles(ob)
-                rays = seen_by(instance, view_layer)
+                rays, holdout = visibility.of(instance)
                 if instance.show_self and rays & SEEING_RAYS:
                     before = len(self._rows)
                     self._add_mesh(ob, np.array(instance.matrix_world, np.float64), override)
@@ -75,7 +76,7 @@ class Objects:
                         self._lit_groups.append(linking.lit_groups(ob))
                         self._blockers.append(linking.blockers(ob))
                         self._seen_by.append(rays)
-                        self._holdouts.append(is_holdout(instance, view_layer))
+                        self._holdouts.append(holdout)
                         self._light_groups.append(self._light_group_of.get(ob.original.lightgroup, NO_LIGHT_GROUP))
             elif kind == "LIGHT":
                 if instance.show_self:

@@ -16,6 +16,21 @@ FLAGS = {
 }
 
 
+class Visibility:
+    """What seen_by() and is_holdout() say of instances, asked once for each object and what makes its instances."""
+
+    def __init__(self, view_layer: Any) -> None:
+        self._view_layer = view_layer
+        self._known: dict[tuple[int, int], tuple[int, bool]] = {}
+
+    def of(self, instance: Any) -> tuple[int, bool]:
+        maker = instance.parent if instance.is_instance else None
+        key = (instance.object.original.as_pointer(), 0 if maker is None else maker.original.as_pointer())
+        if key not in self._known:
+            self._known[key] = seen_by(instance, self._view_layer), is_holdout(instance, self._view_layer)
+        return self._known[key]
+
+
 def seen_by(instance: Any, view_layer: Any) -> int:
     """The rays that meet an instance of the graph. The object that makes it and the collections of that have a say."""
     ob = instance.object

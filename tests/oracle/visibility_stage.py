@@ -19,10 +19,10 @@ def ray_visibility(on: str, off: Sequence[str], transparent: bool = False) -> No
     flags are `indirect_only` and `holdout`; an object's flag may be `holdout`, too.
     """
     stage._stage(things=False)
-    m.add_sphere("Mirror", 0.3, m.polished_metal("Mirror", (0.9, 0.9, 0.9)), (-0.75, -0.3, 0.3), 48)
+    m.add_sphere("Mirror", 0.3, m.polished_metal("Mirror", (0.9, 0.9, 0.9)), (-0.75, -0.3, 0.32), 48)
     metal = _metal("Metal", (0.8, 0.7, 0.5), 0.35)
-    m.add_mesh("Plate", [(0.5, 0.9, 0.0), (1.4, 0.4, 0.0), (1.4, 0.6, 1.2), (0.5, 1.1, 1.2)], [(0, 1, 2, 3)], metal)
-    pane = [((-0.05, -1.02, 0.0), (0.75, -0.98, 0.6))]
+    m.add_mesh("Plate", [(0.5, 0.9, 0.02), (1.4, 0.4, 0.02), (1.4, 0.6, 1.2), (0.5, 1.1, 1.2)], [(0, 1, 2, 3)], metal)
+    pane = [((-0.05, -1.02, 0.03), (0.75, -0.98, 0.6))]
     m.add_boxes("Pane", pane, m.glass("Pane", 1.45))
     box = m.add_boxes("Box", [((-0.3, -0.3, 0.0), (0.3, 0.3, 0.8))], m.diffuse("Red", (0.7, 0.2, 0.15)), (0.1, 0.35, 0.05), 0.4)
     thing: Any = box
