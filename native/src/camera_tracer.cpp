@@ -66,7 +66,7 @@ struct CameraTracer::Path {
   Rgb diffuse_emission{};            // the part of that which the diffuse lobes of vertex 0 sent on
   Rgb brought{};                     // of throughput: what photons bring of light that meets nothing but sharp lobes from here on
   Part part = Part::kDiffuse;
-  Receiver from{{}, {}, true, ~uint64_t{0}, nullptr, 1, {}, ray_bit(RayInfo::kCamera)};  // the last vertex
+  Receiver from{{}, {}, true, ~uint64_t{0}, nullptr, 1, ray_bit(RayInfo::kCamera)};  // the last vertex
   float pdf = INFINITY;              // of the direction, by its BSDF
   Random random;
 
@@ -386,7 +386,7 @@ bool CameraTracer::scatter(Path& path, const Surface& hit, const Bsdf& bsdf, con
   path.near = 0;
   path.far = INFINITY;
   path.from = receiver;
-  path.from.ray = static_cast<uint16_t>(ray_bit(path.info.kind));
+  path.from.ray = static_cast<uint8_t>(ray_bit(path.info.kind));
   path.pdf = s->pdf > 0 ? s->pdf : INFINITY;
   ++path.vertex;
   return true;

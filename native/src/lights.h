@@ -55,10 +55,10 @@ struct Receiver {
   bool sharp = false;  // scatters in narrow lobes: its rays share all lights they can find with `sample`, not near ones only
   uint64_t group = ~uint64_t{0};  // Instance::group
   const SkyGuide::Cell* sky = nullptr;  // of Lights::guide_at(), if any: by what the world is looked for from there
-  uint16_t world_samples = 1;           // how many sample_world() is asked for
-  Vec3 ns{};                            // unit: it scatters in proportion to the cosine with this, more or less; 0: who knows
-  uint16_t ray = 0xffff;                // RayMask of the ray on its way from there
+  uint8_t world_samples = 1;            // how many sample_world() is asked for
+  uint8_t ray = 0xff;                   // RayMask of the ray on its way from there
   uint16_t bounces = 0;                 // of the path before that
+  Vec3 ns{};                            // unit: it scatters in proportion to the cosine with this, more or less; 0: who knows
 
   // Whether light is to be sampled in proportion to the cosine.
   bool diffuse() const { return !sharp && !is_black(n * n) && !is_black(ns * ns); }
