@@ -13,8 +13,10 @@ ALL_BUT_CAMERA = ("diffuse", "glossy", "transmission", "shadow")
 def _hidden(name: str, on: str, *off: str, **more: Any) -> Case:
     alpha = bool(more.get("transparent"))
     dark = name == "lamp_diffuse"  # nothing but caustics is left, which Cycles hardly knows
+    splat = on != "world"  # its light comes through the gaps under things, which photons blur, all flags on as well
     made = {"on": on, "off": list(off), **more}
-    return Case(f"rays_{name}", "ray_visibility", made, alpha=alpha, reference_bias=0.01, mean_tolerance=0.1 if dark else 0.02)
+    tolerance = 0.1 if dark else 0.02
+    return Case(f"rays_{name}", "ray_visibility", made, alpha=alpha, reference_bias=0.01, mean_tolerance=tolerance, splat=splat)
 
 
 def _shadowless(kind: str, energy: float, **options: Any) -> Case:
