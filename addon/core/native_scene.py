@@ -10,11 +10,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from .scene import ALL_GROUPS, NO_LIGHT_GROUP, NO_PROGRAM, Camera, Frame, Mesh, Scene, Side
+from .scene import ALL_GROUPS, ALL_RAYS, NO_LIGHT_GROUP, NO_PROGRAM, Camera, Frame, Mesh, Scene, Side
 from .settings import FinalGather, RenderSettings
 
 if TYPE_CHECKING:
     from photon_splat_native import Renderer
+
+ANY_BOUNCES = 0xFFFFFFFF
 
 
 def world_bounds(scene: Scene) -> NDArray[np.float64]:
@@ -120,9 +122,13 @@ def _add_lights(renderer: Renderer, scene: Scene) -> None:
                 lit_groups=light.lit_groups,
                 blockers=light.blockers,
                 light_group=light.light_group,
+                seen_by=light.seen_by,
+                max_bounces=ANY_BOUNCES if light.max_bounces is None else light.max_bounces,
+                met_by_rays=light.met_by_rays,
+                casts_shadows=light.casts_shadows,
             )
     renderer.set_light_groups(len(scene.light_groups), scene.world_light_group)
-    renderer.set_world(_rgb(scene.world))
+    renderer.set_world(_rgb(scene.world), scene.world_seen_by)
     if scene.world_map is not None:
         rows = np.vstack([np.asarray(scene.world_map.to_lookup, np.float64), [0.0, 0.0, 0.0, 1.0]])
         renderer.set_world_map(scene.world_map.texture, scene.world_map.mirror_ball, np.ascontiguousarray(rows))
@@ -165,9 +171,12 @@ def _add_instances(renderer: Renderer, scene: Scene) -> None:
     lit = [ALL_GROUPS] * count if instances.lit_groups is None else instances.lit_groups.tolist()
     blockers = [ALL_GROUPS] * count if instances.blockers is None else instances.blockers.tolist()
     light_groups = [NO_LIGHT_GROUP] * count if instances.light_group is None else instances.light_group.tolist()
+    seen_by = [ALL_RAYS] * count if instances.seen_by is None else instances.seen_by.tolist()
+    holdout = [False] * count if instances.holdout is None else instances.holdout.tolist()
     for i in np.flatnonzero(~flat):
         materials = material_sets[int(instances.material_set[i])]
-        renderer.add_instance(int(instances.mesh[i]), matrices[i], materials, int(groups[i]), lit[i], blockers[i], light_groups[i])
+        linking = (int(groups[i]), lit[i], blockers[i], light_groups[i])
+        renderer.add_instance(int(instances.mesh[i]), matrices[i], materials, *linking, seen_by[i], holdout[i])
     for attribute in instances.attributes:
         renderer.add_instance_attribute(attribute.id, np.ascontiguousarray(attribute.values[~flat], np.float32))
 

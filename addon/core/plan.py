@@ -46,6 +46,7 @@ def make_plan(scene: Scene, settings: RenderSettings) -> Plan:
     why_not = next((sentence for sentence, applies in reasons.items() if applies), "")
     if splat and "photons" in settings.force and settings.photons_per_pass:
         why_not = ""
+    few_bounces = any(light.max_bounces is not None for light in scene.lights)
     flags = {
         "photons": splat and not why_not,
         "world": world,
@@ -58,7 +59,7 @@ def make_plan(scene: Scene, settings: RenderSettings) -> Plan:
         "adaptive_radius": splat and settings.adaptive_radius,
         "adaptive_samples": splat and settings.adaptive_samples,
         "fallback": splat and settings.fallback and not why_not,
-        "final_gather": splat and not why_not and _gathers(settings),
+        "final_gather": splat and not why_not and _gathers(settings) and not few_bounces,
     }
     sentences = []
     if not splat:
@@ -81,6 +82,8 @@ def make_plan(scene: Scene, settings: RenderSettings) -> Plan:
         sentences.append("Caustic photons are switched off: caustics are blurred like other light.")
     if flags["final_gather"]:
         sentences.append("Final gathering: camera paths take one more bounce before photons light them.")
+    elif few_bounces and _gathers(settings):
+        sentences.append("No final gathering: photons of lights of few bounces count from the surface they light.")
     if splat and not settings.fallback:
         sentences.append("Paths from the camera never stand in for photons: small things may be blotchy.")
     if splat and settings.force:

@@ -7,7 +7,7 @@ column vectors of local coordinates to world coordinates. Nothing here knows Ble
 from __future__ import annotations
 
 from dataclasses import dataclass, field, fields, is_dataclass
-from enum import StrEnum
+from enum import IntFlag, StrEnum
 from typing import Any
 
 import numpy as np
@@ -120,6 +120,8 @@ class Instances:
     lit_groups    (I,) uint64, bits of the groups that an instance lights if it shines; None: all
     blockers      (I,) uint64, bits of the groups that cast shadows in its light then; None: all
     light_group   (I,) int16 index into Scene.light_groups of its light, -1: none; None: all -1
+    seen_by       (I,) uint32, the rays (`Ray`) that meet an instance; None: all rays meet all
+    holdout       (I,) bool, a hole in the picture where the camera sees it; None: nowhere
     """
 
     mesh: NDArray[np.uint32]
@@ -130,12 +132,25 @@ class Instances:
     lit_groups: NDArray[np.uint64] | None = None
     blockers: NDArray[np.uint64] | None = None
     light_group: NDArray[np.int16] | None = None
+    seen_by: NDArray[np.uint32] | None = None
+    holdout: NDArray[np.bool_] | None = None
 
     @classmethod
     def empty(cls) -> Instances:
         return cls(np.zeros(0, np.uint32), np.zeros((0, 4, 4)), np.zeros(0, np.uint32))
 
 
+class Ray(IntFlag):
+    """Kinds of ray, as bits; native code has the same order (RayInfo::Kind). Light samples come by shadow rays."""
+
+    CAMERA = 1
+    SHADOW = 2
+    DIFFUSE = 4
+    GLOSSY = 8
+    TRANSMISSION = 16
+
+
+ALL_RAYS = 0xFFFFFFFF
 GROUPS = 64
 NO_LIGHT_GROUP = -1
 ALL_GROUPS = (1 << GROUPS) - 1
@@ -166,6 +181,10 @@ class Light:
     lit_groups    bits of the Instances.group that it lights
     blockers      bits of the Instances.group that cast shadows in its light
     light_group   index into Scene.light_groups; -1: none
+    seen_by       the rays (`Ray`) that bring its light; what shadow rays bring is scattered as if by one of these
+    max_bounces   of a path before it finds the lamp (photons count from the surface that they light); None: any
+    met_by_rays   False: light samples find it, other rays do not
+    casts_shadows False: nothing blocks its light samples
     """
 
     name: str
@@ -186,6 +205,10 @@ class Light:
     lit_groups: int = ALL_GROUPS
     blockers: int = ALL_GROUPS
     light_group: int = NO_LIGHT_GROUP
+    seen_by: int = ALL_RAYS
+    max_bounces: int | None = None
+    met_by_rays: bool = True
+    casts_shadows: bool = True
 
 
 @dataclass(slots=True)
@@ -299,7 +322,7 @@ class Scene:
 
     `world` is the radiance (W/m^2/sr) seen where a ray leaves the scene: constant, or the factor of `world_map`; `sun_discs`
     come on top. `world_program`, an index into `programs`, stands in the place of both where it is given. `light_groups` are the
-    names of those whose light gets passes of their own.
+    names of those whose light gets passes of their own. `world_seen_by`: the rays that bring the world's light, as of a lamp.
     """
 
     camera: Camera
@@ -317,6 +340,7 @@ class Scene:
     world_program: int = NO_PROGRAM
     light_groups: list[str] = field(default_factory=list)
     world_light_group: int = NO_LIGHT_GROUP
+    world_seen_by: int = ALL_RAYS
     warnings: list[str] = field(default_factory=list)
 
 

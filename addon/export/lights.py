@@ -9,12 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core.scene import NO_PROGRAM, NO_TEXTURE, Light, LightKind
-from ..report import Report
 from .compile.node import Owner
 from .compile.reduce import lambertian
 from .materials import Shading
 from .nodes import output_node, uses_nodes
+from .visibility import lamp_seen_by
 
+FEW_BOUNCES = 1024  # Blender's default, more than any path has
 KINDS = {"POINT": LightKind.POINT, "SPOT": LightKind.SPOT, "SUN": LightKind.SUN, "AREA": LightKind.AREA}
 
 
@@ -38,14 +39,22 @@ def export_light(ob: Any, matrix: NDArray[np.float64], shading: Shading) -> Ligh
         return None
     if not strength.any():
         return None
-    _report_unsupported(ob, lamp, cycles, report)
     r, g, b = (float(v) for v in strength)
     light = Light(ob.name, KINDS[lamp.type], matrix, (r, g, b), camera_visible=bool(ob.visible_camera), program=program)
+    light.seen_by = lamp_seen_by(ob)
+    light.casts_shadows = bool(lamp.use_shadow and getattr(cycles, "cast_shadow", True))
+    most = int(getattr(cycles, "max_bounces", FEW_BOUNCES))
+    light.max_bounces = most if most < FEW_BOUNCES else None
+    light.met_by_rays = bool(getattr(cycles, "use_multiple_importance_sampling", True))
+    light.camera_visible &= light.met_by_rays
     light.normalize = bool(getattr(lamp, "normalize", True))
     if lamp.type in {"POINT", "SPOT"}:
         light.radius = float(lamp.shadow_soft_size)
         light.soft_falloff = bool(lamp.use_soft_falloff)
     if lamp.type == "SPOT":
+        if not np.abs(matrix[:3, 2]).max() > 0.0:
+            report.warn("Spot lights flattened along their axis, which have no direction, are left out: {}", ob.name)
+            return None
         light.spot_size, light.spot_blend = float(lamp.spot_size), float(lamp.spot_blend)
     if lamp.type == "SUN":
         light.angle = float(lamp.angle)
@@ -88,12 +97,3 @@ def _normalize_sun(light: Light) -> None:
         r, g, b = (value * math.pi * math.sin(half) ** 2 for value in light.strength)
         light.strength = (r, g, b)
     light.normalize = True
-
-
-def _report_unsupported(ob: Any, lamp: Any, cycles: Any, report: Report) -> None:
-    if not lamp.use_shadow:
-        report.warn("Lights without shadow are not supported; these cast shadows: {}", ob.name)
-    if getattr(cycles, "max_bounces", 1024) < 32:
-        report.warn("A light's own number of bounces is not supported: {}", ob.name)
-    if not (ob.visible_diffuse and ob.visible_glossy and ob.visible_transmission and ob.visible_shadow):
-        report.warn("Ray visibility of lights other than Camera is not supported; ignored for: {}", ob.name)

@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.scene import ALL_GROUPS, NO_LIGHT_GROUP, Instances, Light, Mesh
+from ..core.scene import ALL_GROUPS, ALL_RAYS, NO_LIGHT_GROUP, Instances, Light, Mesh
 from ..core.shading import InstanceAttribute, MeshShading
 from ..report import Report
 from .attributes import instance_value, mesh_shading, width_of
@@ -21,10 +21,11 @@ from .lights import export_light
 from .linking import Linking
 from .materials import Materials, Shading
 from .mesh import export_mesh, flattened
+from .visibility import FLAGS, Visibility, report_catcher
 
 Value = TypeVar("Value")
+SEEING_RAYS = sum(FLAGS.values())
 UNSUPPORTED = {"CURVES": "hair curves", "VOLUME": "volumes", "POINTCLOUD": "point clouds", "GREASEPENCIL": "grease pencil objects"}
-RAYS = ("visible_camera", "visible_diffuse", "visible_glossy", "visible_transmission", "visible_shadow")
 
 
 class Objects:
@@ -43,6 +44,8 @@ class Objects:
         self._lit_groups: list[int] = []
         self._blockers: list[int] = []
         self._light_groups: list[int] = []
+        self._seen_by: list[int] = []
+        self._holdouts: list[bool] = []
         self._light_group_of = {name: i for i, name in enumerate(light_groups)}
         self._matrices: list[NDArray[np.float64]] = []
         self._row_of: dict[int, int] = {}  # by place in the graph's list of instances
@@ -54,6 +57,7 @@ class Objects:
         view_layer = depsgraph.view_layer
         override = view_layer.material_override
         linking = Linking(depsgraph, self._report)
+        visibility = Visibility(view_layer)
         for place, instance in enumerate(depsgraph.object_instances):
             ob = instance.object
             kind = ob.type
@@ -62,14 +66,17 @@ class Objects:
             if kind == "MESH":
                 if instance.show_particles:
                     self._report_particles(ob)
-                if instance.show_self:
+                rays, holdout = visibility.of(instance)
+                if instance.show_self and rays & SEEING_RAYS:
                     before = len(self._rows)
-                    self._add_mesh(ob, np.array(instance.matrix_world, np.float64), override, view_layer)
+                    self._add_mesh(ob, np.array(instance.matrix_world, np.float64), override)
                     if len(self._rows) > before:
                         self._row_of[place] = before
                         self._groups.append(linking.group(instance))
                         self._lit_groups.append(linking.lit_groups(ob))
                         self._blockers.append(linking.blockers(ob))
+                        self._seen_by.append(rays)
+                        self._holdouts.append(holdout)
                         self._light_groups.append(self._light_group_of.get(ob.original.lightgroup, NO_LIGHT_GROUP))
             elif kind == "LIGHT":
                 if instance.show_self:
@@ -126,9 +133,13 @@ class Objects:
             placed.blockers = np.array(self._blockers, np.uint64)
         if any(group != NO_LIGHT_GROUP for group in self._light_groups):
             placed.light_group = np.array(self._light_groups, np.int16)
+        if any(rays != ALL_RAYS for rays in self._seen_by):
+            placed.seen_by = np.array(self._seen_by, np.uint32)
+        if any(self._holdouts):
+            placed.holdout = np.array(self._holdouts, np.bool_)
         return placed
 
-    def _add_mesh(self, ob: Any, matrix: NDArray[np.float64], override: Any, view_layer: Any) -> None:
+    def _add_mesh(self, ob: Any, matrix: NDArray[np.float64], override: Any) -> None:
         data = ob.data
         pointer = data.as_pointer()
         if pointer not in self._mesh_of:
@@ -143,7 +154,7 @@ class Objects:
         key = (pointer, ob.original.as_pointer())
         if key not in self._set_of:
             self._set_of[key] = self._material_set(ob, data, index, override)
-            self._report_visibility(ob, view_layer)
+            report_catcher(ob, self._report)
         if flat:
             left = flattened(self.meshes[index], matrix, ob.name, self._report)
             if left is None:
@@ -196,17 +207,6 @@ class Objects:
         for system in ob.particle_systems:
             if system.settings.type == "HAIR" and system.settings.render_type == "PATH":
                 self._report.warn("Not supported yet and left out, hair of: {}", ob.name)
-
-    def _report_visibility(self, ob: Any, view_layer: Any) -> None:
-        original = ob.original
-        if ob.is_holdout or original.holdout_get(view_layer=view_layer):
-            self._report.warn("Holdout is not supported yet; rendered as usual: {}", ob.name)
-        if original.indirect_only_get(view_layer=view_layer):
-            self._report.warn("Indirect only is not supported yet; seen by the camera all the same: {}", ob.name)
-        if ob.is_shadow_catcher:
-            self._report.warn("Shadow catchers are not supported yet; rendered as usual: {}", ob.name)
-        if not all(getattr(ob, ray) for ray in RAYS):
-            self._report.warn("Ray visibility is not supported yet; visible to all rays: {}", ob.name)
 
 
 def _made_of(ob: Any) -> tuple[int, int]:

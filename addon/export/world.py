@@ -16,6 +16,7 @@ from .compile.reduce import lambertian
 from .materials import Shading
 from .nodes import Source, default_value, label, output_node, source, uses_nodes
 from .sky import export_sky
+from .visibility import world_seen_by
 
 Matrix = NDArray[np.float64]
 DIRECTION_OUTPUTS = {"TEX_COORD": {"Generated", "Object"}, "NEW_GEOMETRY": {"Position"}}
@@ -33,10 +34,7 @@ def export_world(world: Any, shading: Shading, scene: Scene) -> None:
         _World(owner, shading, scene).read(world)
     else:
         scene.world = _radiance(np.asarray(world.color, np.float64), owner, report)
-    visibility = getattr(world, "cycles_visibility", None)
-    rays = ("camera", "diffuse", "glossy", "transmission", "scatter")
-    if visibility is not None and not all(getattr(visibility, ray, True) for ray in rays):
-        report.warn(f"{owner}: ray visibility is not supported; it is visible to all rays")
+    scene.world_seen_by = world_seen_by(world)
 
 
 class _World:

@@ -18,6 +18,18 @@ constexpr int kMaxTransparent = 4096;  // layers that let a path through before 
 // Dimensions of the camera's low-discrepancy sequence, in pairs.
 enum Dimension : uint32_t { kFilterPair, kChoicePair, kLightPair, kBsdfPair, kLobePair, kSkyPair, kSkyChoicePair, kLensPair = 64 };
 
+// Leaves of what lobes scatter that of those whose rays see the light.
+void keep_seen(const LightSample& light, const Surface& hit, Rgb& scattered, Rgb& diffuse, float& sharp) {
+  const Rgb rest = scattered - diffuse;
+  const bool through = dot(light.direction, hit.ng) < 0;
+  const bool keeps_rest = light.seen_by & ray_bit(through ? RayInfo::kTransmission : RayInfo::kGlossy);
+  const float before = average(scattered);
+  if (!(light.seen_by & ray_bit(RayInfo::kDiffuse))) diffuse = {};
+  scattered = diffuse + (keeps_rest ? rest : Rgb{});
+  const float after = average(scattered);
+  sharp = keeps_rest && after > 0 ? std::min(sharp * before / after, 1.0f) : 0;  // of what is left
+}
+
 void add_finite(Rgb& sum, const Rgb& value, uint64_t& bad) {
   if (is_finite(value)) sum += value;
   else ++bad;
@@ -54,7 +66,7 @@ struct CameraTracer::Path {
   Rgb diffuse_emission{};            // the part of that which the diffuse lobes of vertex 0 sent on
   Rgb brought{};                     // of throughput: what photons bring of light that meets nothing but sharp lobes from here on
   Part part = Part::kDiffuse;
-  Receiver from{{}, {}, true};       // the last vertex
+  Receiver from{{}, {}, true, ~uint64_t{0}, nullptr, 1, ray_bit(RayInfo::kCamera)};  // the last vertex
   float pdf = INFINITY;              // of the direction, by its BSDF
   Random random;
 
@@ -112,7 +124,7 @@ void CameraTracer::trace_path(Path& path) const {
     Surface hit;
     ++path.tile.rays;
     path.tile.deep_rays += path.deep;
-    const bool found = scene_.intersect(path.origin, path.direction, path.near, path.far, path.vertex == 0, hit);
+    const bool found = scene_.intersect(path.origin, path.direction, path.near, path.far, path.vertex == 0, hit, ray_bit(path.info.kind));
     add_lamps(path, found ? hit.distance : path.far >= 1e30f ? INFINITY : path.far);
     if (found && path.vertex > 0 && path.info.transparent_depth == 0) see_world(path, path.from, path.direction, {}, true);
     if (!found) {
@@ -124,7 +136,8 @@ void CameraTracer::trace_path(Path& path) const {
     path.info.footprint = camera_.footprint_at(path.ray, path.travelled + hit.distance);
     Bsdf bsdf(Transport::kRadiance, wo, hit.ng, hit.ns, hit.back);
     scene_.shade(hit, wo, path.info, bsdf);
-    add_emission(path, hit, bsdf.emission());
+    const bool holdout = path.vertex == 0 && scene_.instances[hit.instance].holdout;
+    if (!holdout) add_emission(path, hit, bsdf.emission());
     if (path.vertex == 0 && path.info.transparent_depth == 0) path.pixel.normal += bsdf.mean_normal();
     const Passing passing = pass_through(path, hit, bsdf);
     if (passing == Passing::kPasses) continue;
@@ -132,6 +145,7 @@ void CameraTracer::trace_path(Path& path) const {
       if (path.vertex == 0) path.pixel.alpha += 1;
       return;
     }
+    if (holdout) return;
     if (path.vertex == 0) {
       path.pixel.alpha += 1 - bsdf.holdout();
       path.pixel.depth = hit.distance * path.ray.cosine;
@@ -143,6 +157,7 @@ void CameraTracer::trace_path(Path& path) const {
     Receiver receiver{hit.position, bsdf.transmits() ? Vec3{} : hit.ng, bsdf.has_rest(), scene_.instances[hit.instance].group};
     if (!brings_all()) receiver.sky = lights_.guide_at(receiver.x, receiver.n);
     receiver.ns = hit.ns;
+    receiver.bounces = static_cast<uint16_t>(path.vertex);
     if (path.vertex < kSunnyVertices && lights_.environment().contrast() > kSunny) receiver.world_samples = 2;
     const bool gathers = path.records && path.vertex < path.max_bounces, fallback = gathers && falls_back(path, hit, bsdf);
     if (path.records && bsdf.has_rest()) {
@@ -263,7 +278,8 @@ void CameraTracer::add_light(Path& path, const Surface& hit, const Bsdf& bsdf, c
   float pdf = 0, sharp = 0;
   Rgb diffuse{};
   const bool brought = !is_black(path.brought);
-  const Rgb scattered = bsdf.evaluate(light.direction, &pdf, nullptr, &diffuse, brought ? &sharp : nullptr);
+  Rgb scattered = bsdf.evaluate(light.direction, &pdf, nullptr, &diffuse, brought ? &sharp : nullptr);
+  if (light.seen_by != kAllRays) keep_seen(light, hit, scattered, diffuse, sharp);
   if (!(max_abs(scattered) > 0)) return;
   ++path.tile.rays;
   path.tile.deep_rays += path.wanders > 1;
@@ -370,6 +386,7 @@ bool CameraTracer::scatter(Path& path, const Surface& hit, const Bsdf& bsdf, con
   path.near = 0;
   path.far = INFINITY;
   path.from = receiver;
+  path.from.ray = static_cast<uint8_t>(ray_bit(path.info.kind));
   path.pdf = s->pdf > 0 ? s->pdf : INFINITY;
   ++path.vertex;
   return true;

@@ -39,7 +39,7 @@ Lights::Lights(Scene& scene, const std::vector<LampSettings>& lamps) : scene_(sc
 void Lights::share_power() {
   for (Emitter& e : emitters_)
     if (e.parallel_flux > 0) e.power = e.parallel_flux * discs_.least_area();
-  world_power_ = average(environment_.mean()) * 4.0 * kPi * discs_.least_area();
+  world_power_ = scene_.world_seen_by & kScatteredRays ? average(environment_.mean()) * 4.0 * kPi * discs_.least_area() : 0;
   power_cdf_.clear();
   double sum = 0;
   for (const Emitter& e : emitters_) power_cdf_.push_back(sum += e.power);
@@ -125,6 +125,7 @@ float Lights::emitter_weight(const Emitter& e, const Receiver& to) const {
 }
 
 bool Lights::shares_with_rays(const Emitter& e, const Receiver& to) const {
+  if (!e.met_by_rays) return false;
   if (to.sharp) return true;
   if (e.lamp >= 0 && lamps_[e.lamp].s.kind != LampKind::kArea) return false;  // the others are sampled by solid angle
   if (!(length2(e.center - to.x) < 4 * e.radius * e.radius)) return false;
@@ -154,7 +155,7 @@ float Lights::emitters_weight(const Receiver& to) const {
 
 // The world is drawn from as far as that is better than leaving it to the rays that BSDFs draw.
 float Lights::world_probability(const Receiver& to, float emitters) const {
-  if (environment_.constant() || to.sky) return 0;
+  if (environment_.constant() || to.sky || !(scene_.world_seen_by & kScatteredRays)) return 0;
   const float world = environment_.irradiance(to.n) * environment_.contrast();
   return world > 0 ? world / (world + emitters) : 0;
 }
@@ -217,6 +218,7 @@ std::optional<LightSample> Lights::sample_world(const Receiver& to, uint32_t i, 
   out.weight = environment_.radiance(out.direction) / out.pdf;
   out.use_mis = true;
   out.light_group = scene_.world_light_group;
+  out.seen_by = as_scattered(scene_.world_seen_by);
   if (is_black(out.weight)) return std::nullopt;
   return out;
 }
@@ -242,6 +244,7 @@ bool Lights::sample(const Receiver& to, float choice, const Vec2& u, LightSample
     out.weight = environment_.radiance(s.direction) / out.pdf;
     out.use_mis = true;
     out.light_group = scene_.world_light_group;
+    out.seen_by = as_scattered(scene_.world_seen_by);
     return !is_black(out.weight);
   }
   if (!(sum > 0)) return false;
@@ -261,13 +264,15 @@ bool Lights::sample(const Receiver& to, float choice, const Vec2& u, LightSample
     probability *= pick->probability;
   }
   const Emitter& e = emitters_[chosen];
+  if (e.max_bounces < to.bounces) return false;
   bool by_cosine = false;
   if (!(e.lamp >= 0 ? sample_lamp(e, to, u, out, by_cosine) : sample_mesh(e, to, u, out, by_cosine))) return false;
   out.weight *= 1 / probability;
   out.pdf *= probability;
   out.use_mis = out.pdf > 0 && !by_cosine && shares_with_rays(e, to);
-  out.blockers = e.blockers;
+  out.blockers = e.casts_shadows ? e.blockers : 0;
   out.light_group = e.light_group;
+  out.seen_by = e.seen_by;
   return true;
 }
 
@@ -454,7 +459,7 @@ Rgb Lights::lamp_radiance_met(const Lamp& lamp, const Vec3& origin, const Vec3& 
   }
   const Vec3 to = lamp.center - origin;
   const float along = dot(to, direction), d2 = length2(to), r2 = lamp.s.radius * lamp.s.radius;
-  const float miss2 = d2 - along * along;
+  const float miss2 = length2(to - direction * along);  // d2 - along^2 loses the digits of small lamps
   if (r2 <= 0 || miss2 > r2) return {};
   float one_minus_cos, distance;
   if (lamp.s.soft_falloff) {
@@ -479,6 +484,7 @@ Rgb Lights::lamp_radiance_met(const Lamp& lamp, const Vec3& origin, const Vec3& 
 }
 
 Rgb Lights::world_met(const Receiver& to, const Vec3& direction, float bsdf_pdf) const {
+  if (!(scene_.world_seen_by & to.ray)) return {};
   const Rgb radiance = environment_.radiance(direction);
   if (!(bsdf_pdf < INFINITY) || is_black(radiance)) return radiance;
   if (to.sky) return radiance * power_heuristic(bsdf_pdf, static_cast<float>(to.world_samples) * guided_pdf(*to.sky, environment_.density(direction)));
@@ -489,7 +495,7 @@ Rgb Lights::world_met(const Receiver& to, const Vec3& direction, float bsdf_pdf)
 Rgb Lights::lamp_met(uint32_t emitter, const Receiver& to, const Vec3& direction, float near, float far, float bsdf_pdf,
                      float* distance) const {
   const Emitter& e = emitters_[emitter];
-  if (e.lamp < 0 || !(e.lit_groups & to.group) || !shares_with_rays(e, to)) return {};
+  if (e.lamp < 0 || !(e.lit_groups & to.group) || !(e.seen_by & to.ray) || e.max_bounces < to.bounces || !shares_with_rays(e, to)) return {};
   float pdf;
   const Rgb radiance = lamp_radiance_met(lamps_[e.lamp], to.x, direction, near, far, pdf, distance);
   if (CloseLamp close; pdf > 0 && bsdf_pdf < INFINITY && see_close(e, to, close)) pdf = 1 / close.total;

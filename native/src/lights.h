@@ -34,6 +34,10 @@ struct LampSettings {
   uint64_t lit_groups = ~uint64_t{0};  // of light linking: instances with one of these bits see it
   uint64_t blockers = ~uint64_t{0};    // of shadow linking: the others let its light pass
   int16_t light_group = kNoLightGroup;
+  RayMask seen_by = kAllRays;          // rays of these kinds bring its light; what shadow rays bring is scattered as if by one of them
+  uint32_t max_bounces = ~0u;          // of a path before it finds the lamp
+  bool met_by_rays = true;             // else by light samples alone
+  bool casts_shadows = true;           // else light samples pass everything, which other rays to the lamp do not
 };
 
 // Sums of light by group, each times a factor.
@@ -52,7 +56,9 @@ struct Receiver {
   bool sharp = false;  // scatters in narrow lobes: its rays share all lights they can find with `sample`, not near ones only
   uint64_t group = ~uint64_t{0};  // Instance::group
   const SkyGuide::Cell* sky = nullptr;  // of Lights::guide_at(), if any: by what the world is looked for from there
-  uint32_t world_samples = 1;           // how many sample_world() is asked for
+  uint8_t world_samples = 1;            // how many sample_world() is asked for
+  uint8_t ray = 0xff;                   // RayMask of the ray on its way from there
+  uint16_t bounces = 0;                 // of the path before that
   Vec3 ns{};                            // unit: it scatters in proportion to the cosine with this, more or less; 0: who knows
 
   // Whether light is to be sampled in proportion to the cosine.
@@ -69,34 +75,38 @@ struct LightSample {
   bool use_mis;
   uint64_t blockers = ~uint64_t{0};
   int16_t light_group = kNoLightGroup;
+  RayMask seen_by = kAllRays;
 };
 
 // Where a photon path starts. `power` is that of the whole light field divided by the pdf: W for one photon of one.
 struct PhotonStart {
   Vec3 origin, direction;
   Rgb power;
-  Vec3 soft_center;            // of a lamp that faces its receiver; see `accepts`
-  float soft_radius2 = -1;
+  // Of a lamp that faces its receiver, see `accepts`: its squared radius, the squared distance at which the ray passes its centre, and
+  // how far from the origin that is.
+  float soft_radius2 = -1, soft_miss2 = 0, soft_nearest = 0;
   float first_hit_from = 0, first_hit_to = INFINITY;  // distances at which the first surface is lit by this photon
   uint64_t lit_groups = ~uint64_t{0};  // the first surface is lit if it is of one of these
   uint64_t blockers = ~uint64_t{0};    // and lets the light pass if it is of none of these
   int16_t light_group = kNoLightGroup;
+  RayMask seen_by = kAllRays;  // the first surface scatters it by lobes of these kinds
+  uint32_t max_bounces = ~0u;  // lobes that it goes through
+  bool deltas = true;          // the first surface's may be deltas
+  bool casts_shadows = true;   // else nothing blocks it, but behind what would have done so deltas do not scatter it
   int32_t aim = -1;            // pair of EmissionTargets; -1: natural emission
   int32_t shaded_by = -1;      // a lamp with a program: `power` lacks Lights::first_hit_factor(), which needs the distance
 
   // Whether it lights and is stopped by whatever it meets, as it is.
   bool plain() const {
-    return !~lit_groups && !~blockers && soft_radius2 < 0 && first_hit_from == 0 && first_hit_to == INFINITY && shaded_by < 0;
+    return !~lit_groups && seen_by == kAllRays && !~max_bounces && deltas && casts_shadows && !~blockers && soft_radius2 < 0 && first_hit_from == 0 && first_hit_to == INFINITY && shaded_by < 0;
   }
-  // A disc of radius r that faces a receiver at distance d shows it only rays that pass the centre closer than
-  // r d / sqrt(d^2 + r^2); the lines themselves are those of a sphere of radius r.
-  bool accepts(const Vec3& receiver, float distance) const {
+  // A disc of radius r that faces a receiver shows it, of the rays that pass its centre at a distance m, those that have gone on for
+  // t >= m^2 / sqrt(r^2 - m^2) since they were nearest to the centre. (They leave the disc m^2 / t before that.)
+  bool accepts(float distance) const {
     if (distance < first_hit_from || distance > first_hit_to) return false;
     if (soft_radius2 < 0) return true;
-    const Vec3 offset = soft_center - receiver;
-    const float along = dot(offset, direction), d2 = length2(offset);
-    const float miss2 = std::max(0.0f, d2 - along * along);
-    return miss2 * (d2 + soft_radius2) <= soft_radius2 * d2;
+    const float t = distance - soft_nearest;
+    return t > 0 && soft_miss2 <= t * std::sqrt(std::max(0.0f, soft_radius2 - soft_miss2));
   }
 };
 
@@ -170,6 +180,7 @@ class Lights {
     Rgb radiance, intensity;               // W/m^2/sr; W/sr of point and spot; W/m^2 of a sun in `intensity`
     float half_x = 0, half_y = 0, area = 0;
     bool holds_geometry = false;           // a spherical lamp with something inside it
+    bool faces_geometry = false;           // the same of one that faces its receiver
     float one_minus_cos = 0;               // of a sun's half angle
     float cos_half = 0, inverse_smooth = 0, scale_x = 1, scale_y = 1, scale_z = 1;  // spot cone
     float tan_half_spread = 0, normalize_spread = 0;
@@ -197,6 +208,9 @@ class Lights {
     float importance = 0;
     uint64_t lit_groups = ~uint64_t{0}, blockers = ~uint64_t{0};
     int16_t light_group = kNoLightGroup;
+    RayMask seen_by = kAllRays;
+    uint32_t max_bounces = ~0u;
+    bool met_by_rays = true, casts_shadows = true;
     double power = 0;
     double parallel_flux = 0;               // of a sun: through a surface that faces it, mean over RGB, W/m^2
     float over_share = 0;                   // one over its share of all lights' power

@@ -176,7 +176,10 @@ Lights::Draft Lights::aimed_draft(uint32_t index, const EmissionTargets::Sphere&
     return draft;
   }
   if (depth2 < 0) start.power = {};  // natural emission leaves that dark
-  const float ahead = lamp->s.soft_falloff ? 0 : std::sqrt(std::max(0.0f, depth2)) * (draft.inside ? -1.0f : 1.0f);
+  const float half = std::sqrt(std::max(0.0f, depth2));
+  const float ahead = !lamp->s.soft_falloff ? (draft.inside ? -half : half) : lamp->faces_geometry ? -half : 0;
+  start.soft_miss2 = length2(draft.offset);
+  start.soft_nearest = -ahead;
   start.origin = draft.center + draft.offset + start.direction * ahead;
   if (draft.inside) start.first_hit_to = -2 * ahead;
   return draft;
@@ -281,10 +284,15 @@ PhotonStart Lights::emit_towards(const EmissionTargets& targets, uint64_t index,
   draft.start.power *= density > 0 ? static_cast<float>(draft.natural / density) : 0.0f;
   draft.start.aim = aim;
   draft.start.light_group = scene_.world_light_group;
+  draft.start.seen_by = as_scattered(scene_.world_seen_by);
   if (p.emitter < emitters_.size()) {
     draft.start.lit_groups = emitters_[p.emitter].lit_groups;
     draft.start.blockers = emitters_[p.emitter].blockers;
     draft.start.light_group = emitters_[p.emitter].light_group;
+    draft.start.seen_by = emitters_[p.emitter].seen_by;
+    draft.start.max_bounces = emitters_[p.emitter].max_bounces;
+    draft.start.deltas = emitters_[p.emitter].met_by_rays;
+    draft.start.casts_shadows = emitters_[p.emitter].casts_shadows;
     const int lamp = emitters_[p.emitter].lamp;
     if (lamp >= 0 && lamps_[lamp].s.program >= 0) draft.start.shaded_by = lamp;
   }

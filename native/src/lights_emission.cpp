@@ -21,6 +21,7 @@ PhotonStart& Lights::finished(PhotonStart& start, const EmissionPrimary& p) cons
   float over_share = over_world_share_;
   if (p.emitter == emitters_.size()) {
     start.light_group = scene_.world_light_group;
+    start.seen_by = as_scattered(scene_.world_seen_by);
   } else {
     const Emitter& e = emitters_[p.emitter];
     if (e.lamp >= 0 && lamps_[e.lamp].s.program >= 0) start.shaded_by = e.lamp;
@@ -28,6 +29,10 @@ PhotonStart& Lights::finished(PhotonStart& start, const EmissionPrimary& p) cons
     start.lit_groups = e.lit_groups;
     start.blockers = e.blockers;
     start.light_group = e.light_group;
+    start.seen_by = e.seen_by;
+    start.max_bounces = e.max_bounces;
+    start.deltas = e.met_by_rays;
+    start.casts_shadows = e.casts_shadows;
   }
   start.power *= over_share * p.weight;
   return start;

@@ -19,16 +19,37 @@ Vec3 around_axis(const Vec3& x, const Vec3& y, const Vec3& z, float cosine, floa
 
 }  // namespace
 
+namespace {
+
+// The matrix of a lamp that may be flattened, as Cycles has it: a point lamp has no axes to lose and a sun but one, so that others take the
+// place of those that are lost. What is flat still after that emits nothing.
+Affine with_all_axes(const LampSettings& s) {
+  Affine m = s.to_world;
+  Vec3 axis[3] = {m.column(0), m.column(1), m.column(2)};
+  const auto flat = [&](int i) { return !(length2(axis[i]) > 0); };
+  if (s.kind == LampKind::kPoint && (flat(0) || flat(1) || flat(2))) {
+    axis[0] = {1, 0, 0}, axis[1] = {0, 1, 0}, axis[2] = {0, 0, 1};
+  } else if (s.kind == LampKind::kSun && !flat(2)) {
+    const Basis basis(normalize(axis[2]));
+    if (flat(0)) axis[0] = basis.tangent;
+    if (flat(1)) axis[1] = basis.bitangent;
+  }
+  for (int i = 0; i < 3; ++i) m.m[i] = axis[i].x, m.m[4 + i] = axis[i].y, m.m[8 + i] = axis[i].z;
+  return m;
+}
+
+}  // namespace
+
 void Lights::add_lamp(const LampSettings& settings) {
   Lamp lamp;
   lamp.s = settings;
-  const Affine& m = settings.to_world;
+  const Affine m = with_all_axes(settings);
   lamp.center = {m.m[3], m.m[7], m.m[11]};
   const Vec3 x = m.column(0), y = m.column(1), z = m.column(2);
   lamp.scale_x = length(x);
   lamp.scale_y = length(y);
   lamp.scale_z = length(z);
-  if (!(lamp.scale_x > 0) || !(lamp.scale_y > 0) || !(lamp.scale_z > 0)) return;  // flattened: emits nothing
+  if (!(lamp.scale_x > 0) || !(lamp.scale_y > 0) || !(lamp.scale_z > 0)) return;
   lamp.axis_x = x / lamp.scale_x;
   lamp.axis_y = y / lamp.scale_y;
   lamp.forward = z / -lamp.scale_z;
@@ -46,9 +67,11 @@ void Lights::add_lamp(const LampSettings& settings) {
       const float r = settings.radius, disc = kPi * r * r;
       lamp.intensity = settings.normalize ? strength / (4 * kPi) : strength * ((r > 0 ? disc : 1.0f) / kPi);
       if (r > 0) lamp.radiance = lamp.intensity / disc;
-      lamp.holds_geometry = r > 0 && !settings.soft_falloff && scene_.anything_within(lamp.center, r);
+      const bool crowded = r > 0 && scene_.anything_within(lamp.center, r);
+      lamp.holds_geometry = crowded && !settings.soft_falloff;
+      lamp.faces_geometry = crowded && settings.soft_falloff;
       float share = 4 * kPi;
-      if (settings.kind == LampKind::kSpot) {
+      if (lamp.s.kind == LampKind::kSpot) {
         lamp.cos_half = std::cos(0.5f * std::clamp(settings.spot_size, 0.0f, kPi));
         lamp.inverse_smooth = 1 / std::max((1 - lamp.cos_half) * settings.spot_blend, 1e-6f);
         if (!(lamp.cos_half < 1)) return;
@@ -116,6 +139,11 @@ void Lights::add_lamp(const LampSettings& settings) {
   e.lit_groups = settings.lit_groups;
   e.blockers = settings.blockers;
   e.light_group = settings.light_group;
+  e.seen_by = as_scattered(settings.seen_by);
+  e.max_bounces = settings.max_bounces;
+  e.met_by_rays = settings.met_by_rays;
+  e.casts_shadows = settings.casts_shadows;
+  if (!(e.seen_by & kScatteredRays)) e.importance = 0, e.power = 0;
   const bool flat = settings.kind == LampKind::kArea;
   for (const float i : {-1.0f, 1.0f})
     for (const float j : {-1.0f, 1.0f})
@@ -155,12 +183,13 @@ void Lights::add_emissive_instances() {
     bool emissive = false;
     for (uint32_t s = 0; s < instance.slot_count; ++s)
       emissive |= may_emit(scene_, scene_.materials[scene_.slot_materials[instance.first_material + s]]);
-    if (!emissive) continue;
+    if (!emissive || !(instance.seen_by & kScatteredRays)) continue;
     Emitter e;
     e.instance = i;
     e.lit_groups = instance.lit_groups;
     e.blockers = instance.blockers;
     e.light_group = instance.light_group;
+    e.seen_by = as_scattered(instance.seen_by);
     Bounds bounds;
     double sum = 0;
     add_emissive_triangles(i, e, bounds, sum);
@@ -292,7 +321,8 @@ PhotonStart Lights::emit_lamp(const Lamp& lamp, float coin, const Vec2& place, c
   const float r = lamp.s.radius;
   if (r > 0) {
     const Vec2 p = sample_disk(place);
-    const float ahead = lamp.s.soft_falloff ? 0 : r * std::sqrt(std::max(0.0f, 1 - p.x * p.x - p.y * p.y));
+    const float half = r * std::sqrt(std::max(0.0f, 1 - p.x * p.x - p.y * p.y));
+    const float ahead = !lamp.s.soft_falloff ? half : lamp.faces_geometry ? -half : 0;
     // What stands inside a spherical lamp is lit by its far wall and does not shadow what is outside: either photons.
     const bool inside = lamp.holds_geometry && coin < 0.5f;
     start.origin += Basis(start.direction).to_world({p.x * r, p.y * r, inside ? -ahead : ahead});
@@ -302,8 +332,9 @@ PhotonStart Lights::emit_lamp(const Lamp& lamp, float coin, const Vec2& place, c
     }
     if (lamp.holds_geometry) start.power *= 2;
     if (lamp.s.soft_falloff) {
-      start.soft_center = lamp.center;
       start.soft_radius2 = r * r;
+      start.soft_miss2 = (p.x * p.x + p.y * p.y) * r * r;
+      start.soft_nearest = -ahead;
     }
   }
   return start;

@@ -158,7 +158,7 @@ MaterialSide make_side(const Renderer& r, const nb::tuple& t) {
 void add_lamp(Renderer& r, const std::string& kind, Matrix matrix, Rgb3 strength, float radius, bool soft_falloff,
               float spot_size, float spot_blend, float angle, std::array<float, 2> size, bool ellipse, float spread,
               bool normalize, bool camera_visible, int program, uint64_t lit_groups, uint64_t blockers,
-              int16_t light_group) {
+              int16_t light_group, RayMask seen_by, uint32_t max_bounces, bool met_by_rays, bool casts_shadows) {
   LampSettings s;
   s.kind = named<LampKind>(kind, {{"point", LampKind::kPoint}, {"spot", LampKind::kSpot}, {"sun", LampKind::kSun},
                                   {"area", LampKind::kArea}}, "lamp kind");
@@ -180,6 +180,10 @@ void add_lamp(Renderer& r, const std::string& kind, Matrix matrix, Rgb3 strength
   s.lit_groups = lit_groups;
   s.blockers = blockers;
   s.light_group = light_group;
+  s.seen_by = seen_by;
+  s.max_bounces = max_bounces;
+  s.met_by_rays = met_by_rays;
+  s.casts_shadows = casts_shadows;
   bool finite = is_finite(s.strength);
   for (float f : s.to_world.m) finite &= std::isfinite(f);
   for (float f : {radius, spot_size, spot_blend, angle, size[0], size[1], spread}) finite &= std::isfinite(f);
@@ -375,7 +379,7 @@ NB_MODULE(photon_splat_native, m) {
       .def("add_mesh", &add_mesh, "positions"_a, "triangles"_a, "corner_normals"_a.none(), "uv"_a.none(), "slots"_a.none(),
            "vertex_normals"_a = nb::none())
       .def("add_instance", [](Renderer& r, uint32_t mesh, Matrix matrix, std::vector<int32_t> materials, int group, uint64_t lit_groups,
-                              uint64_t blockers, int16_t light_group) {
+                              uint64_t blockers, int16_t light_group, RayMask seen_by, bool holdout) {
         auto rows = to_rows(matrix.data());
         for (int i = 0; i < 3; ++i) rows[4 * i + 3] -= r.scene.origin[i];
         for (double d : rows)
@@ -386,8 +390,10 @@ NB_MODULE(photon_splat_native, m) {
         r.scene.instances.back().lit_groups = lit_groups;
         r.scene.instances.back().blockers = blockers;
         r.scene.instances.back().light_group = light_group;
+        r.scene.instances.back().seen_by = seen_by;
+        r.scene.instances.back().holdout = holdout;
       }, "mesh"_a, "matrix"_a, "materials"_a, "group"_a = 0, "lit_groups"_a = ~uint64_t{0}, "blockers"_a = ~uint64_t{0},
-           "light_group"_a = kNoLightGroup)
+           "light_group"_a = kNoLightGroup, "seen_by"_a = kAllRays, "holdout"_a = false)
       .def("set_light_groups", [](Renderer& r, int count, int16_t world) {
         if (count < 0 || count > 10000) throw std::invalid_argument("there are more than 10000 light groups");
         r.scene.light_groups = count;
@@ -395,7 +401,8 @@ NB_MODULE(photon_splat_native, m) {
       }, "count"_a, "world"_a, "How many, and that of the world; -1: none. film() then has the light of each.")
       .def("add_lamp", &add_lamp, "kind"_a, "matrix"_a, "strength"_a, "radius"_a, "soft_falloff"_a, "spot_size"_a,
            "spot_blend"_a, "angle"_a, "size"_a, "ellipse"_a, "spread"_a, "normalize"_a, "camera_visible"_a, "program"_a = -1,
-           "lit_groups"_a = ~uint64_t{0}, "blockers"_a = ~uint64_t{0}, "light_group"_a = kNoLightGroup)
+           "lit_groups"_a = ~uint64_t{0}, "blockers"_a = ~uint64_t{0}, "light_group"_a = kNoLightGroup,
+           "seen_by"_a = kAllRays, "max_bounces"_a = ~uint32_t{0}, "met_by_rays"_a = true, "casts_shadows"_a = true)
       .def("set_camera", &set_camera, "matrix"_a, "screen"_a, "orthographic"_a, "clip_start"_a, "clip_end"_a, "frame"_a,
            "region"_a, "transparent"_a, "pixel_filter"_a, "filter_width"_a)
       .def("set_panorama", &set_panorama, "kind"_a, "longitude"_a, "latitude"_a, "fov"_a, "focal_length"_a, "sensor"_a,

@@ -20,6 +20,7 @@ constexpr float kCover = 0.12f;  // what lies closer over the surface than this,
 constexpr float kTouching = 1e-3f;
 constexpr float kGolden = 2.39996323f;
 constexpr float kBentReach = 0.7f;  // of a bent disc's radius: further off it has little weight
+constexpr RayMask kStored = ray_bit(RayInfo::kDiffuse);  // what stops photons that are stored
 
 // The part of a kernel (Epanechnikov) within the share s of its radius.
 float mass_within(float s) {
@@ -32,18 +33,18 @@ float length_of_look(const Vec3& y, float h) { return kCover * h - std::max(kTou
 
 bool is_cover(const Scene& scene, const Vec3& y, const Vec3& normal, float h) {
   Surface hit;
-  return scene.intersect(y + normal * (kCover * h), -normal, 0, length_of_look(y, h), false, hit) && is_dark(scene, hit, normal);
+  return scene.intersect(y + normal * (kCover * h), -normal, 0, length_of_look(y, h), false, hit, kStored) && is_dark(scene, hit, normal);
 }
 
 bool covered(const Scene& scene, const Vec3& y, const Vec3& normal, float h) {
   const float far = length_of_look(y, h);
-  return far > 0 && scene.occluded(y + normal * (kCover * h), -normal, 0, far) && is_cover(scene, y, normal, h);
+  return far > 0 && scene.occluded(y + normal * (kCover * h), -normal, 0, far, kStored) && is_cover(scene, y, normal, h);
 }
 
 // Whether light comes in from the rim of the cover of y: by one direction, so that the mean tells how much.
 bool lit_from_the_rim(const Scene& scene, const Vec3& y, const Basis& basis, float h, Random& random) {
   const Vec3 way = basis.to_world(sample_cosine_hemisphere(random.next2()));
-  return !scene.occluded(y + basis.normal * ray_epsilon(y, h), way, 0, h);
+  return !scene.occluded(y + basis.normal * ray_epsilon(y, h), way, 0, h, kStored);
 }
 
 // The parts of the two kernels where the patch is covered. Under a cover itself all is alike: nothing is left out.
@@ -70,7 +71,7 @@ void add_covered(const Scene& scene, PatchOutline& outline, const Vec3& x, const
       offsets[i] = Vec3{std::cos(angle), std::sin(angle), 0} * (h * s);
       above[i] = x + basis.to_world(offsets[i]) + normal * (kCover * h);
     }
-    for (unsigned met = scene.occluded_packet(above, kTogether, -normal, far); met; met &= met - 1) {
+    for (unsigned met = scene.occluded_packet(above, kTogether, -normal, far, kStored); met; met &= met - 1) {
       const int i = std::countr_zero(met);
       const Vec3 y = x + basis.to_world(offsets[i]);
       if (!is_cover(scene, y, normal, h) || !outline.holds(offsets[i].x, offsets[i].y)) continue;
@@ -106,7 +107,7 @@ class Probes {
     if (far_ > 0) {  // what is covered has been counted already
       Vec3 above[Scene::kPacket];
       for (uint32_t i = 0; i < count_; ++i) above[i] = places_[i] + basis_.normal * (kCover * h_);
-      for (unsigned met = scene_.occluded_packet(above, count_, -basis_.normal, far_); met; met &= met - 1)
+      for (unsigned met = scene_.occluded_packet(above, count_, -basis_.normal, far_, kStored); met; met &= met - 1)
         if (const int i = std::countr_zero(met); is_cover(scene_, places_[i], basis_.normal, h_)) open &= ~(1u << i);
     }
     const unsigned held = enclosures_.hold(places_, count_, open);
@@ -156,7 +157,7 @@ DiscOcclusion disc_occlusion(const Scene& scene, uint32_t instance, uint32_t tri
   };
   const auto met = [&](int i, float& distance) {
     Surface hit;
-    if (!scene.intersect(origin, basis.to_world(way_of(i)), 0, h, false, hit) || hit.key == key) return false;
+    if (!scene.intersect(origin, basis.to_world(way_of(i)), 0, h, false, hit, kStored) || hit.key == key) return false;
     distance = hit.distance;
     return true;
   };
@@ -195,7 +196,7 @@ bool stands_in_bent_disc(const Scene& scene, uint32_t instance, uint32_t triangl
     ways[k] = normalize(basis.to_world({std::cos(angle), std::sin(angle), k % 2 ? -tilt : 0}));
   }
   Surface hits[Scene::kPacket];
-  for (unsigned met = scene.intersect_packet(origins, ways, Scene::kPacket, hits); met; met &= met - 1) {
+  for (unsigned met = scene.intersect_packet(origins, ways, Scene::kPacket, hits, kStored); met; met &= met - 1) {
     const Surface& hit = hits[std::countr_zero(met)];
     if (hit.distance < kBentReach * h && (hit.key | 1u) != (key | 1u)) return true;
   }

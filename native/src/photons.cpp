@@ -75,11 +75,20 @@ void PhotonTracer::start(uint64_t first, uint32_t count, uint32_t seed, PhotonSt
   lights_.emit(primaries, count, starts);
 }
 
+unsigned PhotonTracer::seen_by_diffuse(const RayHits& hits, unsigned which) const {
+  for (unsigned rest = which; rest; rest &= rest - 1) {
+    const uint32_t k = static_cast<uint32_t>(std::countr_zero(rest));
+    if (!(scene_.instances[hits.instance[k]].seen_by & ray_bit(RayInfo::kDiffuse))) which &= ~(1u << k);
+  }
+  return which;
+}
+
 // How many of a chunk's paths carry anything.
 uint32_t PhotonTracer::start_all(uint64_t first, uint32_t count, double total, uint32_t seed, Travellers& travellers) const {
   auto& [starts, paths, rest] = travellers;
   starts.resize(count);
   const SobolPair first_bounce(3, seed);
+  const bool guesses_first = scene_.first_kinds_differ();
   uint32_t n = 0;
   for (uint32_t begin = 0; begin < count; begin += kStartsAtOnce) {
     const uint32_t end = std::min(begin + kStartsAtOnce, count);
@@ -95,7 +104,13 @@ uint32_t PhotonTracer::start_all(uint64_t first, uint32_t count, double total, u
       path.place = place;
       if (!(path.reference > 0) || !std::isfinite(path.reference)) continue;
       paths.first_u[n] = ways.x[place - begin], paths.first_v[n] = ways.y[place - begin];
-      travellers.put(n++, path, from.origin, from.direction, !from.plain());
+      if (guesses_first) {
+        float chance;
+        path.kind = guess_kind(path.random, RayInfo::kShadow, &chance);
+        path.guessed = true;
+        path.power *= 1 / chance;
+      }
+      travellers.put(n++, path, from.origin, from.direction, !from.plain() || path.guessed);
     }
   }
   return n;
@@ -140,13 +155,19 @@ void PhotonTracer::trace_chunk(uint64_t first, uint64_t count, double total, uin
   unsigned hit[2] = {};
   PlainSurfaces surfaces;
   Bounced bounced;
+  const bool limited = scene_.limits_rays(), guesses = scene_.kinds_differ();
+  RayMask kinds[kBounceLanes] = {};
   while (alive) {
     run.rays += alive;
     uint32_t kept = 0;
     for (uint32_t next = 0, turn = 0; next < alive + kBounceLanes; next += kBounceLanes, turn ^= 1) {
       if (next < alive) {
-        const Scene::Rays rays = rays_of(paths, next);
+        Scene::Rays rays = rays_of(paths, next);
         const uint32_t lanes = std::min(kBounceLanes, alive - next);
+        if (limited) {
+          for (uint32_t k = 0; k < lanes; ++k) kinds[k] = ray_bit(kind_of_way(travellers.rest[next + k], paths.bounces[next + k]));
+          rays.kinds = kinds;
+        }
         if (ray_log) log_rays(rays, lanes, run.ray_log);
         hit[turn] = scene_.intersect(rays, lanes, found[turn]);
       }
@@ -157,6 +178,7 @@ void PhotonTracer::trace_chunk(uint64_t first, uint64_t count, double total, uin
       uint32_t any_alone = 0;
       for (uint32_t k = 0; k < kBounceLanes; ++k) any_alone |= paths.alone[begin + k];
       for (uint32_t k = 0; any_alone && k < kBounceLanes; ++k) together &= ~(paths.alone[begin + k] << k);
+      if (limited) together = guesses ? 0 : seen_by_diffuse(hits, together);
       together = scene_.plain_surfaces(hits, together, surfaces);
       if (together) bounce_(paths, begin, hits, surfaces, settings, bounced);
       if (stream_ == PhotonStream::kCaustic) bounced.goes_on = 0;
@@ -178,7 +200,8 @@ void PhotonTracer::trace_chunk(uint64_t first, uint64_t count, double total, uin
           run.shaded += surface.program != nullptr;
           const Draws draws{first_bounce, static_cast<uint32_t>(first + place)};
           if (shade(path, surface, travellers.starts[place], draws, visible, origin, direction, run.photons))
-            travellers.put(kept++, path, origin, direction, path.bounces == 0 || path.guessed);
+            travellers.put(kept++, path, origin, direction,
+                           path.bounces == 0 || path.guessed || ~travellers.starts[place].max_bounces);
         }
         if (useful)
           for (size_t p = stored; p < run.photons.size(); ++p)

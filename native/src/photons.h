@@ -76,9 +76,11 @@ class PhotonTracer {
     uint32_t place;       // among the chunk's paths as they started
     float travelled = 0;  // before the present ray, since the last bounce
     uint16_t passed = 0;  // transparent surfaces
+    float soft_from = 0, soft_to = INFINITY;  // where a lamp that faces its receivers lights them, after PhotonStart::soft_nearest
     // Kind of the camera path's ray that looks back along this one, where `guessed`: see scatter_by_program.
     RayInfo::Kind kind = RayInfo::kDiffuse;
     bool guessed = false;
+    bool unshadowed = false;  // passed what would have blocked the light of another lamp
   };
   // All of it.
   struct Path : Rest {
@@ -121,11 +123,23 @@ class PhotonTracer {
   float use_of(const Photon& photon, const PhotonStart& start, double total) const;
   PhotonStart start(uint64_t index, uint32_t seed) const;
   void start(uint64_t first, uint32_t count, uint32_t seed, PhotonStart* starts) const;
+  bool scatters_for(const PhotonStart& start, const Path& path, RayInfo::Kind kind) const {
+    return path.bounces > 0 || start.seen_by & ray_bit(kind);
+  }
   bool lit(const Path& path, const Surface& hit, const PhotonStart& start) const;
   bool blocks(const Path& path, const Surface& hit, const PhotonStart& start) const;
   bool shade(Path& path, const Surface& hit, const PhotonStart& start, const Draws& draws, const KeyFilter& visible,
              Vec3& origin, Vec3& direction, Photons& photons) const;
+  // Kind of ray that looks back along the path's present way: what it does not see the photon passes.
+  static RayInfo::Kind kind_of_way(const Rest& rest, uint32_t bounces) {
+    return rest.guessed ? rest.kind : bounces == 0 ? RayInfo::kShadow : RayInfo::kDiffuse;
+  }
+  bool sends_on(Path& path, const Surface& hit) const;
+  // Of the hits `which` those on instances that diffuse rays see.
+  unsigned seen_by_diffuse(const RayHits& hits, unsigned which) const;
+  static RayInfo::Kind guess_kind(Random& random, RayInfo::Kind first, float* chance);
   void keep_bounced(Travellers& travellers, uint32_t from, uint32_t to, const Bounced& bounced, uint32_t k) const;
+  bool pass_before_lamp(Path& path, const Surface& hit, const Vec3& direction, const PhotonStart& start, Vec3& origin) const;
   bool go_straight_on(Path& path, const Surface& hit, const Rgb& weight, Vec3& origin) const;
   void store(const Path& path, const Surface& hit, const Vec3& direction, const KeyFilter& visible, Photons& photons) const;
   bool light_up(Path& path, const Surface& hit, const PhotonStart& start) const;

@@ -9,28 +9,72 @@ constexpr int kMaxTransparent = 4096;  // layers that let a path through before 
 // about comes by many faint photons.
 constexpr float kFaint = 1 / 32.0f;
 
-// One of three kinds of ray, `first` half of the time; *chance: its probability.
-RayInfo::Kind guess_kind(Random& random, RayInfo::Kind first, float* chance) {
-  const float u = random.next();
-  *chance = u < 0.5f ? 0.5f : 0.25f;
-  return u < 0.5f ? first : u < 0.75f ? RayInfo::kGlossy : RayInfo::kTransmission;
-}
-
 RayInfo::Kind kind_of(const BsdfSample& s) {
   return s.diffuse ? RayInfo::kDiffuse : s.transmitted ? RayInfo::kTransmission : RayInfo::kGlossy;
 }
 
 }  // namespace
 
+// One of three kinds of ray, `first` half of the time; *chance: its probability.
+RayInfo::Kind PhotonTracer::guess_kind(Random& random, RayInfo::Kind first, float* chance) {
+  const float u = random.next();
+  *chance = u < 0.5f ? 0.5f : 0.25f;
+  return u < 0.5f ? first : u < 0.75f ? RayInfo::kGlossy : RayInfo::kTransmission;
+}
+
+// Of a path that a surface without a program is about to scatter: guesses by which kind of ray that will be seen, where it matters; false
+// where such rays do not see the surface.
+bool PhotonTracer::sends_on(Path& path, const Surface& hit) const {
+  if (!scene_.limits_rays()) return true;
+  path.kind = RayInfo::kDiffuse;
+  if (scene_.kinds_differ()) {
+    float chance;
+    path.kind = guess_kind(path.random, RayInfo::kDiffuse, &chance);
+    path.power *= 1 / chance;
+  }
+  return scene_.instances[hit.instance].seen_by & ray_bit(path.kind);
+}
+
 // Whether the surface takes the light: the first one only what its lamp gives it.
 bool PhotonTracer::lit(const Path& path, const Surface& hit, const PhotonStart& start) const {
   if (path.bounces > 0) return true;
-  return (start.lit_groups & scene_.instances[hit.instance].group) && start.accepts(hit.position, path.travelled + hit.distance);
+  const float distance = path.travelled + hit.distance, since_lamp = distance - start.soft_nearest;
+  if (start.soft_radius2 >= 0 && !(since_lamp >= path.soft_from && since_lamp <= path.soft_to)) return false;
+  return (start.lit_groups & scene_.instances[hit.instance].group) && start.accepts(distance);
 }
 
 // Straight from its lamp light passes what does not block it, and lights that all the same.
 bool PhotonTracer::blocks(const Path& path, const Surface& hit, const PhotonStart& start) const {
-  return path.bounces > 0 || start.blockers & scene_.instances[hit.instance].group;
+  return path.bounces > 0 || (start.casts_shadows && start.blockers & scene_.instances[hit.instance].group);
+}
+
+// A surface that stands before the point nearest to the centre of a lamp that faces its receivers. The nearer of them are lit from before
+// the surface, and it shadows them; those further off are lit from behind it. Of a transparent surface either, by chance.
+bool PhotonTracer::pass_before_lamp(Path& path, const Surface& hit, const Vec3& direction, const PhotonStart& start, Vec3& origin) const {
+  Rgb weight{1, 1, 1};
+  const float before = start.soft_nearest - path.travelled - hit.distance;
+  if (blocks(path, hit, start) && before > 0) {
+    const float limit = start.soft_miss2 / before;
+    Rgb transparency{};
+    if (scene_.may_be_transparent(hit)) {
+      RayInfo ray;
+      ray.kind = RayInfo::kShadow;
+      ray.transparent_depth = path.passed;
+      Bsdf bsdf(Transport::kRadiance, -direction, hit.ng, hit.ns, hit.back);
+      scene_.shade(hit, -direction, ray, bsdf);
+      transparency = bsdf.transparency();
+    }
+    const bool either = average(transparency) > 0;
+    if (either && path.random.next() < 0.5f) {
+      path.soft_to = std::min(path.soft_to, limit);
+      weight = transparency * 2;
+    } else {
+      path.soft_from = std::max(path.soft_from, limit);
+      if (either) weight = {2, 2, 2};
+    }
+  }
+  path.unshadowed |= !start.casts_shadows;
+  return path.soft_from <= path.soft_to && go_straight_on(path, hit, weight, origin);
 }
 
 // Sends a path on that a surface lets pass with this weight (its transparency over the chance to pass); false where it ends.
@@ -69,20 +113,26 @@ bool PhotonTracer::light_up(Path& path, const Surface& hit, const PhotonStart& s
 // Stores a photon where one belongs and sends the path on; false where it ends.
 bool PhotonTracer::shade(Path& path, const Surface& hit, const PhotonStart& start, const Draws& draws, const KeyFilter& visible,
                          Vec3& origin, Vec3& direction, Photons& photons) const {
+  if (path.bounces == 0 && path.travelled + hit.distance < start.soft_nearest) return pass_before_lamp(path, hit, direction, start, origin);
   if (hit.program) return scatter_by_program(path, hit, start, draws, visible, origin, direction, photons);
   const bool accepted = lit(path, hit, start);
   if (!blocks(path, hit, start)) {  // the light goes on and is scattered: either, by chance
-    if (!accepted) return go_straight_on(path, hit, {1, 1, 1}, origin);
-    if (path.random.next() < 0.5f) return go_straight_on(path, hit, {2, 2, 2}, origin);
-    path.power *= 2;
+    const bool passes = !accepted || path.random.next() < 0.5f;
+    if (accepted) path.power *= 2;
+    if (passes) {
+      path.unshadowed = !start.casts_shadows;
+      return go_straight_on(path, hit, {1, 1, 1}, origin);
+    }
   }
   if (!accepted) return false;
   store(path, hit, direction, visible, photons);
   if (!light_up(path, hit, start)) return false;
   const float cos_shading = -dot(direction, hit.ns), cos_geometric = -dot(direction, hit.ng);
   if (cos_shading <= 0 || cos_geometric <= 0) return false;
-  if (path.bounces == max_bounces_ || stream_ == PhotonStream::kCaustic) return false;
+  if (path.bounces == max_bounces_ || path.bounces >= start.max_bounces || stream_ == PhotonStream::kCaustic) return false;
+  if (!scatters_for(start, path, RayInfo::kDiffuse)) return false;
   if (path.guessed && path.kind != (path.bounces == 0 ? RayInfo::kShadow : RayInfo::kDiffuse)) return false;
+  if (!sends_on(path, hit)) return false;
   path.power *= scene_.albedo(hit) * (cos_shading / cos_geometric);
   const float survival = std::min(1.0f, max_component(path.power) / path.reference);
   if (!(survival > 0) || path.random.next() >= survival) return false;
@@ -91,7 +141,7 @@ bool PhotonTracer::shade(Path& path, const Surface& hit, const PhotonStart& star
   direction = Basis(hit.ng).to_world(sample_cosine_hemisphere(draws.next(path)));
   ++path.bounces;
   path.caustic = 0;
-  path.guessed = false;
+  path.guessed = scene_.kinds_differ();
   return true;
 }
 
@@ -99,10 +149,15 @@ bool PhotonTracer::shade(Path& path, const Surface& hit, const PhotonStart& star
 // whose kind says by which lobe the photon will scatter there: not known yet. So it is guessed, and the next vertex then stores
 // photons for diffuse rays and scatters by lobes of that kind alone. What is passed on the way to the next vertex is seen by the
 // same ray; straight from the lamp by a shadow ray, which deltas do not send, or from a delta lobe.
+// Ray visibility of objects is the same question. A photon's way from A to B stands for the ray from B that finds A, or, from a light, for
+// the shadow ray from B: objects that rays of that kind do not see do not stop the photon, and A sends it on only if they see A. What B
+// stores stands for a diffuse ray from B, and B's lobe on the way to the eye says which kind it was: guessed at A where some object treats
+// diffuse, glossy and transmitted rays differently and some surface sends others than diffuse ones; else it makes no difference, and
+// diffuse ones are taken. A light that some kinds do not see is scattered by the first surface's lobes of the other kinds.
 bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const PhotonStart& start, const Draws& draws,
                                       const KeyFilter& visible, Vec3& origin, Vec3& direction,
                                       Photons& photons) const {
-  const bool direct = path.bounces == 0, asked = hit.program->asks_kind;
+  const bool direct = path.bounces == 0, asked = hit.program->asks_kind || scene_.kinds_differ();
   float chance = 1;
   RayInfo ray;
   ray.kind = asked ? guess_kind(path.random, RayInfo::kDiffuse, &chance) : RayInfo::kDiffuse;
@@ -133,15 +188,19 @@ bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const Phot
     const float passing = mean / (mean + scattered);
     if (scattered == 0 || path.random.next() < passing) {
       if (passing_asked) path.kind = passing_ray.kind, path.guessed = true;
+      path.unshadowed |= !blocking && !start.casts_shadows;
       return go_straight_on(path, hit, transparency / (passing * passing_chance), origin);
     }
     path.power *= 1 / (1 - passing);
   }
-  if (!accepted || path.bounces == max_bounces_ || !bsdf.scatters() || !light_up(path, hit, start)) return false;
+  if (!(scene_.instances[hit.instance].seen_by & ray_bit(ray.kind))) return false;
+  if (!accepted || path.bounces == max_bounces_ || path.bounces >= start.max_bounces || !bsdf.scatters() || !light_up(path, hit, start)) return false;
   const float choice = path.random.next();
   const bool caustic = stream_ == PhotonStream::kCaustic;
   const auto s = caustic ? bsdf.sample_sharp(choice, draws.next(path)) : bsdf.sample(choice, draws.next(path));
   if (!s) return false;
+  if (direct && s->pdf <= 0 && (!start.deltas || path.unshadowed)) return false;
+  if (!scatters_for(start, path, kind_of(*s))) return false;
   if (path.guessed) {
     const bool delta = s->pdf <= 0;
     if (path.kind == RayInfo::kShadow ? delta : (direct && !delta) || kind_of(*s) != path.kind) return false;

@@ -139,6 +139,7 @@ void Scene::build(const CancelFlag& cancel) {
     instance.scale = 1;
   }
 
+  see_limits();
   top_ = rtcNewScene(device_);
   mesh_scenes_.assign(meshes.size(), nullptr);
   for (uint32_t i = 0; i < instances.size(); ++i) {
@@ -150,6 +151,7 @@ void Scene::build(const CancelFlag& cancel) {
       if (!inner) {
         inner = rtcNewScene(device_);
         RTCGeometry triangles = make_geometry(device_, mesh);
+        if (limits_rays()) rtcSetGeometryMask(triangles, kAllRays);
         rtcAttachGeometryByID(inner, triangles, 0);
         rtcReleaseGeometry(triangles);
         commit(inner, cancel);
@@ -157,9 +159,14 @@ void Scene::build(const CancelFlag& cancel) {
       geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_INSTANCE);
       rtcSetGeometryInstancedScene(geometry, inner);
       rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, instance.to_world.m.data());
+      if (limits_rays()) rtcSetGeometryMask(geometry, instance.seen_by);
       rtcCommitGeometry(geometry);
     } else {
       geometry = make_geometry(device_, mesh);
+      if (limits_rays()) {
+        rtcSetGeometryMask(geometry, instance.seen_by);
+        rtcCommitGeometry(geometry);
+      }
     }
     rtcAttachGeometryByID(top_, geometry, i);
     rtcReleaseGeometry(geometry);
@@ -185,6 +192,20 @@ void Scene::build(const CancelFlag& cancel) {
   throw_on_error(cancel);
 }
 
+void Scene::see_limits() {
+  any_ray_ = kAllRays;
+  kinds_differ_ = first_kinds_differ_ = false;
+  for (const Instance& instance : instances) {
+    const RayMask seen_by = instance.seen_by, scattered = seen_by & kScatteredRays;
+    const auto same = [&](RayInfo::Kind a, RayInfo::Kind b) { return !(seen_by & ray_bit(a)) == !(seen_by & ray_bit(b)); };
+    if (seen_by != kAllRays) any_ray_ = 0;
+    kinds_differ_ |= scattered != 0 && scattered != kScatteredRays;
+    first_kinds_differ_ |= !same(RayInfo::kShadow, RayInfo::kGlossy) || !same(RayInfo::kShadow, RayInfo::kTransmission);
+  }
+  if (limits_rays() && !rtcGetDeviceProperty(device_, RTC_DEVICE_PROPERTY_RAY_MASK_SUPPORTED))
+    throw std::runtime_error("this Embree has no ray masks, which the visibility of objects to rays needs");
+}
+
 void Scene::update_features() {
   features_ = 0;
   for (int32_t material : slot_materials) {
@@ -193,10 +214,10 @@ void Scene::update_features() {
   }
 }
 
-bool Scene::intersect(const Vec3& origin, const Vec3& direction, float near, float far, bool coherent,
-                      Surface& surface) const {
+bool Scene::intersect(const Vec3& origin, const Vec3& direction, float near, float far, bool coherent, Surface& surface,
+                      RayMask kinds) const {
   RTCRayHit hit;
-  hit.ray = {origin.x, origin.y, origin.z, near, direction.x, direction.y, direction.z, 0, far, ~0u, 0, 0};
+  hit.ray = {origin.x, origin.y, origin.z, near, direction.x, direction.y, direction.z, 0, far, kinds | any_ray_, 0, 0};
   hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   hit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
   RTCIntersectArguments arguments;
@@ -264,7 +285,7 @@ void Scene::intersect_eight(const Rays& rays, uint32_t count, RayHits& hits, uin
     for (uint32_t k = place; k < place + kPacket; ++k) {
       RTCRayHit hit{};
       const Vec3 d = rays.direction(k);
-      hit.ray = {rays.origin_x[k], rays.origin_y[k], rays.origin_z[k], 0, d.x, d.y, d.z, 0, INFINITY, ~0u, 0, 0};
+      hit.ray = {rays.origin_x[k], rays.origin_y[k], rays.origin_z[k], 0, d.x, d.y, d.z, 0, INFINITY, rays.kinds ? rays.kinds[k] : kAllRays, 0, 0};
       hit.hit.geomID = hit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
       if (k < count) rtcIntersect1(top_, &hit, &arguments);
       take(k, hit.hit.geomID, hit.hit.instID[0], hit.hit.primID, hit.hit.u, hit.hit.v, hit.ray.tfar, {hit.hit.Ng_x, hit.hit.Ng_y, hit.hit.Ng_z});
@@ -284,7 +305,7 @@ void Scene::intersect_eight(const Rays& rays, uint32_t count, RayHits& hits, uin
     valid[k] = place + k < count ? -1 : 0;
     hit.ray.tnear[k] = hit.ray.time[k] = 0;
     hit.ray.tfar[k] = INFINITY;
-    hit.ray.mask[k] = ~0u;
+    hit.ray.mask[k] = rays.kinds ? rays.kinds[place + k] : kAllRays;
     hit.ray.id[k] = hit.ray.flags[k] = 0;
     hit.hit.geomID[k] = hit.hit.instID[0][k] = RTC_INVALID_GEOMETRY_ID;
     hit.hit.primID[k] = 0;
@@ -355,21 +376,24 @@ Surface Scene::surface_of(const RayHits& hits, uint32_t k, const Vec3& direction
   return s;
 }
 
-unsigned Scene::intersect_packet(const Vec3* origins, const Vec3* directions, uint32_t count, Surface* surfaces) const {
+unsigned Scene::intersect_packet(const Vec3* origins, const Vec3* directions, uint32_t count, Surface* surfaces,
+                                 RayMask kinds) const {
   alignas(64) float ray[6][RayHits::kMost] = {};
   for (uint32_t k = 0; k < count; ++k) {
     const float all[6] = {origins[k].x, origins[k].y, origins[k].z, directions[k].x, directions[k].y, directions[k].z};
     for (int i = 0; i < 6; ++i) ray[i][k] = all[i];
   }
+  RayMask masks[RayHits::kMost];
+  std::fill_n(masks, RayHits::kMost, kinds | any_ray_);
   RayHits hits;
-  const unsigned found = intersect({ray[0], ray[1], ray[2], ray[3], ray[4], ray[5]}, count, hits);
+  const unsigned found = intersect({ray[0], ray[1], ray[2], ray[3], ray[4], ray[5], masks}, count, hits);
   for (uint32_t k = 0; k < count; ++k)
     if (found >> k & 1) surfaces[k] = surface_of(hits, k, directions[k]);
   return found;
 }
 
-bool Scene::occluded(const Vec3& origin, const Vec3& direction, float near, float far) const {
-  RTCRay ray{origin.x, origin.y, origin.z, near, direction.x, direction.y, direction.z, 0, far, ~0u, 0, 0};
+bool Scene::occluded(const Vec3& origin, const Vec3& direction, float near, float far, RayMask kinds) const {
+  RTCRay ray{origin.x, origin.y, origin.z, near, direction.x, direction.y, direction.z, 0, far, kinds | any_ray_, 0, 0};
   RTCOccludedArguments arguments;
   rtcInitOccludedArguments(&arguments);
   arguments.flags = RTC_RAY_QUERY_FLAG_INCOHERENT;
@@ -377,10 +401,10 @@ bool Scene::occluded(const Vec3& origin, const Vec3& direction, float near, floa
   return ray.tfar < 0;
 }
 
-unsigned Scene::occluded_packet(const Vec3* origins, uint32_t count, const Vec3& direction, float far) const {
+unsigned Scene::occluded_packet(const Vec3* origins, uint32_t count, const Vec3& direction, float far, RayMask kinds) const {
   unsigned found = 0;
   if (!packets_) {
-    for (uint32_t k = 0; k < count; ++k) found |= unsigned(occluded(origins[k], direction, 0, far)) << k;
+    for (uint32_t k = 0; k < count; ++k) found |= unsigned(occluded(origins[k], direction, 0, far, kinds)) << k;
     return found;
   }
   alignas(64) RTCRay8 ray;
@@ -392,7 +416,7 @@ unsigned Scene::occluded_packet(const Vec3* origins, uint32_t count, const Vec3&
     ray.dir_x[k] = direction.x; ray.dir_y[k] = direction.y; ray.dir_z[k] = direction.z;
     ray.tnear[k] = ray.time[k] = 0;
     ray.tfar[k] = far;
-    ray.mask[k] = ~0u;
+    ray.mask[k] = kinds | any_ray_;
     ray.id[k] = ray.flags[k] = 0;
   }
   RTCOccludedArguments arguments;
@@ -501,13 +525,14 @@ Rgb Scene::emission(const Surface& s, const Vec3& wo, const RayInfo& ray) const 
 }
 
 Rgb Scene::transmittance(const Vec3& origin, const Vec3& direction, float far, const RayInfo& ray, uint64_t blockers) const {
-  if (!occluded(origin, direction, 0, far)) return {1, 1, 1};
+  constexpr RayMask kShadow = ray_bit(RayInfo::kShadow);
+  if (!blockers || !occluded(origin, direction, 0, far, kShadow)) return {1, 1, 1};
   if (!~blockers && !(features_ & kProgramTransparent)) return {};
   Rgb through{1, 1, 1};
   RayInfo info = ray;
   info.kind = RayInfo::kShadow;
   Surface s;
-  for (float near = 0; intersect(origin, direction, near, far, false, s); near = past(s)) {
+  for (float near = 0; intersect(origin, direction, near, far, false, s, kShadow); near = past(s)) {
     if (!(blockers & instances[s.instance].group)) continue;
     if (!may_be_transparent(s)) return {};
     Bsdf bsdf(Transport::kRadiance, -direction, s.ng, s.ns, s.back);

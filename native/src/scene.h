@@ -66,6 +66,8 @@ struct Instance {
   uint64_t lit_groups = ~uint64_t{0};  // what it lights if it shines
   uint64_t blockers = ~uint64_t{0};    // what casts shadows in its light
   int16_t light_group = kNoLightGroup;
+  RayMask seen_by = kAllRays;
+  bool holdout = false;        // to the camera a hole in the picture
   float scale = 1;             // largest stretch of to_world
   Affine to_world, to_local;
   std::array<double, 12> exact{};  // to_world before rounding
@@ -122,6 +124,7 @@ class Scene {
   int world_program = -1;  // into programs: then neither is read
   int light_groups = 0;    // whose light is kept apart as well; photons are then splatted group by group
   int16_t world_light_group = kNoLightGroup;
+  RayMask world_seen_by = kAllRays;
   std::vector<SunDisc> sun_discs;
   ShadingView view;        // for programs
   std::vector<InstanceAttribute> instance_attributes;
@@ -135,15 +138,17 @@ class Scene {
   // Patches, world-space meshes and the acceleration structure. Stops with Cancelled.
   void build(const CancelFlag& cancel);
 
-  // True and fills `surface` when the ray hits something between `near` and `far`.
-  bool intersect(const Vec3& origin, const Vec3& direction, float near, float far, bool coherent, Surface& surface) const;
+  // True and fills `surface` when the ray hits something between `near` and `far` that rays of `kinds` see.
+  bool intersect(const Vec3& origin, const Vec3& direction, float near, float far, bool coherent, Surface& surface,
+                 RayMask kinds = kAllRays) const;
   // The same for `count` <= kPacket incoherent rays from 0 to infinity; bit k of the result tells whether ray k hit.
   static constexpr uint32_t kPacket = 8;
-  unsigned intersect_packet(const Vec3* origins, const Vec3* directions, uint32_t count, Surface* surfaces) const;
+  unsigned intersect_packet(const Vec3* origins, const Vec3* directions, uint32_t count, Surface* surfaces, RayMask kinds = kAllRays) const;
   // The same for `count` <= RayHits::kMost rays as arrays. Embree's packets are a fifth faster than single rays even on photons, which
   // share nothing but their number.
   struct Rays {
     const float *origin_x, *origin_y, *origin_z, *direction_x, *direction_y, *direction_z;
+    const RayMask* kinds = nullptr;  // of each, if not all
     Vec3 direction(uint32_t k) const { return {direction_x[k], direction_y[k], direction_z[k]}; }
   };
   unsigned intersect(const Rays& rays, uint32_t count, RayHits& hits) const;
@@ -153,9 +158,9 @@ class Scene {
   Surface surface_of(const RayHits& hits, uint32_t k, const Vec3& direction) const;
   // The surface at a point of a triangle, as a ray that meets that side head-on would find it.
   Surface surface_at(uint32_t instance, uint32_t triangle, float u, float v, bool back) const;
-  bool occluded(const Vec3& origin, const Vec3& direction, float near, float far) const;
+  bool occluded(const Vec3& origin, const Vec3& direction, float near, float far, RayMask kinds = kAllRays) const;
   // The same for `count` <= kPacket rays side by side, from 0 to `far`; bit k of the result is ray k's.
-  unsigned occluded_packet(const Vec3* origins, uint32_t count, const Vec3& direction, float far) const;
+  unsigned occluded_packet(const Vec3* origins, uint32_t count, const Vec3& direction, float far, RayMask kinds = kAllRays) const;
   // Share of light that comes through on the way: 1 where nothing stands, 0 behind what is opaque, between them what
   // transparent surfaces let pass. `ray` is what programs are told of the ray. Only instances of the groups `blockers` count.
   Rgb transmittance(const Vec3& origin, const Vec3& direction, float far, const RayInfo& ray,
@@ -176,6 +181,11 @@ class Scene {
   bool may_be_transparent(const Surface& s) const { return s.program && s.program->features & kProgramTransparent; }
   // Features of any material in use, as ProgramFeature bits; the plain ones gather and emit.
   uint32_t features() const { return features_; }
+  // Whether some instance is not seen by every ray; and whether what happens to photons then depends on the kind of ray that looks back
+  // along them: along all of their ways, or straight from a light.
+  bool limits_rays() const { return any_ray_ == 0; }
+  bool kinds_differ() const { return kinds_differ_ && features_ & kProgramRest; }
+  bool first_kinds_differ() const { return first_kinds_differ_ && features_ & kProgramSharp; }
   // To be called when materials have changed after build().
   void update_features();
   Vec2 uv_at(uint32_t instance, uint32_t triangle, float u, float v) const;
@@ -211,6 +221,7 @@ class Scene {
     uint32_t key(uint32_t triangle, bool back) const;
   };
   void make_lookups();
+  void see_limits();
   Vec3 smooth_normal(uint32_t instance, uint32_t triangle, float u, float v) const;
   // Every thread calls `meanwhile` once.
   void commit(RTCScene scene, const CancelFlag& cancel, const std::function<void()>& meanwhile = {});
@@ -220,6 +231,8 @@ class Scene {
   RTCDevice device_ = nullptr;
   RTCScene top_ = nullptr;
   uint32_t features_ = 0;
+  RayMask any_ray_ = kAllRays;  // rays are of these kinds as well: all, where no instance's mask is set
+  bool kinds_differ_ = false, first_kinds_differ_ = false;
   bool packets_ = false;  // this Embree has code for packets of eight
   std::vector<RTCScene> mesh_scenes_;
   std::vector<Lookup> lookups_;  // by instance

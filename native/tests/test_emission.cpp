@@ -256,3 +256,65 @@ TEST_CASE("what was learnt sends photons to the targets of use, and changes no e
   for (size_t s = 0; s < natural.size(); ++s)
     CHECK(std::abs(natural[s].mean - towards[s].mean) < 4 * std::hypot(natural[s].error, towards[s].error));
 }
+
+TEST_CASE("photons of a lamp of soft falloff bring the light of its disc, however small it is beside the distance") {
+  // On a sphere of radius d around the lamp, each place sees a disc of radius r: irradiance I / (d^2 + r^2).
+  constexpr double d = 20;
+  for (const double ratio : {1e-6, 1e-5, 5e-5, 1e-4, 1e-3, 1e-2, 0.1, 0.3, 1.0})
+    for (const bool aimed : {false, true}) {
+      CAPTURE(ratio);
+      CAPTURE(aimed);
+      Scene scene(1);
+      fill_for(scene, {"", {}});
+      LampSettings lamp = lamp_of(LampKind::kPoint, {7, -3, 11});
+      lamp.radius = static_cast<float>(ratio * d);
+      const Lights lights(scene, {lamp});
+      const EmissionTargets targets = lights.aim_at({{{0.4f, 0.6f, 0.9f}, 0.5f, 1}});
+      constexpr uint64_t count = 1 << 16;
+      double sum = 0;
+      for (uint64_t i = 0; i < count; ++i) {
+        const PhotonStart start = aimed ? lights.emit_towards(targets, i, 1) : lights.emit(lights.primary(i, 1, nullptr));
+        const double since = std::sqrt(d * d - double(start.soft_miss2));
+        if (start.accepts(static_cast<float>(since) + start.soft_nearest)) sum += average(start.power) / count;
+      }
+      const double expected = average(lamp.strength) / (1 + ratio * ratio);
+      CHECK(sum == doctest::Approx(expected).epsilon(aimed ? 0.05 : 0.003));
+    }
+}
+
+TEST_CASE("a small lamp is met by the rays that its light samples come from") {
+  Scene scene(1);
+  fill_for(scene, {"", {}});
+  for (const float radius : {1e-4f, 1e-3f, 1e-2f, 1.0f})
+    for (const bool soft : {false, true}) {
+      CAPTURE(radius);
+      CAPTURE(soft);
+      LampSettings lamp = lamp_of(LampKind::kPoint, {7, -3, 11});
+      lamp.radius = radius;
+      lamp.soft_falloff = soft;
+      const Lights lights(scene, {lamp});
+      const Receiver from{{-3, 2, -5}, {}, true};
+      int met = 0;
+      constexpr int count = 400;
+      for (int i = 0; i < count; ++i) {
+        const auto light = lights.sample(from, 0.5f, sobol_2d(static_cast<uint32_t>(i), 0, 1));
+        REQUIRE(light.has_value());
+        met += !is_black(lights.lamps_met(from, light->direction, 0, INFINITY, INFINITY));
+      }
+      CHECK(met > count * 0.97);
+    }
+}
+
+TEST_CASE("flattened lamps shine where an axis that they do not need is lost") {
+  Scene scene(1);
+  fill_for(scene, {"", {}});
+  const auto power = [&](LampKind kind, Vec3 scale) {
+    LampSettings lamp = lamp_of(kind);
+    lamp.to_world.m[0] = scale.x, lamp.to_world.m[5] = scale.y, lamp.to_world.m[10] = scale.z;
+    return Lights(scene, {lamp}).total_power();
+  };
+  for (const Vec3 scale : {Vec3{0, 1, 1}, Vec3{1, 1, 0}, Vec3{0, 0, 0}}) CHECK(power(LampKind::kPoint, scale) == power(LampKind::kPoint, {1, 1, 1}));
+  for (const Vec3 scale : {Vec3{0, 1, 1}, Vec3{1, 0, 1}, Vec3{0, 0, -1}}) CHECK(power(LampKind::kSun, scale) == power(LampKind::kSun, {1, 1, 1}));
+  CHECK(power(LampKind::kSun, {1, 1, 0}) == 0);
+  for (const LampKind kind : {LampKind::kSpot, LampKind::kArea}) CHECK(power(kind, {0, 1, 1}) == 0);
+}

@@ -225,7 +225,7 @@ TEST_CASE("a lamp seen from near: diffuse receivers draw it by their cosine, wit
     CHECK(sums[1] == doctest::Approx(sums[0]).epsilon(2e-3));
     const auto noise = [&](int way) { return std::sqrt(std::max(0.0, squares[way] - sums[way] * sums[way])); };
     CHECK(noise(1) < c.most_noise * noise(0));
-    const Receiver matte{c.x, c.ng, false, ~uint64_t{0}, nullptr, 1, c.ns};
+    const Receiver matte{c.x, c.ng, false, ~uint64_t{0}, nullptr, 1, 0xff, 0, c.ns};
     CHECK_FALSE(lights.wants_bsdf_ray(matte));
     const Vec3 d = normalize(Vec3{0, 0, 3} - c.x);
     CHECK(lights.lamps_met(matte, d, 0, INFINITY, 0.3f).x == 0);

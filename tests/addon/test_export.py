@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from photon_splat.core.scene import ALL_GROUPS
+from photon_splat.core.scene import ALL_GROUPS, ALL_RAYS, Ray
 
 from tests.addon import stage
 from tests.addon.blender import in_blender
@@ -285,9 +285,9 @@ def test_what_is_not_a_surface_is_named() -> None:
 
     stage.add("Cloud", bpy.data.volumes.new("Cloud"))
     stage.add("Hair", bpy.data.hair_curves.new("Hair"))
-    stage.plane("Holey").is_holdout = True
+    stage.plane("Catcher").is_shadow_catcher = True
     said = "\n".join(stage.exported().warnings)
-    for name in ("Cloud", "Hair", "Holey"):
+    for name in ("Cloud", "Hair", "Catcher"):
         assert f"'{name}'" in said
 
 
@@ -345,6 +345,62 @@ def test_light_linking() -> None:
     assert what.instances.lit_groups is None
     assert what.instances.blockers is None
     assert not what.warnings
+
+
+@pytest.mark.smoke
+@in_blender
+def test_ray_visibility() -> None:
+    import bpy
+
+    stage.plane("Seen")
+    assert stage.exported().instances.seen_by is None
+    hidden = stage.plane("Hidden from the camera and shadow rays")
+    hidden.visible_camera = hidden.visible_shadow = False
+    unseen = stage.plane("Seen by no ray")
+    for flag in ("camera", "diffuse", "glossy", "transmission", "shadow"):
+        setattr(unseen, f"visible_{flag}", False)
+    group = bpy.data.collections.new("Group")
+    stage.scene().collection.children.link(group)
+    stage.plane("Indirect", collection=group)
+    bpy.context.view_layer.layer_collection.children["Group"].indirect_only = True
+    within = bpy.data.collections.new("Within")
+    stage.plane("Instanced", collection=within).visible_glossy = False
+    stand = stage.add("Stand")
+    stand.instance_type, stand.instance_collection = "COLLECTION", within
+    stand.visible_diffuse = False
+    stage.plane("Hole").is_holdout = True
+    what = stage.exported()
+    left = {ALL_RAYS & ~mask for mask in what.instances.seen_by.tolist()}
+    assert left >= {0, Ray.CAMERA | Ray.SHADOW, Ray.CAMERA, Ray.GLOSSY | Ray.DIFFUSE}
+    assert Ray.CAMERA | Ray.SHADOW | Ray.DIFFUSE | Ray.GLOSSY | Ray.TRANSMISSION not in left
+    assert what.instances.holdout.tolist().count(True) == 1
+    assert not [warning for warning in what.warnings if "isib" in warning or "oldout" in warning]
+
+
+@pytest.mark.smoke
+@in_blender
+def test_what_is_said_of_lamps() -> None:
+    import bpy
+
+    plain = stage.lamp()
+    exported = stage.exported().lights[0]
+    assert (exported.seen_by, exported.max_bounces, exported.met_by_rays, exported.casts_shadows) == (ALL_RAYS, None, True, True)
+    plain.visible_glossy = plain.visible_shadow = False
+    plain.data.use_shadow = False
+    plain.data.cycles.max_bounces = 3
+    plain.data.cycles.use_multiple_importance_sampling = False
+    exported = stage.exported().lights[0]
+    assert (exported.seen_by, exported.max_bounces) == (ALL_RAYS - Ray.GLOSSY, 3)
+    assert (exported.met_by_rays, exported.casts_shadows) == (False, False)
+    flat = stage.lamp("SPOT")
+    flat.scale = (1.0, 1.0, 0.0)
+    what = stage.exported()
+    assert len(what.lights) == 1
+    assert any("flattened" in warning for warning in what.warnings)
+    world = bpy.data.worlds.new("World")
+    stage.scene().world = world
+    world.cycles_visibility.camera = False
+    assert stage.exported().world_seen_by == ALL_RAYS - Ray.CAMERA
 
 
 @in_blender

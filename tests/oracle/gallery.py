@@ -12,6 +12,7 @@ from typing import Any
 from tests.oracle.cases import CASES, Case
 from tests.oracle.lamp_trees import LAMP_TREES
 from tests.oracle.specs import Spec, node
+from tests.oracle.visibility import VISIBILITY
 
 ORANGE, STEEL, GREENISH = (0.75, 0.42, 0.18), (0.8, 0.82, 0.85), (0.55, 0.9, 0.6)
 DISTRIBUTIONS = {"ggx": "GGX", "multi": "MULTI_GGX", "beckmann": "BECKMANN"}
@@ -248,7 +249,7 @@ def _cases() -> tuple[Case, ...]:
 
 
 GALLERY: tuple[Case, ...] = _cases()
-ALL: tuple[Case, ...] = CASES + LAMP_TREES + GALLERY
+ALL: tuple[Case, ...] = CASES + LAMP_TREES + VISIBILITY + GALLERY
 BY_NAME = {case.name: case for case in ALL}
 
 # The roughness sweep: these materials in 21 steps; only the pictures' means are kept.

@@ -24,9 +24,9 @@ HIGH = (0.3, -0.3, 1.9)
 def build(case: Case) -> bpy.types.Scene:
     """Make the case's scene the current one, at the case's resolution."""
     from tests.caustics import pictures
-    from tests.oracle import gallery_stage
+    from tests.oracle import gallery_stage, visibility_stage
 
-    builders = globals() | {"material_case": gallery_stage.material_case, "caustic_view": pictures.open_view}
+    builders = globals() | vars(visibility_stage) | {"material_case": gallery_stage.material_case, "caustic_view": pictures.open_view}
     builders[case.build](**case.options)
     scene = bpy.context.scene
     scene.render.resolution_x, scene.render.resolution_y = case.width, case.height

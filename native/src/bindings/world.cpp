@@ -16,11 +16,12 @@ using Matrix = nb::ndarray<const double, nb::c_contig, nb::device::cpu, nb::shap
 Rgb to_rgb(const Rgb3& c) { return {c[0], c[1], c[2]}; }
 
 // Takes map and suns away, too.
-void set_world(Renderer& r, Rgb3 radiance) {
+void set_world(Renderer& r, Rgb3 radiance, RayMask seen_by) {
   if (!is_finite(to_rgb(radiance))) throw std::invalid_argument("the world has a colour that is not finite");
   r.scene.world = max(to_rgb(radiance), Vec3{});
   r.scene.world_map = {};
   r.scene.sun_discs.clear();
+  r.scene.world_seen_by = seen_by;
 }
 
 void set_world_map(Renderer& r, int texture, bool mirror_ball, Matrix to_lookup) {
@@ -70,7 +71,7 @@ nb::tuple make_sky(const std::string& model, float sun_elevation, float altitude
 
 void bind_world(nb::module_& m, nb::class_<Renderer>& renderer) {
   renderer
-      .def("set_world", &set_world, "radiance"_a)
+      .def("set_world", &set_world, "radiance"_a, "seen_by"_a = kAllRays)
       .def("set_world_map", &set_world_map, "texture"_a, "mirror_ball"_a, "to_lookup"_a,
            "An image of the world; set_world() gives its factor.")
       .def("add_sun_disc", &add_sun_disc, "direction"_a, "half_angle"_a, "bottom"_a, "top"_a, "horizon"_a);

@@ -41,6 +41,16 @@ struct RayInfo {
   uint16_t depth = 0, diffuse_depth = 0, glossy_depth = 0, transmission_depth = 0, transparent_depth = 0;
 };
 
+// Rays by which something is seen: a bit for each kind. Light samples come by shadow rays. What a translucent surface scatters through
+// itself counts as diffuse.
+using RayMask = uint32_t;
+inline constexpr RayMask kAllRays = ~0u;
+constexpr RayMask ray_bit(RayInfo::Kind kind) { return 1u << kind; }
+inline constexpr RayMask kScatteredRays = ray_bit(RayInfo::kDiffuse) | ray_bit(RayInfo::kGlossy) | ray_bit(RayInfo::kTransmission);
+
+// For light that is scattered only these make a difference.
+constexpr RayMask as_scattered(RayMask seen_by) { return seen_by | ~kScatteredRays; }
+
 // Where a lamp stands, in coordinates relative to the scene's origin.
 struct LampPlace {
   Affine to_world, to_local;

@@ -1,0 +1,82 @@
+"""Ray visibility: which rays see objects, lamps and the world, and what the camera sees as a hole."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ..core.scene import ALL_RAYS, Ray
+from ..report import Report
+
+FLAGS = {
+    "camera": Ray.CAMERA,
+    "shadow": Ray.SHADOW,
+    "diffuse": Ray.DIFFUSE,
+    "glossy": Ray.GLOSSY,
+    "transmission": Ray.TRANSMISSION,
+}
+
+
+class Visibility:
+    """What seen_by() and is_holdout() say of instances, asked once for each object and what makes its instances."""
+
+    def __init__(self, view_layer: Any) -> None:
+        self._view_layer = view_layer
+        self._known: dict[tuple[int, int], tuple[int, bool]] = {}
+
+    def of(self, instance: Any) -> tuple[int, bool]:
+        maker = instance.parent if instance.is_instance else None
+        key = (instance.object.original.as_pointer(), 0 if maker is None else maker.original.as_pointer())
+        if key not in self._known:
+            self._known[key] = seen_by(instance, self._view_layer), is_holdout(instance, self._view_layer)
+        return self._known[key]
+
+
+def seen_by(instance: Any, view_layer: Any) -> int:
+    """The rays that meet an instance of the graph. The object that makes it and the collections of that have a say."""
+    ob = instance.object
+    mask = _own(ob)
+    maker = ob
+    if instance.is_instance and instance.parent is not None:
+        maker = instance.parent
+        mask &= _own(maker)
+    if maker.original.indirect_only_get(view_layer=view_layer) and not _held_out(maker, view_layer):
+        mask &= ~int(Ray.CAMERA)
+    return mask
+
+
+def is_holdout(instance: Any, view_layer: Any) -> bool:
+    maker = instance.parent if instance.is_instance and instance.parent is not None else instance.object
+    return bool(instance.object.is_holdout) or _held_out(maker, view_layer)
+
+
+def lamp_seen_by(ob: Any) -> int:
+    """The rays that bring a lamp's light; shadow rays always do, and of the camera Light.camera_visible tells."""
+    return _own(ob) | Ray.SHADOW | Ray.CAMERA
+
+
+def world_seen_by(world: Any) -> int:
+    """The same for the world: Blender up to 5.2 keeps it among the settings of Cycles."""
+    kept = getattr(world, "cycles_visibility", None)
+    mask = ALL_RAYS
+    for name, ray in FLAGS.items():
+        seen = getattr(world, f"visible_{name}", getattr(kept, name, True))
+        if not seen and ray is not Ray.SHADOW:
+            mask &= ~int(ray)
+    return mask
+
+
+def report_catcher(ob: Any, report: Report) -> None:
+    if ob.is_shadow_catcher:
+        report.warn("Shadow catchers are not supported yet; rendered as usual: {}", ob.name)
+
+
+def _own(ob: Any) -> int:
+    mask = ALL_RAYS
+    for name, ray in FLAGS.items():
+        if not getattr(ob, f"visible_{name}"):
+            mask &= ~int(ray)
+    return mask
+
+
+def _held_out(ob: Any, view_layer: Any) -> bool:
+    return bool(ob.is_holdout) or bool(ob.original.holdout_get(view_layer=view_layer))
