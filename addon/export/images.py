@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ..core.scene import Extension, Interpolation, Texture
 from ..report import Report
+from .cancelled import Watch
 from .kept import Kept, identity
 
 BLENDER_5 = bpy.app.version >= (5, 0, 0)
@@ -24,9 +25,9 @@ EXTENSIONS = {"REPEAT": Extension.REPEAT, "EXTEND": Extension.EXTEND, "CLIP": Ex
 class Textures:
     """The textures of one scene, each image (with its way of reading) once. Indices point into `list`."""
 
-    def __init__(self, report: Report, kept: Kept) -> None:
+    def __init__(self, report: Report, kept: Kept, watch: Watch | None = None) -> None:
         self.list: list[Texture] = []
-        self._report, self._kept = report, kept
+        self._report, self._kept, self._watch = report, kept, watch or Watch()
         self._known: dict[tuple[Any, ...], int] = {}
         self._read: dict[tuple[int, str, int], tuple[NDArray, bool]] = {}  # however many ways it is read in
 
@@ -49,6 +50,7 @@ class Textures:
     def _once(self, image: Any, path: str, owner: str, tile: int) -> tuple[NDArray, bool]:
         key = (image.as_pointer() if image else 0, path, tile)
         if key not in self._read:
+            self._watch.go_on()
             self._read[key] = self._pixels(image, path, owner, tile)
         return self._read[key]
 

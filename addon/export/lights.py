@@ -13,7 +13,7 @@ from ..report import Report
 from .compile.node import Owner
 from .compile.reduce import lambertian
 from .materials import Shading
-from .nodes import output_node, uses_nodes
+from .nodes import output_node, report_foreign_output, uses_nodes
 
 KINDS = {"POINT": LightKind.POINT, "SPOT": LightKind.SPOT, "SUN": LightKind.SUN, "AREA": LightKind.AREA}
 
@@ -71,6 +71,7 @@ def _strength(lamp: Any, ob: Any, shading: Shading) -> tuple[NDArray[np.float64]
         return strength, NO_PROGRAM
     output = output_node(lamp.node_tree)
     if output is None:
+        report_foreign_output(lamp.node_tree, f"Light '{ob.name}'", shading.around.report)
         return np.zeros(3), NO_PROGRAM
     owner = Owner(f"Light '{ob.name}'", lamp, lamp=ob)
     compiled = shading.compile(owner, output.inputs["Surface"])

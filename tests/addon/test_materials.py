@@ -344,3 +344,114 @@ def test_world_and_lamp_nodes() -> None:
     what = stage.exported()
     assert what.world == (0.25, 0.25, 0.25)
     assert np.allclose(what.lights[0].strength, (10, 5, 0))
+
+
+@in_blender
+def test_nested_mixes_of_one_source_are_looked_at_once_each() -> None:
+    """Sixty in a row, each with the one before on both inputs: a walk that looks at both would never end."""
+    import bpy
+
+    tree = _textured(_four_colors("Made"))
+    shader, texture = (next(node for node in tree.nodes if node.type == kind) for kind in ("BSDF_DIFFUSE", "TEX_IMAGE"))
+    last = texture.outputs["Color"]
+    for _ in range(60):
+        mix = tree.nodes.new("ShaderNodeMix")
+        mix.data_type = "RGBA"
+        for name in ("A_Color", "B_Color"):
+            tree.links.new(last, next(socket for socket in mix.inputs if socket.identifier == name))
+        last = next(socket for socket in mix.outputs if socket.identifier == "Result_Color")
+    tree.links.new(last, shader.inputs["Color"])
+    bpy.context.view_layer.update()
+    side = stage.exported().materials[0].front
+    assert side.base_color_texture == 0
+    assert np.allclose(side.base_color, 1.0)
+
+
+def _two_colors(tree: Any, output: str, red: str, green: str) -> None:
+    """Two output nodes of a kind in an empty tree, the first of which is active: red light for the renderer `red`, green light."""
+    tree.nodes.clear()
+    for target, color in ((red, (1, 0, 0, 1)), (green, (0, 1, 0, 1))):
+        ending, emission = tree.nodes.new(output), tree.nodes.new("ShaderNodeEmission")
+        ending.target = target
+        emission.inputs["Color"].default_value = color
+        tree.links.new(emission.outputs[0], ending.inputs["Surface"])
+    next(node for node in tree.nodes if node.bl_idname == output).is_active_output = True
+
+
+# As in Cycles: its own output, active or not; else that of all renderers.
+OUTPUTS = [
+    ("ALL", "CYCLES", "green"),
+    ("EEVEE", "CYCLES", "green"),
+    ("CYCLES", "ALL", "red"),
+    ("EEVEE", "ALL", "green"),
+    ("ALL", "EEVEE", "red"),
+]
+
+
+@pytest.mark.parametrize(("red", "green", "expected"), OUTPUTS)
+@in_blender
+def test_the_output_is_that_of_cycles(red: str, green: str, expected: str) -> None:
+    import bpy
+
+    made, tree = stage.empty_material("Two outputs")
+    _two_colors(tree, "ShaderNodeOutputMaterial", red, green)
+    stage.plane().data.materials[0] = made
+    stage.world(1.0)
+    _two_colors(stage.scene().world.node_tree, "ShaderNodeOutputWorld", red, green)
+    lamp = stage.lamp()
+    if bpy.app.version < (5, 0, 0):
+        lamp.data.use_nodes = True
+    _two_colors(lamp.data.node_tree, "ShaderNodeOutputLight", red, green)
+    what = stage.exported()
+    color = np.array((1.0, 0.0, 0.0) if expected == "red" else (0.0, 1.0, 0.0))
+    assert np.allclose(what.materials[0].front.emission, color)
+    assert np.allclose(what.world, color)
+    assert np.allclose(what.lights[0].strength, color * 100.0)
+    assert what.warnings == []
+
+
+@in_blender
+def test_an_output_for_another_renderer_alone_is_black_and_named() -> None:
+    made, tree = stage.empty_material("Viewport only")
+    _two_colors(tree, "ShaderNodeOutputMaterial", "EEVEE", "EEVEE")
+    stage.plane().data.materials[0] = made
+    what = stage.exported()
+    assert what.materials[0].front.emission == (0.0, 0.0, 0.0)
+    assert what.materials[0].front.base_color == (0.0, 0.0, 0.0)
+    assert "'Viewport only': its only output is for another renderer" in stage.the_one_warning(what)
+
+
+def _beside_a_volume(surface: str) -> Any:
+    """A material with a volume, whose surface is `surface`."""
+    made, tree = stage.empty_material("Fog")
+    output = tree.nodes["Material Output"]
+    tree.links.new(tree.nodes.new("ShaderNodeVolumePrincipled").outputs[0], output.inputs["Volume"])
+    if surface:
+        node = tree.nodes.new("ShaderNode" + surface)
+        if surface == "Emission":
+            node.inputs["Strength"].default_value = 0.0
+        tree.links.new(node.outputs[0], output.inputs["Surface"])
+    return made
+
+
+# What Cycles lets pass and what it does not.
+@pytest.mark.parametrize(
+    ("surface", "clear"), [("", True), ("AddShader", True), ("Emission", True), ("BsdfDiffuse", False), ("VolumeScatter", False)]
+)
+@in_blender
+def test_a_volume_without_surface_is_clear(surface: str, clear: bool) -> None:
+    stage.plane().data.materials[0] = _beside_a_volume(surface)
+    what = stage.exported()
+    found = what.materials[0]
+    assert (found.program >= 0) == clear
+    if clear:
+        assert what.programs[found.program].features == Feature.TRANSPARENT
+    assert any("Volume not supported" in warning for warning in what.warnings)
+
+
+@in_blender
+def test_a_material_of_nothing_is_black() -> None:
+    made, _ = stage.empty_material("Nothing")
+    stage.plane().data.materials[0] = made
+    what = stage.exported()
+    assert (what.materials[0].program, what.materials[0].front.base_color) == (-1, (0.0, 0.0, 0.0))

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from ...core.shading import GENERATED
+from ..cancelled import Watch
 from .values import ORIGIN, ZERO, Graph, Value, number, vector
 
 if TYPE_CHECKING:
@@ -46,6 +47,7 @@ class Surroundings:
     wants: Wants
     trees: Trees
     depsgraph: Any = None
+    watch: Watch = field(default_factory=Watch)
 
 
 @dataclass(slots=True)
