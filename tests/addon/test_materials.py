@@ -455,3 +455,100 @@ def test_a_material_of_nothing_is_black() -> None:
     stage.plane().data.materials[0] = made
     what = stage.exported()
     assert (what.materials[0].program, what.materials[0].front.base_color) == (-1, (0.0, 0.0, 0.0))
+
+
+def _textured_file(path: Path, pixels: np.ndarray, kind: str, alpha: bool = False) -> Any:
+    """A file of `pixels` (straight alpha) as the texture of a diffuse material, whose alpha somebody asks for; returns the image."""
+    import bpy
+    import OpenImageIO as oiio
+
+    spec = oiio.ImageSpec(pixels.shape[1], pixels.shape[0], pixels.shape[2], kind)
+    spec["oiio:UnassociatedAlpha"] = 1
+    file = oiio.ImageOutput.create(str(path))
+    file.open(str(path), spec)
+    file.write_image(np.ascontiguousarray(pixels, np.float32))
+    file.close()
+    image = bpy.data.images.load(str(path))
+    tree = _textured(image)
+    if alpha:
+        texture, shader = (next(node for node in tree.nodes if node.type == kind) for kind in ("TEX_IMAGE", "BSDF_DIFFUSE"))
+        tree.links.new(texture.outputs["Alpha"], shader.inputs["Roughness"])
+    return image
+
+
+ENCODED = np.array([[[0.8, 0.4, 0.2, 0.5]]], np.float32)
+
+
+@pytest.mark.parametrize(("alpha", "expected"), [(False, (0.1329, 0.0331, 0.01)), (True, (0.302, 0.0664, 0.0166))])
+@in_blender
+def test_sixteen_bits_are_multiplied_before_they_are_decoded(tmp_path: str, alpha: bool, expected: tuple[float, ...]) -> None:
+    """As in Cycles, and times alpha after it where the tree asks for the alpha, which takes that off again."""
+    _textured_file(Path(tmp_path, "sixteen.png"), ENCODED, "uint16", alpha)
+    (texture,) = stage.exported().textures
+    assert np.allclose(texture.pixels[0, 0, :3], expected, atol=1e-3)
+
+
+@in_blender
+def test_grey_files_with_alpha_are_not_multiplied(tmp_path: str) -> None:
+    """As in Cycles."""
+    _textured_file(Path(tmp_path, "grey.png"), ENCODED[..., [0, 3]], "uint8")
+    (texture,) = stage.exported().textures
+    assert np.allclose(texture.pixels[0, 0] / 255, (0.8, 0.8, 0.8, 0.5), atol=3e-3)
+
+
+# Of encoded 0.8, 0.4, 0.2, as Cycles shows them.
+SPACES = {"ACEScg": (1.0986, 0.3499, 0.1598), "Linear Rec.2020": (1.0781, 0.3518, 0.1689), "Filmic Log": (1.6504, 0.017, 0.0017)}
+
+
+@pytest.mark.parametrize("space", SPACES)
+@in_blender
+def test_color_spaces(tmp_path: str, space: str) -> None:
+    import bpy
+
+    image = _textured_file(Path(tmp_path, "space.png"), ENCODED[..., :3], "uint8")
+    if space not in image.colorspace_settings.bl_rna.properties["name"].enum_items:
+        return  # not in this version of Blender
+    image.colorspace_settings.name = space
+    what = stage.exported()
+    (texture,) = what.textures
+    assert not texture.srgb
+    assert np.allclose(texture.pixels[0, 0, :3], SPACES[space], rtol=0.01, atol=2e-3), (texture.pixels, bpy.app.version)
+    assert what.warnings == []
+
+
+@pytest.mark.parametrize("extension", ["REPEAT", "EXTEND", "CLIP", "MIRROR"])
+@in_blender
+def test_a_missing_image_is_pink_everywhere(extension: str) -> None:
+    import bpy
+
+    gone = bpy.data.images.new("Gone", 4, 4)
+    gone.source, gone.filepath = "FILE", "//gone.png"
+    tree = _textured(gone)
+    next(node for node in tree.nodes if node.type == "TEX_IMAGE").extension = extension
+    (texture,) = stage.exported().textures
+    assert texture.extension == "extend"
+
+
+@in_blender
+def test_a_sequence_shows_the_frame_of_its_user(tmp_path: str) -> None:
+    """Start, offset, length and repetition as Blender has them."""
+    for k in range(1, 6):
+        image = _textured_file(Path(tmp_path, f"seen_{k:04}.png"), np.full((1, 1, 3), k / 10, np.float32), "uint8")
+    tree = stage.scene().objects["Canvas.004"].data.materials[0].node_tree
+    texture = next(node for node in tree.nodes if node.type == "TEX_IMAGE")
+    image.source = "SEQUENCE"
+    user = texture.image_user
+    for at, settings, shown in (
+        (3, {}, 3),
+        (9, {}, 5),
+        (3, {"frame_offset": 1}, 4),
+        (3, {"frame_offset": 0, "frame_start": 2}, 2),
+        (7, {"frame_start": 1, "use_cyclic": True}, 2),
+        (7, {"use_cyclic": False, "frame_duration": 3}, 3),
+    ):
+        user.frame_duration = 5
+        for name, value in settings.items():
+            setattr(user, name, value)
+        stage.scene().frame_set(at)
+        found = stage.exported().textures[-1]
+        assert np.allclose(found.pixels[0, 0, :3] / 255, shown / 10, atol=3e-3), (at, settings)
