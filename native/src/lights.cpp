@@ -206,6 +206,7 @@ std::optional<LightSample> Lights::sample_world(const Receiver& to, uint32_t i, 
   out.weight = environment_.radiance(out.direction) / out.pdf;
   out.use_mis = true;
   out.light_group = scene_.world_light_group;
+  out.from_world = true;
   if (is_black(out.weight)) return std::nullopt;
   return out;
 }
@@ -231,6 +232,7 @@ bool Lights::sample(const Receiver& to, float choice, const Vec2& u, LightSample
     out.weight = environment_.radiance(s.direction) / out.pdf;
     out.use_mis = true;
     out.light_group = scene_.world_light_group;
+    out.from_world = true;
     return !is_black(out.weight);
   }
   if (!(sum > 0)) return false;

@@ -68,6 +68,7 @@ struct LightSample {
   bool use_mis;
   uint64_t blockers = ~uint64_t{0};
   int16_t light_group = kNoLightGroup;
+  bool from_world = false;
 };
 
 // Where a photon path starts. `power` is that of the whole light field divided by the pdf: W for one photon of one.
@@ -82,10 +83,11 @@ struct PhotonStart {
   int16_t light_group = kNoLightGroup;
   int32_t aim = -1;            // pair of EmissionTargets; -1: natural emission
   int32_t shaded_by = -1;      // a lamp with a program: `power` lacks Lights::first_hit_factor(), which needs the distance
+  bool asks_ray = false;       // of a world: `power` lacks Environment::share() of the ray that sees it
 
   // Whether it lights and is stopped by whatever it meets, as it is.
   bool plain() const {
-    return !~lit_groups && !~blockers && soft_radius2 < 0 && first_hit_from == 0 && first_hit_to == INFINITY && shaded_by < 0;
+    return !~lit_groups && !~blockers && soft_radius2 < 0 && first_hit_from == 0 && first_hit_to == INFINITY && shaded_by < 0 && !asks_ray;
   }
   // A disc of radius r that faces a receiver at distance d shows it only rays that pass the centre closer than
   // r d / sqrt(d^2 + r^2); the lines themselves are those of a sphere of radius r.
