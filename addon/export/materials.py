@@ -62,7 +62,8 @@ class Materials:
         pointer = material.as_pointer()
         if pointer in self._any_uv_map:
             return self._any_uv_map[pointer]
-        owner = Owner(f"Material '{material.name}'", material, uv_map=uv_map)
+        opaque = not getattr(material, "use_transparent_shadow", True)
+        owner = Owner(f"Material '{material.name}'", material, uv_map=uv_map, opaque_shadow=opaque)
         index = self._remember((pointer, uv_map), lambda: export_material(material, owner, self._shading))
         if not owner.asked_uv_map:
             self._any_uv_map[pointer] = index

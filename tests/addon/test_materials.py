@@ -552,3 +552,30 @@ def test_a_sequence_shows_the_frame_of_its_user(tmp_path: str) -> None:
         stage.scene().frame_set(at)
         found = stage.exported().textures[-1]
         assert np.allclose(found.pixels[0, 0, :3] / 255, shown / 10, atol=3e-3), (at, settings)
+
+
+@pytest.mark.parametrize("kind", ["Transparent", "Principled"])
+@in_blender
+def test_shadows_may_be_told_to_be_opaque(kind: str) -> None:
+    """Transparent Shadows of a material: off, shadow rays do not pass, and all others do, as in Cycles."""
+    from photon_splat.core import native
+    from photon_splat.core.native_scene import fill_renderer
+    from photon_splat.core.settings import RenderSettings
+
+    made, tree = stage.empty_material("Pane")
+    if not hasattr(made, "use_transparent_shadow"):
+        return
+    shader = tree.nodes.new(f"ShaderNodeBsdf{kind}")
+    shader.inputs["Color" if kind == "Transparent" else "Alpha"].default_value = (0.5, 0.5, 0.5, 1) if kind == "Transparent" else 0.5
+    stage.surface(tree, shader)
+    stage.plane().data.materials[0] = made
+    found = {}
+    for on in (True, False):
+        made.use_transparent_shadow = on
+        renderer = native.load().Renderer(1)
+        fill_renderer(renderer, stage.exported(), RenderSettings())
+        renderer.build()
+        place, down = np.array([[0.1, 0.2, 1]], np.float32), np.array([[0, 0, -1]], np.float32)
+        found[on] = [float(renderer.shade_rays(place, down, kind=ray)["transparency"][0, 0]) for ray in ("shadow", "camera")]
+    assert np.allclose(found[True], (0.5, 0.5), atol=0.01)
+    assert np.allclose(found[False], (0.0, 0.5), atol=0.01)

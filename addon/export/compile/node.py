@@ -63,6 +63,7 @@ class Owner:
     uv_map: str | None = None
     asked_uv_map: bool = False
     of_world: bool = False
+    opaque_shadow: bool = False  # its transparency does not count for shadow rays
     lamp: Any = None  # the object, where the tree is a light's
     normal: Value | None = None  # in place of the shading normal, where a displacement bends it
 
