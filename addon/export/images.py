@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import tempfile
 from dataclasses import dataclass
 from typing import Any
 
@@ -96,6 +97,8 @@ def _read(image: Any, path: str, owner: str, report: Report, tile: int = FIRST_T
     if image.source == "MOVIE":
         report.warn(f"{owner}: {named}: movies are not supported; one frame is used")
     raw = _from_file(path) if image.source in {"FILE", "SEQUENCE", "TILED"} and not image.packed_file and not image.is_dirty else None
+    if raw is None and image.source == "TILED":
+        raw = _from_packed_tile(image, tile)
     from_file = raw is not None
     first = image.source != "TILED" or tile == image.tiles[0].number  # Blender's own buffer is that of the first tile
     pixels = raw[0] if raw is not None else _from_blender(image) if first else None
@@ -199,6 +202,18 @@ def _from_file(path: str) -> tuple[NDArray, int] | None:
     if channels in {2, 4}:
         rgba[..., 3] = pixels[::-1, :, -1]
     return rgba, channels
+
+
+def _from_packed_tile(image: Any, tile: int) -> tuple[NDArray, int] | None:
+    """As _from_file(), of a tile that is packed into the .blend file; None if it is not."""
+    packed = next((file for file in image.packed_files if file.tile_number == tile), None)
+    if packed is None or packed.packed_file is None or image.is_dirty:
+        return None
+    with tempfile.TemporaryDirectory() as folder:
+        path = os.path.join(folder, "tile" + os.path.splitext(image.filepath)[1])
+        with open(path, "wb") as file:
+            file.write(packed.packed_file.data)
+        return _from_file(path)
 
 
 def _from_blender(image: Any) -> NDArray | None:

@@ -579,3 +579,23 @@ def test_shadows_may_be_told_to_be_opaque(kind: str) -> None:
         found[on] = [float(renderer.shade_rays(place, down, kind=ray)["transparency"][0, 0]) for ray in ("shadow", "camera")]
     assert np.allclose(found[True], (0.5, 0.5), atol=0.01)
     assert np.allclose(found[False], (0.0, 0.5), atol=0.01)
+
+
+@in_blender
+def test_packed_tiles(tmp_path: str) -> None:
+    """Those of a UDIM image, whose files are gone; and one that never was is pink."""
+    for number in (1001, 1002):
+        image = _textured_file(Path(tmp_path, f"tile.{number}.png"), np.full((1, 1, 3), (number - 1000) / 10, np.float32), "uint8")
+    image.source, image.filepath = "TILED", str(Path(tmp_path, "tile.<UDIM>.png"))
+    image.tiles[0].number = 1001
+    image.tiles.new(1002)
+    image.pack()
+    for file in Path(tmp_path).glob("tile.*.png"):
+        file.unlink()
+    image.tiles.new(1003)
+    what = stage.exported()
+    shown = [tuple(texture.pixels[0, 0, :3]) for texture in what.textures]
+    assert (26, 26, 26) in shown
+    assert (51, 51, 51) in shown
+    assert (255, 0, 255) in shown
+    assert any("1003" in warning for warning in what.warnings)
