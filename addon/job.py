@@ -13,11 +13,12 @@ import numpy as np
 
 from .core.memory import current_memory_bytes, peak_memory_bytes
 from .core.result import Progress, RenderResult
-from .core.scene import Frame
+from .core.scene import Camera, Frame, Scene
 from .core.session import render
 from .core.settings import RenderSettings
 from .export import export_scene
 from .export.camera import NoCameraError, export_frame
+from .export.cancelled import Cancelled, Watch
 from .persistent import Held, held_for
 from .settings import render_settings
 
@@ -83,7 +84,15 @@ def _render(engine: Any, depsgraph: Any, frame: Frame, blender_result: Any, star
     if engine.is_preview:
         settings = replace(settings, **PREVIEW)
     began = time.monotonic()
-    scene = export_scene(depsgraph, engine.camera_override, frame, held.kept if held else None)
+
+    def should_cancel() -> bool:
+        return engine.test_break() or observer.should_cancel()
+
+    try:
+        scene = export_scene(depsgraph, engine.camera_override, frame, held.kept if held else None, Watch(should_cancel))
+    except Cancelled:  # a render that is cancelled at once, of nothing
+        nothing = Scene(Camera(np.eye(4), (-1.0, 1.0, -1.0, 1.0)), frame)
+        return render(nothing, settings, started=started, should_cancel=lambda: True)
     if held:
         held.kept.forget_unused()
     export_seconds = time.monotonic() - began
@@ -103,7 +112,7 @@ def _render(engine: Any, depsgraph: Any, frame: Frame, blender_result: Any, star
         started=started,
         export_seconds=export_seconds,
         on_progress=on_progress,
-        should_cancel=lambda: engine.test_break() or observer.should_cancel(),
+        should_cancel=should_cancel,
         want_interim=not (bpy.app.background or engine.is_preview),
         persistent=held.persistent if held else None,
         release_textures=True,

@@ -11,11 +11,14 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from ..core.scene import Camera, Frame
+    from .cancelled import Watch
     from .kept import Kept
 
 
-def export_scene(depsgraph: Any, camera: Any = None, frame: Frame | None = None, kept: Kept | None = None) -> Scene:
-    """Export what `depsgraph` (evaluated) holds, seen through `camera` (default: the scene's); `kept` as in export_contents.
+def export_scene(
+    depsgraph: Any, camera: Any = None, frame: Frame | None = None, kept: Kept | None = None, watch: Watch | None = None
+) -> Scene:
+    """Export what `depsgraph` (evaluated) holds, seen through `camera` (default: the scene's); `kept` and `watch` as in export_contents.
 
     Raises ValueError with one sentence if there is nothing to look through; whatever else cannot be rendered is named in
     the result's `warnings`.
@@ -27,7 +30,7 @@ def export_scene(depsgraph: Any, camera: Any = None, frame: Frame | None = None,
     seen = export_camera(camera or scene.camera, scene, report)
     # Of originals: a graph that Blender keeps is not told when they change.
     light_groups = [group.name for group in depsgraph.view_layer.lightgroups]
-    return export_contents(depsgraph, seen, frame or export_frame(scene.render), report, kept, light_groups=light_groups)
+    return export_contents(depsgraph, seen, frame or export_frame(scene.render), report, kept, light_groups=light_groups, watch=watch)
 
 
 def export_contents(
@@ -38,25 +41,28 @@ def export_contents(
     kept: Kept | None = None,
     visible: Callable[[Any], bool] | None = None,
     light_groups: Sequence[str] = (),
+    watch: Watch | None = None,
 ) -> Scene:
     """What `depsgraph` holds, for a camera that need not be Blender's.
 
     kept     what exports before made and this one may use; None: nothing
     visible  says of an instance of the graph whether it is to be seen; None: all are
     light_groups  names of those whose light is to be kept apart
+    watch    raises Cancelled, through this, where the export is to stop; None: it goes on
     """
+    from .cancelled import Watch
     from .images import Textures
     from .kept import Kept
     from .materials import Materials, Shading
     from .objects import Objects
     from .world import export_world
 
-    kept = kept or Kept()
+    kept, watch = kept or Kept(), watch or Watch()
     scene = depsgraph.scene_eval
     view_layer = depsgraph.view_layer_eval
     exported = Scene(camera, frame, light_groups=list(light_groups))
-    textures = Textures(report, kept)
-    shading = Shading(textures, report, depsgraph)
+    textures = Textures(report, kept, watch)
+    shading = Shading(textures, report, depsgraph, watch)
     materials = Materials(shading)
     objects = Objects(materials, shading, kept, exported.light_groups)
     objects.collect(depsgraph, visible)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import tempfile
+from dataclasses import dataclass
 from typing import Any
 
 import bpy
@@ -11,102 +13,148 @@ from numpy.typing import NDArray
 
 from ..core.scene import Extension, Interpolation, Texture
 from ..report import Report
+from .cancelled import Watch
+from .color_spaces import LINEAR_SPACES, is_data, srgb_to_linear, to_linear
 from .kept import Kept, identity
 
 BLENDER_5 = bpy.app.version >= (5, 0, 0)
 FIRST_TILE = 1001
 MISSING_RGBA = (255, 0, 255, 255)  # what Cycles shows in place of an image that cannot be read
-LINEAR_SPACES = {"Linear Rec.709", "Linear", "Raw", "Non-Color", "Generic Data"}
+PINK = np.full((1, 1, 4), MISSING_RGBA, np.uint8)
 INTERPOLATIONS = {"Closest": Interpolation.CLOSEST, "Cubic": Interpolation.CUBIC, "Smart": Interpolation.CUBIC}
 EXTENSIONS = {"REPEAT": Extension.REPEAT, "EXTEND": Extension.EXTEND, "CLIP": Extension.CLIP, "MIRROR": Extension.MIRROR}
+
+
+@dataclass(frozen=True, slots=True)
+class ImagePixels:
+    """(height, width, 4) as core.scene.Texture has them, colour times alpha as Cycles has them, and whether they are sRGB-encoded;
+    `depends`: who asks for the alpha too gets others."""
+
+    pixels: NDArray
+    srgb: bool
+    depends: bool = False
 
 
 class Textures:
     """The textures of one scene, each image (with its way of reading) once. Indices point into `list`."""
 
-    def __init__(self, report: Report, kept: Kept) -> None:
+    def __init__(self, report: Report, kept: Kept, watch: Watch | None = None) -> None:
         self.list: list[Texture] = []
-        self._report, self._kept = report, kept
+        self._report, self._kept, self._watch = report, kept, watch or Watch()
         self._known: dict[tuple[Any, ...], int] = {}
-        self._read: dict[tuple[int, str, int], tuple[NDArray, bool]] = {}  # however many ways it is read in
+        self._read: dict[tuple[int, str, int, bool], ImagePixels] = {}  # however many ways it is read in
 
     def add(self, texture: Texture) -> int:
         self.list.append(texture)
         return len(self.list) - 1
 
-    def of_node(self, node: Any, owner: str, tile: int = FIRST_TILE) -> int:
-        """Index of the texture that an Image (or Environment) Texture node reads, or one of its UDIM tiles; warnings name `owner`."""
+    def of_node(self, node: Any, owner: str, tile: int = FIRST_TILE, straight: bool = False) -> int:
+        """Index of the texture that an Image (or Environment) Texture node reads, or one of its UDIM tiles; warnings name `owner`.
+
+        `straight`: the node is asked for the alpha too, and the colour is not times it then.
+        """
         image = node.image
         interpolation = INTERPOLATIONS.get(node.interpolation, Interpolation.LINEAR)
         extension = EXTENSIONS.get(getattr(node, "extension", "REPEAT"), Extension.REPEAT)
         path = _path(image, node, tile) if image else ""
-        key = (image.as_pointer() if image else 0, path, tile, interpolation, extension)
+        found = self._once(image, path, owner, tile, straight)
+        if found.pixels is PINK:
+            extension = Extension.EXTEND  # it is everywhere
+        key = (image.as_pointer() if image else 0, path, tile, found.depends and straight, interpolation, extension)
         if key not in self._known:
-            pixels, srgb = self._once(image, path, owner, tile)
-            self._known[key] = self.add(Texture(image.name if image else "(none)", pixels, srgb, interpolation, extension))
+            self._known[key] = self.add(Texture(image.name if image else "(none)", found.pixels, found.srgb, interpolation, extension))
         return self._known[key]
 
-    def _once(self, image: Any, path: str, owner: str, tile: int) -> tuple[NDArray, bool]:
-        key = (image.as_pointer() if image else 0, path, tile)
-        if key not in self._read:
-            self._read[key] = self._pixels(image, path, owner, tile)
-        return self._read[key]
+    def _once(self, image: Any, path: str, owner: str, tile: int, straight: bool) -> ImagePixels:
+        pointer = image.as_pointer() if image else 0
+        if (pointer, path, tile, straight) not in self._read:
+            self._watch.go_on()
+            found = self._pixels(image, path, owner, tile, straight)
+            for asked in (straight,) if found.depends else (False, True):
+                self._read[pointer, path, tile, asked] = found
+        return self._read[pointer, path, tile, straight]
 
-    def _pixels(self, image: Any, path: str, owner: str, tile: int) -> tuple[NDArray, bool]:
+    def _pixels(self, image: Any, path: str, owner: str, tile: int, straight: bool) -> ImagePixels:
         if image is None or image.is_dirty or image.source == "MOVIE" or tile != FIRST_TILE:
-            return _read(image, path, owner, self._report, tile)
+            return _read(image, path, owner, self._report, tile, straight)
         changed = os.stat(path).st_mtime_ns if os.path.isfile(path) else 0
-        reading = (image.colorspace_settings.name, image.alpha_mode, image.source)
+        reading = (image.colorspace_settings.name, image.alpha_mode, image.source, straight)
         key = ("image", identity(image), path, changed, owner, *reading)
-        return self._kept.get(key, (identity(image),), self._report, lambda report: _read(image, path, owner, report))
+        return self._kept.get(key, (identity(image),), self._report, lambda report: _read(image, path, owner, report, straight=straight))
 
 
 def is_associated(image: Any) -> bool:
     """True if the colours of its texture are times their alpha (which they are not meant to be where a tree asks for the alpha)."""
-    return image is not None and image.alpha_mode in {"STRAIGHT", "PREMUL"} and not _is_data(image)
+    return image is not None and image.alpha_mode in {"STRAIGHT", "PREMUL"} and not is_data(image)
 
 
-def srgb_to_linear(encoded: NDArray) -> NDArray:
-    return np.where(encoded <= 0.04045, encoded / 12.92, ((np.maximum(encoded, 0.04045) + 0.055) / 1.055) ** 2.4).astype(encoded.dtype)
-
-
-def _read(image: Any, path: str, owner: str, report: Report, tile: int = FIRST_TILE) -> tuple[NDArray, bool]:
-    """Pixels, colour times alpha as Cycles has them, and whether they are sRGB-encoded; pink where there is no image."""
+def _read(image: Any, path: str, owner: str, report: Report, tile: int = FIRST_TILE, straight: bool = False) -> ImagePixels:
+    """The image for who asks for its alpha too (`straight`) or does not; pink where there is none."""
     if image is None:
         report.warn(f"{owner}: an image texture has no image; shown in pink")
-        return _pink(), True
+        return ImagePixels(PINK, True)
     named = f"image '{image.name}'"
     if image.source == "MOVIE":
         report.warn(f"{owner}: {named}: movies are not supported; one frame is used")
     raw = _from_file(path) if image.source in {"FILE", "SEQUENCE", "TILED"} and not image.packed_file and not image.is_dirty else None
+    if raw is None and image.source == "TILED":
+        raw = _from_packed_tile(image, tile)
     from_file = raw is not None
     first = image.source != "TILED" or tile == image.tiles[0].number  # Blender's own buffer is that of the first tile
-    pixels = raw if raw is not None or not first else _from_blender(image)
+    pixels = raw[0] if raw is not None else _from_blender(image) if first else None
     if pixels is None:
         report.warn(
             f"{owner}: {named}: {path or (f'tile {tile}' if image.source == 'TILED' else 'its file')} cannot be read; shown in pink"
         )
-        return _pink(), True
-    srgb, is_data = _color_space(image, owner, report)
+        return ImagePixels(PINK, True)
+    space = image.colorspace_settings.name
     if image.alpha_mode == "NONE":
         pixels[..., 3] = 255 if pixels.dtype == np.uint8 else 1.0
-    if pixels.dtype != np.uint8:
-        if from_file and srgb:
-            pixels[..., :3] = srgb_to_linear(pixels[..., :3])
-        if not np.isfinite(pixels).all():
-            report.warn(f"{owner}: {named} holds values that are not finite numbers; read as 0")
-            pixels = np.nan_to_num(pixels, nan=0.0, posinf=0.0, neginf=0.0)
-        if image.alpha_mode == "STRAIGHT" and not is_data and (from_file or BLENDER_5):
-            pixels[..., :3] *= pixels[..., 3:]
-        return pixels, False
-    # A byte buffer of Blender is straight whatever the file says (generated ones only before 5.0); a file with premultiplied
-    # colours holds what Cycles shows.
-    straight_buffer = not from_file and not (BLENDER_5 and image.source == "GENERATED")
-    multiply = image.alpha_mode == "STRAIGHT" or (image.alpha_mode == "PREMUL" and straight_buffer)
-    if multiply and not is_data and pixels[..., 3].min() < 255:
-        alpha = pixels[..., 3:].astype(np.uint16)
-        pixels[..., :3] = pixels[..., :3] * alpha // 255
-    return pixels, srgb
+    elif not is_data(image) and image.alpha_mode in {"STRAIGHT", "PREMUL"}:
+        grey = raw is not None and raw[1] == 2  # Cycles takes grey pictures with an alpha as they are
+        # A byte buffer of Blender is straight whatever the file says, which Cycles overlooks from 5.0 on.
+        buffer = not from_file and not BLENDER_5 and pixels.dtype == np.uint8
+        mode = "PREMUL" if grey else "STRAIGHT" if buffer else image.alpha_mode
+        multiplies = mode == "STRAIGHT" and (from_file or BLENDER_5 or pixels.dtype == np.uint8)
+        if pixels.dtype == np.uint8 and space in {"sRGB", *LINEAR_SPACES}:
+            if multiplies and pixels[..., 3].min() < 255:
+                pixels[..., :3] = pixels[..., :3] * pixels[..., 3:].astype(np.uint16) // 255
+            return ImagePixels(pixels, space == "sRGB")
+        return _decoded(pixels, space, mode, multiplies, from_file, straight, f"{owner}: {named}", report)
+    if pixels.dtype == np.uint8 and space in {"sRGB", *LINEAR_SPACES}:
+        return ImagePixels(pixels, space == "sRGB" and not is_data(image))
+    return _decoded(pixels, "Raw" if is_data(image) else space, "NONE", False, from_file, straight, f"{owner}: {named}", report)
+
+
+def _decoded(
+    pixels: NDArray, space: str, mode: str, multiplies: bool, from_file: bool, straight: bool, named: str, report: Report
+) -> ImagePixels:
+    """Linear colours, times alpha. As in Cycles: multiplied before they are decoded, unless somebody asks for the alpha too."""
+    depends = False
+    if pixels.dtype == np.uint8:
+        pixels = pixels.astype(np.float32) / 255.0
+    elif not from_file:  # Blender has decoded it
+        space = "Raw"
+    if not np.isfinite(pixels).all():
+        report.warn(f"{named} holds values that are not finite numbers; read as 0")
+        pixels = np.nan_to_num(pixels, nan=0.0, posinf=0.0, neginf=0.0)
+    alpha = pixels[..., 3:]
+    if mode in {"STRAIGHT", "PREMUL"} and alpha.min() < 1.0 and (space not in LINEAR_SPACES or not multiplies):
+        depends = space not in LINEAR_SPACES
+    after = depends and straight
+    if after and mode == "PREMUL":
+        pixels[..., :3] = np.divide(pixels[..., :3], alpha, out=np.zeros_like(pixels[..., :3]), where=alpha > 0.0)
+    if multiplies and not after:
+        pixels[..., :3] *= alpha
+    linear = to_linear(pixels[..., :3], space)
+    if linear is None:
+        nearest = "Linear Rec.709" if space.startswith(("Linear", "ACEScg", "ACES2065")) else "sRGB"
+        report.warn(f"{named}: colour space {space} is not supported; read as {nearest}")
+        linear = pixels[..., :3] if nearest != "sRGB" else srgb_to_linear(pixels[..., :3])
+    pixels[..., :3] = linear
+    if after:
+        pixels[..., :3] *= alpha
+    return ImagePixels(pixels, False, depends)
 
 
 def _path(image: Any, node: Any, tile: int) -> str:
@@ -123,8 +171,9 @@ def _path(image: Any, node: Any, tile: int) -> str:
     return bpy.path.abspath(path, library=image.library) if path else ""
 
 
-def _from_file(path: str) -> NDArray | None:
-    """(height, width, 4) uint8 or float32 as stored in the file, bottom row first; None if OpenImageIO is not there or cannot."""
+def _from_file(path: str) -> tuple[NDArray, int] | None:
+    """(height, width, 4) uint8 or float32 as stored in the file, bottom row first, and its number of channels. None: OpenImageIO is
+    not there or cannot."""
     try:
         import OpenImageIO as oiio
     except ImportError:
@@ -152,7 +201,19 @@ def _from_file(path: str) -> NDArray | None:
     rgba[..., :3] = pixels[::-1, :, :1] if gray else pixels[::-1, :, :3]
     if channels in {2, 4}:
         rgba[..., 3] = pixels[::-1, :, -1]
-    return rgba
+    return rgba, channels
+
+
+def _from_packed_tile(image: Any, tile: int) -> tuple[NDArray, int] | None:
+    """As _from_file(), of a tile that is packed into the .blend file; None if it is not."""
+    packed = next((file for file in image.packed_files if file.tile_number == tile), None)
+    if packed is None or packed.packed_file is None or image.is_dirty:
+        return None
+    with tempfile.TemporaryDirectory() as folder:
+        path = os.path.join(folder, "tile" + os.path.splitext(image.filepath)[1])
+        with open(path, "wb") as file:
+            file.write(packed.packed_file.data)
+        return _from_file(path)
 
 
 def _from_blender(image: Any) -> NDArray | None:
@@ -169,26 +230,3 @@ def _from_blender(image: Any) -> NDArray | None:
         full[..., :3] = pixels[..., :1] if gray else pixels[..., :3]
         pixels = full
     return pixels if image.is_float else np.rint(np.clip(pixels, 0.0, 1.0) * 255.0).astype(np.uint8)
-
-
-def _color_space(image: Any, owner: str, report: Report) -> tuple[bool, bool]:
-    """(sRGB-encoded, not a colour at all)."""
-    name = image.colorspace_settings.name
-    if _is_data(image):
-        return False, True
-    if name == "sRGB":
-        return True, False
-    if name not in LINEAR_SPACES:
-        nearest = "Linear Rec.709" if name.startswith(("Linear", "ACEScg", "ACES2065")) else "sRGB"
-        report.warn(f"{owner}: image '{image.name}': colour space {name} is not supported; read as {nearest}")
-        return nearest == "sRGB", False
-    return False, False
-
-
-def _is_data(image: Any) -> bool:
-    settings = image.colorspace_settings
-    return bool(getattr(settings, "is_data", False)) or settings.name in {"Non-Color", "Raw", "Generic Data"}
-
-
-def _pink() -> NDArray[np.uint8]:
-    return np.full((1, 1, 4), MISSING_RGBA, np.uint8)

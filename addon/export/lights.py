@@ -12,7 +12,7 @@ from ..core.scene import NO_PROGRAM, NO_TEXTURE, Light, LightKind
 from .compile.node import Owner
 from .compile.reduce import lambertian
 from .materials import Shading
-from .nodes import output_node, uses_nodes
+from .nodes import output_node, report_foreign_output, uses_nodes
 from .visibility import lamp_seen_by
 
 FEW_BOUNCES = 1024  # Blender's default, more than any path has
@@ -80,6 +80,7 @@ def _strength(lamp: Any, ob: Any, shading: Shading) -> tuple[NDArray[np.float64]
         return strength, NO_PROGRAM
     output = output_node(lamp.node_tree)
     if output is None:
+        report_foreign_output(lamp.node_tree, f"Light '{ob.name}'", shading.around.report)
         return np.zeros(3), NO_PROGRAM
     owner = Owner(f"Light '{ob.name}'", lamp, lamp=ob)
     compiled = shading.compile(owner, output.inputs["Surface"])

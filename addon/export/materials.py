@@ -10,6 +10,7 @@ import bpy
 from ..core.scene import Material, Side
 from ..core.shading import Feature, Program
 from ..report import Report
+from .cancelled import Watch
 from .compile.assemble import statement
 from .compile.compiler import Compiled, Compiler
 from .compile.node import Owner, Surroundings, Wants
@@ -17,7 +18,7 @@ from .compile.reduce import lambertian
 from .compile.trees import Trees
 from .compile.values import ONE, ORIGIN, ZERO, Folding, Graph, number, vector
 from .images import Textures
-from .nodes import hollow_groups, label, output_node, uses_nodes
+from .nodes import hollow_groups, label, output_node, report_foreign_output, uses_nodes
 
 DEFAULT_NAME = "(default)"
 BLACK = Side((0.0, 0.0, 0.0))
@@ -26,9 +27,9 @@ BLACK = Side((0.0, 0.0, 0.0))
 class Shading:
     """What the trees of one scene share: programs, each once, textures, and what programs ask of meshes and instances."""
 
-    def __init__(self, textures: Textures, report: Report, depsgraph: Any = None) -> None:
+    def __init__(self, textures: Textures, report: Report, depsgraph: Any = None, watch: Watch | None = None) -> None:
         self.programs: list[Program] = []
-        self.around = Surroundings(textures, report, Wants(), Trees(), depsgraph)
+        self.around = Surroundings(textures, report, Wants(), Trees(), depsgraph, watch or Watch())
         self.folding = Folding()
 
     def add(self, program: Program) -> int:
@@ -61,7 +62,8 @@ class Materials:
         pointer = material.as_pointer()
         if pointer in self._any_uv_map:
             return self._any_uv_map[pointer]
-        owner = Owner(f"Material '{material.name}'", material, uv_map=uv_map)
+        opaque = not getattr(material, "use_transparent_shadow", True)
+        owner = Owner(f"Material '{material.name}'", material, uv_map=uv_map, opaque_shadow=opaque)
         index = self._remember((pointer, uv_map), lambda: export_material(material, owner, self._shading))
         if not owner.asked_uv_map:
             self._any_uv_map[pointer] = index
@@ -103,6 +105,7 @@ def export_material(material: Any, owner: Owner, shading: Shading) -> Material:
         return Material(material.name, side, side)
     output = output_node(material.node_tree)
     if output is None:
+        report_foreign_output(material.node_tree, owner.name, report)
         return Material(material.name, BLACK, BLACK)
     for group in hollow_groups(material.original.node_tree):  # Blender 5 has taken groups apart in the evaluated tree
         report.warn(f"{owner.name}, node '{label(group)}': the group has no output; links from it count as not there")
@@ -113,6 +116,9 @@ def export_material(material: Any, owner: Owner, shading: Shading) -> Material:
     if displacement.is_linked and getattr(material, "displacement_method", "BUMP") != "BUMP":
         report.warn(f"{owner.name}: displacement of the surface itself is not supported; it bends normals as a bump")
     compiled = shading.compile(owner, output.inputs["Surface"], displacement if displacement.is_linked else None)
+    if compiled.empty and volume is not None and volume.node is not None:  # a volume alone, as in Cycles: its surface is not there
+        clear = statement("Transparent", weight=ONE, color=vector((1.0, 1.0, 1.0)))
+        compiled = Compiled(compiled.graph, [clear], Feature.TRANSPARENT)
     sides = _sides(material, owner, compiled, output, shading)
     if sides is not None:
         return Material(material.name, *sides)

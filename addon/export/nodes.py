@@ -8,6 +8,10 @@ from typing import Any
 
 import bpy
 
+from ..report import Report
+
+OUTPUTS = ("ShaderNodeOutputMaterial", "ShaderNodeOutputWorld", "ShaderNodeOutputLight")
+
 
 @dataclass(slots=True)
 class Source:
@@ -59,8 +63,14 @@ def source(socket: Any, groups: tuple[Any, ...] = ()) -> Source:
 
 
 def output_node(tree: Any) -> Any:
-    """The active output node that a renderer which is neither Cycles nor EEVEE reads, or None."""
-    return tree.get_output_node("ALL")
+    """The output node that Cycles reads, or None: its own, whether it is active or not, else that of all renderers."""
+    return tree.get_output_node("CYCLES")
+
+
+def report_foreign_output(tree: Any, owner: str, report: Report) -> None:
+    """Says so where there is an output, but not for us."""
+    if any(node.bl_idname in OUTPUTS for node in tree.nodes):
+        report.warn(f"{owner}: its only output is for another renderer (Target); black, as in Cycles")
 
 
 def uses_nodes(owner: Any) -> bool:

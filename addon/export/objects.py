@@ -59,6 +59,7 @@ class Objects:
         linking = Linking(depsgraph, self._report)
         visibility = Visibility(view_layer)
         for place, instance in enumerate(depsgraph.object_instances):
+            self._shading.around.watch.go_on()
             ob = instance.object
             kind = ob.type
             if visible is not None and not visible(instance):
@@ -103,6 +104,7 @@ class Objects:
             row = self._row_of.get(place)
             if row is None:
                 continue
+            self._shading.around.watch.go_on()
             index = self._rows[row][0]
             if mesh_wants and index not in done:
                 done.add(index)

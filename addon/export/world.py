@@ -14,7 +14,7 @@ from .compile.compiler import Compiler
 from .compile.node import Owner
 from .compile.reduce import lambertian
 from .materials import Shading
-from .nodes import Source, default_value, label, output_node, source, uses_nodes
+from .nodes import Source, default_value, label, output_node, report_foreign_output, source, uses_nodes
 from .sky import export_sky
 from .visibility import world_seen_by
 
@@ -45,6 +45,7 @@ class _World:
     def read(self, world: Any) -> None:
         output = output_node(world.node_tree)
         if output is None:
+            report_foreign_output(world.node_tree, self.owner, self.report)
             return
         volume = source(output.inputs["Volume"])
         if volume.node is not None:

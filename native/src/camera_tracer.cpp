@@ -30,6 +30,10 @@ void keep_seen(const LightSample& light, const Surface& hit, Rgb& scattered, Rgb
   sharp = keeps_rest && after > 0 ? std::min(sharp * before / after, 1.0f) : 0;  // of what is left
 }
 
+Rgb divided(const Rgb& a, const Rgb& b) {
+  return {b.x != 0 ? a.x / b.x : 0, b.y != 0 ? a.y / b.y : 0, b.z != 0 ? a.z / b.z : 0};
+}
+
 void add_finite(Rgb& sum, const Rgb& value, uint64_t& bad) {
   if (is_finite(value)) sum += value;
   else ++bad;
@@ -41,7 +45,9 @@ void add_finite(Rgb& sum, const Rgb& value, uint64_t& bad) {
 struct CameraTracer::Path {
   Path(const CameraRay& camera_ray, Pixel& p, Tile& t, uint32_t index, uint32_t sample_number, uint32_t pixel_seed)
       : ray(camera_ray), pixel(p), tile(t), pixel_index(index), sample(sample_number), seed(pixel_seed), origin(ray.origin),
-        direction(ray.direction), near(ray.near), far(ray.far), random(sample, seed) {}
+        direction(ray.direction), near(ray.near), far(ray.far), random(sample, seed) {
+    info.from = near;
+  }
 
   const CameraRay& ray;
   Pixel& pixel;
@@ -59,12 +65,15 @@ struct CameraTracer::Path {
   Vec3 origin, direction;
   float near, far;
   RayInfo info{};
+  RayInfo before{};      // of the ray that met the last vertex
+  Rgb diffuse_share{1, 1, 1};        // of what the last vertex sent on this way, by its diffuse lobes: where the world asks
   int vertex = 0;        // number of the next scattering
   float travelled = 0;   // up to the last vertex
   Rgb throughput{1, 1, 1};           // of light that leaves the next vertex, emission excepted
   Rgb emission_throughput{1, 1, 1};  // of its emission
   Rgb diffuse_emission{};            // the part of that which the diffuse lobes of vertex 0 sent on
   Rgb brought{};                     // of throughput: what photons bring of light that meets nothing but sharp lobes from here on
+  Rgb withheld{};                    // of emission_throughput: what photons bring of it
   Part part = Part::kDiffuse;
   Receiver from{{}, {}, true, ~uint64_t{0}, nullptr, 1, ray_bit(RayInfo::kCamera)};  // the last vertex
   float pdf = INFINITY;              // of the direction, by its BSDF
@@ -75,6 +84,7 @@ struct CameraTracer::Path {
     emission_throughput *= factor;
     diffuse_emission *= factor;
     brought *= factor;
+    withheld *= factor;
   }
   // Numbers for the next vertex: the low-discrepancy sequence at the first one.
   Vec2 numbers(Dimension pair) { return vertex == 0 ? sobol_2d(sample, pair, seed) : random.next2(); }
@@ -209,9 +219,32 @@ void CameraTracer::add_world(Path& path) const {
     }
     path.pixel.alpha += 1;
   }
+  const Environment& world = lights_.environment();
+  if (path.vertex == 0 && world.asks_camera()) return add_met(path, world.radiance(path.direction, path.info), path.pixel.environment, scene_.world_light_group);
   const Rgb light = lights_.world_met(path.from, path.direction, path.pdf);
   if (path.vertex > 0) see_world(path, path.from, path.direction, light / path.pdf, true);
+  if (path.vertex > 0 && world.asks_ray()) return add_world_by_ray(path, light);
   add_met(path, light, path.pixel.environment, scene_.world_light_group);
+}
+
+// The world's light as a ray of each kind sees it. What diffuse lobes sent on this way and what others did adds up to all, whichever
+// the ray was drawn by, as for light samples: they and rays then share the same light.
+void CameraTracer::add_world_by_ray(Path& path, const Rgb& light) const {
+  const Environment& world = lights_.environment();
+  const bool delta = !(path.pdf < INFINITY), through = path.info.through;
+  const auto share = [&](bool diffuse) {
+    RayInfo ray = path.before.scattered(diffuse, through, delta);
+    ray.transparent_depth = path.info.transparent_depth;
+    return world.share(path.direction, ray);
+  };
+  const Rgb diffuse = is_black(path.diffuse_share) ? Rgb{} : share(true), rest = share(false);
+  const Rgb all = path.emission_throughput + path.withheld;
+  const Rgb kept = path.emission_throughput, kept_diffuse = path.diffuse_emission;
+  path.diffuse_emission = path.diffuse_emission * diffuse;
+  path.emission_throughput = all * (path.diffuse_share * diffuse + (Rgb{1, 1, 1} - path.diffuse_share) * rest) - path.withheld * rest;
+  add_met(path, light, path.pixel.environment, scene_.world_light_group);
+  path.emission_throughput = kept;
+  path.diffuse_emission = kept_diffuse;
 }
 
 void CameraTracer::add_emission(Path& path, const Surface& hit, const Rgb& emission) const {
@@ -288,7 +321,16 @@ void CameraTracer::add_light(Path& path, const Surface& hit, const Bsdf& bsdf, c
   if (world) {
     see_world(path, receiver, light.direction, arriving, false);
   }
-  arriving *= path.throughput - path.brought * sharp;
+  if (light.from_world && lights_.environment().asks_ray()) {
+    const bool through = dot(light.direction, hit.ng) < 0;
+    const Rgb seen = lights_.environment().share(light.direction, path.info.scattered(true, through, false));
+    const Rgb seen_rest = bsdf.has_rest() ? lights_.environment().share(light.direction, path.info.scattered(false, through, false)) : Rgb{};
+    const Rgb rest = (path.throughput * (scattered - diffuse) - path.brought * scattered * sharp) * seen_rest;
+    diffuse = path.throughput * diffuse * seen;
+    scattered = diffuse + rest;
+  } else {
+    arriving *= path.throughput - path.brought * sharp;
+  }
   if (path.wanders > 1) see_deep(path, arriving * scattered);
   if (path.groups) GroupLight{path.groups, scattered}.add(arriving, light.light_group);
   if (path.vertex == 0) {
@@ -356,9 +398,20 @@ bool CameraTracer::scatter(Path& path, const Surface& hit, const Bsdf& bsdf, con
     bsdf.evaluate(s->direction, &pdf, nullptr, &diffuse);
     diffuse = diffuse / s->pdf;
   }
+  if (lights_.environment().asks_ray()) {
+    path.before = path.info;
+    path.diffuse_share = s->diffuse ? Rgb{1, 1, 1} : Rgb{};
+    if (bsdf.has_rest() && s->pdf > 0) {
+      float pdf;
+      Rgb by_diffuse;
+      const Rgb whole_way = bsdf.evaluate(s->direction, &pdf, nullptr, &by_diffuse);
+      path.diffuse_share = divided(by_diffuse, whole_way);
+    }
+  }
   const Rgb before = path.throughput;
   path.throughput = !goes_on ? Rgb{} : whole ? before * s->weight : before * s->rest;
   const Rgb still_brought = s->diffuse ? Rgb{} : path.brought * s->weight * sharpness(s->roughness);
+  path.withheld = still_brought;
   path.emission_throughput = before * s->weight - still_brought;
   path.brought = still_brought;
   path.deep = path.wanders > 1;
@@ -375,10 +428,7 @@ bool CameraTracer::scatter(Path& path, const Surface& hit, const Bsdf& bsdf, con
   path.scale(Rgb{1, 1, 1} / survival);
 
   if (path.vertex == 0) path.part = s->transmitted ? Part::kTransmission : s->diffuse ? Part::kDiffuse : Part::kGlossy;
-  path.info.kind = s->diffuse ? RayInfo::kDiffuse : s->transmitted ? RayInfo::kTransmission : RayInfo::kGlossy;
-  path.info.singular = s->pdf <= 0;
-  ++path.info.depth;
-  ++(s->diffuse ? path.info.diffuse_depth : s->transmitted ? path.info.transmission_depth : path.info.glossy_depth);
+  path.info = path.info.scattered(s->diffuse, s->transmitted, s->pdf <= 0);
   const float side = std::copysign(ray_epsilon(hit.position, hit.distance), dot(s->direction, hit.ng));
   path.travelled += hit.distance;
   path.origin = hit.position + hit.ng * side;

@@ -107,6 +107,7 @@ class CameraTracer {
   void add_lamps(Path& path, float far) const;
   void add_linked(Path& path) const;
   void add_world(Path& path) const;
+  void add_world_by_ray(Path& path, const Rgb& light) const;
   void add_emission(Path& path, const Surface& hit, const Rgb& emission) const;
   Passing pass_through(Path& path, const Surface& hit, const Bsdf& bsdf) const;
   void add_direct(Path& path, const Surface& hit, const Bsdf& bsdf, const Receiver& receiver) const;

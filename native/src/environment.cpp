@@ -29,18 +29,16 @@ Vec3 direction_at(float polar, float longitude) {
 
 Environment::Environment(Scene& scene) : scene_(scene), straight_(scene.world_map.to_lookup.m == Affine{}.m) {
   add_discs();
+  find_kinds();
   if (scene_.world_map.texture >= 0 || scene_.world_program >= 0) bake();
   else measure({scene_.world}, 1, 1);
 }
 
 Rgb Environment::map_radiance(const Vec3& d) const {
   if (scene_.world_program >= 0) {
-    ShadingPoint p;
-    p.position = d;
-    p.ng = p.ns = p.wo = -d;
-    Bsdf bsdf(Transport::kRadiance, p.wo, p.ng, p.ns, false);
-    run_program(scene_, scene_.programs[scene_.world_program], p, bsdf);
-    return max(bsdf.emission(), Vec3{});
+    Rgb most = run(d, kinds_[0]);
+    for (size_t i = 1; i < kinds_.size(); ++i) most = max(most, run(d, kinds_[i]));
+    return most;
   }
   const WorldMap& map = scene_.world_map;
   if (map.texture < 0) return scene_.world;
@@ -53,6 +51,43 @@ Rgb Environment::map_radiance(const Vec3& d) const {
   }
   const Rgb texel = scene_.textures[map.texture].lookup(map.mirror_ball ? mirror_ball_uv(v) : equirectangular_uv(v));
   return max(texel, Vec3{}) * scene_.world;
+}
+
+Rgb Environment::run(const Vec3& d, RayInfo ray) const {
+  ShadingPoint p;
+  p.position = d;
+  p.ng = p.ns = p.wo = -d;
+  p.ray = ray;
+  p.ray.length = std::numeric_limits<float>::max();
+  ++p.ray.depth;  // the world is one step further, as in Cycles
+  Bsdf bsdf(Transport::kRadiance, p.wo, p.ng, p.ns, false);
+  run_program(scene_, scene_.programs[scene_.world_program], p, bsdf);
+  return max(bsdf.emission(), Vec3{});
+}
+
+Rgb Environment::radiance(const Vec3& d, const RayInfo& ray) const { return asks_camera_ ? run(d, ray) : radiance(d); }
+
+Rgb Environment::share(const Vec3& d, const RayInfo& ray) const {
+  const Rgb seen = run(d, ray), all = map_radiance(d);
+  return {all.x > 0 ? seen.x / all.x : 0, all.y > 0 ? seen.y / all.y : 0, all.z > 0 ? seen.z / all.z : 0};
+}
+
+RayInfo Environment::photon_ray(bool diffuse, bool transmitted, bool delta) {
+  return RayInfo{}.scattered(true, false, false).scattered(diffuse, transmitted, delta);
+}
+
+void Environment::find_kinds() {
+  if (scene_.world_program < 0) return;
+  const Program& program = scene_.programs[scene_.world_program];
+  asks_camera_ = program.asks_ray;
+  asks_depth_ = program.asks_depth;
+  kinds_.push_back(photon_ray(true, false, false));
+  if (!program.asks_kind && !program.asks_depth) return;
+  for (const bool transmitted : {false, true}) {
+    if (transmitted) kinds_.push_back(photon_ray(true, true, false));
+    kinds_.push_back(photon_ray(false, transmitted, false));
+    if (program.asks_singular) kinds_.push_back(photon_ray(false, transmitted, true));
+  }
 }
 
 void Environment::add_discs() {

@@ -14,6 +14,15 @@ class Environment {
   bool black() const { return is_black(mean_); }
   // The same from everywhere: nothing is gained by drawing from it.
   bool constant() const { return table_.even() && discs_.empty(); }
+  // Whether the camera, and whether rays of different kinds, see something else than radiance(), which then is the most that any of
+  // these sees but the camera: a world with a Light Path node.
+  bool asks_camera() const { return asks_camera_; }
+  bool asks_ray() const { return kinds_.size() > 1 || asks_depth_; }
+  Rgb radiance(const Vec3& d, const RayInfo& ray) const;
+  // What rays of that kind see, of radiance().
+  Rgb share(const Vec3& d, const RayInfo& ray) const;
+  // The ray that meets the world from where a photon of it is scattered first, which the camera is thought to see by diffuse light.
+  static RayInfo photon_ray(bool diffuse, bool transmitted, bool delta);
   // W/m^2/sr out of the direction `d` (unit, away from the scene).
   Rgb radiance(const Vec3& d) const { return map_radiance(d) + disc_radiance(d); }
   Rgb mean() const { return mean_; }  // over all directions
@@ -57,6 +66,8 @@ class Environment {
     double flux;                      // through a surface that faces it, mean over RGB, W/m^2
   };
   Rgb map_radiance(const Vec3& d) const;
+  Rgb run(const Vec3& d, RayInfo ray) const;
+  void find_kinds();
   Rgb disc_radiance(const Vec3& d) const;
   Rgb radiance_of(const Disc& disc, const Vec3& d) const;
   void add_discs();
@@ -71,6 +82,8 @@ class Environment {
 
   Scene& scene_;
   bool straight_ = false;                // the image is looked up as directions come
+  bool asks_camera_ = false, asks_depth_ = false;
+  std::vector<RayInfo> kinds_;           // of a program: rays that may see something of their own
   std::vector<Disc> discs_;
   std::vector<float> disc_cdf_;          // up to the discs' share of the samples
   float disc_share_ = 0;

@@ -219,6 +219,7 @@ std::optional<LightSample> Lights::sample_world(const Receiver& to, uint32_t i, 
   out.use_mis = true;
   out.light_group = scene_.world_light_group;
   out.seen_by = as_scattered(scene_.world_seen_by);
+  out.from_world = true;
   if (is_black(out.weight)) return std::nullopt;
   return out;
 }
@@ -245,6 +246,7 @@ bool Lights::sample(const Receiver& to, float choice, const Vec2& u, LightSample
     out.use_mis = true;
     out.light_group = scene_.world_light_group;
     out.seen_by = as_scattered(scene_.world_seen_by);
+    out.from_world = true;
     return !is_black(out.weight);
   }
   if (!(sum > 0)) return false;

@@ -76,6 +76,7 @@ struct LightSample {
   uint64_t blockers = ~uint64_t{0};
   int16_t light_group = kNoLightGroup;
   RayMask seen_by = kAllRays;
+  bool from_world = false;
 };
 
 // Where a photon path starts. `power` is that of the whole light field divided by the pdf: W for one photon of one.
@@ -95,10 +96,12 @@ struct PhotonStart {
   bool casts_shadows = true;   // else nothing blocks it, but behind what would have done so deltas do not scatter it
   int32_t aim = -1;            // pair of EmissionTargets; -1: natural emission
   int32_t shaded_by = -1;      // a lamp with a program: `power` lacks Lights::first_hit_factor(), which needs the distance
+  bool asks_ray = false;       // of a world: `power` lacks Environment::share() of the ray that sees it
 
   // Whether it lights and is stopped by whatever it meets, as it is.
   bool plain() const {
-    return !~lit_groups && seen_by == kAllRays && !~max_bounces && deltas && casts_shadows && !~blockers && soft_radius2 < 0 && first_hit_from == 0 && first_hit_to == INFINITY && shaded_by < 0;
+    return !~lit_groups && seen_by == kAllRays && !~max_bounces && deltas && casts_shadows && !~blockers && soft_radius2 < 0 &&
+           first_hit_from == 0 && first_hit_to == INFINITY && shaded_by < 0 && !asks_ray;
   }
   // A disc of radius r that faces a receiver shows it, of the rays that pass its centre at a distance m, those that have gone on for
   // t >= m^2 / sqrt(r^2 - m^2) since they were nearest to the centre. (They leave the disc m^2 / t before that.)

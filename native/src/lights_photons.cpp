@@ -275,6 +275,7 @@ PhotonStart Lights::emit_world(const Vec2& place, const Vec2& way) const {
   const Environment::Sample s = environment_.sample(way);
   PhotonStart start = emit_parallel(-s.direction, place);
   start.power *= s.pdf > 0 ? environment_.radiance(s.direction) / s.pdf : Rgb{};
+  start.asks_ray = environment_.asks_ray();
   return start;
 }
 

@@ -143,6 +143,7 @@ class PhotonTracer {
   bool go_straight_on(Path& path, const Surface& hit, const Rgb& weight, Vec3& origin) const;
   void store(const Path& path, const Surface& hit, const Vec3& direction, const KeyFilter& visible, Photons& photons) const;
   bool light_up(Path& path, const Surface& hit, const PhotonStart& start) const;
+  bool light_up_by_ray(Path& path, const PhotonStart& start, const Rgb& diffuse, bool transmitted, bool delta) const;
   bool scatter_by_program(Path& path, const Surface& hit, const PhotonStart& start, const Draws& draws, const KeyFilter& visible,
                           Vec3& origin, Vec3& direction, Photons& photons) const;
 

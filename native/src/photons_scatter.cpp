@@ -110,6 +110,23 @@ bool PhotonTracer::light_up(Path& path, const Surface& hit, const PhotonStart& s
   return path.reference > 0;
 }
 
+// Where a world asks by what ray it is seen: by that of the lobe that scatters its photon first. `diffuse`: share of the light that
+// diffuse lobes send that way.
+bool PhotonTracer::light_up_by_ray(Path& path, const PhotonStart& start, const Rgb& diffuse, bool transmitted, bool delta) const {
+  if (path.bounces > 0 || !start.asks_ray) return true;
+  const auto share = [&](bool by_diffuse) {
+    RayInfo ray = Environment::photon_ray(by_diffuse, transmitted, delta);
+    ray.transparent_depth = path.passed;
+    return lights_.environment().share(-start.direction, ray);
+  };
+  Rgb factor{};
+  if (!is_black(diffuse)) factor += diffuse * share(true);
+  if (const Rgb rest = Rgb{1, 1, 1} - diffuse; !is_black(rest)) factor += rest * share(false);
+  path.power *= factor;
+  path.reference *= max_component(factor);
+  return path.reference > 0;
+}
+
 // Stores a photon where one belongs and sends the path on; false where it ends.
 bool PhotonTracer::shade(Path& path, const Surface& hit, const PhotonStart& start, const Draws& draws, const KeyFilter& visible,
                          Vec3& origin, Vec3& direction, Photons& photons) const {
@@ -126,7 +143,7 @@ bool PhotonTracer::shade(Path& path, const Surface& hit, const PhotonStart& star
   }
   if (!accepted) return false;
   store(path, hit, direction, visible, photons);
-  if (!light_up(path, hit, start)) return false;
+  if (!light_up(path, hit, start) || !light_up_by_ray(path, start, {1, 1, 1}, false, false)) return false;
   const float cos_shading = -dot(direction, hit.ns), cos_geometric = -dot(direction, hit.ng);
   if (cos_shading <= 0 || cos_geometric <= 0) return false;
   if (path.bounces == max_bounces_ || path.bounces >= start.max_bounces || stream_ == PhotonStream::kCaustic) return false;
@@ -204,6 +221,15 @@ bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const Phot
   if (path.guessed) {
     const bool delta = s->pdf <= 0;
     if (path.kind == RayInfo::kShadow ? delta : (direct && !delta) || kind_of(*s) != path.kind) return false;
+  }
+  if (start.asks_ray && direct) {
+    Rgb diffuse = s->diffuse && !caustic ? Rgb{1, 1, 1} : Rgb{};
+    if (!caustic && bsdf.has_rest() && s->pdf > 0) {
+      float pdf;
+      const Rgb whole = bsdf.evaluate(s->direction, &pdf, nullptr, &diffuse);
+      diffuse = {whole.x != 0 ? diffuse.x / whole.x : 0, whole.y != 0 ? diffuse.y / whole.y : 0, whole.z != 0 ? diffuse.z / whole.z : 0};
+    }
+    if (!light_up_by_ray(path, start, diffuse, s->transmitted, s->pdf <= 0)) return false;
   }
   path.caustic *= s->diffuse ? 0 : sharpness(s->roughness);
   if (caustic && !(path.caustic > 0)) return false;

@@ -492,7 +492,7 @@ ShadingPoint shading_point(const Surface& s, const Vec3& wo, const RayInfo& ray)
   p.u = s.u;
   p.v = s.v;
   p.ray = ray;
-  p.ray.length = s.distance;
+  p.ray.length = s.distance - ray.from;
   return p;
 }
 
@@ -531,6 +531,8 @@ Rgb Scene::transmittance(const Vec3& origin, const Vec3& direction, float far, c
   Rgb through{1, 1, 1};
   RayInfo info = ray;
   info.kind = RayInfo::kShadow;
+  info.singular = info.through = false;
+  info.from = 0;
   Surface s;
   for (float near = 0; intersect(origin, direction, near, far, false, s, kShadow); near = past(s)) {
     if (!(blockers & instances[s.instance].group)) continue;

@@ -4,6 +4,7 @@
 
 #include "lights.h"
 #include "meshes.h"
+#include "programs.h"
 
 using namespace photon_splat;
 
@@ -57,6 +58,39 @@ double by_sampling(const Environment& world, F&& f, uint32_t count = 1 << 18) {
 }
 
 }  // namespace
+
+TEST_CASE("a world that asks by what ray it is seen has its photons and samples for all of them") {
+  using enum nodes::PathValue;
+  const auto asking = [](Scene& scene, nodes::PathValue what) {
+    ProgramWriter w;
+    const uint32_t r = w.reg(1), color = w.reg();
+    w.emit(nodes::Op::LightPath, {{"out", r}, {"what", word_of(what)}});
+    w.emit(nodes::Op::Spread, {{"out", color}, {"value", r}});
+    scene.programs.push_back(w.emitting(color));
+    look_at_light_path(scene.programs[0]);
+    scene.world_program = 0;
+  };
+  const Vec3 up{0, 0, 1};
+  Scene by_camera(1), by_gloss(1), by_depth(1);
+  asking(by_camera, IS_CAMERA_RAY);
+  const Environment backdrop(by_camera);
+  CHECK(backdrop.asks_camera());
+  CHECK_FALSE(backdrop.asks_ray());
+  CHECK(backdrop.radiance(up, RayInfo{}).x == 1);
+  CHECK(backdrop.black());  // to all others
+  asking(by_gloss, IS_GLOSSY_RAY);
+  const Environment shine(by_gloss);
+  CHECK(shine.asks_ray());
+  CHECK(shine.radiance(up).x == 1);
+  CHECK(shine.radiance(up, RayInfo{}).x == 0);
+  CHECK(shine.share(up, Environment::photon_ray(true, false, false)).x == 0);
+  CHECK(shine.share(up, Environment::photon_ray(false, false, true)).x == 1);
+  CHECK(shine.share(up, Environment::photon_ray(false, true, false)).x == 1);
+  asking(by_depth, RAY_DEPTH);
+  const Environment deep(by_depth);
+  CHECK(deep.radiance(up, RayInfo{}).x == 1);
+  CHECK(deep.radiance(up, RayInfo{}.scattered(true, false, false)).x == 2);
+}
 
 TEST_CASE("the density of directions integrates to one and is that of the samples") {
   for (int variant = 0; variant < 4; ++variant) {

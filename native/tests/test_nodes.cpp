@@ -142,6 +142,37 @@ TEST_CASE("a program is known to ask for the kind of ray, or of shadow rays alon
   }
 }
 
+TEST_CASE("a ray is what the lobe that sent it makes it, as in Cycles") {
+  using enum nodes::PathValue;
+  const Scene scene(1);
+  const auto told = [&](nodes::PathValue what, const RayInfo& ray) {
+    ProgramWriter w;
+    const uint32_t r = w.reg(1), color = w.reg();
+    w.emit(Op::LightPath, {{"out", r}, {"what", word_of(what)}});
+    w.emit(Op::Spread, {{"out", color}, {"value", r}});
+    ShadingPoint point;
+    point.position = point.ng = point.ns = point.wo = {0, 0, 1};
+    point.ray = ray;
+    return emitted(scene, w.emitting(color), point).x;
+  };
+  struct Case {
+    bool diffuse, transmitted;
+    float glossy, reflection, diffuse_depth, glossy_depth, transmission_depth;
+  };
+  for (const Case& c : {Case{true, false, 0, 1, 1, 0, 0}, Case{true, true, 0, 0, 0, 0, 1}, Case{false, false, 1, 1, 0, 1, 0}, Case{false, true, 1, 0, 0, 0, 1}}) {
+    const RayInfo ray = RayInfo{}.scattered(c.diffuse, c.transmitted, false);
+    CHECK(told(IS_CAMERA_RAY, ray) == 0);
+    CHECK(told(IS_DIFFUSE_RAY, ray) == c.diffuse);
+    CHECK(told(IS_GLOSSY_RAY, ray) == c.glossy);
+    CHECK(told(IS_REFLECTION_RAY, ray) == c.reflection);
+    CHECK(told(IS_TRANSMISSION_RAY, ray) == c.transmitted);
+    CHECK(told(RAY_DEPTH, ray) == 1);
+    CHECK(told(DIFFUSE_DEPTH, ray) == c.diffuse_depth);
+    CHECK(told(GLOSSY_DEPTH, ray) == c.glossy_depth);
+    CHECK(told(TRANSMISSION_DEPTH, ray) == c.transmission_depth);
+  }
+}
+
 TEST_CASE("random words are refused or run") {
   Scene scene(1);
   fill_everything(scene, false);

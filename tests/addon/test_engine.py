@@ -185,6 +185,36 @@ def test_cancelling_keeps_what_is_there(tmp_path: str) -> None:
 
 
 @in_blender
+def test_cancelling_is_heard_during_export() -> None:
+    """Of a hundred objects with materials of their own most are not even looked at."""
+    import bpy
+    from photon_splat import job
+    from photon_splat.export import materials
+
+    stage.room()
+    for k in range(100):
+        stage.plane(f"Plane {k}")
+    asked: list[None] = []
+
+    def cancel() -> bool:
+        asked.append(None)
+        return len(asked) > 20
+
+    job.observer.should_cancel = cancel
+    seen: list[None] = []
+    plain = materials.export_material
+    materials.export_material = lambda *given: (seen.append(None), plain(*given))[1]  # type: ignore[assignment]
+    try:
+        with stage.watched() as results:
+            bpy.ops.render.render()
+    finally:
+        materials.export_material = plain
+    assert results[0].cancelled
+    assert len(seen) < 20
+    assert not results[0].passes["Combined"][..., :3].any()
+
+
+@in_blender
 def test_cancelling_at_once_is_a_black_picture() -> None:
     import bpy
     from photon_splat import job

@@ -344,3 +344,258 @@ def test_world_and_lamp_nodes() -> None:
     what = stage.exported()
     assert what.world == (0.25, 0.25, 0.25)
     assert np.allclose(what.lights[0].strength, (10, 5, 0))
+
+
+@in_blender
+def test_nested_mixes_of_one_source_are_looked_at_once_each() -> None:
+    """Sixty in a row, each with the one before on both inputs: a walk that looks at both would never end."""
+    import bpy
+
+    tree = _textured(_four_colors("Made"))
+    shader, texture = (next(node for node in tree.nodes if node.type == kind) for kind in ("BSDF_DIFFUSE", "TEX_IMAGE"))
+    last = texture.outputs["Color"]
+    for _ in range(60):
+        mix = tree.nodes.new("ShaderNodeMix")
+        mix.data_type = "RGBA"
+        for name in ("A_Color", "B_Color"):
+            tree.links.new(last, next(socket for socket in mix.inputs if socket.identifier == name))
+        last = next(socket for socket in mix.outputs if socket.identifier == "Result_Color")
+    tree.links.new(last, shader.inputs["Color"])
+    bpy.context.view_layer.update()
+    side = stage.exported().materials[0].front
+    assert side.base_color_texture == 0
+    assert np.allclose(side.base_color, 1.0)
+
+
+def _two_colors(tree: Any, output: str, red: str, green: str) -> None:
+    """Two output nodes of a kind in an empty tree, the first of which is active: red light for the renderer `red`, green light."""
+    tree.nodes.clear()
+    for target, color in ((red, (1, 0, 0, 1)), (green, (0, 1, 0, 1))):
+        ending, emission = tree.nodes.new(output), tree.nodes.new("ShaderNodeEmission")
+        ending.target = target
+        emission.inputs["Color"].default_value = color
+        tree.links.new(emission.outputs[0], ending.inputs["Surface"])
+    next(node for node in tree.nodes if node.bl_idname == output).is_active_output = True
+
+
+# As in Cycles: its own output, active or not; else that of all renderers.
+OUTPUTS = [
+    ("ALL", "CYCLES", "green"),
+    ("EEVEE", "CYCLES", "green"),
+    ("CYCLES", "ALL", "red"),
+    ("EEVEE", "ALL", "green"),
+    ("ALL", "EEVEE", "red"),
+]
+
+
+@pytest.mark.parametrize(("red", "green", "expected"), OUTPUTS)
+@in_blender
+def test_the_output_is_that_of_cycles(red: str, green: str, expected: str) -> None:
+    import bpy
+
+    made, tree = stage.empty_material("Two outputs")
+    _two_colors(tree, "ShaderNodeOutputMaterial", red, green)
+    stage.plane().data.materials[0] = made
+    stage.world(1.0)
+    _two_colors(stage.scene().world.node_tree, "ShaderNodeOutputWorld", red, green)
+    lamp = stage.lamp()
+    if bpy.app.version < (5, 0, 0):
+        lamp.data.use_nodes = True
+    _two_colors(lamp.data.node_tree, "ShaderNodeOutputLight", red, green)
+    what = stage.exported()
+    color = np.array((1.0, 0.0, 0.0) if expected == "red" else (0.0, 1.0, 0.0))
+    assert np.allclose(what.materials[0].front.emission, color)
+    assert np.allclose(what.world, color)
+    assert np.allclose(what.lights[0].strength, color * 100.0)
+    assert what.warnings == []
+
+
+@in_blender
+def test_an_output_for_another_renderer_alone_is_black_and_named() -> None:
+    made, tree = stage.empty_material("Viewport only")
+    _two_colors(tree, "ShaderNodeOutputMaterial", "EEVEE", "EEVEE")
+    stage.plane().data.materials[0] = made
+    what = stage.exported()
+    assert what.materials[0].front.emission == (0.0, 0.0, 0.0)
+    assert what.materials[0].front.base_color == (0.0, 0.0, 0.0)
+    assert "'Viewport only': its only output is for another renderer" in stage.the_one_warning(what)
+
+
+def _beside_a_volume(surface: str) -> Any:
+    """A material with a volume, whose surface is `surface`."""
+    made, tree = stage.empty_material("Fog")
+    output = tree.nodes["Material Output"]
+    tree.links.new(tree.nodes.new("ShaderNodeVolumePrincipled").outputs[0], output.inputs["Volume"])
+    if surface:
+        node = tree.nodes.new("ShaderNode" + surface)
+        if surface == "Emission":
+            node.inputs["Strength"].default_value = 0.0
+        tree.links.new(node.outputs[0], output.inputs["Surface"])
+    return made
+
+
+# What Cycles lets pass and what it does not.
+@pytest.mark.parametrize(
+    ("surface", "clear"), [("", True), ("AddShader", True), ("Emission", True), ("BsdfDiffuse", False), ("VolumeScatter", False)]
+)
+@in_blender
+def test_a_volume_without_surface_is_clear(surface: str, clear: bool) -> None:
+    stage.plane().data.materials[0] = _beside_a_volume(surface)
+    what = stage.exported()
+    found = what.materials[0]
+    assert (found.program >= 0) == clear
+    if clear:
+        assert what.programs[found.program].features == Feature.TRANSPARENT
+    assert any("Volume not supported" in warning for warning in what.warnings)
+
+
+@in_blender
+def test_a_material_of_nothing_is_black() -> None:
+    made, _ = stage.empty_material("Nothing")
+    stage.plane().data.materials[0] = made
+    what = stage.exported()
+    assert (what.materials[0].program, what.materials[0].front.base_color) == (-1, (0.0, 0.0, 0.0))
+
+
+def _textured_file(path: Path, pixels: np.ndarray, kind: str, alpha: bool = False) -> Any:
+    """A file of `pixels` (straight alpha) as the texture of a diffuse material, whose alpha somebody asks for; returns the image."""
+    import bpy
+    import OpenImageIO as oiio
+
+    spec = oiio.ImageSpec(pixels.shape[1], pixels.shape[0], pixels.shape[2], kind)
+    spec["oiio:UnassociatedAlpha"] = 1
+    file = oiio.ImageOutput.create(str(path))
+    file.open(str(path), spec)
+    file.write_image(np.ascontiguousarray(pixels, np.float32))
+    file.close()
+    image = bpy.data.images.load(str(path))
+    tree = _textured(image)
+    if alpha:
+        texture, shader = (next(node for node in tree.nodes if node.type == kind) for kind in ("TEX_IMAGE", "BSDF_DIFFUSE"))
+        tree.links.new(texture.outputs["Alpha"], shader.inputs["Roughness"])
+    return image
+
+
+ENCODED = np.array([[[0.8, 0.4, 0.2, 0.5]]], np.float32)
+
+
+@pytest.mark.parametrize(("alpha", "expected"), [(False, (0.1329, 0.0331, 0.01)), (True, (0.302, 0.0664, 0.0166))])
+@in_blender
+def test_sixteen_bits_are_multiplied_before_they_are_decoded(tmp_path: str, alpha: bool, expected: tuple[float, ...]) -> None:
+    """As in Cycles, and times alpha after it where the tree asks for the alpha, which takes that off again."""
+    _textured_file(Path(tmp_path, "sixteen.png"), ENCODED, "uint16", alpha)
+    (texture,) = stage.exported().textures
+    assert np.allclose(texture.pixels[0, 0, :3], expected, atol=1e-3)
+
+
+@in_blender
+def test_grey_files_with_alpha_are_not_multiplied(tmp_path: str) -> None:
+    """As in Cycles."""
+    _textured_file(Path(tmp_path, "grey.png"), ENCODED[..., [0, 3]], "uint8")
+    (texture,) = stage.exported().textures
+    assert np.allclose(texture.pixels[0, 0] / 255, (0.8, 0.8, 0.8, 0.5), atol=3e-3)
+
+
+# Of encoded 0.8, 0.4, 0.2, as Cycles shows them.
+SPACES = {"ACEScg": (1.0986, 0.3499, 0.1598), "Linear Rec.2020": (1.0781, 0.3518, 0.1689), "Filmic Log": (1.6504, 0.017, 0.0017)}
+
+
+@pytest.mark.parametrize("space", SPACES)
+@in_blender
+def test_color_spaces(tmp_path: str, space: str) -> None:
+    import bpy
+
+    image = _textured_file(Path(tmp_path, "space.png"), ENCODED[..., :3], "uint8")
+    if space not in image.colorspace_settings.bl_rna.properties["name"].enum_items:
+        return  # not in this version of Blender
+    image.colorspace_settings.name = space
+    what = stage.exported()
+    (texture,) = what.textures
+    assert not texture.srgb
+    assert np.allclose(texture.pixels[0, 0, :3], SPACES[space], rtol=0.01, atol=2e-3), (texture.pixels, bpy.app.version)
+    assert what.warnings == []
+
+
+@pytest.mark.parametrize("extension", ["REPEAT", "EXTEND", "CLIP", "MIRROR"])
+@in_blender
+def test_a_missing_image_is_pink_everywhere(extension: str) -> None:
+    import bpy
+
+    gone = bpy.data.images.new("Gone", 4, 4)
+    gone.source, gone.filepath = "FILE", "//gone.png"
+    tree = _textured(gone)
+    next(node for node in tree.nodes if node.type == "TEX_IMAGE").extension = extension
+    (texture,) = stage.exported().textures
+    assert texture.extension == "extend"
+
+
+@in_blender
+def test_a_sequence_shows_the_frame_of_its_user(tmp_path: str) -> None:
+    """Start, offset, length and repetition as Blender has them."""
+    for k in range(1, 6):
+        image = _textured_file(Path(tmp_path, f"seen_{k:04}.png"), np.full((1, 1, 3), k / 10, np.float32), "uint8")
+    tree = stage.scene().objects["Canvas.004"].data.materials[0].node_tree
+    texture = next(node for node in tree.nodes if node.type == "TEX_IMAGE")
+    image.source = "SEQUENCE"
+    user = texture.image_user
+    for at, settings, shown in (
+        (3, {}, 3),
+        (9, {}, 5),
+        (3, {"frame_offset": 1}, 4),
+        (3, {"frame_offset": 0, "frame_start": 2}, 2),
+        (7, {"frame_start": 1, "use_cyclic": True}, 2),
+        (7, {"use_cyclic": False, "frame_duration": 3}, 3),
+    ):
+        user.frame_duration = 5
+        for name, value in settings.items():
+            setattr(user, name, value)
+        stage.scene().frame_set(at)
+        found = stage.exported().textures[-1]
+        assert np.allclose(found.pixels[0, 0, :3] / 255, shown / 10, atol=3e-3), (at, settings)
+
+
+@pytest.mark.parametrize("kind", ["Transparent", "Principled"])
+@in_blender
+def test_shadows_may_be_told_to_be_opaque(kind: str) -> None:
+    """Transparent Shadows of a material: off, shadow rays do not pass, and all others do, as in Cycles."""
+    from photon_splat.core import native
+    from photon_splat.core.native_scene import fill_renderer
+    from photon_splat.core.settings import RenderSettings
+
+    made, tree = stage.empty_material("Pane")
+    if not hasattr(made, "use_transparent_shadow"):
+        return
+    shader = tree.nodes.new(f"ShaderNodeBsdf{kind}")
+    shader.inputs["Color" if kind == "Transparent" else "Alpha"].default_value = (0.5, 0.5, 0.5, 1) if kind == "Transparent" else 0.5
+    stage.surface(tree, shader)
+    stage.plane().data.materials[0] = made
+    found = {}
+    for on in (True, False):
+        made.use_transparent_shadow = on
+        renderer = native.load().Renderer(1)
+        fill_renderer(renderer, stage.exported(), RenderSettings())
+        renderer.build()
+        place, down = np.array([[0.1, 0.2, 1]], np.float32), np.array([[0, 0, -1]], np.float32)
+        found[on] = [float(renderer.shade_rays(place, down, kind=ray)["transparency"][0, 0]) for ray in ("shadow", "camera")]
+    assert np.allclose(found[True], (0.5, 0.5), atol=0.01)
+    assert np.allclose(found[False], (0.0, 0.5), atol=0.01)
+
+
+@in_blender
+def test_packed_tiles(tmp_path: str) -> None:
+    """Those of a UDIM image, whose files are gone; and one that never was is pink."""
+    for number in (1001, 1002):
+        image = _textured_file(Path(tmp_path, f"tile.{number}.png"), np.full((1, 1, 3), (number - 1000) / 10, np.float32), "uint8")
+    image.source, image.filepath = "TILED", str(Path(tmp_path, "tile.<UDIM>.png"))
+    image.tiles[0].number = 1001
+    image.tiles.new(1002)
+    image.pack()
+    for file in Path(tmp_path).glob("tile.*.png"):
+        file.unlink()
+    image.tiles.new(1003)
+    what = stage.exported()
+    shown = [tuple(texture.pixels[0, 0, :3]) for texture in what.textures]
+    assert (26, 26, 26) in shown
+    assert (51, 51, 51) in shown
+    assert (255, 0, 255) in shown
+    assert any("1003" in warning for warning in what.warnings)

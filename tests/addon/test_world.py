@@ -114,14 +114,33 @@ def test_a_mixed_sky_is_looked_up_as_the_sky_alone() -> None:
     assert np.isclose(found, expected, rtol=0.05, atol=0.02).all(axis=1).mean() >= 0.9
 
 
+@pytest.mark.parametrize(("output", "warned"), [("Is Camera Ray", False), ("Is Diffuse Ray", False), ("Ray Depth", True)])
 @in_blender
-def test_light_path_of_a_world_is_named() -> None:
+def test_light_path_of_a_world_is_that_of_the_ray(output: str, warned: bool) -> None:
+    """Native code asks for it; only depths are not known of photons."""
+    from photon_splat.core import native
+    from photon_splat.core.native_scene import fill_renderer
+    from photon_splat.core.settings import RenderSettings
+
     tree, background = _tree()
     path = tree.nodes.new("ShaderNodeLightPath")
-    tree.links.new(path.outputs["Is Diffuse Ray"], background.inputs["Strength"])
+    background.inputs["Color"].default_value = (1, 1, 1, 1)
+    tree.links.new(path.outputs[output], background.inputs["Strength"])
     what = stage.exported()
-    assert np.allclose(what.world, background.inputs["Color"].default_value[0])
-    assert "Light Path in a world" in stage.the_one_warning(what)
+    assert [("guessed for photons" in warning) for warning in what.warnings] == [True] * warned
+    renderer = native.load().Renderer(1)
+    fill_renderer(renderer, what, RenderSettings())
+    renderer.build()
+    up = np.array([[0, 0, 1]], np.float32)
+    seen = {kind: float(renderer.shade_rays(up * 0, up, kind=kind)["emission"][0, 0]) for kind in ("camera", "diffuse", "glossy")}
+    assert (
+        seen
+        == {
+            "Is Camera Ray": {"camera": 1.0, "diffuse": 0.0, "glossy": 0.0},
+            "Is Diffuse Ray": {"camera": 0.0, "diffuse": 1.0, "glossy": 0.0},
+            "Ray Depth": {"camera": 1.0, "diffuse": 1.0, "glossy": 1.0},
+        }[output]
+    )
 
 
 @pytest.mark.parametrize("model", ["SINGLE_SCATTERING", "MULTIPLE_SCATTERING"])

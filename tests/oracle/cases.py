@@ -185,6 +185,13 @@ CASES: tuple[Case, ...] = (
     ),
     _world("sky_multiple_over_the_top", "sky", kind="MULTIPLE_SCATTERING", sun_elevation=2.4, sun_rotation=0.5, sun_size=0.05),
     _world("sky_preetham", "sky", kind="PREETHAM", sun_direction=(0.4, -0.6, 0.5), turbidity=3.5, seen=1.6),
+    # Cycles draws from a world as no ray sees it, and mixes that with what rays see: its rays alone are compared.
+    *(
+        Case(f"world_by_{name}_ray", "world_by_ray", {"output": f"Is {name.title()} Ray"}, light_samples=False, passes=48)
+        for name in ("camera", "diffuse", "glossy", "transmission")
+    ),
+    _geometry("volume_without_surface"),
+    _geometry("outputs_for_both"),
     _geometry("emissive_mesh"),
     _geometry("emissive_front_only"),
     _geometry("emissive_texture"),

@@ -29,7 +29,7 @@ from tests.oracle.gallery import BY_NAME, STEPS, SWEEPS
 from tests.oracle.verdict import INTEGRATORS, Verdict, judge, render
 from tests.oracle.worker import Worker
 
-PASSING = 328
+PASSING = 337
 """How many of all cases and sweeps passed when this was last raised. Never lower it to let a change through."""
 OUT = Path(__file__).resolve().parents[2] / "out" / "oracle"
 ROWS = OUT / "rows.jsonl"

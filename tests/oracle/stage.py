@@ -289,6 +289,65 @@ def environment(
         _lamp("AREA", 20.0, HIGH, size=0.6)
 
 
+def world_by_ray(output: str) -> None:
+    """Rays that a Light Path node's output is 1 for see a blue world, all others an uneven warm one; balls of metal and glass."""
+    _stage()
+    m.add_sphere("Mirror", 0.28, m.polished_metal("Mirror", (0.9, 0.9, 0.9)), (-0.1, -0.9, 0.3), 24)
+    m.add_sphere("Glass", 0.25, m.glass("Glass", 1.45), (0.75, -1.0, 0.27), 24)
+    lacquer = m.principled("Lacquer", (0.5, 0.1, 0.1))
+    lacquer.node_tree.nodes["Principled BSDF"].inputs["Roughness"].default_value = 0.25
+    m.add_sphere("Lacquer", 0.25, lacquer, (-0.75, -1.0, 0.27), 24)
+    tree, blue = _background()
+    warm, mix, path, gradient = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("Background", "MixShader", "LightPath", "TexGradient"))
+    gradient.gradient_type = "EASING"
+    blue.inputs["Color"].default_value = (0.1, 0.3, 1.0, 1.0)
+    warm.inputs["Color"].default_value = (1.0, 0.6, 0.3, 1.0)
+    tree.links.new(gradient.outputs["Factor" if "Factor" in gradient.outputs else "Fac"], warm.inputs["Strength"])
+    ending = next(node for node in tree.nodes if node.type == "OUTPUT_WORLD")
+    tree.links.new(path.outputs[output], mix.inputs[0])
+    tree.links.new(warm.outputs[0], mix.inputs[1])
+    tree.links.new(blue.outputs[0], mix.inputs[2])
+    tree.links.new(mix.outputs[0], ending.inputs["Surface"])
+    _look((0.0, -4.3, 1.6), (0.0, 0.15, 0.9))
+
+
+def volume_without_surface() -> None:
+    """A box around things and lamp, of a volume that is as good as empty and of no surface."""
+    _stage()
+    m.set_world((0.2, 0.3, 0.5))
+    _lamp("AREA", 20.0, HIGH, size=0.6)
+    air = bpy.data.materials.new("Air")
+    air.use_nodes = True
+    tree = air.node_tree
+    tree.nodes.clear()
+    ending, volume = tree.nodes.new("ShaderNodeOutputMaterial"), tree.nodes.new("ShaderNodeVolumeAbsorption")
+    volume.inputs["Density"].default_value = 1e-6
+    tree.links.new(volume.outputs[0], ending.inputs["Volume"])
+    m.add_boxes("Air", [((-1.1, -1.1, 0.05), (1.1, 0.9, 1.5))], air)
+
+
+def outputs_for_both() -> None:
+    """An output for each renderer, in a material, the world and a lamp."""
+    _stage()
+    _lamp("AREA", 20.0, HIGH, size=0.6)
+    lamp = next(thing for thing in bpy.context.scene.objects if thing.type == "LIGHT").data
+    lamp.use_nodes = True
+    red = bpy.data.materials["Red"]
+    world, _ = _background()
+    for tree, output, shader, color in (
+        (red.node_tree, "ShaderNodeOutputMaterial", "ShaderNodeBsdfDiffuse", (0.1, 0.2, 0.8, 1.0)),
+        (world, "ShaderNodeOutputWorld", "ShaderNodeBackground", (0.1, 0.3, 0.1, 1.0)),
+        (lamp.node_tree, "ShaderNodeOutputLight", "ShaderNodeEmission", (1.0, 0.5, 0.3, 1.0)),
+    ):
+        theirs = next(node for node in tree.nodes if node.bl_idname == output)
+        theirs.target = "EEVEE"
+        ours, node = tree.nodes.new(output), tree.nodes.new(shader)
+        ours.target = "CYCLES"
+        node.inputs["Color"].default_value = color
+        tree.links.new(node.outputs[0], ours.inputs["Surface"])
+        theirs.is_active_output = True
+
+
 def sky(kind: str, strength: float = 0.1, seen: float = 0.0, **settings: Any) -> None:
     """seen: height that the camera looks at, so that the sky is in the picture. Names are those of Blender 5."""
     _stage()

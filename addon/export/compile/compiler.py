@@ -44,6 +44,7 @@ class Compiled:
     graph: Graph
     statements: list[Statement]
     features: Feature
+    empty: bool = False  # nothing is linked, or nothing but what is known to shine with no light
 
     def program(self, name: str) -> Program:
         return assemble(name, self.graph, self.statements, self.features)
@@ -77,7 +78,7 @@ class Compiler:
         weights: dict[ShaderKey, Value] = {root: ONE} if root is not None else {}
         statements: list[Statement] = []
         features = Feature(0)
-        constant_emission = True
+        constant_emission = empty = True
         for key in order:
             weight = weights.get(key, ZERO)
             if weight == ZERO:
@@ -88,6 +89,7 @@ class Compiler:
                     weights[part] = self.graph.add_numbers(weights.get(part, ZERO), share)
                 continue
             made, produces = self._leaf(leaves[key], weight)
+            empty = empty and not made and _shines(leaves[key])
             statements += [one for one in made if one.weight != ZERO]
             if produces & Feature.EMITS and not produces & Feature.CONSTANT_EMISSION:
                 constant_emission = False
@@ -98,7 +100,7 @@ class Compiler:
             self.around.report.warn(f"{self.owner.name}: {said}")
         if not constant_emission:
             features &= ~Feature.CONSTANT_EMISSION
-        return Compiled(self.graph, statements, features)
+        return Compiled(self.graph, statements, features, empty)
 
     def _shaders(self, socket: Any) -> tuple[list[ShaderKey], dict[ShaderKey, _Mixer], dict[ShaderKey, Feed], ShaderKey | None]:
         """All shaders above `socket`, those that are mixed after the mixers: order, mixers, leaves and the first one's key."""
@@ -111,6 +113,7 @@ class Compiler:
         state: dict[ShaderKey, bool] = {}  # False: its parts are being looked at
         stack: list[tuple[Feed, bool]] = [(root, False)]
         while stack:
+            self.around.watch.go_on()
             feed, parts_done = stack.pop()
             key = _shader_key(feed)
             if parts_done:
@@ -233,6 +236,7 @@ class Compiler:
         stack = [self._visit(feed, place)]
         open_keys = {_key(feed.node, feed.groups, stack[0].place)}
         while stack:
+            self.around.watch.go_on()
             visit = stack[-1]
             if visit.waiting is not None:
                 self._deliver(visit, visit.waiting)
@@ -314,6 +318,11 @@ class Compiler:
 
     def _report_loop(self, node: Any) -> None:
         self.around.report.warn(f"{self.owner.name}, node '{label(node)}': its links run in a circle; one of them counts as not there")
+
+
+def _shines(feed: Feed) -> bool:
+    """True for what gives nothing but light."""
+    return feed.node is None or feed.socket.type != "SHADER" or feed.node.type in {"EMISSION", "BACKGROUND"}
 
 
 def _own_place(node: Any, place: Place) -> Place:

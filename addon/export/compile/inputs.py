@@ -16,6 +16,7 @@ LIGHT_PATH = (
     *("Is Transmission Ray", "Is Volume Scatter Ray", "Ray Length", "Ray Depth", "Diffuse Depth", "Glossy Depth"),
     *("Transparent Depth", "Transmission Depth"),
 )
+DEPTHS = ("Ray Depth", "Diffuse Depth", "Glossy Depth", "Transparent Depth", "Transmission Depth")
 
 
 def uv(n: Node, name: str) -> Value:
@@ -162,12 +163,13 @@ def camera_data(n: Node) -> Outputs:
 
 
 def light_path(n: Node) -> Outputs:
-    if n.owner.lamp is not None:  # a lamp that is looked at knows how far away that is
-        return {socket.identifier: ZERO for socket in n.node.outputs} | {"Ray Length": n.graph.one("LightPath", what="RAY_LENGTH")}
-    if n.owner.of_world:
-        n.warn("Light Path in a world is that of a diffuse ray, for all rays")
-        ones = {"Is Diffuse Ray", "Is Reflection Ray", "Ray Depth", "Diffuse Depth"}
-        return {socket.identifier: ONE if socket.identifier in ones else ZERO for socket in n.node.outputs}
+    if n.owner.lamp is not None:  # as in Cycles it knows no kinds of rays; how far away it is looked at, and that it is one step away
+        if any(n.wanted(name) for name in DEPTHS):
+            n.warn("the depths of rays that see a light are those of its direct light")
+        found = {socket.identifier: ZERO for socket in n.node.outputs}
+        return found | {"Ray Length": n.graph.one("LightPath", what="RAY_LENGTH"), "Ray Depth": ONE}
+    if n.owner.of_world and any(n.wanted(name) for name in DEPTHS):
+        n.warn("the depths of rays that see the world are guessed for photons")
     return {name: n.graph.one("LightPath", what=name.upper().replace(" ", "_")) for name in LIGHT_PATH} | {"Portal Depth": ZERO}
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from ...core.shading import GENERATED
+from ..cancelled import Watch
 from .values import ORIGIN, ZERO, Graph, Value, number, vector
 
 if TYPE_CHECKING:
@@ -46,6 +47,7 @@ class Surroundings:
     wants: Wants
     trees: Trees
     depsgraph: Any = None
+    watch: Watch = field(default_factory=Watch)
 
 
 @dataclass(slots=True)
@@ -61,6 +63,7 @@ class Owner:
     uv_map: str | None = None
     asked_uv_map: bool = False
     of_world: bool = False
+    opaque_shadow: bool = False  # its transparency does not count for shadow rays
     lamp: Any = None  # the object, where the tree is a light's
     normal: Value | None = None  # in place of the shading normal, where a displacement bends it
 

@@ -69,6 +69,29 @@ def lambertian(compiled: Compiled) -> tuple[tuple[Rgb, int], tuple[Rgb, int]] | 
 
 def linear(compiled: Compiled, value: Value) -> Linear | None:
     """A colour as a linear function of textures on the render-active UV map, or None."""
+    known: dict[Value, Linear | None] = {}
+    waiting = [value]
+    while waiting:  # each value once, those that it is made of first
+        open_ends = [part for part in _parts(compiled, waiting[-1]) if part not in known]
+        if open_ends:
+            waiting += open_ends
+        else:
+            one = waiting.pop()
+            known[one] = _linear(compiled, one, known)
+    return known[value]
+
+
+def _parts(compiled: Compiled, value: Value) -> list[Value]:
+    """The colours that a sum or a product is made of."""
+    if value.is_constant:
+        return []
+    instruction = compiled.graph.instructions[value.instruction]
+    names = {"ScaleVector": ("a",), "MixColor": ("a", "b")}.get(instruction.operation.name, ())
+    return [_get(instruction, name) for name in names]
+
+
+def _linear(compiled: Compiled, value: Value, known: dict[Value, Linear | None]) -> Linear | None:
+    """The same, of a value whose parts are known."""
     if value.is_constant:
         return Linear(np.array(value.data, np.float64))
     instruction = compiled.graph.instructions[value.instruction]
@@ -79,10 +102,10 @@ def linear(compiled: Compiled, value: Value) -> Linear | None:
         return _image(compiled, instruction) if value.data[0] == 0 else None
     if name == "ScaleVector":
         a, factor = _get(instruction, "a"), _get(instruction, "b")
-        found = linear(compiled, a)
+        found = known[a]
         return found * factor.data[0] if found is not None and factor.is_constant else None
     if name == "MixColor":
-        return _mix(compiled, instruction)
+        return _mix(instruction, known)
     return None
 
 
@@ -105,7 +128,7 @@ def _image(compiled: Compiled, instruction: Instruction) -> Linear | None:
     return Linear(np.zeros(3), {_get(instruction, "image"): np.ones(3)})
 
 
-def _mix(compiled: Compiled, instruction: Instruction) -> Linear | None:
+def _mix(instruction: Instruction, known: dict[Value, Linear | None]) -> Linear | None:
     """Mix and Multiply of colours by a constant factor; the latter where one of the colours is constant."""
     factor = _get(instruction, "factor")
     kind = _mode(instruction, "blend_type")
@@ -114,7 +137,7 @@ def _mix(compiled: Compiled, instruction: Instruction) -> Linear | None:
     share = factor.data[0]
     if _mode(instruction, "clamp_factor") == "ON":
         share = min(max(share, 0.0), 1.0)
-    a, b = linear(compiled, _get(instruction, "a")), linear(compiled, _get(instruction, "b"))
+    a, b = known[_get(instruction, "a")], known[_get(instruction, "b")]
     if a is None or b is None:
         return None
     if kind == "MIX":

@@ -52,7 +52,14 @@ def emitted(n: Node, weight: Value, color: Value) -> Made:
 
 
 def transparent(n: Node, weight: Value) -> Made:
-    return [statement("Transparent", weight=weight, color=n.color("Color"))], Feature.TRANSPARENT
+    return [statement("Transparent", weight=n.graph.multiply(weight, seen_through(n)), color=n.color("Color"))], Feature.TRANSPARENT
+
+
+def seen_through(n: Node) -> Value:
+    """1, or 0 for shadow rays where the material's transparency does not count for them."""
+    if not n.owner.opaque_shadow:
+        return ONE
+    return n.graph.one("OneMinus", a=n.graph.one("LightPath", what="IS_SHADOW_RAY"))
 
 
 def holdout(n: Node, weight: Value) -> Made:
@@ -167,6 +174,9 @@ def principled(n: Node, weight: Value) -> Made:
         n.warn("Thin Wall is not supported; taken as solid")
     metal, roughness, coat_roughness = n.share("Metallic"), n.share("Roughness", 0.5), n.share("Coat Roughness", 0.03)
     alpha, specular, anisotropic = n.share("Alpha", 1.0), n.number("Specular IOR Level", 0.5), n.number("Anisotropic")
+    if n.owner.opaque_shadow and alpha != ONE:
+        clear = n.graph.multiply(n.graph.one("OneMinus", a=alpha), seen_through(n))
+        alpha = n.graph.one("OneMinus", a=clear)
     ior = n.ior("IOR", 1.5)
     emission_color, emission_strength = n.color("Emission Color"), n.number("Emission Strength")
     layers = ("Transmission Weight", "Coat Weight", "Sheen Weight")

@@ -106,7 +106,9 @@ NODES: dict[str, Entry] = {
     "OBJECT_INFO": Entry("input", "Object Info", i.object_info),
     "PARTICLE_INFO": Entry("input", "Particle Info", i.particle_info),
     "CAMERA": Entry("input", "Camera Data", i.camera_data),
-    "LIGHT_PATH": Entry("input", "Light Path", i.light_path, "in a world: that of a diffuse ray"),
+    "LIGHT_PATH": Entry(
+        "input", "Light Path", i.light_path, "depths: in a light those of its direct light, in a world guessed for photons"
+    ),
     "LIGHT_FALLOFF": Entry("input", "Light Falloff", i.light_falloff),
     "FRESNEL": Entry("input", "Fresnel", i.fresnel),
     "LAYER_WEIGHT": Entry("input", "Layer Weight", i.layer_weight),

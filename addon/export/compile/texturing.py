@@ -63,9 +63,10 @@ def _tiles(n: Node) -> Outputs:
     """A UDIM image: each tile where it lies, pink where there is none, as in Cycles. Every tile costs a look-up."""
     node, graph = n.node, n.graph
     where = coordinates(n, uv(n, ""))
-    whole, rest = (
-        graph.add("VectorMath", a=where, b=ORIGIN, c=ORIGIN, scale=ONE, operation=kind)["vector"] for kind in ("FLOOR", "FRACTION")
-    )
+    parts = [graph.one("Math", a=where.component(k), b=ZERO, c=ZERO, operation="TRUNC", use_clamp=False) for k in range(2)]
+    whole = graph.one("CombineColor", a=parts[0], b=parts[1], c=ZERO, mode="RGB")
+    rest = graph.add("VectorMath", a=where, b=whole, c=ORIGIN, scale=ONE, operation="SUBTRACT")["vector"]
+    unassociate = n.wanted("Alpha") and is_associated(node.image)
     color, alpha = vector((1.0, 0.0, 1.0)), ONE
     for tile in node.image.tiles:
         at = divmod(tile.number - 1001, 10)
@@ -76,10 +77,10 @@ def _tiles(n: Node) -> Outputs:
         found = graph.add(
             "ImageTexture",
             vector=rest,
-            image=n.around.textures.of_node(node, f"{n.owner.name}, node '{label(node)}'", tile.number),
+            image=n.around.textures.of_node(node, f"{n.owner.name}, node '{label(node)}'", tile.number, unassociate),
             projection="FLAT",
             projection_blend=ZERO,
-            unassociate=n.wanted("Alpha") and is_associated(node.image),
+            unassociate=unassociate,
         )
         color = graph.one("MixVector", factor=inside, a=color, b=found["color"], clamp_factor=False)
         alpha = graph.one("MixFloat", factor=inside, a=alpha, b=found["alpha"], clamp_factor=False)
@@ -90,14 +91,15 @@ def image(n: Node) -> Outputs:
     node = n.node
     if node.image is not None and node.image.source == "TILED" and node.projection == "FLAT":
         return _tiles(n)
-    index = n.around.textures.of_node(node, f"{n.owner.name}, node '{label(node)}'")
+    unassociate = n.wanted("Alpha") and is_associated(node.image)
+    index = n.around.textures.of_node(node, f"{n.owner.name}, node '{label(node)}'", straight=unassociate)
     found = n.graph.add(
         "ImageTexture",
         vector=coordinates(n, uv(n, "")),
         image=index,
         projection=node.projection,
         projection_blend=number(node.projection_blend),
-        unassociate=n.wanted("Alpha") and is_associated(node.image),
+        unassociate=unassociate,
     )
     return {"Color": found["color"], "Alpha": found["alpha"]}
 

@@ -149,6 +149,7 @@ nb::dict shade_rays(Renderer& r, Array<float, nb::shape<-1, 3>> origins, Array<f
   for (auto& v : values) v.assign(3 * n, 0);
   std::vector<uint8_t> hit(n, 0);
   RayInfo info;
+  info.through = kind == "transmission";
   info.kind = kind == "shadow" ? RayInfo::kShadow : kind == "diffuse" ? RayInfo::kDiffuse : kind == "glossy" ? RayInfo::kGlossy
               : kind == "transmission" ? RayInfo::kTransmission : RayInfo::kCamera;
   {
@@ -171,6 +172,8 @@ nb::dict shade_rays(Renderer& r, Array<float, nb::shape<-1, 3>> origins, Array<f
       } else if (r.scene.world_program >= 0) {
         program = &r.scene.programs[r.scene.world_program];
         point = {direction, -direction, -direction, -direction, false, ShadingPoint::kNoInstance, 0, 0, 0, info};
+        point.ray.length = std::numeric_limits<float>::max();
+        ++point.ray.depth;
       } else {
         continue;
       }

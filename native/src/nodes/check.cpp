@@ -114,10 +114,14 @@ void check_program(const Scene& scene, const Program& program) { Checker(scene, 
 
 void look_at_light_path(Program& program) {
   using enum nodes::PathValue;
-  program.asks_shadow = program.asks_kind = false;
+  program.asks_shadow = program.asks_kind = program.asks_singular = program.asks_depth = program.asks_ray = false;
   for (size_t at = 0; at < program.code.size(); at += nodes::kWords[program.code[at]]) {
     if (program.code[at] != static_cast<uint32_t>(nodes::Op::LightPath)) continue;
-    switch (static_cast<nodes::PathValue>(program.code[at + 2])) {
+    program.asks_ray = true;
+    const auto what = static_cast<nodes::PathValue>(program.code[at + 2]);
+    program.asks_singular |= what == IS_SINGULAR_RAY;
+    program.asks_depth |= what == RAY_DEPTH || what == DIFFUSE_DEPTH || what == GLOSSY_DEPTH || what == TRANSMISSION_DEPTH || what == TRANSPARENT_DEPTH;
+    switch (what) {
       case IS_SHADOW_RAY: program.asks_shadow = true; break;
       case IS_DIFFUSE_RAY:
       case IS_GLOSSY_RAY:

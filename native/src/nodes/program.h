@@ -22,6 +22,7 @@ struct Program {
   uint32_t registers = 0;      // floats of scratch space
   uint32_t features = 0;       // ProgramFeature bits: what a run may produce
   bool asks_shadow = false, asks_kind = false;  // whether shadow rays, and which others, see something else: look_at_light_path()
+  bool asks_singular = false, asks_depth = false, asks_ray = false;  // and those of deltas, later ones, any others
 };
 
 enum ProgramFeature : uint32_t {
@@ -34,11 +35,25 @@ enum ProgramFeature : uint32_t {
 // The ray that found the hit: the Light Path node's outputs.
 struct RayInfo {
   enum Kind : uint8_t { kCamera, kShadow, kDiffuse, kGlossy, kTransmission, kEmission };  // kEmission: none, as an emitter is asked
-  Kind kind = kCamera;
+  Kind kind = kCamera;         // kTransmission: glossy, kDiffuse: either way
   bool singular = false;       // left a delta lobe
+  bool through = false;        // left to the other side
   float length = 0;
+  float from = 0;              // where it began to see, m: the camera's clipping, as in Cycles
   float footprint = 0;         // width of a camera sample where it meets something, m: how far apart Bump looks; 0: not known
   uint16_t depth = 0, diffuse_depth = 0, glossy_depth = 0, transmission_depth = 0, transparent_depth = 0;
+
+  // Of the ray that leaves a surface, which this one met, by a lobe.
+  RayInfo scattered(bool diffuse, bool transmitted, bool delta) const {
+    RayInfo out = *this;
+    out.kind = diffuse ? kDiffuse : transmitted ? kTransmission : kGlossy;
+    out.through = transmitted;
+    out.singular = delta;
+    out.from = 0;
+    ++out.depth;
+    ++(transmitted ? out.transmission_depth : diffuse ? out.diffuse_depth : out.glossy_depth);
+    return out;
+  }
 };
 
 // Rays by which something is seen: a bit for each kind. Light samples come by shadow rays. What a translucent surface scatters through
@@ -76,7 +91,7 @@ void run_program(const Scene& scene, const Program& program, const ShadingPoint&
 // What the registers hold after a run of `program`, which asks for nothing of a hit: for folding of constants.
 std::vector<float> run_constant_program(const Scene& scene, const Program& program);
 
-// Sets asks_shadow and asks_kind of a checked program.
+// Sets what a checked program asks of the ray.
 void look_at_light_path(Program& program);
 
 // Throws std::invalid_argument for a program that reads or writes outside its registers, constants or textures.

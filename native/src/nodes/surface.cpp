@@ -229,10 +229,10 @@ void light_path(Frame& f, const uint32_t* w) {
     case IS_CAMERA_RAY: value = is(RayInfo::kCamera); break;
     case IS_SHADOW_RAY: value = is(RayInfo::kShadow); break;
     case IS_DIFFUSE_RAY: value = is(RayInfo::kDiffuse); break;
-    case IS_GLOSSY_RAY: value = is(RayInfo::kGlossy); break;
+    case IS_GLOSSY_RAY: value = is(RayInfo::kGlossy, RayInfo::kTransmission); break;
     case IS_SINGULAR_RAY: value = ray.singular ? 1.0f : 0.0f; break;
-    case IS_REFLECTION_RAY: value = is(RayInfo::kDiffuse, RayInfo::kGlossy); break;
-    case IS_TRANSMISSION_RAY: value = is(RayInfo::kTransmission); break;
+    case IS_REFLECTION_RAY: value = ray.through ? 0.0f : is(RayInfo::kDiffuse, RayInfo::kGlossy); break;
+    case IS_TRANSMISSION_RAY: value = ray.through ? 1.0f : is(RayInfo::kTransmission); break;
     case IS_VOLUME_SCATTER_RAY: break;
     case RAY_LENGTH: value = ray.length; break;
     case RAY_DEPTH: value = ray.depth; break;
