@@ -10,8 +10,6 @@ import atexit
 import weakref
 from typing import Any
 
-import bpy
-
 from .core.persistent import Persistent
 from .export.kept import Kept
 from .registration import add_handlers, remove_handlers

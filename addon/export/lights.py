@@ -15,6 +15,8 @@ from .compile.reduce import lambertian
 from .materials import Shading
 from .nodes import output_node, uses_nodes
 
+MOST_STRENGTH = 1e18
+"""Beyond it what is bright in the picture, and its square, is no number any more."""
 KINDS = {"POINT": LightKind.POINT, "SPOT": LightKind.SPOT, "SUN": LightKind.SUN, "AREA": LightKind.AREA}
 
 
@@ -37,6 +39,9 @@ def export_light(ob: Any, matrix: NDArray[np.float64], shading: Shading) -> Ligh
         report.warn("Lights whose strength is negative or not a finite number are left out: {}", ob.name)
         return None
     if not strength.any():
+        return None
+    if strength.max() > MOST_STRENGTH:
+        report.warn("Lights left out, as they are brighter than numbers of pixels can be: {}", ob.name)
         return None
     _report_unsupported(ob, lamp, cycles, report)
     r, g, b = (float(v) for v in strength)

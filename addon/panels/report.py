@@ -111,7 +111,9 @@ def users(context: Any, names: Collection[str]) -> Iterator[tuple[Any, int | Non
     place = {name: k for k, name in reversed(list(enumerate(names)))}
     found = []
     for ob in context.view_layer.objects:
-        slots = [(place[slot.material.name], k) for k, slot in enumerate(ob.material_slots) if slot.material and slot.material.name in place]
+        slots = [
+            (place[slot.material.name], k) for k, slot in enumerate(ob.material_slots) if slot.material and slot.material.name in place
+        ]
         if slots or ob.name in place:
             first, slot = min(slots) if slots else (len(place), None)
             found.append((min(first, place.get(ob.name, len(place))), len(found), ob, slot))

@@ -25,7 +25,9 @@ def test_one_sentence_a_kind() -> None:
 def test_what_differs_in_more_than_names_stays_apart() -> None:
     warnings = ["Material 'A', node 'X': Volume not supported; left out", "World 'A', node 'X': Volume not supported; left out"]
     assert told(warnings) == warnings
-    assert told(["Motion blur is not supported yet; everything stands still"] * 2) == ["Motion blur is not supported yet; everything stands still"]
+    assert told(["Motion blur is not supported yet; everything stands still"] * 2) == [
+        "Motion blur is not supported yet; everything stands still"
+    ]
 
 
 def test_what_is_missing_comes_first_and_notes_last() -> None:
