@@ -40,7 +40,7 @@ def export_light(ob: Any, matrix: NDArray[np.float64], shading: Shading) -> Ligh
         return None
     if not strength.any():
         return None
-    if strength.max() > MOST_STRENGTH:
+    if (strength > MOST_STRENGTH).any():
         report.warn("Lights left out, as they are brighter than numbers of pixels can be: {}", ob.name)
         return None
     _report_unsupported(ob, lamp, cycles, report)

@@ -109,7 +109,7 @@ def named(warning: str) -> list[str]:
 def users(context: Any, names: Collection[str]) -> Iterator[tuple[Any, int | None]]:
     """The objects of the view layer of those names, or with a material of such a name and its slot; those first that are named first."""
     place = {name: k for k, name in reversed(list(enumerate(names)))}
-    found = []
+    found: list[tuple[int, int, Any, int | None]] = []
     for ob in context.view_layer.objects:
         slots = [
             (place[slot.material.name], k) for k, slot in enumerate(ob.material_slots) if slot.material and slot.material.name in place

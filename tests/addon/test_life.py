@@ -21,7 +21,7 @@ def _ours() -> list[str]:
         for handler in getattr(bpy.app.handlers, name)
         if handler.__module__.startswith("photon_splat")
     ]
-    found += [name for name in dir(bpy.types) if name.startswith("PHOTON_SPLAT") or name.startswith("PhotonSplat")]
+    found += [name for name in dir(bpy.types) if name.startswith(("PHOTON_SPLAT", "PhotonSplat"))]
     found += [f"{owner.__name__}.photon_splat" for owner in (bpy.types.Scene, bpy.types.ViewLayer) if hasattr(owner, "photon_splat")]
     return sorted(found)
 
