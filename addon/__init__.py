@@ -18,23 +18,24 @@ def register() -> None:
 
     from . import engine, panels, persistent, settings, viewport
 
-    settings.register()
-    viewport.register()
-    persistent.register()
-    engine.register()
-    panels.register()
+    try:
+        for part in (settings, viewport, persistent, engine, panels):
+            part.register()
+    except BaseException:
+        unregister()
+        raise
+    atexit.unregister(unregister)
     if getattr(bpy.app, "module", False):  # Blender 4.5 as a Python module hangs at exit while a render engine or a panel is registered
         atexit.register(unregister)
 
 
 def unregister() -> None:
     import atexit
+    import contextlib
 
     from . import engine, panels, persistent, settings, viewport
 
     atexit.unregister(unregister)
-    panels.unregister()
-    engine.unregister()
-    persistent.unregister()
-    viewport.unregister()
-    settings.unregister()
+    with contextlib.ExitStack() as parts:  # the last one first, and all of them whatever happens
+        for part in (settings, viewport, persistent, engine, panels):
+            parts.callback(part.unregister)

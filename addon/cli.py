@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import json
 import math
 import os
+import shutil
 import signal
 import sys
 import time
@@ -17,7 +19,7 @@ from typing import Any, NoReturn
 from .core.result import Progress, RenderResult
 from .core.scene import Frame
 from .core.settings import FORCEABLE, SWITCHES, Backend, FinalGather, Integrator, RenderSettings
-from .exr import WriteError, channels_of, replace_file, write_exr
+from .exr import WriteError, channels_of, replace_file, try_file, write_exr
 
 UNLIMITED_PASSES = 1 << 30
 MOST_PHOTONS = 1 << 40
@@ -141,6 +143,13 @@ def _settings(options: argparse.Namespace) -> Callable[[RenderSettings], RenderS
     return lambda plain: replace(plain, **given)
 
 
+def _say(text: str) -> None:
+    """To standard error; where nobody reads it any more the render goes on all the same."""
+    with contextlib.suppress(OSError, ValueError):
+        sys.stderr.write(text)
+        sys.stderr.flush()
+
+
 class _ProgressBar:
     """On a terminal a bar that redraws itself, elsewhere a line at each tenth."""
 
@@ -151,21 +160,30 @@ class _ProgressBar:
     def show(self, progress: Progress) -> None:
         if self.terminal:
             filled = int(30 * progress.fraction)
-            sys.stderr.write(f"\r[{'#' * filled}{'.' * (30 - filled)}] {100 * progress.fraction:3.0f} %  {progress.message}\x1b[K")
+            _say(f"\r[{'#' * filled}{'.' * (30 - filled)}] {100 * progress.fraction:3.0f} %  {progress.message}\x1b[K")
         elif int(10 * progress.fraction) > self.tenth:
             self.tenth = int(10 * progress.fraction)
-            sys.stderr.write(f"{10 * self.tenth:3d} %  {progress.message}\n")
-        sys.stderr.flush()
+            _say(f"{10 * self.tenth:3d} %  {progress.message}\n")
 
     def end(self) -> None:
         if self.terminal:
-            sys.stderr.write("\r\x1b[K")
-            sys.stderr.flush()
+            _say("\r\x1b[K")
+
+
+def _open_standard_streams() -> None:
+    """Those that the caller has closed lead nowhere: else files that are opened later would take their numbers, and what is meant for the
+    user would be written into them."""
+    while (number := os.open(os.devnull, os.O_RDWR)) < 3:
+        pass
+    os.close(number)
+    for name in ("stdout", "stderr"):
+        if getattr(sys, name) is None:
+            setattr(sys, name, open(os.devnull, "w"))  # noqa: SIM115
 
 
 def _silence_blender() -> None:
     """Blender and its libraries print to the descriptors 1 and 2; our own messages keep the real standard error."""
-    sys.stderr = os.fdopen(os.dup(2), "w", buffering=1)
+    sys.stderr = os.fdopen(os.dup(2), "w", buffering=1, encoding="utf-8", errors="backslashreplace")
     quiet = os.open(os.devnull, os.O_WRONLY)
     for descriptor in (1, 2):
         os.dup2(quiet, descriptor)
@@ -173,19 +191,29 @@ def _silence_blender() -> None:
 
 
 def _check_paths(options: argparse.Namespace) -> None:
-    if not options.scene.is_file():
-        raise CommandError(f"{options.scene} does not exist" if not options.scene.exists() else f"{options.scene} is not a file")
+    if not os.path.isfile(options.scene):
+        raise CommandError(f"{options.scene} does not exist" if not os.path.exists(options.scene) else f"{options.scene} is not a file")
     if options.output.suffix.lower() != ".exr":
         raise CommandError(f"{options.output} does not end in .exr: pictures are written as OpenEXR")
-    if options.stats is not None and options.stats.resolve() == options.output.resolve():
-        raise CommandError("--stats and --output name the same file")
+    given = {"--stats": options.stats, "--output": options.output, "the scene": options.scene}
+    for one, other in (("--stats", "--output"), ("--stats", "the scene"), ("--output", "the scene")):
+        if given[one] is not None and _same_file(given[one], given[other]):
+            raise CommandError(f"{one} and {other} name the same file")
     for path in filter(None, (options.output, options.stats)):
-        if path.is_dir():
+        if os.path.isdir(path):  # which says no to names that are too long
             raise CommandError(f"{path} is a folder")
-        if not path.parent.is_dir():
+        if not os.path.isdir(path.parent):
             raise CommandError(f"{path} cannot be written: the folder {path.parent} does not exist")
         if not os.access(path.parent, os.W_OK):
             raise CommandError(f"{path} cannot be written: no permission in {path.parent}")
+        try_file(path)
+
+
+def _same_file(one: Path, other: Path) -> bool:
+    try:
+        return one.samefile(other)
+    except OSError:  # one of them is not there yet
+        return os.path.realpath(one) == os.path.realpath(other)
 
 
 def _open_scene(options: argparse.Namespace) -> Any:
@@ -249,16 +277,14 @@ def _render(options: argparse.Namespace, scene: Any, interrupted: Callable[[], b
 
 
 def _write(options: argparse.Namespace, scene: Any, results: list[tuple[str, RenderResult, Frame]], startup: float) -> None:
-    import numpy as np
-
     from . import version
 
     _, first, frame = results[0]
-    names, pixels = channels_of(first.passes)
+    names, planes = channels_of(first.passes)
     for name, result, _ in results[1:]:
-        more, planes = channels_of(result.passes, f"{name}.", plain=False)
+        more, others = channels_of(result.passes, f"{name}.", plain=False)
         names += more
-        pixels = np.concatenate([pixels, planes], axis=-1)
+        planes += others
     statistics = first.statistics | {"startup_seconds": startup, "version": version()}
     metadata: dict[str, str | int | float] = {
         "Software": f"Photon Splat {version()}",
@@ -268,11 +294,34 @@ def _write(options: argparse.Namespace, scene: Any, results: list[tuple[str, Ren
         "photon_splat:integrator": statistics["integrator"],
         **{f"photon_splat:{name}": float(statistics["error"][name]) for name in ("relative_rmse", "standard_error", "bias")},
     }
-    write_exr(options.output, names, pixels, frame, crop=scene.render.use_crop_to_border, metadata=metadata)
+    write_exr(options.output, names, planes, frame, crop=scene.render.use_crop_to_border, metadata=metadata)
     if options.stats is not None:
         replace_file(options.stats, lambda path: path.write_text(json.dumps(statistics, indent=2) + "\n"))
     for warning in statistics["warnings"]:
-        sys.stderr.write(f"photon-splat: warning: {warning}\n")
+        _say(f"photon-splat: warning: {warning}\n")
+
+
+def _end_at_the_second(number: int) -> None:
+    """Once a signal has been heard its next one ends the process, whatever that does meanwhile: also where Blender or a library of it
+    hangs, and no Python runs."""
+    if not sys.platform.startswith("linux") or sys.maxsize < 2**32:
+        return
+    import ctypes
+
+    class Action(ctypes.Structure):  # of glibc and musl on 64-bit machines
+        _fields_ = [("handler", ctypes.c_void_p), ("mask", ctypes.c_ulong * 16), ("flags", ctypes.c_int), ("restorer", ctypes.c_void_p)]
+
+    library, action = ctypes.CDLL(None), Action()
+    if library.sigaction(number, None, ctypes.byref(action)) == 0:
+        action.flags |= -0x80000000  # SA_RESETHAND
+        library.sigaction(number, ctypes.byref(action), None)
+
+
+def _remove_blenders_folder() -> None:
+    """That of its session in the folder for temporary files, which it removes itself only at an orderly end."""
+    bpy = sys.modules.get("bpy")
+    if bpy is not None and Path(bpy.app.tempdir).name.startswith("blender_"):
+        shutil.rmtree(bpy.app.tempdir, ignore_errors=True)
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -283,6 +332,8 @@ def main(arguments: list[str] | None = None) -> int:
     def interrupt(*_: object) -> None:
         nonlocal stop
         stop = True
+        for one in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(one, signal.SIG_DFL)
 
     try:
         options = parser().parse_args(arguments)
@@ -291,21 +342,25 @@ def main(arguments: list[str] | None = None) -> int:
             _silence_blender()
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, interrupt)
+            _end_at_the_second(number)
         scene = _open_scene(options)
         results = _render(options, scene, lambda: stop)
         _write(options, scene, results, time.monotonic() - started - results[0][1].statistics["seconds"]["total"])
     except (CommandError, WriteError) as error:
-        sys.stderr.write(f"photon-splat: {error}\n")
+        _say(f"photon-splat: {error}\n")
         return 1
     return 0
 
 
 def run() -> NoReturn:
     """The console script. Blender's clean-up at exit can crash, so the process ends without it."""
+    _open_standard_streams()
     try:
         status = main()
     except SystemExit as leave:  # --help
         status = int(leave.code or 0)
-    sys.stdout.flush()
-    sys.stderr.flush()
+    _remove_blenders_folder()
+    for stream in (sys.stdout, sys.stderr):
+        with contextlib.suppress(OSError, ValueError):
+            stream.flush()
     os._exit(status)

@@ -8,6 +8,7 @@ import bpy
 
 from .job import render_view_layer
 from .passes import kind, wanted_passes
+from .registration import register_classes, unregister_classes
 from .viewport import live_of
 
 ENGINE = "PHOTON_SPLAT"
@@ -41,8 +42,8 @@ class PhotonSplatEngine(bpy.types.RenderEngine):
 
 
 def register() -> None:
-    bpy.utils.register_class(PhotonSplatEngine)
+    register_classes([PhotonSplatEngine])
 
 
 def unregister() -> None:
-    bpy.utils.unregister_class(PhotonSplatEngine)
+    unregister_classes([PhotonSplatEngine])

@@ -20,7 +20,9 @@ from .export import export_scene
 from .export.camera import NoCameraError, export_frame
 from .export.cancelled import Cancelled, Watch
 from .persistent import Held, held_for
+from .report import readable
 from .settings import render_settings
+from .told import told
 
 PREVIEW: dict[str, Any] = {"passes": 16, "photons_per_pass": 20_000, "time_limit": 2.0}
 MAX_REPORT = 300  # characters of a warning in Blender's status bar
@@ -119,7 +121,7 @@ def _render(engine: Any, depsgraph: Any, frame: Frame, blender_result: Any, star
         wanted=None if observer.on_result else {p.name for layer in blender_result.layers for p in layer.passes},
     )
     result.statistics.setdefault("peak_memory_bytes", peak_memory_bytes())
-    result.statistics.setdefault("warnings", list(scene.warnings))
+    result.statistics["warnings"] = told(result.statistics.get("warnings", scene.warnings))
     return result
 
 
@@ -146,10 +148,9 @@ def _finish(engine: Any, depsgraph: Any, result: RenderResult) -> None:
     warnings = list(result.statistics["warnings"])
     last_renders[depsgraph.scene.name] = LastRender(result.statistics, warnings)
     engine.update_progress(1.0)
-    if warnings:
-        rest = f" (and {len(warnings) - 1} more: see Render Properties > Last Render)" if len(warnings) > 1 else ""
-        first = warnings[0] if len(warnings[0]) <= MAX_REPORT else warnings[0][:MAX_REPORT] + "..."
-        engine.report({"WARNING"}, f"Photon Splat: {first}{rest}")
+    for warning in warnings:
+        short = warning if len(warning) <= MAX_REPORT else warning[:MAX_REPORT] + "... (Render Properties > Approximated has all of it)"
+        engine.report({"WARNING"}, f"Photon Splat: {short}")
 
 
 def _fail(engine: Any, depsgraph: Any, error: BaseException) -> None:
@@ -165,7 +166,7 @@ def _fail(engine: Any, depsgraph: Any, error: BaseException) -> None:
 
 def describe(error: BaseException) -> str:
     """One line that says what went wrong."""
-    text = " ".join(str(error).split())
+    text = readable(" ".join(str(error).split()))
     if isinstance(error, MemoryError):
         return f"not enough memory{': ' + text if text else ''}"
     if isinstance(error, KeyboardInterrupt):

@@ -10,10 +10,9 @@ import atexit
 import weakref
 from typing import Any
 
-import bpy
-
 from .core.persistent import Persistent
 from .export.kept import Kept
+from .registration import add_handlers, remove_handlers
 from .viewport.live import changed
 
 
@@ -74,12 +73,10 @@ def _forget(engine: Any) -> None:
     _holders[:] = [holder for holder in _holders if holder.engine is not engine]
 
 
-@bpy.app.handlers.persistent
 def _free_before_load(*_: Any) -> None:
     free()
 
 
-@bpy.app.handlers.persistent
 def _forget_after_undo(*_: Any) -> None:
     for holder in _holders:
         for held in holder.layers.values():
@@ -90,14 +87,12 @@ HANDLERS = (("load_pre", _free_before_load), ("undo_post", _forget_after_undo), 
 
 
 def register() -> None:
-    for name, handler in HANDLERS:
-        getattr(bpy.app.handlers, name).append(handler)
+    add_handlers(HANDLERS)
+    atexit.unregister(free)
     atexit.register(free)
 
 
 def unregister() -> None:
     free()
-    for name, handler in HANDLERS:
-        if handler in getattr(bpy.app.handlers, name):
-            getattr(bpy.app.handlers, name).remove(handler)
+    remove_handlers(HANDLERS)
     atexit.unregister(free)

@@ -23,7 +23,17 @@ class Report:
             self._sentences.setdefault(sentence, {}).update(names)
 
     def messages(self) -> list[str]:
-        return [sentence.replace("{}", _enumerate(list(names))) if names else sentence for sentence, names in self._sentences.items()]
+        return [
+            readable(sentence.replace("{}", _enumerate(list(names))) if names else sentence) for sentence, names in self._sentences.items()
+        ]
+
+
+def readable(text: str) -> str:
+    """Paths hold bytes of any kind; what is no UTF-8 is written as \\xff, as Blender, files and terminals refuse it."""
+    try:
+        return text.encode("utf-8", "surrogateescape").decode("utf-8", "backslashreplace")
+    except UnicodeEncodeError:  # no byte of a path either
+        return text.encode("utf-8", "backslashreplace").decode("utf-8")
 
 
 def _enumerate(names: list[str]) -> str:

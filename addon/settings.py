@@ -9,6 +9,7 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty
 
 from .core.settings import Backend, FinalGather, RenderSettings
+from .registration import register_classes, unregister_classes
 
 DEFAULTS = RenderSettings()
 
@@ -220,14 +221,13 @@ def viewport_settings(scene: Any) -> RenderSettings:
 
 
 def register() -> None:
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
+    register_classes(CLASSES)
     bpy.types.Scene.photon_splat = bpy.props.PointerProperty(type=PhotonSplatSettings, name="Photon Splat")
     bpy.types.ViewLayer.photon_splat = bpy.props.PointerProperty(type=PhotonSplatViewLayerSettings, name="Photon Splat")
 
 
 def unregister() -> None:
-    del bpy.types.ViewLayer.photon_splat
-    del bpy.types.Scene.photon_splat
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)
+    for owner in (bpy.types.ViewLayer, bpy.types.Scene):
+        if hasattr(owner, "photon_splat"):
+            del owner.photon_splat
+    unregister_classes(CLASSES)

@@ -95,6 +95,12 @@ def film_arrays(wanted: Collection[str] | None = None) -> list[str]:
     return [array for name, array in FILM_ARRAYS.items() if wanted is None or name in wanted] + ["light_groups"]
 
 
+def channels_of_arrays(arrays: Collection[str]) -> int:
+    """Floats a pixel that arrays of the film have together, those of light groups aside."""
+    channels = {FILM_ARRAYS[info.name]: len(info.channels) for info in PASSES}
+    return sum(channels.get(name, 3) for name in arrays if name != "light_groups")
+
+
 def passes_from_film(film: dict[str, Any], light_groups: Sequence[str] = ()) -> Passes:
     """Those whose arrays are in `film`. `light_groups`: names of those that the film has."""
     return {name: film[array] for name, array in FILM_ARRAYS.items() if array in film} | {

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import threading
 import time
 from collections.abc import Callable, Collection
@@ -10,13 +11,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .denoise import DenoiserMissing, blend, denoise
+from .ending import Ending, denoising_runs
 from .gpu import context as gpu_context
 from .gpu.choice import choose_splatter
-from .memory import peak_memory_bytes
+from .memory import check_picture_fits, peak_memory_bytes
 from .native import load
 from .persistent import Persistent, Start, start_anew
 from .plan import make_plan, pilot_sentences
-from .result import Passes, Progress, RenderResult, black_passes, film_arrays, passes_from_film
+from .result import Passes, Progress, RenderResult, black_passes, channels_of_arrays, film_arrays, passes_from_film
 from .scene import Scene
 from .settings import Backend, Integrator, RenderSettings
 from .splatter import CpuSplatter, Splatter, SplatterFailed
@@ -35,6 +37,12 @@ SAMPLES_OF_NOISY_FEATURES = 32.0
 """Up to so many the denoiser's features are noisier than it expects: filtered first, street after 1, 14, 64 samples has an error (relMSE)
 .49, .90, .99 times as large."""
 POLL_SECONDS = 0.05
+TRIAL_PATHS = 1 << 16
+"""Of photons, which tell how many more there is time for in the first pass, if it wants more than twice as many."""
+FEWEST_PATHS = 1 << 12
+"""Worth a batch where time is short."""
+OF_RESOLVING = 0.15
+"""Of the seconds of a pass' camera samples: the end of a pass, when all of its photons are there."""
 FEWEST_PHOTONS = 0.25
 """Of those that a pass wants: where time is short it has so many before a second sample of any pixel, or is left out."""
 FEWEST_PASSES_TO_STOP = 8
@@ -73,6 +81,20 @@ def pass_that_fits(left: float, took: float, seconds: PassSize, last: PassSize, 
     return PassSize(1.0 + share * (wanted.samples - 1.0), FEWEST_PHOTONS * wanted.photons)
 
 
+def batch_that_fits(wanted: int, most: int, left: float, path_seconds: float | None, *, whole: bool) -> int:
+    """How many of the `wanted` photon paths are to be traced next, `most` at once, if `left` seconds are left and one took `path_seconds`
+    (None: nobody knows); 0 where there is no time for more. whole: no fewer than `most` or all."""
+    batch = min(wanted, most)
+    if math.isinf(left):
+        return batch
+    if path_seconds is None:
+        return batch if whole or wanted <= 2 * TRIAL_PATHS else min(batch, TRIAL_PATHS)
+    fitting = int(max(left, 0.0) / max(path_seconds, 1e-12))
+    if fitting >= batch:
+        return batch
+    return 0 if whole or fitting < FEWEST_PATHS else fitting
+
+
 class _Worker(threading.Thread):
     """Does the passes off the caller's thread, which meanwhile reports progress and polls for cancellation."""
 
@@ -84,6 +106,7 @@ class _Worker(threading.Thread):
         started: float,
         want_interim: bool,
         wanted: Collection[str] | None,
+        frame_size: tuple[int, int],
     ) -> None:
         super().__init__(name="Photon Splat", daemon=True)
         self.renderer = start.renderer
@@ -108,6 +131,9 @@ class _Worker(threading.Thread):
         self.finished = False
         self.warnings: list[str] = []
         self.splatter: Splatter = CpuSplatter(self.renderer)
+        self.ending = Ending(*frame_size)
+        self.path_seconds: dict[int, float] = {}  # by layer
+        self.film_bytes = 0
 
     def cancel(self) -> None:
         """From any thread."""
@@ -133,8 +159,14 @@ class _Worker(threading.Thread):
             self.splatter = self._choose_splatter()
         elif settings.backend == Backend.GPU:
             self.warnings.append("The reference integrator has been used: it runs on the CPU only.")
+        arrays = final_arrays(self.wanted, settings)
+        self.renderer.keep_film(arrays)
         self.prepare()
         self.prepared = True
+        if settings.time_limit and settings.denoise:
+            self.stage = "Trying the denoiser"
+            self.ending.try_denoiser(settings.threads)
+        self.stage = "Rendering"
         while self.passes_done < self.settings.passes:
             began, pilot, before = time.monotonic(), self.renderer.pilot_seconds, self._stage_seconds()
             size = PassSize(*self.renderer.next_pass)
@@ -145,7 +177,10 @@ class _Worker(threading.Thread):
                 self._splat_pass(self.passes_done)
             self.passes_done += 1
             self.samples_done += size.samples
+            self.film_bytes = max(self.film_bytes, self.renderer.film_bytes)
             converged = self._estimate_error()
+            if settings.time_limit and self.passes_done == 1:
+                self.ending.try_film(self.renderer, channels_of_arrays(arrays))
             if self.want_interim and self.interim is None and self.passes_done < self.settings.passes:
                 self.interim = passes_from_film(self.renderer.film(film_arrays(self.wanted)), self.light_groups)
             self.pass_finished.set()
@@ -165,12 +200,24 @@ class _Worker(threading.Thread):
     def _another_fits(self, took: float, seconds: PassSize, last: PassSize) -> bool:
         """Whether one more pass keeps the time limit, if need be a smaller one, which it then will be."""
         wanted = PassSize(*self.renderer.next_pass)
-        fitting = pass_that_fits(self.started + self.settings.time_limit - time.monotonic(), took, seconds, last, wanted)
+        fitting = pass_that_fits(self._seconds_left(wanted.samples), took, seconds, last, wanted)
         if fitting is None:
             return False
         if fitting != wanted:
             self.renderer.limit_pass(*fitting)
         return True
+
+    def _seconds_left(self, samples: float) -> float:
+        """For passes, where the next has so many camera samples a pixel; the time limit less what comes after them."""
+        if not self.settings.time_limit:
+            return math.inf
+        runs = denoising_runs(**self.denoising(self.samples_done + samples)) if self.settings.denoise else 0.0
+        after = self.ending.seconds(self.passes_done + 1, runs)
+        return self.started + self.settings.time_limit - time.monotonic() - after
+
+    def denoising(self, samples: float) -> dict[str, bool]:
+        """How a picture of so many camera samples a pixel is denoised."""
+        return {"apart": samples >= SAMPLES_WORTH_TWO, "noisy_features": samples <= SAMPLES_OF_NOISY_FEATURES}
 
     def _choose_splatter(self) -> Splatter:
         if not self.light_groups:
@@ -180,31 +227,47 @@ class _Worker(threading.Thread):
         return CpuSplatter(self.renderer)
 
     def _splat_pass(self, number: int) -> None:
+        before = self.renderer.camera_seconds
+        samples = self.renderer.next_pass[0]
         self.renderer.trace_camera(number)
+        resolving = OF_RESOLVING * (self.renderer.camera_seconds - before)
         for layer in range(self.renderer.layers):
             self.renderer.select_layer(layer)
             self.renderer.make_points(number)
+            left = (self._seconds_left(samples) - resolving) / (self.renderer.layers - layer)
             try:
-                self._splat_photons(number)
+                self._splat_photons(layer, left)
             except SplatterFailed as failure:
                 self.warnings.append(f"The GPU splatter failed in pass {number + 1} ({failure}); the CPU splatter has done the rest.")
                 self.splatter.close()
                 gpu_context.submit(gpu_context.discard)
                 self.splatter = CpuSplatter(self.renderer)
-                self._splat_photons(number)
+                self._splat_photons(layer, left)
         self.renderer.resolve()
 
-    def _splat_photons(self, number: int) -> None:
-        """Adds all photons of a pass and layer to its points, whose sums are 0 before."""
+    def _splat_photons(self, layer: int, seconds: float) -> None:
+        """Adds the photons of a pass and layer to its points, whose sums are 0 before: all, or as many as `seconds` are enough for, but
+        one batch at the least."""
         photons = self.renderer.paths_per_pass
-        batch = self.renderer.paths_per_batch
+        most = self.renderer.paths_per_batch
         if self.splatter.backend == Backend.GPU:
-            batch = min(max(-(-photons // BATCHES_PER_PASS), LEAST_PHOTONS_PER_BATCH), batch)
+            most = min(max(-(-photons // BATCHES_PER_PASS), LEAST_PHOTONS_PER_BATCH), most)
+        end = time.monotonic() + seconds
         self.splatter.begin_pass()
-        for first in range(0, photons, batch):
-            self.renderer.trace_photons(first, min(batch, photons - first))
+        first = 0
+        while first < photons:
+            began = time.monotonic()
+            batch = batch_that_fits(photons - first, most, end - began, self.path_seconds.get(layer), whole=self.renderer.keeps_photons)
+            if first and not batch:
+                break
+            batch = batch or min(photons, most, FEWEST_PATHS if not self.renderer.keeps_photons else most)
+            self.renderer.trace_photons(first, batch)
             self.splatter.add_photons()
+            first += batch
+            self.path_seconds[layer] = (time.monotonic() - began) / batch
         self.splatter.finish_pass()
+        if first < photons:
+            self.renderer.end_photons(first)
 
     def _estimate_error(self) -> bool:
         """Now and then; whether the render is good enough."""
@@ -213,7 +276,7 @@ class _Worker(threading.Thread):
         threshold = self.settings.error_threshold
         # Where no estimate ends the render they are for the message alone: a few in all.
         self.next_estimate = next_estimate(self.passes_done) if threshold > 0 else 2 * self.passes_done
-        self.renderer.make_error_estimate()
+        self.ending.estimate(self.renderer.make_error_estimate, self.passes_done)
         self.relative_error = self.renderer.statistics()["error"]["relative_rmse"]
         return threshold > 0 and self.passes_done >= FEWEST_PASSES_TO_STOP and self.relative_error <= threshold
 
@@ -231,6 +294,11 @@ class _Worker(threading.Thread):
         self.fraction = max(fraction, self.fraction)
         interim, self.interim = self.interim, None
         return Progress(self.fraction, message, done, interim)
+
+
+def final_arrays(wanted: Collection[str] | None, settings: RenderSettings) -> list[str]:
+    """Those of the film that the result is made of."""
+    return [*film_arrays(wanted), *(FOR_DENOISING if settings.denoise else ())]
 
 
 def render(
@@ -259,10 +327,13 @@ def render(
         wanted = {*wanted, *OF_DENOISING}
     start = start_anew(scene, settings) if persistent is None else persistent.start(scene, settings)
     renderer = start.renderer
+    width, height = scene.frame.region[2:]
+    if not start.reused:
+        check_picture_fits(width, height)
     if release_textures and persistent is None:
         for texture in scene.textures:
             texture.pixels = np.empty((0, 0, 4), texture.pixels.dtype)
-    worker = _Worker(start, settings, scene.light_groups, started, want_interim, wanted)
+    worker = _Worker(start, settings, scene.light_groups, started, want_interim, wanted, (width, height))
     worker.start()
     try:
         while not worker.finished:
@@ -280,12 +351,12 @@ def render(
     worker.join()
     if worker.error is not None:
         raise worker.error
-    width, height = scene.frame.region[2:]
     if on_progress is not None and not worker.cancelled:
         on_progress(worker.progress())
     if worker.passes_done:
+        renderer.end_passes()
         renderer.make_error_estimate()
-    film = renderer.film([*film_arrays(wanted), *(FOR_DENOISING if settings.denoise else ())]) if worker.passes_done else None
+    film = renderer.film(final_arrays(wanted, settings)) if worker.passes_done else None
     passes = passes_from_film(film, scene.light_groups) if film else black_passes(width, height, scene.light_groups)
     denoising, noisy = 0.0, None
     if settings.denoise and film and not worker.cancelled:
@@ -306,13 +377,14 @@ def _denoise(passes: Passes, film: dict[str, Any], worker: _Worker, should_cance
     and a warning says why."""
     began = time.monotonic()
     noisy = passes["Combined"][..., :3]
+    how = worker.denoising(worker.samples_done)
     try:
         clean = denoise(
             noisy,
             film["albedo"],
             passes["Normal"],
-            apart=film["diffuse_direct"] if worker.samples_done >= SAMPLES_WORTH_TWO else None,
-            noisy_features=worker.samples_done <= SAMPLES_OF_NOISY_FEATURES,
+            apart=film["diffuse_direct"] if how["apart"] else None,
+            noisy_features=how["noisy_features"],
             threads=worker.settings.threads,
             should_cancel=should_cancel,
         )
@@ -330,13 +402,20 @@ def _statistics(start: Start, worker: _Worker, scene: Scene, started: float, exp
         "backend": str(worker.splatter.backend),
         "integrator": str(worker.settings.integrator),
         "cancelled": worker.cancelled,
+        "film_bytes": worker.film_bytes,
         "texture_bytes": start.renderer.texture_memory,
         "reused": {"geometry": start.reused, "photons": statistics["photons"]["reused"]},
         "peak_memory_bytes": peak_memory_bytes(),
         "warnings": [*scene.warnings, *worker.warnings],
     } | worker.splatter.statistics()
+    if statistics["threads"] < statistics["threads_wanted"]:
+        statistics["warnings"].append(
+            f"Of {statistics['threads_wanted']} threads the system has started {statistics['threads']}: the render has taken longer."
+        )
     plan = make_plan(scene, worker.settings)
     statistics["plan"] = {"sentences": plan.sentences + pilot_sentences(statistics), "flags": plan.flags}
     if statistics["bad_samples"]:
-        statistics["warnings"].append(f"{statistics['bad_samples']} camera samples were not finite and have been left out.")
+        statistics["warnings"].append(
+            f"{statistics['bad_samples']} camera samples were not finite, or far too bright for any film, and have been left out."
+        )
     return statistics

@@ -16,6 +16,8 @@ from .nodes import output_node, report_foreign_output, uses_nodes
 from .visibility import lamp_seen_by
 
 FEW_BOUNCES = 1024  # Blender's default, more than any path has
+MOST_STRENGTH = 1e18
+"""Beyond it what is bright in the picture, and its square, is no number any more."""
 KINDS = {"POINT": LightKind.POINT, "SPOT": LightKind.SPOT, "SUN": LightKind.SUN, "AREA": LightKind.AREA}
 
 
@@ -38,6 +40,9 @@ def export_light(ob: Any, matrix: NDArray[np.float64], shading: Shading) -> Ligh
         report.warn("Lights whose strength is negative or not a finite number are left out: {}", ob.name)
         return None
     if not strength.any():
+        return None
+    if (strength > MOST_STRENGTH).any():
+        report.warn("Lights left out, as they are brighter than numbers of pixels can be: {}", ob.name)
         return None
     r, g, b = (float(v) for v in strength)
     light = Light(ob.name, KINDS[lamp.type], matrix, (r, g, b), camera_visible=bool(ob.visible_camera), program=program)

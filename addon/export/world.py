@@ -13,6 +13,7 @@ from ..report import Report
 from .compile.compiler import Compiler
 from .compile.node import Owner
 from .compile.reduce import lambertian
+from .lights import MOST_STRENGTH
 from .materials import Shading
 from .nodes import Source, default_value, label, output_node, report_foreign_output, source, uses_nodes
 from .sky import export_sky
@@ -150,6 +151,9 @@ def _radiance(value: NDArray[np.float64], owner: str, report: Report) -> Rgb:
     if not np.isfinite(value).all() or (value < 0.0).any():
         report.warn(f"{owner}: its radiance is negative or not a finite number; taken as 0")
         value = np.where(np.isfinite(value), np.maximum(value, 0.0), 0.0)
+    if (value > MOST_STRENGTH).any():
+        report.warn(f"{owner}: it is brighter than numbers of pixels can be; left out")
+        value = np.zeros(3)
     return (float(value[0]), float(value[1]), float(value[2]))
 
 

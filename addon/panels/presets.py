@@ -9,6 +9,7 @@ from bl_operators.presets import AddPresetBase
 from bl_ui.utils import PresetPanel
 
 from ..engine import ENGINE
+from ..registration import register_classes, unregister_classes
 
 FOLDER = "photon_splat/render"
 HOME = str(Path(__file__).resolve().parent.parent)
@@ -47,15 +48,18 @@ class PHOTON_SPLAT_OT_preset_add(AddPresetBase, bpy.types.Operator):
 CLASSES = (PHOTON_SPLAT_OT_preset_add, PHOTON_SPLAT_PT_presets)
 
 
+def _homes() -> list[str]:
+    """Where Blender looks for presets, FOLDER and all."""
+    return [path.removesuffix(f"/presets/{FOLDER}") for path in bpy.utils.preset_paths(FOLDER)]
+
+
 def register() -> None:
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
-    if hasattr(bpy.utils, "register_preset_path"):  # Blender 4.2 finds the user's own presets only
+    register_classes(CLASSES)
+    if hasattr(bpy.utils, "register_preset_path") and HOME not in _homes():  # Blender 4.2 finds the user's own presets only
         bpy.utils.register_preset_path(HOME)
 
 
 def unregister() -> None:
-    if hasattr(bpy.utils, "unregister_preset_path"):
+    if hasattr(bpy.utils, "unregister_preset_path") and HOME in _homes():
         bpy.utils.unregister_preset_path(HOME)
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)
+    unregister_classes(CLASSES)

@@ -9,6 +9,7 @@ import bpy
 from ..core.gpu.context import may_have_hardware
 from ..core.memory import current_memory_bytes, peak_memory_bytes
 from ..job import last_renders
+from ..registration import register_classes, unregister_classes
 from .base import RenderPanel, split_layout, translated
 from .presets import PHOTON_SPLAT_PT_presets
 
@@ -121,10 +122,8 @@ CLASSES = (
 
 
 def register() -> None:
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
+    register_classes(CLASSES)
 
 
 def unregister() -> None:
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)
+    unregister_classes(CLASSES)

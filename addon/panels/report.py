@@ -2,26 +2,25 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from typing import Any
 
 import bpy
 
 from ..job import last_renders
+from ..registration import add_handlers, register_classes, remove_handlers, unregister_classes
+from ..told import names_in, told
 from ..viewport.live import lives
 from .base import RenderPanel, paragraph, translated
-
-NAMED = re.compile(r"(Material|Object|Light|Camera)?[^']*'([^']+)'")
 
 
 class PHOTON_SPLAT_OT_select(bpy.types.Operator):
     bl_idname = "photon_splat.select"
     bl_label = "Select What Was Approximated"
-    bl_description = "Select the object that is named, or the objects that use the material, and show that material"
+    bl_description = "Select the objects that are named, or that use the materials named, and show the material"
     bl_options = {"REGISTER", "UNDO", "INTERNAL"}
 
-    name: bpy.props.StringProperty(name="Name")  # type: ignore[valid-type]
+    name: bpy.props.StringProperty(name="Names", description="Of objects and materials, a line each")  # type: ignore[valid-type]
 
     @classmethod
     def poll(cls, context: Any) -> bool:
@@ -31,9 +30,11 @@ class PHOTON_SPLAT_OT_select(bpy.types.Operator):
         return True
 
     def execute(self, context: Any) -> set[str]:
-        found = list(users(context, self.name))
+        names = self.name.split("\n")
+        found = list(users(context, names))
         if not found:
-            self.report({"WARNING"}, translated("No object of this view layer is named or uses '{name}'").format(name=self.name))
+            text = translated("No object of this view layer is named or uses '{name}'")
+            self.report({"WARNING"}, text.format(name="', '".join(names)))
             return {"CANCELLED"}
         for ob in context.view_layer.objects:
             ob.select_set(False)
@@ -87,33 +88,37 @@ class PHOTON_SPLAT_PT_approximations(RenderPanel, bpy.types.Panel):
         for warning in warnings(context.scene.name):
             row = self.layout.row(align=True)
             paragraph(row, warning, "INFO")
-            name = named(warning)
-            if name:
-                row.operator(PHOTON_SPLAT_OT_select.bl_idname, text="", icon="RESTRICT_SELECT_OFF").name = name
+            names = named(warning)
+            if names:
+                row.operator(PHOTON_SPLAT_OT_select.bl_idname, text="", icon="RESTRICT_SELECT_OFF").name = "\n".join(names)
 
 
 def warnings(scene: str) -> list[str]:
-    """Those of the last render, or of the viewports if there was none."""
+    """Those of the last render, or of the viewports if there was none, one a kind."""
     last = last_renders.get(scene)
     if last is not None:
         return last.warnings
-    return list(dict.fromkeys(warning for live in lives for warning in live.warnings))
+    return told(warning for live in lives for warning in live.warnings)
 
 
-def named(warning: str) -> str:
-    """The object or material that a warning names first, or ""."""
-    for kind, name in NAMED.findall(warning):
-        if kind or name in bpy.data.objects or name in bpy.data.materials:
-            return str(name)
-    return ""
+def named(warning: str) -> list[str]:
+    """The objects and materials of this file that a warning names."""
+    return [name for name in names_in(warning) if name in bpy.data.objects or name in bpy.data.materials]
 
 
-def users(context: Any, name: str) -> Iterator[tuple[Any, int | None]]:
-    """The objects of the view layer of that name, or with a material of that name and its slot."""
+def users(context: Any, names: Collection[str]) -> Iterator[tuple[Any, int | None]]:
+    """The objects of the view layer of those names, or with a material of such a name and its slot; those first that are named first."""
+    place = {name: k for k, name in reversed(list(enumerate(names)))}
+    found: list[tuple[int, int, Any, int | None]] = []
     for ob in context.view_layer.objects:
-        slot = next((k for k, slot in enumerate(ob.material_slots) if slot.material and slot.material.name == name), None)
-        if slot is not None or ob.name == name:
-            yield ob, slot
+        slots = [
+            (place[slot.material.name], k) for k, slot in enumerate(ob.material_slots) if slot.material and slot.material.name in place
+        ]
+        if slots or ob.name in place:
+            first, slot = min(slots) if slots else (len(place), None)
+            found.append((min(first, place.get(ob.name, len(place))), len(found), ob, slot))
+    for _, _, ob, slot in sorted(found, key=lambda one: one[:2]):
+        yield ob, slot
 
 
 def statistics_lines(statistics: dict[str, Any]) -> Iterator[str]:
@@ -155,20 +160,20 @@ def plan_lines(plan: Any) -> Iterator[str]:
 CLASSES = (PHOTON_SPLAT_OT_select, PHOTON_SPLAT_PT_approximations, PHOTON_SPLAT_PT_last_render, PHOTON_SPLAT_PT_plan)
 
 
-@bpy.app.handlers.persistent
 def _forget(*_: Any) -> None:
     """Another file has other scenes, maybe of the same names."""
     last_renders.clear()
 
 
+HANDLERS = (("load_pre", _forget),)
+
+
 def register() -> None:
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
-    bpy.app.handlers.load_pre.append(_forget)
+    register_classes(CLASSES)
+    add_handlers(HANDLERS)
 
 
 def unregister() -> None:
-    bpy.app.handlers.load_pre.remove(_forget)
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)
+    remove_handlers(HANDLERS)
+    unregister_classes(CLASSES)
     last_renders.clear()

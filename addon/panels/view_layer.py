@@ -8,6 +8,7 @@ import bpy
 
 from ..core.result import PASSES
 from ..passes import OWN_SWITCHES, SWITCHES
+from ..registration import register_classes, unregister_classes
 from .base import RenderPanel, split_layout
 
 DATA = ("Depth", "Normal", "Surface ID", "Photon Density", "Error")
@@ -105,10 +106,8 @@ CLASSES = (
 
 
 def register() -> None:
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
+    register_classes(CLASSES)
 
 
 def unregister() -> None:
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)
+    unregister_classes(CLASSES)

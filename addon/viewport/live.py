@@ -16,6 +16,7 @@ from ..core.scene import Camera, Frame, Scene
 from ..core.viewport import Controller
 from ..export import export_contents
 from ..export.kept import Kept, identity
+from ..registration import add_handlers, remove_handlers
 from ..report import Report
 from ..settings import viewport_settings
 from .draw import Canvas
@@ -179,12 +180,10 @@ def _poll() -> float | None:
     return POLL_SECONDS if lives else None
 
 
-@bpy.app.handlers.persistent
 def _close_before_load(*_: Any) -> None:
     close_all()
 
 
-@bpy.app.handlers.persistent
 def _forget_after_undo(*_: Any) -> None:
     for live in lives:
         live.kept.clear()
@@ -194,8 +193,8 @@ HANDLERS = (("load_pre", _close_before_load), ("undo_post", _forget_after_undo),
 
 
 def register() -> None:
-    for name, handler in HANDLERS:
-        getattr(bpy.app.handlers, name).append(handler)
+    add_handlers(HANDLERS)
+    atexit.unregister(close_all)
     atexit.register(close_all)
 
 
@@ -203,7 +202,5 @@ def unregister() -> None:
     close_all()
     if bpy.app.timers.is_registered(_poll):
         bpy.app.timers.unregister(_poll)
-    for name, handler in HANDLERS:
-        if handler in getattr(bpy.app.handlers, name):
-            getattr(bpy.app.handlers, name).remove(handler)
+    remove_handlers(HANDLERS)
     atexit.unregister(close_all)

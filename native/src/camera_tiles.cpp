@@ -15,7 +15,7 @@ bool is_scout(size_t tile, size_t across) { return (tile % across + kScoutShift 
 
 }  // namespace
 
-bool CameraTracer::sends_scouts(const Film& film) { return tiles_along(film.width) * tiles_along(film.height) >= kFewTiles; }
+bool CameraTracer::sends_scouts(const PackedFilm& film) { return tiles_along(film.width) * tiles_along(film.height) >= kFewTiles; }
 
 void CameraTracer::Tile::clear() {
   rays = bad_samples = places = fallbacks = deep_rays = 0;
@@ -25,7 +25,7 @@ void CameraTracer::Tile::clear() {
   again = false;
 }
 
-void CameraTracer::trace_tiles(const Job& job, Film& film, const CancelFlag& cancel) {
+void CameraTracer::trace_tiles(const Job& job, PackedFilm& film, const CancelFlag& cancel) {
   const size_t across = tiles_along(film.width);
   const bool scouts = job.tiles == Tiles::kScouts, rest = job.tiles == Tiles::kRest;
   tiles_.resize(across * tiles_along(film.height));
@@ -57,7 +57,7 @@ void CameraTracer::trace_tiles(const Job& job, Film& film, const CancelFlag& can
   fallbacks_ += last_fallbacks_;
 }
 
-void CameraTracer::trace_tile(const Job& job, size_t t, Film& film) {
+void CameraTracer::trace_tile(const Job& job, size_t t, PackedFilm& film) {
   Tile& tile = tiles_[t];
   tile.records.clear();
   tile.records.reserve(kTileSize * kTileSize);  // of most
@@ -65,6 +65,9 @@ void CameraTracer::trace_tile(const Job& job, size_t t, Film& film) {
   const int x_begin = static_cast<int>(t % across) * kTileSize, y_begin = static_cast<int>(t / across) * kTileSize;
   const int x_end = std::min(x_begin + kTileSize, film.width), y_end = std::min(y_begin + kTileSize, film.height);
   if (keeps_trial_) tile.deep.assign(kTileSize * kTileSize, 0.0f);
+  PackedFilm::Tile pixels;
+  if (tile.again) film.get(t, pixels);
+  else pixels.fill({});
   size_t next = 0;  // of those kept, which are in the order of pixels
   for (int y = y_begin; y < y_end; ++y)
     for (int x = x_begin; x < x_end; ++x) {
@@ -77,15 +80,16 @@ void CameraTracer::trace_tile(const Job& job, size_t t, Film& film) {
           continue;
         }
       }
-      trace_pixel(job, x, y, film, tile);
+      trace_pixel(job, x, y, film, pixels[static_cast<size_t>(y - y_begin) * kTileSize + (x - x_begin)], tile);
     }
-  if (keeps_trial_) see_trial(tile, film, x_begin, y_begin, x_end - x_begin, y_end - y_begin);
+  film.put(t, pixels);
+  if (keeps_trial_) see_trial(tile, pixels, x_end - x_begin, y_end - y_begin);
   tile.kept = std::vector<Record>();  // once in a render: not worth keeping the memory
   tile.changed = std::vector<uint8_t>();
 }
 
-void CameraTracer::see_trial(Tile& tile, const Film& film, int x_begin, int y_begin, int width, int height) const {
-  const auto pixel = [&](int x, int y) -> const Pixel& { return film.pixels[static_cast<size_t>(y_begin + y) * film.width + (x_begin + x)]; };
+void CameraTracer::see_trial(Tile& tile, const PackedFilm::Tile& pixels, int width, int height) {
+  const auto pixel = [&](int x, int y) -> const Pixel& { return pixels[static_cast<size_t>(y) * kTileSize + x]; };
   const auto light = [&](int x, int y) { return luminance(pixel(x, y).combined()) * pixel(x, y).share(); };
   const auto deep = [&](int x, int y) { return tile.deep[static_cast<size_t>(y) * kTileSize + x] * pixel(x, y).share(); };
   double paths = 0;
@@ -121,10 +125,10 @@ bool CameraTracer::find_changed(Tile& tile) const {
   return any;
 }
 
-const Records& CameraTracer::trace(uint32_t pass, const SampleChoice& choice, SkyGuide& sky, int max_bounces, Film& film,
+const Records& CameraTracer::trace(uint32_t pass, const SampleChoice& choice, SkyGuide& sky, int max_bounces, PackedFilm& film,
                                    const CancelFlag& cancel, Tiles tiles) {
   const bool learns = sky.learning() && !lights_.environment().black();
-  const uint32_t share = 1 + static_cast<uint32_t>(film.pixels.size() / kLearningPaths);
+  const uint32_t share = 1 + static_cast<uint32_t>(film.size() / kLearningPaths);
   trace_tiles({pass, &choice, max_bounces, true, tiles, learns, share}, film, cancel);
   if (learns) {
     for (Tile& tile : tiles_) {
@@ -143,8 +147,14 @@ const Records& CameraTracer::trace(uint32_t pass, const SampleChoice& choice, Sk
   return records_;
 }
 
-void CameraTracer::trace_reference(uint32_t sample, int max_bounces, Film& film, const CancelFlag& cancel) {
+void CameraTracer::trace_reference(uint32_t sample, int max_bounces, PackedFilm& film, const CancelFlag& cancel) {
   trace_tiles({sample, nullptr, max_bounces, false}, film, cancel);
+}
+
+void CameraTracer::forget_records() {
+  records_ = {};
+  ranges_ = {};
+  tiles_ = {};
 }
 
 }  // namespace photon_splat

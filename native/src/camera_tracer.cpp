@@ -35,7 +35,7 @@ Rgb divided(const Rgb& a, const Rgb& b) {
 }
 
 void add_finite(Rgb& sum, const Rgb& value, uint64_t& bad) {
-  if (is_finite(value)) sum += value;
+  if (can_be_added(value)) sum += value;
   else ++bad;
 }
 
@@ -90,9 +90,8 @@ struct CameraTracer::Path {
   Vec2 numbers(Dimension pair) { return vertex == 0 ? sobol_2d(sample, pair, seed) : random.next2(); }
 };
 
-void CameraTracer::trace_pixel(const Job& job, int x, int y, Film& film, Tile& tile) const {
+void CameraTracer::trace_pixel(const Job& job, int x, int y, PackedFilm& film, Pixel& pixel, Tile& tile) const {
   const uint32_t index = static_cast<uint32_t>(y) * film.width + x;
-  Pixel& pixel = film.pixels[index];
   Rgb* const groups = film.groups_of(index);
   const CameraSettings& c = camera_.settings();
   // The place in the whole frame seeds a pixel, so that a border renders the same pixels.
@@ -295,7 +294,7 @@ void CameraTracer::add_first_direct(Path& path, const Surface& hit, const Bsdf& 
 }
 
 void CameraTracer::see_deep(const Path& path, const Rgb& light) {
-  if (!path.tile.deep.empty() && is_finite(light)) path.tile.deep[path.place] += luminance(light);
+  if (!path.tile.deep.empty() && can_be_added(light)) path.tile.deep[path.place] += luminance(light);
 }
 
 // Something that was met on the way to the world or in its direction, for what learns from it.

@@ -4,9 +4,9 @@
 
 #include "camera.h"
 #include "fallback.h"
-#include "film.h"
 #include "gather_trial.h"
 #include "lights.h"
+#include "packed_film.h"
 #include "sample_choice.h"
 
 namespace photon_splat {
@@ -28,7 +28,7 @@ struct Record {
 
 using Records = LargeArray<Record>;
 
-inline constexpr int kTileSize = 16;  // pixels along the side of a tile, which one thread traces
+inline constexpr int kTileSize = PackedFilm::kSide;  // pixels along the side of a tile, which one thread traces
 
 class CameraTracer {
  public:
@@ -42,13 +42,13 @@ class CameraTracer {
   // The camera samples of pass `pass`, as many as `choice` says, instead of what `film` held; returns the records of the pass so
   // far in tile order. Paths go through at most `max_bounces` lobes.
   // Tells `sky` what it has seen of the world, as long as that wants to learn.
-  const Records& trace(uint32_t pass, const SampleChoice& choice, SkyGuide& sky, int max_bounces, Film& film,
+  const Records& trace(uint32_t pass, const SampleChoice& choice, SkyGuide& sky, int max_bounces, PackedFilm& film,
                        const CancelFlag& cancel, Tiles tiles = Tiles::kAll);
   // What the paths of the last call have found for it, if they brought all of the indirect light (Fallback::Reach::kAll) and were asked to.
   void keep_trial(bool on) { keeps_trial_ = on; }
   GatherTrial trial() const;
   // Whether scouts are less than all.
-  static bool sends_scouts(const Film& film);
+  static bool sends_scouts(const PackedFilm& film);
 
   // From now on paths go on for the indirect light where `fallback` says so (nullptr: nowhere); with `caustics` photons bring
   // caustics there all the same. `radius_factor`: of the pass to come, on all radii.
@@ -59,7 +59,7 @@ class CameraTracer {
   }
 
   // One sample per pixel of the unbiased path tracer, indirect light included; leaves no records.
-  void trace_reference(uint32_t sample, int max_bounces, Film& film, const CancelFlag& cancel);
+  void trace_reference(uint32_t sample, int max_bounces, PackedFilm& film, const CancelFlag& cancel);
 
   uint64_t rays() const { return rays_; }
   uint64_t last_rays() const { return last_rays_; }  // of the last pass
@@ -71,6 +71,8 @@ class CameraTracer {
   uint64_t last_fallbacks() const { return last_fallbacks_; }  // of the last call
   // Records of tile t are [tile_ranges()[t], tile_ranges()[t + 1]); no two tiles share a pixel.
   const std::vector<size_t>& tile_ranges() const { return ranges_; }
+  // Gives back the memory of records: no pass follows.
+  void forget_records();
 
  private:
   struct Tile {
@@ -97,11 +99,11 @@ class CameraTracer {
     bool learns = false;
     uint32_t learning_share = 1;  // of the pixels, 1 in so many
   };
-  void trace_tiles(const Job& job, Film& film, const CancelFlag& cancel);
-  void trace_tile(const Job& job, size_t t, Film& film);
+  void trace_tiles(const Job& job, PackedFilm& film, const CancelFlag& cancel);
+  void trace_tile(const Job& job, size_t t, PackedFilm& film);
   bool find_changed(Tile& tile) const;
-  void see_trial(Tile& tile, const Film& film, int x_begin, int y_begin, int width, int height) const;
-  void trace_pixel(const Job& job, int x, int y, Film& film, Tile& tile) const;
+  static void see_trial(Tile& tile, const PackedFilm::Tile& pixels, int width, int height);
+  void trace_pixel(const Job& job, int x, int y, PackedFilm& film, Pixel& pixel, Tile& tile) const;
   void trace_path(Path& path) const;
   void add_met(Path& path, const Rgb& radiance, Rgb& seen, int16_t light_group = kNoLightGroup) const;
   void add_lamps(Path& path, float far) const;

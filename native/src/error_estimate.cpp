@@ -90,7 +90,7 @@ void ErrorEstimate::reset(int width, int height) {
   figures_ = {};
 }
 
-void ErrorEstimate::add(const Film& pass, ThreadPool& pool) {
+void ErrorEstimate::add(const PackedFilm& pass, ThreadPool& pool) {
   // Passes count in binary: each 1 that is carried is a block that has found its neighbour.
   uint32_t carried = 0;
   while (passes_ >> carried & 1) ++carried;
@@ -100,11 +100,12 @@ void ErrorEstimate::add(const Film& pass, ThreadPool& pool) {
   }
   for (uint32_t i = 0; i < carried; ++i) ++levels_[i].pairs;
   const CancelFlag never;
-  pool.for_each(static_cast<size_t>(height_), never, [&](size_t row, int) {
-    for (size_t i = row * width_; i < (row + 1) * width_; ++i) {
-      const Pixel& pixel = pass.pixels[i];
-      float block = luminance(pixel.combined()), samples = std::max(pixel.samples, 1.0f), noise = std::sqrt(samples);
-      const float detail = pixel.detail / samples;
+  pool.for_each(pass.tiles(), never, [&](size_t t, int) {
+    PackedFilm::Sums sums;
+    pass.see(t, sums);
+    pass.each(t, [&](size_t i, size_t place) {
+      float block = sums.luminance[place], samples = std::max(sums.samples[place], 1.0f), noise = std::sqrt(samples);
+      const float detail = sums.detail[place] / samples;
       luminance_[i] += block;
       samples_[i] += samples;
       noises_[i] += noise;
@@ -123,7 +124,7 @@ void ErrorEstimate::add(const Film& pass, ThreadPool& pool) {
       levels_[carried].open[i] = block;
       levels_[carried].open_samples[i] = samples;
       levels_[carried].open_noise[i] = noise;
-    }
+    });
   });
   ++passes_;
 }

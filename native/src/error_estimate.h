@@ -1,7 +1,7 @@
 // How far each pixel may be from the truth: its noise from differences between passes, its blur from discs of two sizes.
 #pragma once
 
-#include "film.h"
+#include "packed_film.h"
 #include "parallel.h"
 
 namespace photon_splat {
@@ -22,7 +22,7 @@ class ErrorEstimate {
  public:
   void reset(int width, int height);
   // One pass; call it for all of them.
-  void add(const Film& pass, ThreadPool& pool);
+  void add(const PackedFilm& pass, ThreadPool& pool);
   // Makes the estimate from the passes so far; after one pass alone, from how neighbouring pixels differ.
   void update(ThreadPool& pool);
 

@@ -62,7 +62,4 @@ struct Film {
   Rgb* groups_of(size_t pixel) { return light_groups ? &by_group[pixel * light_groups] : nullptr; }
 };
 
-// Adds one pass' film to the sum. The first one becomes the sum, and gives depth and surface id; `pass` is then of no use.
-void add_pass(Film& sum, Film& pass, class ThreadPool& pool);
-
 }  // namespace photon_splat

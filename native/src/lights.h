@@ -45,7 +45,7 @@ struct GroupLight {
   Rgb* sums;  // by number of the group
   Rgb factor;
   void add(const Rgb& light, int16_t group) {
-    if (const Rgb scaled = factor * light; group != kNoLightGroup && is_finite(scaled)) sums[group] += scaled;
+    if (const Rgb scaled = factor * light; group != kNoLightGroup && can_be_added(scaled)) sums[group] += scaled;
   }
 };
 

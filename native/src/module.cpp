@@ -272,6 +272,7 @@ nb::dict statistics(Renderer& r) {
   out["photons"] = photons;
   out["rays"] = r.rays();
   out["threads"] = r.threads();
+  out["threads_wanted"] = r.threads_wanted();
   out["kernel"] = r.kernel_name();
   out["visible_points"] = r.points().size();
   out["bad_samples"] = r.bad_samples();
@@ -432,17 +433,23 @@ NB_MODULE(photon_splat_native, m) {
       .def_prop_ro("pilot_seconds", [](Renderer& r) { return r.seconds().pilot; }, "Of the stages' seconds: in the first pass only.")
       .def_prop_ro("paths_per_batch", &Renderer::paths_per_batch,
                    "Photon paths that are best traced and splatted at once onto the points there are.")
+      .def_prop_ro("keeps_photons", [](const Renderer& r) { return r.options.kept_photon_bytes > 0; },
+                   "Whether batches are found again by other renders, and so are all of paths_per_batch.")
+      .def_prop_ro("film_bytes", &Renderer::film_bytes, "Memory of the film and of the pass that is being made.")
       .def_prop_ro("paths_per_pass", &Renderer::paths_per_pass, "Photon paths of a pass in the selected layer.")
       .def("trace_camera", &Renderer::trace_camera, "pass"_a, released)
       .def("make_points", &Renderer::make_points, "pass"_a, released)
       .def("trace_photons", &Renderer::trace_photons, "first"_a, "count"_a, released)
       .def("splat", &Renderer::splat, released)
+      .def("end_photons", &Renderer::end_photons, "paths"_a,
+           "Before resolve(), and after any splatter: no more of the selected layer's paths come in this pass; those count for all.")
+      .def("end_passes", &Renderer::end_passes, "No pass follows: gives back memory that passes alone need.")
       .def("resolve", &Renderer::resolve, released)
       .def("trace_reference", &Renderer::trace_reference, "sample"_a, released)
       .def("cancel", &Renderer::cancel, "Makes the running stage, and every later one, raise Cancelled. From any thread.")
       .def("make_error_estimate", &Renderer::make_error_estimate, "Brings film()['error'] and statistics()['error'] up to date.", released)
       .def("squared_errors", [](const Renderer& r) {
-        const size_t width = static_cast<size_t>(r.film().width), height = static_cast<size_t>(r.film().height);
+        const size_t width = static_cast<size_t>(r.packed_film().width), height = static_cast<size_t>(r.packed_film().height);
         nb::dict out;
         out["variance"] = to_numpy(std::vector<float>(r.errors().variance()), {height, width});
         out["squared_bias"] = to_numpy(std::vector<float>(r.errors().squared_bias()), {height, width});

@@ -1,17 +1,30 @@
 #include "parallel.h"
 
 #include <algorithm>
+#include <system_error>
 
 namespace photon_splat {
 
-ThreadPool::ThreadPool(int threads) {
+ThreadPool::ThreadPool(int threads, const Start& start) {
   if (threads <= 0) threads = std::max(1u, std::thread::hardware_concurrency());
-  threads = std::min(threads, 1024);
-  workers_.reserve(threads - 1);
-  for (int i = 1; i < threads; ++i) workers_.emplace_back([this, i] { worker_loop(i); });
+  wanted_ = std::min(threads, 1024);
+  workers_.reserve(wanted_ - 1);
+  try {
+    for (int i = 1; i < wanted_; ++i) {
+      const auto work = [this, i] { worker_loop(i); };
+      if (start) workers_.push_back(start(work));
+      else workers_.emplace_back(work);
+    }
+  } catch (const std::system_error&) {  // a limit of processes or memory: those that are there do the work
+  } catch (...) {
+    stop();
+    throw;
+  }
 }
 
-ThreadPool::~ThreadPool() {
+ThreadPool::~ThreadPool() { stop(); }
+
+void ThreadPool::stop() {
   {
     std::lock_guard lock(mutex_);
     stop_ = true;

@@ -33,12 +33,15 @@ class CancelFlag {
 // A fixed set of threads; the caller is one of them. Calls from two threads at once are not allowed.
 class ThreadPool {
  public:
-  explicit ThreadPool(int threads);  // 0 = all of the machine
+  using Start = std::function<std::thread(std::function<void()> work)>;
+  // threads: 0 = all of the machine. Where the system starts no more of them (std::system_error) there are fewer; start: for tests.
+  explicit ThreadPool(int threads, const Start& start = {});
   ~ThreadPool();
   ThreadPool(const ThreadPool&) = delete;
   ThreadPool& operator=(const ThreadPool&) = delete;
 
   int size() const { return static_cast<int>(workers_.size()) + 1; }
+  int wanted() const { return wanted_; }
 
   // Calls work(worker) once on every thread and returns when all have finished; rethrows the first exception.
   void run_on_all(const std::function<void(int worker)>& work);
@@ -55,7 +58,9 @@ class ThreadPool {
 
  private:
   void worker_loop(int worker);
+  void stop();
 
+  int wanted_;
   std::vector<std::thread> workers_;
   std::mutex mutex_;
   std::condition_variable start_, finished_;

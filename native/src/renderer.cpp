@@ -1,5 +1,6 @@
 #include "renderer.h"
 
+#include <atomic>
 #include <chrono>
 #include <tuple>
 
@@ -74,10 +75,9 @@ void Renderer::learn_sky_anew() {
 }
 
 void Renderer::reset_film() {
-  film_.passes = 0;
-  film_.width = camera_settings.region_width;
-  film_.height = camera_settings.region_height;
-  film_.light_groups = scene.light_groups;
+  film_.reset(camera_settings.region_width, camera_settings.region_height, scene.light_groups);
+  bad_light_ = 0;
+  is_unpacked_ = false;
   errors_.reset(film_.width, film_.height);
   std::vector<PhotonSet> photons(layers_.size());
   for (const auto& layer : layers_) {
@@ -156,7 +156,7 @@ bool Renderer::try_paths(uint32_t pass) {
   camera_tracer_->keep_trial(false);
   double photon_paths = 0;
   for (const auto& layer : layers_) photon_paths += static_cast<double>(layer->paths_per_pass);
-  const double camera_paths = static_cast<double>(pass_film_.pixels.size()) * kGatheredSamples;
+  const double camera_paths = static_cast<double>(pass_film_.size()) * kGatheredSamples;
   if (!camera_tracer_->trial().paths_pay(photon_paths / camera_paths)) {
     fallback_.reset();
     return false;
@@ -388,6 +388,27 @@ void Renderer::splat() {
   else layer.splatter->splat(*photons_, layer.points.blocks(), scene.pool(), cancel_);
 }
 
+void Renderer::end_photons(uint64_t paths) {
+  Layer& layer = selected();
+  if (!paths) throw std::invalid_argument("a pass has one photon path at the least");
+  const float more = static_cast<float>(static_cast<double>(paths_of(layer)) / static_cast<double>(paths));
+  for (PointBlock& block : layer.points.blocks())
+    for (float* scales : {block.scale, block.narrow_scale})
+      for (uint32_t lane = 0; lane < kBlockSize; ++lane) scales[lane] *= more;
+}
+
+const Film& Renderer::film() const {
+  if (!is_unpacked_) film_.unpack(unpacked_);
+  is_unpacked_ = true;
+  return unpacked_;
+}
+
+void Renderer::end_passes() {
+  records_ = nullptr;
+  if (camera_tracer_) camera_tracer_->forget_records();
+  pass_film_.release();
+}
+
 const Splatter& Renderer::find_pairs(size_t first, size_t count) {
   Layer& layer = selected();
   if (first > photons_->size() || count > photons_->size() - first) throw std::out_of_range("there are not so many photons");
@@ -433,14 +454,23 @@ void Renderer::add_irradiance(Layer& layer, bool wandered) {
   std::vector<float>& noise = samples_.photons(layer.index).noise;
   if (!wandered) std::fill(noise.begin(), noise.end(), 0.0f);
   const float of_one = kNoiseOfOne * layer.dispersion;
+  std::atomic<uint64_t> bad{0};
   scene.pool().for_each(ranges.size() - 1, cancel_, [&](size_t tile, int) {
+    PackedFilm::Tile pixels;
+    bool loaded = false;
     for (size_t i = ranges[tile]; i < ranges[tile + 1]; ++i) {
       const uint32_t point = layer.points.point_of_record(i), lane = point % kBlockSize;
       if (point == VisiblePoints::kNone || records[i].wandered != wandered) continue;
+      if (!loaded) pass_film_.get(tile, pixels);
+      loaded = true;
       const PointBlock& block = blocks[point / kBlockSize];
       const Rgb irradiance = Rgb{block.r[lane], block.g[lane], block.b[lane]} * block.scale[lane];
-      Pixel& pixel = pass_film_.pixels[records[i].pixel];
+      Pixel& pixel = pixels[pass_film_.place_in_tile(records[i].pixel)];
       const Rgb light = records[i].throughput * irradiance;
+      if (!can_be_added(light)) {
+        ++bad;
+        continue;
+      }
       indirect_of(pixel, records[i].part) += light;
       for (int g = 0; g < pass_film_.light_groups; ++g) {
         const GroupSums& sums = layer.group_sums[g * blocks.size() + point / kBlockSize];
@@ -456,7 +486,9 @@ void Renderer::add_irradiance(Layer& layer, bool wandered) {
       // Photons per square metre: the kernel disc holds `count` of them.
       pixel.photon_density += block.count[lane] * block.inverse_h2[lane] / kPi;
     }
+    if (loaded) pass_film_.put(tile, pixels);
   });
+  bad_light_ += bad;
 }
 
 // Of the last pass, in camera rays with their shading: a photon's ray is about a third of one, a material's program that it runs one, a
@@ -464,9 +496,13 @@ void Renderer::add_irradiance(Layer& layer, bool wandered) {
 PassWork Renderer::take_work() {
   PassWork work;
   double samples = 0;
-  for (const Pixel& p : pass_film_.pixels) samples += p.samples;
+  for (size_t t = 0; t < pass_film_.tiles(); ++t) {
+    PackedFilm::Sums sums;
+    pass_film_.see(t, sums);
+    pass_film_.each(t, [&](size_t, size_t place) { samples += sums.samples[place]; });
+  }
   const double camera = static_cast<double>(camera_tracer_->last_rays()) + static_cast<double>(records_ ? records_->size() : 0);
-  work.samples = camera / std::max(samples, 1.0) * static_cast<double>(pass_film_.pixels.size());
+  work.samples = camera / std::max(samples, 1.0) * static_cast<double>(pass_film_.size());
   for (const auto& layer : layers_) {
     double& photons = samples_.photons(layer->index).work = 0;
     if (idle(*layer)) continue;
@@ -504,6 +540,7 @@ void Renderer::finish_pass() {
     errors_.add(pass_film_, scene.pool());
   }
   add_pass(film_, pass_film_, scene.pool());
+  is_unpacked_ = false;
 }
 
 void Renderer::make_error_estimate() {

@@ -107,6 +107,8 @@ class Renderer {
   void trace_photons(uint64_t first, uint64_t count);
   // Adds those photons to the points.
   void splat();
+  // No more of the pass' photons come in the selected layer than `paths` of them have brought: their light counts for all.
+  void end_photons(uint64_t paths);
   // Instead of splat(), for a splatter elsewhere: which of the photons [first, first + count) each block may catch. That
   // splatter writes its sums into blocks().
   const Splatter& find_pairs(size_t first, size_t count);
@@ -135,7 +137,14 @@ class Renderer {
   void resume() { cancel_.clear(); }
   const CancelFlag& cancel_flag() const { return cancel_; }
 
-  const Film& film() const { return film_; }
+  const PackedFilm& packed_film() const { return film_; }
+  // All of it at once, for tests: a copy, until it is asked for again.
+  const Film& film() const;
+  // Which channels of pixels the film is to have, before build(), set_view() or begin_again(); what passes need is among them.
+  void keep_channels(ChannelMask channels) { film_.kept = pass_film_.kept = channels | channels_of_passes(); }
+  // No pass follows: gives back memory that passes alone need.
+  void end_passes();
+  size_t film_bytes() const { return film_.bytes() + pass_film_.bytes(); }
   // How far the film may be from the truth; make_error_estimate() brings it up to date.
   const ErrorEstimate& errors() const { return errors_; }
   void make_error_estimate();
@@ -151,9 +160,10 @@ class Renderer {
   uint64_t places() const { return camera_tracer_ ? camera_tracer_->places() : 0; }
   bool paths_bring_all() const { return fallback_ && fallback_->reach() == Fallback::Reach::kAll; }
   uint64_t fallbacks() const { return camera_tracer_ ? camera_tracer_->fallbacks() : 0; }
-  uint64_t bad_samples() const { return camera_tracer_ ? camera_tracer_->bad_samples() : 0; }
+  uint64_t bad_samples() const { return bad_light_ + (camera_tracer_ ? camera_tracer_->bad_samples() : 0); }
   std::string kernel_name() const { return current_ ? current_->splatter->kernel_name() : ""; }
   int threads() { return scene.pool().size(); }
+  int threads_wanted() { return scene.pool().wanted(); }
 
  private:
   void finish_pass();
@@ -199,7 +209,10 @@ class Renderer {
   float reach_ = INFINITY;        // half of it is no further from there, m; infinite where photons serve all views
   Layer* current_ = nullptr;
   VisiblePoints no_points_;
-  Film film_, pass_film_;
+  PackedFilm film_, pass_film_;
+  mutable Film unpacked_;
+  mutable bool is_unpacked_ = false;
+  uint64_t bad_light_ = 0;  // records whose light from photons was not finite
   SampleChoice samples_;
   SkyGuide sky_;
   ErrorEstimate errors_;

@@ -60,11 +60,15 @@ void SampleChoice::reset(int width, int height, uint32_t least, std::vector<Phot
   count_.assign(pixels, 1);
 }
 
-void SampleChoice::see(const Film& pass, Moments& moments, ThreadPool& pool) const {
+void SampleChoice::see(const PackedFilm& pass, Moments& moments, ThreadPool& pool) const {
   const CancelFlag never;
-  pool.for_each(static_cast<size_t>(height_), never, [&](size_t row, int) {
-    for (size_t i = row * width_; i < (row + 1) * width_; ++i)
-      moments.add(i, luminance(pass.pixels[i].combined()) * pass.pixels[i].share(), pass.pixels[i].samples);
+  pool.for_each(pass.tiles(), never, [&](size_t t, int) {
+    PackedFilm::Sums sums;
+    pass.see(t, sums);
+    pass.each(t, [&](size_t i, size_t place) {
+      const float samples = sums.samples[place];
+      moments.add(i, sums.luminance[place] * (samples > 0 ? 1 / samples : 0), samples);
+    });
   });
 }
 
@@ -72,7 +76,7 @@ double SampleChoice::mean_count() const {
   return count_.empty() ? 1 : std::accumulate(count_.begin(), count_.end(), 0.0) / static_cast<double>(count_.size());
 }
 
-void SampleChoice::see_camera(const Film& pass, ThreadPool& pool) { see(pass, camera_, pool); }
+void SampleChoice::see_camera(const PackedFilm& pass, ThreadPool& pool) { see(pass, camera_, pool); }
 
 double SampleChoice::photon_count() const {
   double first = 0, next = 0;
@@ -83,15 +87,17 @@ double SampleChoice::photon_count() const {
   return first > 0 ? next / first : 1;
 }
 
-void SampleChoice::end_pass(const Film& pass, const PassWork& work, ThreadPool& pool) {
+void SampleChoice::end_pass(const PackedFilm& pass, const PassWork& work, ThreadPool& pool) {
   see(pass, all_, pool);
   const CancelFlag never;
-  pool.for_each(static_cast<size_t>(height_), never, [&](size_t row, int) {
-    for (size_t i = row * width_; i < (row + 1) * width_; ++i) {
-      samples_[i] += pass.pixels[i].samples;
-      for (const PhotonSet& set : photons_) by_photons_[i] += pass.pixels[i].samples * set.noise[i] * set.noise[i];
+  pool.for_each(pass.tiles(), never, [&](size_t t, int) {
+    PackedFilm::Sums sums;
+    pass.see(t, sums);
+    pass.each(t, [&](size_t i, size_t place) {
+      samples_[i] += sums.samples[place];
+      for (const PhotonSet& set : photons_) by_photons_[i] += sums.samples[place] * set.noise[i] * set.noise[i];
       extra_[i] += count_[i] - 1u;
-    }
+    });
   });
   for (PhotonSet& set : photons_) set.last = set.count;
   to_choose_ = std::has_single_bit(++passes_);

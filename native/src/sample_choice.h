@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "film.h"
+#include "packed_film.h"
 #include "parallel.h"
 
 namespace photon_splat {
@@ -56,9 +56,9 @@ class SampleChoice {
   void limit(double mean, double photons, ThreadPool& pool);
 
   // The pass' film when it holds what camera paths found, and again when photons have been added.
-  void see_camera(const Film& pass, ThreadPool& pool);
+  void see_camera(const PackedFilm& pass, ThreadPool& pool);
   // Noise and work of the photons are known by now.
-  void end_pass(const Film& pass, const PassWork& work, ThreadPool& pool);
+  void end_pass(const PackedFilm& pass, const PassWork& work, ThreadPool& pool);
 
  private:
   // Luminance of a pass' samples, weighted by their number.
@@ -68,7 +68,7 @@ class SampleChoice {
     void add(size_t i, float mean, float samples);
     float variance(size_t i, float samples, float passes) const;  // of one sample
   };
-  void see(const Film& pass, Moments& moments, ThreadPool& pool) const;
+  void see(const PackedFilm& pass, Moments& moments, ThreadPool& pool) const;
   std::vector<float> deviations(ThreadPool& pool) const;
   std::vector<float> first_deviations(ThreadPool& pool) const;
   void choose(const std::vector<float>& deviations);

@@ -38,6 +38,9 @@ inline float max_component(const Vec3& a) { return std::max({a.x, a.y, a.z}); }
 inline float luminance(const Vec3& rgb) { return 0.2126f * rgb.x + 0.7152f * rgb.y + 0.0722f * rgb.z; }  // Rec. 709
 inline float average(const Vec3& a) { return (a.x + a.y + a.z) * (1.0f / 3.0f); }
 inline bool is_black(const Vec3& a) { return a.x <= 0 && a.y <= 0 && a.z <= 0; }
+// Far below the largest float: whatever is summed of these stays finite. NaN is none.
+inline constexpr float kMostLight = 1e28f;
+inline bool can_be_added(const Vec3& a) { return std::abs(a.x) < kMostLight && std::abs(a.y) < kMostLight && std::abs(a.z) < kMostLight; }
 inline bool is_finite(const Vec3& a) { return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z); }
 inline Vec3 min(const Vec3& a, const Vec3& b) { return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)}; }
 inline Vec3 max(const Vec3& a, const Vec3& b) { return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)}; }

@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include <system_error>
+
 using namespace photon_splat;
 
 TEST_CASE("every chunk is worked on once, whatever the number of threads") {
@@ -62,4 +64,33 @@ TEST_CASE("a cancelled run stops with Cancelled before its last chunk") {
   CHECK_THROWS_AS(pool.for_each(1000, cancel, [&](size_t, int) { if (++done == 10) cancel.set(); }), Cancelled);
   CHECK(done < 1000);
   CHECK_THROWS_AS(pool.for_each(1, cancel, [&](size_t, int) { FAIL_CHECK("worked although cancelled"); }), Cancelled);
+}
+
+TEST_CASE("where the system starts no more threads those that are there do the work") {
+  for (const int most : {0, 2}) {
+    int started = 0;
+    ThreadPool pool(8, [&](std::function<void()> work) {
+      if (started == most) throw std::system_error(std::make_error_code(std::errc::resource_unavailable_try_again));
+      ++started;
+      return std::thread(std::move(work));
+    });
+    CHECK(pool.size() == most + 1);
+    CHECK(pool.wanted() == 8);
+    const CancelFlag cancel;
+    std::vector<int> done(100);
+    pool.for_each(done.size(), cancel, [&](size_t chunk, int worker) {
+      CHECK(worker <= most);
+      ++done[chunk];
+    });
+    CHECK(done == std::vector<int>(100, 1));
+  }
+}
+
+TEST_CASE("any other fault while threads start ends those that have started") {
+  int started = 0;
+  const auto start = [&](std::function<void()> work) {
+    if (++started == 3) throw std::bad_alloc();
+    return std::thread(std::move(work));
+  };
+  CHECK_THROWS_AS(ThreadPool(8, start), std::bad_alloc);
 }

@@ -5,8 +5,10 @@ from __future__ import annotations
 import json
 import os
 import resource
+import shlex
 import shutil
 import signal
+import stat
 import subprocess
 import sys
 import time
@@ -17,6 +19,7 @@ import numpy as np
 import pytest
 from photon_splat.cli import main
 from photon_splat.core.result import PASSES
+from photon_splat.exr import WriteError, replace_file
 
 from tests.addon import stage
 from tests.addon.blender import ROOT, Blender
@@ -345,3 +348,167 @@ def test_an_output_that_exists_is_replaced(scenes: Path, tmp_path: Path) -> None
     shutil.copy(scenes / "text.blend", tmp_path / "out.exr")
     assert _render(tmp_path, scenes / "room.blend", "-o", "out.exr", "--passes", "1")[0] == 0
     assert _picture(tmp_path / "out.exr")[0].width == 24
+
+
+# --- a finished picture is not lost ---
+
+
+def _shell(tmp_path: Path, command: str, **options: Any) -> subprocess.CompletedProcess[str]:
+    path = os.pathsep.join([str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])])
+    environment = os.environ | {"BLENDER_USER_RESOURCES": str(tmp_path / "blender"), "PYTHONPATH": path} | options.pop("env", {})
+    run = " ".join(shlex.quote(word) for word in RUN)
+    return subprocess.run(
+        ["bash", "-c", command.replace("RENDER", run)],
+        cwd=tmp_path,
+        env=environment,
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+        **options,
+    )
+
+
+@pytest.mark.parametrize("stderr", ["2>&-", "2> >(head -c1)", ">&- 2>&-", "<&- >&- 2>&-"])
+def test_nobody_reads_the_messages(stderr: str, scenes: Path, tmp_path: Path) -> None:
+    done = _shell(tmp_path, f"RENDER {shlex.quote(str(scenes / 'border.blend'))} -o out.exr --stats stats.json --passes 20 {stderr}")
+    assert done.returncode == 0
+    assert _left(tmp_path) == ["out.exr", "stats.json"]
+    assert _picture(tmp_path / "out.exr")[0].width == 12
+    assert json.loads((tmp_path / "stats.json").read_text())["warnings"]
+
+
+def _save_odd_path(folder: str) -> None:
+    """Runs inside Blender."""
+    import bpy
+
+    stage.room(pixels=16, passes=1, photons=100)
+    shade, tree = stage.empty_material("Photo")
+    shader, photo = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("BsdfDiffuse", "TexImage"))
+    photo.image = bpy.data.images.new("odd", 1, 1)
+    photo.image.source, photo.image.filepath = "FILE", "//gone/\udcff\udce9.png"
+    tree.links.new(photo.outputs["Color"], shader.inputs["Color"])
+    stage.surface(tree, shader)
+    bpy.data.objects["Plane"].data.materials[0] = shade
+    bpy.ops.wm.save_as_mainfile(filepath=f"{folder}/odd.blend", compress=False)
+
+
+def test_a_missing_texture_whose_path_is_no_text(blender: Blender, tmp_path: Path) -> None:
+    blender.call(_save_odd_path, {"folder": str(tmp_path)})
+    status, errors = _render(tmp_path, tmp_path / "odd.blend", "-o", "out.exr", "--stats", "stats.json")
+    assert status == 0, errors
+    assert "gone/\\xff\\xe9.png cannot be read; shown in pink" in errors
+    assert "\\xff" in json.loads((tmp_path / "stats.json").read_text())["warnings"][0]
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["-o", "out.exr", "--stats", "scene.blend"], "--stats and the scene name the same file"),
+        (["-o", "out.exr", "--stats", "link.json"], "--stats and the scene name the same file"),
+        (["-o", "picture.exr", "--stats", "same.exr"], "--stats and --output name the same file"),
+        (["-o", "itself.exr"], "--output and the scene name the same file"),
+        (["-o", "x" * 300 + ".exr"], "cannot be written: File name too long"),
+        (["-o", "pipe.exr"], "pipe.exr cannot be written: it is no ordinary file"),
+    ],
+)
+def test_outputs_that_would_be_lost_or_do_harm(
+    options: list[str], words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("scene.blend").write_text("the work of years")
+    os.link("scene.blend", "itself.exr")
+    os.symlink("scene.blend", "link.json")
+    Path("picture.exr").touch()
+    os.link("picture.exr", "same.exr")
+    os.mkfifo("pipe.exr")
+    before = _left(tmp_path)
+    _refused(capsys, words, "render", "scene.blend", *options)
+    assert Path("scene.blend").read_text() == "the work of years"
+    assert _left(tmp_path) == before
+
+
+def test_links_are_followed_and_the_mode_is_kept(tmp_path: Path) -> None:
+    (tmp_path / "far").mkdir()
+    target, link = tmp_path / "far" / "picture.exr", tmp_path / "out.exr"
+    link.symlink_to(target)
+    replace_file(link, lambda path: path.write_text("one"))
+    mask = os.umask(0)
+    os.umask(mask)
+    assert stat.S_IMODE(target.stat().st_mode) == 0o666 & ~mask
+    target.chmod(0o640)
+    (tmp_path / "far" / f".picture.{os.getpid()}.partial.exr").write_text("somebody else's")
+    replace_file(link, lambda path: path.write_text("two"))
+    assert link.is_symlink()
+    assert target.read_text() == "two"
+    assert stat.S_IMODE(target.stat().st_mode) == 0o640
+    assert len(os.listdir(tmp_path / "far")) == 2
+
+    def fail(_: Path) -> None:
+        raise OSError("no")
+
+    with pytest.raises(WriteError):
+        replace_file(link, fail)
+    assert target.read_text() == "two"
+    assert len(os.listdir(tmp_path / "far")) == 2
+
+
+def test_no_folder_is_left_for_temporary_files(scenes: Path, tmp_path: Path) -> None:
+    (tmp_path / "temporary").mkdir()
+    environment = {name: str(tmp_path / "temporary") for name in ("TMPDIR", "TMP", "TEMP")}
+    done = _shell(tmp_path, f"RENDER {shlex.quote(str(scenes / 'room.blend'))} -o out.exr --passes 1", env=environment)
+    assert done.returncode == 0, done.stderr
+    assert os.listdir(tmp_path / "temporary") == []
+
+
+STUCK = """
+import sys, time
+from photon_splat import cli
+cli._open_scene = lambda options: (sys.stderr.write("here\\n"), sys.stderr.flush(), __import__("ctypes").PyDLL(None).sleep(30))
+cli.run()
+"""
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_the_second_signal_ends_the_process_wherever_it_is(number: signal.Signals, tmp_path: Path) -> None:
+    """In a library that sleeps, without Python's lock given up: no code of ours runs there."""
+    (tmp_path / "scene.blend").touch()
+    path = os.pathsep.join([str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])])
+    command = [sys.executable, "-c", STUCK, "render", "scene.blend", "-o", "out.exr"]
+    process = subprocess.Popen(command, cwd=tmp_path, env=os.environ | {"PYTHONPATH": path}, stderr=subprocess.PIPE, text=True)
+    try:
+        assert process.stderr is not None
+        assert process.stderr.readline() == "here\n"
+        time.sleep(0.5)
+        process.send_signal(number)
+        time.sleep(0.2)
+        process.send_signal(number)
+        assert process.wait(timeout=10) == -number
+    finally:
+        process.kill()
+
+
+FEW_THREADS = """
+import os, resource, sys
+if os.getuid() == 0:
+    os.setgid(65534), os.setuid(65534)
+import bpy
+from photon_splat.core.native import load
+native = load()
+mine = sum(len(os.listdir(f"/proc/{p}/task")) for p in os.listdir("/proc") if p.isdigit() and os.stat(f"/proc/{p}").st_uid == os.getuid())
+resource.setrlimit(resource.RLIMIT_NPROC, (mine + 2, mine + 2))
+print(native.Renderer(16).statistics()["threads"])
+os._exit(0)
+"""
+
+
+def test_threads_that_the_system_refuses(tmp_path: Path) -> None:
+    path = os.pathsep.join([str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])])
+    environment = os.environ | {"PYTHONPATH": path, "BLENDER_USER_RESOURCES": str(tmp_path)}
+    tmp_path.chmod(0o777)
+    command = [sys.executable, "-c", FEW_THREADS]
+    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=60, check=False)
+    if "Permission" in done.stderr or "ModuleNotFound" in done.stderr:
+        pytest.skip("an ordinary user cannot read this checkout")
+    assert done.returncode == 0, done.stderr
+    assert 1 <= int(done.stdout.split()[-1]) < 16

@@ -140,3 +140,16 @@ def test_more_lobes_than_there_is_room_for_are_named() -> None:
     stage.plane().data.materials[0] = made
     said = "Material 'Onion': its shaders may come to 60 lobes at one point; what is beyond 48 there is left out"
     assert stage.exported().warnings == [said]
+
+
+@in_blender
+def test_absurd_strengths_are_refused_by_name() -> None:
+    """Floats of Blender go as far as 3.4e38; no film could sum such light."""
+    stage.room(16, 2, 2000)
+    stage.lamp("SPOT", 1e30, (0, 0, 3)).name = "Supernova"
+    stage.world(1e30)
+    said = " ".join(stage.exported().warnings)
+    assert "Lights left out, as they are brighter than numbers of pixels can be: 'Supernova'" in said
+    assert "it is brighter than numbers of pixels can be; left out" in said
+    for picture in _finite_pictures():
+        assert picture[..., :3].mean() > 0

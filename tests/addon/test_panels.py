@@ -127,15 +127,18 @@ def test_a_click_on_a_warning_selects_what_it_names() -> None:
     one.data.materials.append(stage.material("Odd"))
     bpy.context.view_layer.objects.active = other
     name = report.named("Material 'Odd', node 'Fresnel': not supported; base colour is used")
-    assert name == "Odd"
-    assert bpy.ops.photon_splat.select(name=name) == {"FINISHED"}
+    assert name == ["Odd"]
+    assert bpy.ops.photon_splat.select(name=name[0]) == {"FINISHED"}
     assert bpy.context.view_layer.objects.active == one
     assert one.active_material.name == "Odd"
     assert [ob.name for ob in bpy.context.selected_objects] == [one.name]
-    assert report.named("Hair of objects is left out: 'Other'") == "Other"
+    assert report.named("Hair of objects is left out: 'Other', 'It's one', 'Gone'") == ["Other", "It's one"]
     assert bpy.ops.photon_splat.select(name="Other") == {"FINISHED"}
     assert bpy.context.view_layer.objects.active == other
-    assert report.named("Motion blur is not supported yet; everything stands still") == ""
+    assert report.named("Motion blur is not supported yet; everything stands still") == []
+    assert bpy.ops.photon_splat.select(name="Odd\nOther") == {"FINISHED"}
+    assert {ob.name for ob in bpy.context.selected_objects} == {one.name, other.name}
+    assert bpy.context.view_layer.objects.active == one
     assert bpy.ops.photon_splat.select(name="Nobody") == {"CANCELLED"}
     bpy.ops.object.mode_set(mode="EDIT")
     assert not bpy.ops.photon_splat.select.poll()
@@ -157,3 +160,46 @@ def test_panels_of_blender_know_the_engine_and_forget_it() -> None:
     assert knowing() == set()
     photon_splat.register()
     assert wanted <= knowing()
+
+
+@in_blender
+def test_all_warnings_are_shown_one_a_kind_and_lead_to_all_they_name() -> None:
+    import bpy
+    from photon_splat import job
+
+    scene = stage.room()
+    scene.render.use_motion_blur = True
+    for k in range(4):
+        thing = stage.plane(f"Thing {k}")
+        shade, tree = stage.empty_material(f"Photo {k}")
+        shader, photo = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("BsdfDiffuse", "TexImage"))
+        photo.image = bpy.data.images.new(f"{k}.png", 1, 1)
+        photo.image.source, photo.image.filepath = "FILE", f"//gone/{k}.png"
+        tree.links.new(photo.outputs["Color"], shader.inputs["Color"])
+        stage.surface(tree, shader)
+        thing.data.materials[0] = shade
+    bpy.ops.render.render()
+    first, second = job.last_renders[scene.name].warnings
+    assert "cannot be read; shown in pink; likewise Material 'Photo " in first
+    assert second == "Motion blur is not supported yet; everything stands still"
+    panel = next(cls for cls in _panels() if cls.__name__ == "PHOTON_SPLAT_PT_approximations")
+    assert _draw(panel).count("photon_splat.select") == 1
+    from photon_splat.panels import report
+
+    assert bpy.ops.photon_splat.select(name="\n".join(report.named(first))) == {"FINISHED"}
+    assert {ob.name for ob in bpy.context.selected_objects} == {f"Thing {k}" for k in range(4)}
+
+
+@in_blender
+def test_every_warning_reaches_blenders_reports() -> None:
+    from types import SimpleNamespace
+
+    from photon_splat import job
+
+    said: list[str] = []
+    engine = SimpleNamespace(is_preview=False, update_progress=lambda _: None, report=lambda _, text: said.append(text))
+    depsgraph = SimpleNamespace(scene=SimpleNamespace(name="Odd"))
+    warnings = [f"Thing {k} is left out" for k in range(5)]
+    job._finish(engine, depsgraph, SimpleNamespace(statistics={"warnings": warnings}))
+    assert said == [f"Photon Splat: {warning}" for warning in warnings]
+    del job.last_renders["Odd"]

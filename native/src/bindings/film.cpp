@@ -11,17 +11,24 @@ using namespace nb::literals;
 namespace photon_splat {
 namespace {
 
+// Where values come from: `count` pixels, the first of them the film's `first`.
+struct Run {
+  const Renderer& renderer;
+  const Pixel* pixels;
+  size_t first, count;
+};
+
 struct Source {
-  using Fill = void(const Renderer& r, size_t first, size_t count, float* to);  // of `count` pixels from `first` on
   const char* name;
   size_t channels;
-  Fill* fill;
+  void (*fill)(const Run& run, float* to);
+  ChannelMask needs;  // of the film
 };
 
 template <class Get>
-void fill_rgb(const Renderer& r, size_t first, size_t count, float* to, Get&& get) {
-  for (size_t i = first; i < first + count; ++i, to += 3) {
-    const Rgb c = get(r.film().pixels[i]);
+void fill_rgb(const Run& run, float* to, Get&& get) {
+  for (size_t i = 0; i < run.count; ++i, to += 3) {
+    const Rgb c = get(run.pixels[i]);
     to[0] = c.x;
     to[1] = c.y;
     to[2] = c.z;
@@ -29,34 +36,34 @@ void fill_rgb(const Renderer& r, size_t first, size_t count, float* to, Get&& ge
 }
 
 template <Rgb Pixel::*kLight>
-void fill_mean(const Renderer& r, size_t first, size_t count, float* to) {
-  fill_rgb(r, first, count, to, [](const Pixel& p) { return p.*kLight * p.share(); });
+void fill_mean(const Run& run, float* to) {
+  fill_rgb(run, to, [](const Pixel& p) { return p.*kLight * p.share(); });
 }
 
 // Diffuse light over the diffuse colour, as Cycles divides it; 0 where that is black.
 template <Rgb Pixel::*kLight>
-void fill_per_albedo(const Renderer& r, size_t first, size_t count, float* to) {
+void fill_per_albedo(const Run& run, float* to) {
   const auto over = [](float light, float color) { return color > 0 ? light / color : 0; };
-  fill_rgb(r, first, count, to, [&](const Pixel& p) {
+  fill_rgb(run, to, [&](const Pixel& p) {
     const Rgb light = p.*kLight * p.share(), color = p.diffuse_color * p.share();
     return Rgb{over(light.x, color.x), over(light.y, color.y), over(light.z, color.z)};
   });
 }
 
 template <float Pixel::*kValue>
-void fill_mean(const Renderer& r, size_t first, size_t count, float* to) {
-  for (size_t i = 0; i < count; ++i) to[i] = r.film().pixels[first + i].*kValue * r.film().pixels[first + i].share();
+void fill_mean(const Run& run, float* to) {
+  for (size_t i = 0; i < run.count; ++i) to[i] = run.pixels[i].*kValue * run.pixels[i].share();
 }
 
 template <float Pixel::*kValue>
-void fill_value(const Renderer& r, size_t first, size_t count, float* to) {
-  for (size_t i = 0; i < count; ++i) to[i] = r.film().pixels[first + i].*kValue;
+void fill_value(const Run& run, float* to) {
+  for (size_t i = 0; i < run.count; ++i) to[i] = run.pixels[i].*kValue;
 }
 
 // All of the light, and alpha. Parts are scaled before they are added, as whoever adds the passes does.
-void fill_combined(const Renderer& r, size_t first, size_t count, float* to) {
-  for (size_t i = first; i < first + count; ++i, to += 4) {
-    const Pixel& p = r.film().pixels[i];
+void fill_combined(const Run& run, float* to) {
+  for (const Pixel* at = run.pixels; at < run.pixels + run.count; ++at, to += 4) {
+    const Pixel& p = *at;
     const float share = p.share();
     Rgb sum;
     for (const Rgb& light : {p.diffuse_direct, p.diffuse_indirect, p.glossy_direct, p.glossy_indirect, p.transmission_direct,
@@ -69,72 +76,99 @@ void fill_combined(const Renderer& r, size_t first, size_t count, float* to) {
   }
 }
 
-void fill_variance(const Renderer& r, size_t first, size_t count, float* to) { std::copy_n(&r.errors().variance()[first], count, to); }
-void fill_error(const Renderer& r, size_t first, size_t count, float* to) { std::copy_n(&r.errors().error()[first], count, to); }
+void fill_variance(const Run& run, float* to) { std::copy_n(&run.renderer.errors().variance()[run.first], run.count, to); }
+void fill_error(const Run& run, float* to) { std::copy_n(&run.renderer.errors().error()[run.first], run.count, to); }
 
-constexpr Source kSources[] = {
-    {"combined", 4, &fill_combined},
-    {"diffuse_direct", 3, &fill_mean<&Pixel::diffuse_direct>},
-    {"diffuse_indirect", 3, &fill_mean<&Pixel::diffuse_indirect>},
-    {"diffuse_direct_per_albedo", 3, &fill_per_albedo<&Pixel::diffuse_direct>},
-    {"diffuse_indirect_per_albedo", 3, &fill_per_albedo<&Pixel::diffuse_indirect>},
-    {"glossy_direct", 3, &fill_mean<&Pixel::glossy_direct>},
-    {"glossy_indirect", 3, &fill_mean<&Pixel::glossy_indirect>},
-    {"transmission_direct", 3, &fill_mean<&Pixel::transmission_direct>},
-    {"transmission_indirect", 3, &fill_mean<&Pixel::transmission_indirect>},
-    {"diffuse_color", 3, &fill_mean<&Pixel::diffuse_color>},
-    {"albedo", 3, &fill_mean<&Pixel::albedo>},
-    {"emission", 3, &fill_mean<&Pixel::emission>},
-    {"environment", 3, &fill_mean<&Pixel::environment>},
-    {"normal", 3, &fill_mean<&Pixel::normal>},
-    {"alpha", 1, &fill_mean<&Pixel::alpha>},
-    {"photon_density", 1, &fill_mean<&Pixel::photon_density>},
-    {"depth", 1, &fill_value<&Pixel::depth>},
-    {"surface_id", 1, &fill_value<&Pixel::surface_id>},
-    {"samples", 1, &fill_value<&Pixel::samples>},
-    {"variance", 1, &fill_variance},
-    {"error", 1, &fill_error},
+// One member of Pixel.
+template <auto kMember>
+Source mean_of(const char* name) {
+  return {name, sizeof(Pixel{}.*kMember) / sizeof(float), &fill_mean<kMember>, channels_of(kMember)};
+}
+template <float Pixel::*kValue>
+Source value_of(const char* name) {
+  return {name, 1, &fill_value<kValue>, channels_of(kValue)};
+}
+
+const Source kSources[] = {
+    {"combined", 4, &fill_combined, 0},
+    mean_of<&Pixel::diffuse_direct>("diffuse_direct"),
+    mean_of<&Pixel::diffuse_indirect>("diffuse_indirect"),
+    {"diffuse_direct_per_albedo", 3, &fill_per_albedo<&Pixel::diffuse_direct>, channels_of(&Pixel::diffuse_color)},
+    {"diffuse_indirect_per_albedo", 3, &fill_per_albedo<&Pixel::diffuse_indirect>, channels_of(&Pixel::diffuse_color)},
+    mean_of<&Pixel::glossy_direct>("glossy_direct"),
+    mean_of<&Pixel::glossy_indirect>("glossy_indirect"),
+    mean_of<&Pixel::transmission_direct>("transmission_direct"),
+    mean_of<&Pixel::transmission_indirect>("transmission_indirect"),
+    mean_of<&Pixel::diffuse_color>("diffuse_color"),
+    mean_of<&Pixel::albedo>("albedo"),
+    mean_of<&Pixel::emission>("emission"),
+    mean_of<&Pixel::environment>("environment"),
+    mean_of<&Pixel::normal>("normal"),
+    mean_of<&Pixel::alpha>("alpha"),
+    mean_of<&Pixel::photon_density>("photon_density"),
+    value_of<&Pixel::depth>("depth"),
+    value_of<&Pixel::surface_id>("surface_id"),
+    value_of<&Pixel::samples>("samples"),
+    {"variance", 1, &fill_variance, 0},
+    {"error", 1, &fill_error, 0},
 };
 constexpr const char* kLightGroups = "light_groups";  // (light group, row, column, RGB)
 
+const Source& source_of(const std::string& name) {
+  for (const Source& source : kSources)
+    if (name == source.name) return source;
+  throw std::invalid_argument("the film has no array of such a name");
+}
+
 struct Array {
-  const char* name;
-  size_t channels;
-  Source::Fill* fill;
+  const Source* source;
   std::unique_ptr<LargeArray<float>> values;
 };
 
-// Those asked for by name, or all.
+// Those asked for by name, or all that the film keeps.
 nb::dict film_arrays(Renderer& r, const std::optional<std::vector<std::string>>& names) {
-  const Film& film = r.film();
+  const PackedFilm& film = r.packed_film();
   const size_t width = film.width, height = film.height, groups = film.light_groups;
-  const auto asked = [&](const char* name) { return !names || std::find(names->begin(), names->end(), name) != names->end(); };
   std::vector<Array> arrays;
-  for (const Source& source : kSources)
-    if (asked(source.name)) arrays.push_back({source.name, source.channels, source.fill, std::make_unique<LargeArray<float>>()});
-  const bool with_groups = asked(kLightGroups);
-  if (names && names->size() != arrays.size() + with_groups) throw std::invalid_argument("the film has no array of such a name");
-  for (const Array& array : arrays) array.values->resize(width * height * array.channels);
+  bool with_groups = !names;
+  const auto add = [&](const Source& source) { arrays.push_back({&source, std::make_unique<LargeArray<float>>()}); };
+  if (!names)
+    for (const Source& source : kSources)
+      if (!(source.needs & ~film.kept)) add(source);
+  for (const std::string& name : names.value_or(std::vector<std::string>{})) {
+    if (name == kLightGroups) {
+      with_groups = true;
+      continue;
+    }
+    const Source& source = source_of(name);
+    if (source.needs & ~film.kept) throw std::invalid_argument("the film has not been told to keep " + name);
+    add(source);
+  }
+  for (const Array& array : arrays) array.values->resize(width * height * array.source->channels);
   auto by_group = std::make_unique<LargeArray<float>>();
   by_group->resize(with_groups ? width * height * groups * 3 : 0);
   {
     nb::gil_scoped_release release;
-    r.scene.pool().for_each(height, CancelFlag{}, [&](size_t row, int) {
-      for (const Array& array : arrays) {
-        float* to = array.values->data() + row * width * array.channels;
-        if (film.passes) array.fill(r, row * width, width, to);
-        else std::fill_n(to, width * array.channels, 0.0f);
-      }
-      for (size_t g = 0; with_groups && g < groups; ++g)
-        for (size_t i = row * width; i < (row + 1) * width; ++i) {
-          const Rgb light = film.passes ? film.by_group[i * groups + g] * film.pixels[i].share() : Rgb{};
-          const float rgb[3] = {light.x, light.y, light.z};
-          std::copy_n(rgb, 3, by_group->data() + 3 * (g * width * height + i));
+    r.scene.pool().for_each(film.tiles(), CancelFlag{}, [&](size_t t, int) {
+      PackedFilm::Tile pixels;
+      if (film.passes) film.get(t, pixels);
+      film.each_run(t, [&](size_t first, size_t count, size_t place) {
+        for (const Array& array : arrays) {
+          float* to = array.values->data() + first * array.source->channels;
+          if (film.passes) array.source->fill({r, &pixels[place], first, count}, to);
+          else std::fill_n(to, count * array.source->channels, 0.0f);
         }
+        for (size_t g = 0; with_groups && g < groups; ++g)
+          for (size_t i = 0; i < count; ++i) {
+            const Rgb light = film.passes ? film.by_group[(first + i) * groups + g] * pixels[place + i].share() : Rgb{};
+            const float rgb[3] = {light.x, light.y, light.z};
+            std::copy_n(rgb, 3, by_group->data() + 3 * (g * width * height + first + i));
+          }
+      });
     });
   }
   nb::dict out;
-  for (Array& array : arrays) out[array.name] = to_numpy(std::move(array.values), {height, width, array.channels});
+  for (Array& array : arrays) out[array.source->name] = to_numpy(std::move(array.values), {height, width, array.source->channels});
   if (with_groups) out[kLightGroups] = to_numpy(std::move(by_group), {groups, height, width, 3});
   return out;
 }
@@ -142,6 +176,12 @@ nb::dict film_arrays(Renderer& r, const std::optional<std::vector<std::string>>&
 }  // namespace
 
 void bind_film(nb::class_<Renderer>& renderer) {
+  renderer.def("keep_film", [](Renderer& r, const std::vector<std::string>& names) {
+    ChannelMask channels = 0;
+    for (const std::string& name : names)
+      if (name != kLightGroups) channels |= source_of(name).needs;
+    r.keep_channels(channels);
+  }, "names"_a, "Of which arrays film() is to be able to tell; all if this is not called. Before build(), set_view() or begin_again().");
   renderer.def("film", &film_arrays, "names"_a = nb::none(),
                "(height, width, channels) float32 by name: means over the film's samples, row 0 at the bottom; 0 before the first pass.");
 }

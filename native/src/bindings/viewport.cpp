@@ -8,18 +8,20 @@ namespace {
 
 // (height, width, 4): mean premultiplied scene-linear RGB and alpha, row 0 at the bottom.
 nb::ndarray<nb::numpy, float> picture(Renderer& r) {
-  const Film& film = r.film();
+  const PackedFilm& film = r.packed_film();
   std::vector<float> values(static_cast<size_t>(film.width) * film.height * 4);
   if (film.passes) {
     nb::gil_scoped_release release;
-    r.scene.pool().for_each(static_cast<size_t>(film.height), CancelFlag{}, [&](size_t row, int) {
-      for (size_t i = row * film.width; i < (row + 1) * film.width; ++i) {
-        const Pixel& p = film.pixels[i];
+    r.scene.pool().for_each(film.tiles(), CancelFlag{}, [&](size_t t, int) {
+      PackedFilm::Tile pixels;
+      film.get(t, pixels);
+      film.each(t, [&](size_t i, size_t place) {
+        const Pixel& p = pixels[place];
         const float share = p.share();
         const Rgb c = p.combined() * share;
         const float out[4] = {c.x, c.y, c.z, p.alpha * share};
         std::copy(out, out + 4, &values[4 * i]);
-      }
+      });
     });
   }
   return to_numpy(std::move(values), {static_cast<size_t>(film.height), static_cast<size_t>(film.width), 4});
