@@ -19,6 +19,7 @@ from tests.oracle.cases import Case
 
 SCENES = Path(__file__).resolve().parents[2] / "blend_scenes"
 HIGH = (0.3, -0.3, 1.9)
+_SLANT_SUN = (0.9, -0.5, 2.0)
 
 
 def build(case: Case) -> bpy.types.Scene:
@@ -136,6 +137,32 @@ def instanced_lamp() -> None:
         stand = m.add_object("Fixture", None)
         stand.instance_type, stand.instance_collection = "COLLECTION", group
         stand.matrix_world = Matrix.LocRotScale(Vector(place), Euler((tilt, 0.0, 0.5)), Vector((1.0, 1.0, 1.0)))
+
+
+def far_thing(kind: str, light: str = "lamp", distance: float = 1e6) -> None:
+    """The stage with something far away that hardly matters: a box, a ground, a loose vertex, a dark dome, or a shining one."""
+    _stage()
+    if light == "lamp":
+        _lamp("POINT", 30.0, shadow_soft_size=0.1)
+        _lamp("AREA", 10.0, (-0.5, -0.9, 1.6), (0.0, 0.0, 0.3), size=0.4)
+    elif light == "sun":
+        _lamp("SUN", 2.0, aim=_SLANT_SUN, angle=radians(4.0))
+    elif light == "world":
+        m.set_world((0.8, 0.9, 1.0), 1.0)
+    d = distance
+    grey = m.diffuse("Far", (0.5, 0.5, 0.5))
+    if kind == "box":
+        m.add_boxes("Far", [((d, d, 0.0), (d + 5.0, d + 5.0, 5.0))], grey)
+    elif kind == "ground":
+        m.add_mesh("Far", [(-d, -d, -0.5), (d, -d, -0.5), (d, d, -0.5), (-d, d, -0.5)], [(0, 1, 2, 3)], grey)
+    elif kind == "vertex":
+        m.add_mesh("Far", [(0.0, 0.0, 0.1), (0.1, 0.0, 0.1), (0.0, 0.1, 0.1), (d, -d, d)], [(0, 1, 2)], grey, location=(0.9, -0.9, 0.0))
+    elif kind in ("dome", "bright_dome"):
+        bright = kind == "bright_dome"
+        bpy.ops.mesh.primitive_uv_sphere_add(segments=32, ring_count=16, radius=d)
+        bpy.context.object.data.materials.append(m.emission("Dome", (0.8, 0.9, 1.0), 1.0) if bright else m.diffuse("Dome", (0.0, 0.0, 0.0)))
+    elif kind:
+        raise ValueError(f"no far thing is called {kind!r}")
 
 
 def linked_lamps() -> None:
