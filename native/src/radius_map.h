@@ -27,7 +27,7 @@ class RadiusMap {
   double photons_on_surface(const Memory& last, double paths) const { return last.on_surface * paths / pilot_paths_; }
 
  private:
-  static constexpr int kLevels = 11;
+  static constexpr int kLevels = 11, kMostLevels = 30;
   static constexpr uint32_t kFewest = 24;  // photons in a cell whose density is believed
 
   uint64_t index_at(const Vec3& x, int level) const;
@@ -35,7 +35,8 @@ class RadiusMap {
   void look_up(uint32_t key, const Vec3& x, Memory& memory) const;
 
   Vec3 corner_;
-  float size_, largest_;
+  float size_, largest_;  // m: of the cell of level 0
+  int levels_ = kLevels;
   double pilot_paths_;
   CountTable counts_;      // photons in cells that hold enough of them
   CountTable on_surface_;  // photons, by hashed key
