@@ -58,7 +58,7 @@ def _box(mesh: Mesh) -> NDArray[np.float64]:
 
 
 def focus(scene: Scene) -> tuple[NDArray[np.float64], float]:
-    """Where coordinates count from, and the radius of what is near the camera, 0 where nothing is far from it.
+    """Where coordinates count from, and the radius of what is near the camera, 0 where nothing is very far from it.
 
     Rounding errors grow with the distance from the origin: it is the middle of all, unless that is far from what is seen best.
     """
@@ -73,8 +73,8 @@ def focus(scene: Scene) -> tuple[NDArray[np.float64], float]:
         if not len(close):
             return origin, near
         low, high = close[:, 0].min(axis=0), close[:, 1].max(axis=0)
-        origin, size = 0.5 * (low + high), 0.5 * float(np.linalg.norm(high - low))
-        near = size + float(np.linalg.norm(eye - origin))
+        origin, near = 0.5 * (low + high), max(0.5 * float(np.linalg.norm(high - low)), 1e-6 * size)
+        size = near
 
 
 def fill_renderer(renderer: Renderer, scene: Scene, settings: RenderSettings) -> None:
@@ -219,10 +219,28 @@ def _add_instances(renderer: Renderer, scene: Scene) -> None:
 def find_flat(scene: Scene) -> NDArray[np.bool_]:
     """(I,) instances that are squeezed to nothing, which no renderer gets; adds the warnings about them to `scene`."""
     instances = scene.instances
-    flat = np.linalg.det(instances.matrix[:, :3, :3].astype(np.float32)) == 0
+    flat = _is_flat(scene)
     for name in sorted({scene.meshes[m].name for m in instances.mesh[flat]}):
         scene.warnings.append(f"Mesh '{name}' stands in the scene flattened to nothing (a scale of 0); those instances are left out.")
     return flat
+
+
+def _is_flat(scene: Scene) -> NDArray[np.bool_]:
+    flat: NDArray[np.bool_] = np.linalg.det(scene.instances.matrix[:, :3, :3].astype(np.float32)) == 0
+    return flat
+
+
+def lamps_in_surfaces(renderer: Renderer, scene: Scene) -> list[str]:
+    """One warning about area lamps that lie in the plane of a surface: how much of their light gets past it is decided by rounding."""
+    kept = np.flatnonzero(~_is_flat(scene))
+    pairs = [
+        f"'{scene.lights[lamp].name}' in '{scene.meshes[scene.instances.mesh[kept[instance]]].name}'"
+        for lamp, instance in renderer.lamps_in_surfaces
+    ]
+    if not pairs:
+        return []
+    named = ", ".join(pairs[:3]) + (f" and {len(pairs) - 3} more" if len(pairs) > 3 else "")
+    return [f"Area lamps lie exactly in a surface ({named}), which keeps back a part of their light by chance: move them off it."]
 
 
 def _add_mesh_shading(renderer: Renderer, index: int, mesh: Mesh) -> None:

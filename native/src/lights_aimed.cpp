@@ -32,6 +32,7 @@ struct Lights::Draft {
 namespace {
 
 constexpr double kLeastFlux = 1e-7;  // of a target's flux: below it a pair is left to natural emission
+constexpr int kMostNearSpheres = 12;
 constexpr float kSlack = 1 + 1e-4f;  // rounding must not put a line outside the target that it was aimed at
 
 // 1 - cos of the half angle of a sphere of squared radius r2, seen from a squared distance d2 > r2.
@@ -107,7 +108,7 @@ Lights::Draft Lights::natural_draft(uint32_t index, const Vec2& pick, const Vec2
     draft.sort = Draft::kParallel;
     draft.start = emit_world(place, way);
     draft.natural = 1;
-    draft.cross_disc(scene_.center(), scene_disc());
+    draft.cross_disc(parallel_center(), parallel_radius());
     return draft;
   }
   const Emitter& e = emitters_[index];
@@ -121,7 +122,7 @@ Lights::Draft Lights::natural_draft(uint32_t index, const Vec2& pick, const Vec2
   draft.inside = lamp.holds_geometry && pick.y < 0.5f;
   if (lamp.s.kind == LampKind::kSun) {
     draft.sort = Draft::kParallel;
-    draft.cross_disc(scene_.center(), scene_disc());
+    draft.cross_disc(parallel_center(), parallel_radius());
   } else if (lamp.s.kind != LampKind::kArea) {
     draft.sort = Draft::kLines;
     draft.cross_disc(lamp.center, lamp.s.radius);
@@ -182,6 +183,56 @@ float Lights::aimed_density(const Draft& draft, const EmissionTargets::Sphere& t
   if (d2 <= reach * reach) return lines ? draft.natural * place_density(to) : draft.natural;
   const float density = cone_density(to / std::sqrt(d2), cone_of(reach * reach, d2), start.direction, own);
   return density > 0 && lines ? density * place_density(to) : density;
+}
+
+int Lights::near_spheres(float distance) const {
+  if (!scene_.has_far_things()) return 0;
+  int count = 0;
+  while (count < kMostNearSpheres && near_sphere(count) * 2 < distance) ++count;
+  return count;
+}
+
+double Lights::near_share(const Vec3& x) const {
+  const float d2 = length2(x), r = near_sphere(0);
+  const int spheres = near_spheres(std::sqrt(d2));
+  return spheres ? std::min(1.0, (1.0 + spheres) * r * r / d2) : 1.0;
+}
+
+// A light far off sends most of its photons past all that is seen. It sends as many to each of several spheres about it, each four times as
+// wide as the one before, as by nature: what comes to lie twice as far off brings a quarter of the light to what is near.
+PhotonStart Lights::emit_nearby(const EmissionPrimary& p) const {
+  const Emitter* e = p.emitter < emitters_.size() ? &emitters_[p.emitter] : nullptr;
+  const bool parallel = !e || (e->lamp >= 0 && lamps_[e->lamp].s.kind == LampKind::kSun);
+  const Vec3 from = parallel ? Vec3{} : e->lamp >= 0 ? lamps_[e->lamp].center : point_on_mesh(*e, p.pick.y, p.place).position;
+  const int spheres = near_spheres(parallel ? parallel_radius() : length(from));
+  Vec2 place = p.place, way = p.way;
+  float& choice = parallel ? place.x : way.x;
+  // Of as many equal chances the first third goes to the smallest sphere, beside its own one.
+  const int more = spheres / 3, chances = spheres + 1 + more;
+  const float chosen = choice * static_cast<float>(chances);
+  const int chance = std::min(static_cast<int>(chosen), chances - 1), own = std::max(0, chance - more);
+  choice = std::min(chosen - static_cast<float>(chance), kBelowOne);
+  const auto sphere = [&](int k) {
+    EmissionTargets::Sphere s{};
+    s.radius = near_sphere(k);
+    return s;
+  };
+  Draft draft = own < spheres ? aimed_draft(p.emitter, sphere(own), p.pick, place, way) : natural_draft(p.emitter, p.pick, place, way);
+  float density = draft.natural;
+  for (int k = 0; k < spheres; ++k) density += static_cast<float>(k ? 1 : 1 + more) * aimed_density(draft, sphere(k), k == own);
+  if (spheres) draft.start.power *= density > 0 ? draft.natural * static_cast<float>(chances) / density : 0.0f;
+  const Vec3 along = draft.start.direction * dot(draft.start.origin, draft.start.direction);
+  if (spheres) start_nearby(parallel ? draft.offset : draft.start.origin - along, draft.start);
+  return finished(draft.start, p);
+}
+
+// A place millions of metres away is known to a few centimetres. Where nothing stands before it, the way begins near its end, at `across` from the
+// origin.
+void Lights::start_nearby(const Vec3& across, PhotonStart& start) const {
+  if (!start.plain() || !(max_abs(start.power) > 0)) return;
+  const float ahead = 2 * std::max(near_sphere(0), length(across)), before = -dot(start.origin, start.direction) - ahead;
+  const Vec3 origin = across - start.direction * ahead;
+  if (before > 0 && !scene_.occluded(origin, -start.direction, 0, before * (1 - 1e-5f))) start.origin = origin;
 }
 
 // About the power that passes from an emitter to a sphere, W, nothing standing between them.
@@ -266,6 +317,7 @@ PhotonStart Lights::emit_towards(const EmissionTargets& targets, uint64_t index,
     draft.start.lit_groups = emitters_[p.emitter].lit_groups;
     draft.start.blockers = emitters_[p.emitter].blockers;
     draft.start.light_group = emitters_[p.emitter].light_group;
+    if (emitters_[p.emitter].exact) start_exactly(p.emitter, draft.start);
     const int lamp = emitters_[p.emitter].lamp;
     if (lamp >= 0 && lamps_[lamp].s.program >= 0) draft.start.shaded_by = lamp;
   }

@@ -70,7 +70,8 @@ void Lights::add_lamp(const LampSettings& settings) {
       if (lamp.one_minus_cos > 0) lamp.radiance = settings.normalize ? strength / (kPi * sine * sine) : strength;
       const Rgb through_disc = lamp.one_minus_cos > 0 ? lamp.radiance * (2 * kPi * lamp.one_minus_cos) : strength;
       e.importance = average(through_disc);
-      e.power = average(through_disc) * kPi * double(scene_.radius()) * scene_.radius();
+      const float disc = scene_.has_far_things() ? scene_disc() : scene_.radius();
+      e.power = average(through_disc) * kPi * double(disc) * disc;
       break;
     }
     case LampKind::kArea: {
@@ -110,6 +111,7 @@ void Lights::add_lamp(const LampSettings& settings) {
     e.importance *= mean;
     e.power *= mean;
   }
+  if (settings.kind != LampKind::kSun) e.power *= near_share(lamp.center);
   if (!(e.power > 0)) return;
   e.lit_groups = settings.lit_groups;
   e.blockers = settings.blockers;
@@ -174,6 +176,14 @@ void Lights::add_emissive_instances() {
     e.bounds = bounds;
     e.importance = static_cast<float>(sum);
     e.power = sum * kPi;
+    if (scene_.has_far_things()) {
+      double close = 0;
+      for (size_t t = 0; t < e.cdf.size(); ++t) {
+        const Vec3* corner = e.triangles[t].corner;
+        close += double(e.cdf[t] - (t ? e.cdf[t - 1] : 0)) * near_share((corner[0] + corner[1] + corner[2]) / 3.0f);
+      }
+      e.power = std::max(close, 1e-12 * sum) * kPi;
+    }
     emitter_of_instance_[i] = static_cast<int32_t>(emitters_.size());
     emitters_.push_back(std::move(e));
   }
@@ -224,10 +234,10 @@ void Lights::add_emissive_triangles(uint32_t instance, Emitter& e, Bounds& bound
 
 PhotonStart Lights::emit_parallel(const Vec3& direction, const Vec2& place) const {
   const Vec2 p = sample_disk(place);
-  const float r = scene_disc();
+  const float r = parallel_radius();
   const Basis basis(direction);
   PhotonStart start;
-  start.origin = scene_.center() + basis.to_world({p.x * r, p.y * r, -r});
+  start.origin = parallel_center() + basis.to_world({p.x * r, p.y * r, -r});
   start.direction = direction;
   const float disc = kPi * r * r;
   start.power = {disc, disc, disc};
@@ -352,6 +362,7 @@ void Lights::primaries(uint64_t first, uint32_t count, uint32_t seed, const Emis
 }
 
 PhotonStart Lights::emit(const EmissionPrimary& p) const {
+  if (scene_.has_far_things()) return emit_nearby(p);
   PhotonStart start;
   if (p.emitter == emitters_.size()) {
     start = emit_world(p.place, p.way);

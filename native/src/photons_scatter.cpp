@@ -25,6 +25,8 @@ RayInfo::Kind kind_of(const BsdfSample& s) {
 // Whether the surface takes the light: the first one only what its lamp gives it.
 bool PhotonTracer::lit(const Path& path, const Surface& hit, const PhotonStart& start) const {
   if (path.bounces > 0) return true;
+  if (start.exact >= 0 && lights_.blocked_exactly(static_cast<uint32_t>(start.exact), hit.position + hit.ng * ray_epsilon(hit.position, hit.distance), start.place))
+    return false;
   return (start.lit_groups & scene_.instances[hit.instance].group) && start.accepts(hit.position, path.travelled + hit.distance);
 }
 
