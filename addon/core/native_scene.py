@@ -19,28 +19,72 @@ if TYPE_CHECKING:
 ANY_BOUNCES = 0xFFFFFFFF
 
 
+FAR = 100.0
+"""What stands wholly within a hundredth of the scene's size around the camera is near, and all else far from it."""
+
+
 def world_bounds(scene: Scene) -> NDArray[np.float64]:
     """(2, 3) lower and upper corner, m, of boxes around all instances; the camera's place for an empty scene."""
-    instances = scene.instances
-    corners = np.zeros((len(scene.meshes), 8, 3))
-    for i, mesh in enumerate(scene.meshes):
-        if len(mesh.positions):
-            axes = mesh.positions.T  # one at a time: numpy takes twenty times as long over axis 0
-            box = np.array([[axis.min() for axis in axes], [axis.max() for axis in axes]], np.float64)
-            corners[i] = np.array([[box[a, 0], box[b, 1], box[c, 2]] for a in (0, 1) for b in (0, 1) for c in (0, 1)])
-    if not len(instances.mesh):
+    return _around(_instance_boxes(scene), scene)
+
+
+def _around(boxes: NDArray[np.float64], scene: Scene) -> NDArray[np.float64]:
+    if not len(boxes):
         return np.stack([scene.camera.matrix[:3, 3]] * 2)
-    local = corners[instances.mesh]
-    world = np.einsum("ijk,ick->icj", instances.matrix[:, :3, :3], local) + instances.matrix[:, None, :3, 3]
-    return np.stack([world.min(axis=(0, 1)), world.max(axis=(0, 1))])
+    return np.stack([boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)])
+
+
+def _instance_boxes(scene: Scene) -> NDArray[np.float64]:
+    """(I, 2, 3) lower and upper corner in the world, m; instances without a triangle are left out."""
+    instances = scene.instances
+    filled = np.array([len(mesh.triangles) > 0 for mesh in scene.meshes], bool)
+    corners = np.zeros((len(scene.meshes), 8, 3))
+    for i in np.flatnonzero(filled):
+        box = _box(scene.meshes[i])
+        corners[i] = np.array([[box[a, 0], box[b, 1], box[c, 2]] for a in (0, 1) for b in (0, 1) for c in (0, 1)])
+    shown = filled[instances.mesh] if len(instances.mesh) else np.zeros(0, bool)
+    matrices = instances.matrix[shown]
+    world = np.einsum("ijk,ick->icj", matrices[:, :3, :3], corners[instances.mesh[shown]]) + matrices[:, None, :3, 3]
+    return np.stack([world.min(axis=1), world.max(axis=1)], axis=1)
+
+
+def _box(mesh: Mesh) -> NDArray[np.float64]:
+    """(2, 3) lower and upper corner of the triangles; vertices that none of them uses do not count."""
+    axes = mesh.positions.T  # one at a time: numpy takes twenty times as long over axis 0
+    ends = [int(at) for axis in axes for at in (axis.argmin(), axis.argmax())]
+    if not all((mesh.triangles == end).any() for end in set(ends)):
+        used = np.zeros(len(mesh.positions), bool)
+        used[mesh.triangles] = True
+        axes = mesh.positions[used].T
+    return np.array([[axis.min() for axis in axes], [axis.max() for axis in axes]], np.float64)
+
+
+def focus(scene: Scene) -> tuple[NDArray[np.float64], float]:
+    """Where coordinates count from, and the radius of what is near the camera, 0 where nothing is very far from it.
+
+    Rounding errors grow with the distance from the origin: it is the middle of all, unless that is far from what is seen best.
+    """
+    boxes = _instance_boxes(scene)
+    bounds = _around(boxes, scene)
+    origin, near = bounds.mean(axis=0), 0.0
+    eye = scene.camera.matrix[:3, 3]
+    reach = np.abs(boxes - eye).max(axis=(1, 2)) if len(boxes) else np.zeros(0)
+    size = 0.5 * float(np.linalg.norm(bounds[1] - bounds[0]))
+    while True:
+        close = boxes[reach < size / FAR]
+        if not len(close):
+            return origin, near
+        low, high = close[:, 0].min(axis=0), close[:, 1].max(axis=0)
+        origin, near = 0.5 * (low + high), max(0.5 * float(np.linalg.norm(high - low)), 1e-6 * size)
+        size = near
 
 
 def fill_renderer(renderer: Renderer, scene: Scene, settings: RenderSettings) -> None:
     """Copies everything into `renderer`. ValueError, with one sentence, for data that is not finite or does not fit."""
-    origin = world_bounds(scene).mean(axis=0)
+    origin, near = focus(scene)
     if not np.isfinite(origin).all():
         raise ValueError("the scene has an instance whose place in the world is not finite")
-    renderer.set_origin([float(c) for c in origin])
+    renderer.set_origin([float(c) for c in origin], near)
     _add_materials(renderer, scene)
     for index, mesh in enumerate(scene.meshes):
         with _naming(f"mesh '{mesh.name}'"):
@@ -184,10 +228,28 @@ def _add_instances(renderer: Renderer, scene: Scene) -> None:
 def find_flat(scene: Scene) -> NDArray[np.bool_]:
     """(I,) instances that are squeezed to nothing, which no renderer gets; adds the warnings about them to `scene`."""
     instances = scene.instances
-    flat = np.linalg.det(instances.matrix[:, :3, :3].astype(np.float32)) == 0
+    flat = _is_flat(scene)
     for name in sorted({scene.meshes[m].name for m in instances.mesh[flat]}):
         scene.warnings.append(f"Mesh '{name}' stands in the scene flattened to nothing (a scale of 0); those instances are left out.")
     return flat
+
+
+def _is_flat(scene: Scene) -> NDArray[np.bool_]:
+    flat: NDArray[np.bool_] = np.linalg.det(scene.instances.matrix[:, :3, :3].astype(np.float32)) == 0
+    return flat
+
+
+def lamps_in_surfaces(renderer: Renderer, scene: Scene) -> list[str]:
+    """One warning about area lamps that lie in the plane of a surface: how much of their light gets past it is decided by rounding."""
+    kept = np.flatnonzero(~_is_flat(scene))
+    pairs = [
+        f"'{scene.lights[lamp].name}' in '{scene.meshes[scene.instances.mesh[kept[instance]]].name}'"
+        for lamp, instance in renderer.lamps_in_surfaces
+    ]
+    if not pairs:
+        return []
+    named = ", ".join(pairs[:3]) + (f" and {len(pairs) - 3} more" if len(pairs) > 3 else "")
+    return [f"Area lamps lie exactly in a surface ({named}), which keeps back a part of their light by chance: move them off it."]
 
 
 def _add_mesh_shading(renderer: Renderer, index: int, mesh: Mesh) -> None:

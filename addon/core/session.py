@@ -16,6 +16,7 @@ from .gpu import context as gpu_context
 from .gpu.choice import choose_splatter
 from .memory import check_picture_fits, peak_memory_bytes
 from .native import load
+from .native_scene import lamps_in_surfaces
 from .persistent import Persistent, Start, start_anew
 from .plan import make_plan, pilot_sentences
 from .result import Passes, Progress, RenderResult, black_passes, channels_of_arrays, film_arrays, passes_from_film
@@ -406,7 +407,7 @@ def _statistics(start: Start, worker: _Worker, scene: Scene, started: float, exp
         "texture_bytes": start.renderer.texture_memory,
         "reused": {"geometry": start.reused, "photons": statistics["photons"]["reused"]},
         "peak_memory_bytes": peak_memory_bytes(),
-        "warnings": [*scene.warnings, *worker.warnings],
+        "warnings": [*scene.warnings, *worker.warnings, *lamps_in_surfaces(start.renderer, scene)],
     } | worker.splatter.statistics()
     if statistics["threads"] < statistics["threads_wanted"]:
         statistics["warnings"].append(

@@ -68,6 +68,7 @@ struct CameraTracer::Path {
   RayInfo before{};      // of the ray that met the last vertex
   Rgb diffuse_share{1, 1, 1};        // of what the last vertex sent on this way, by its diffuse lobes: where the world asks
   int vertex = 0;        // number of the next scattering
+  bool through_glass = false;  // before it, straight through glass that bends nothing: vertex 0 is not what the pixel shows first
   float travelled = 0;   // up to the last vertex
   Rgb throughput{1, 1, 1};           // of light that leaves the next vertex, emission excepted
   Rgb emission_throughput{1, 1, 1};  // of its emission
@@ -151,14 +152,12 @@ void CameraTracer::trace_path(Path& path) const {
     const Passing passing = pass_through(path, hit, bsdf);
     if (passing == Passing::kPasses) continue;
     if (passing == Passing::kAbsorbed) {
-      if (path.vertex == 0) path.pixel.alpha += 1;
+      if (path.vertex == 0 && !path.through_glass) path.pixel.alpha += 1;
       return;
     }
     if (holdout) return;
     if (path.vertex == 0) {
-      path.pixel.alpha += 1 - bsdf.holdout();
-      path.pixel.depth = hit.distance * path.ray.cosine;
-      path.pixel.surface_id = static_cast<float>(hit.key & 0xffffff);
+      if (!path.through_glass) show_first(path, hit, 1 - bsdf.holdout());
       path.pixel.diffuse_color += bsdf.diffuse_albedo() * path.throughput;
       path.pixel.albedo += bsdf.albedo() * path.throughput;
     }
@@ -180,6 +179,12 @@ void CameraTracer::trace_path(Path& path) const {
   }
 }
 
+void CameraTracer::show_first(Path& path, const Surface& hit, float alpha) const {
+  path.pixel.alpha += alpha;
+  path.pixel.depth = hit.distance * path.ray.cosine;
+  path.pixel.surface_id = static_cast<float>(hit.key & 0xffffff);
+}
+
 // Light that the ray met: emitted, or sent on by the last vertex as direct light, or further on its way.
 void CameraTracer::add_met(Path& path, const Rgb& radiance, Rgb& seen, int16_t light_group) const {
   const Rgb light = path.emission_throughput * radiance;
@@ -198,7 +203,7 @@ void CameraTracer::add_met(Path& path, const Rgb& radiance, Rgb& seen, int16_t l
 
 void CameraTracer::add_lamps(Path& path, float far) const {
   GroupLight light{path.groups, path.emission_throughput}, *const groups = path.groups ? &light : nullptr;
-  const Rgb radiance = path.vertex == 0 ? lights_.lamps_seen(path.origin, path.direction, path.near, far, groups)
+  const Rgb radiance = path.vertex == 0 && !path.through_glass ? lights_.lamps_seen(path.origin, path.direction, path.near, far, groups)
                                         : lights_.lamps_met(path.from, path.direction, path.near, far, path.pdf, groups);
   if (!is_black(radiance)) add_met(path, radiance, path.pixel.emission);
 }
@@ -211,7 +216,7 @@ void CameraTracer::add_linked(Path& path) const {
 }
 
 void CameraTracer::add_world(Path& path) const {
-  if (path.vertex == 0) {
+  if (path.vertex == 0 && !path.through_glass) {
     if (camera_.settings().transparent) {
       path.pixel.alpha += 1 - average(path.throughput);
       return;
@@ -266,7 +271,20 @@ CameraTracer::Passing CameraTracer::pass_through(Path& path, const Surface& hit,
   if (++path.info.transparent_depth > kMaxTransparent || path.random.next() >= survival) return Passing::kAbsorbed;
   path.scale(Rgb{1, 1, 1} / survival);
   path.near = std::nextafter(hit.distance + ray_epsilon(hit.position, hit.distance), INFINITY);
+  if (!is_black(bsdf.straight())) pass_glass(path, hit);
   return Passing::kPasses;
+}
+
+// What lies behind is seen by a ray of transmission: lamps that hide from the camera show.
+void CameraTracer::pass_glass(Path& path, const Surface& hit) const {
+  path.info.kind = RayInfo::kTransmission;
+  path.info.singular = true;
+  ++path.info.depth;
+  ++path.info.transmission_depth;
+  if (path.vertex > 0 || path.through_glass) return;
+  path.through_glass = true;
+  path.from = {path.origin, {}, true};
+  show_first(path, hit, 1);
 }
 
 void CameraTracer::add_direct(Path& path, const Surface& hit, const Bsdf& bsdf, const Receiver& receiver) const {
@@ -345,6 +363,7 @@ void CameraTracer::add_light(Path& path, const Surface& hit, const Bsdf& bsdf, c
 Rgb CameraTracer::light_through(const LightSample& light, const Surface& hit, const RayInfo& ray) const {
   const float epsilon = ray_epsilon(hit.position, hit.distance);
   const Vec3 origin = hit.position + hit.ng * std::copysign(epsilon, dot(light.direction, hit.ng));
+  if (light.exact >= 0 && lights_.blocked_exactly(static_cast<uint32_t>(light.exact), origin, light.place)) return {};
   if (!std::isfinite(light.distance)) return scene_.transmittance(origin, light.direction, INFINITY, ray, light.blockers);
   const Vec3 target =
       hit.position + light.direction * light.distance + light.normal * std::max(epsilon, ray_epsilon(hit.position, light.distance));

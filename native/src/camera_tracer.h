@@ -111,6 +111,8 @@ class CameraTracer {
   void add_world(Path& path) const;
   void add_world_by_ray(Path& path, const Rgb& light) const;
   void add_emission(Path& path, const Surface& hit, const Rgb& emission) const;
+  void show_first(Path& path, const Surface& hit, float alpha) const;
+  void pass_glass(Path& path, const Surface& hit) const;
   Passing pass_through(Path& path, const Surface& hit, const Bsdf& bsdf) const;
   void add_direct(Path& path, const Surface& hit, const Bsdf& bsdf, const Receiver& receiver) const;
   void add_first_direct(Path& path, const Surface& hit, const Bsdf& bsdf, const Receiver& receiver) const;

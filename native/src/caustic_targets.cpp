@@ -98,7 +98,7 @@ std::vector<EmissionTargets::Sphere> caustic_targets(const Scene& scene) {
     done.push_back(std::move(whole));
   }
   std::vector<EmissionTargets::Sphere> spheres;
-  const float least = std::max(1e-6f * scene.radius(), 1e-30f);
+  const float least = std::max(1e-6f * scene.near_radius(), 1e-30f);
   for (const Cluster& c : done) spheres.push_back({c.all.center(), std::max(0.5f * c.size(), least) * 1.001f});
   return spheres;
 }

@@ -25,8 +25,12 @@ float power_heuristic(float a, float b) {
 }  // namespace
 
 Lights::Lights(Scene& scene, const std::vector<LampSettings>& lamps) : scene_(scene), environment_(scene), discs_(scene.center(), scene.radius() * 1.0001f) {
-  for (const LampSettings& lamp : lamps) add_lamp(lamp);
+  for (const LampSettings& lamp : lamps) {
+    add_lamp(lamp);
+    if (!lamps_.empty() && lamps_.back().number == Lamp::kUnnumbered) lamps_.back().number = static_cast<uint32_t>(&lamp - lamps.data());
+  }
   add_emissive_instances();
+  find_lamps_in_surfaces();
   share_power();
   if (emitters_.size() > kFewEmitters) build_tree();
   for (uint32_t i = 0; i < emitters_.size(); ++i)
@@ -275,6 +279,7 @@ bool Lights::sample(const Receiver& to, float choice, const Vec2& u, LightSample
   out.blockers = e.casts_shadows ? e.blockers : 0;
   out.light_group = e.light_group;
   out.seen_by = e.seen_by;
+  if (e.exact) out.exact = static_cast<int32_t>(chosen);
   return true;
 }
 
@@ -314,6 +319,7 @@ bool Lights::sample_lamp(const Emitter& e, const Receiver& receiver, const Vec2&
       if (lamp.s.ellipse) p = sample_disk(u);
       point = lamp.center + lamp.axis_x * (p.x * lamp.half_x) + lamp.axis_y * (p.y * lamp.half_y);
     }
+    out.place = point;
     const Vec3 to = point - x;
     const float d2 = length2(to);
     if (!(d2 > 0)) return false;
@@ -498,8 +504,15 @@ Rgb Lights::lamp_met(uint32_t emitter, const Receiver& to, const Vec3& direction
                      float* distance) const {
   const Emitter& e = emitters_[emitter];
   if (e.lamp < 0 || !(e.lit_groups & to.group) || !(e.seen_by & to.ray) || e.max_bounces < to.bounces || !shares_with_rays(e, to)) return {};
-  float pdf;
-  const Rgb radiance = lamp_radiance_met(lamps_[e.lamp], to.x, direction, near, far, pdf, distance);
+  float pdf, at = 0;
+  const Rgb radiance =
+      lamp_radiance_met(lamps_[e.lamp], to.x, direction, near, e.exact ? reach_of_exact(far) : far, pdf, e.exact ? &at : distance);
+  if (e.exact) {
+    if (distance) *distance = at;
+    const float epsilon = ray_epsilon(to.x, 0), cosine = dot(to.n, direction);
+    const Vec3 off = cosine != 0 ? to.n * std::copysign(epsilon, cosine) : direction * epsilon;
+    if (is_black(radiance) || blocked_exactly(emitter, to.x + off, to.x + direction * at)) return {};
+  }
   if (CloseLamp close; pdf > 0 && bsdf_pdf < INFINITY && see_close(e, to, close)) pdf = 1 / close.total;
   if (!(pdf > 0) || !(bsdf_pdf < INFINITY)) return pdf > 0 ? radiance : Rgb{};
   return radiance * power_heuristic(bsdf_pdf, pdf * choice_probability(emitter, to));
@@ -514,7 +527,7 @@ Rgb Lights::lamps_met(const Receiver& to, const Vec3& direction, float near, flo
     if (groups) groups->add(light, emitters_[emitter].light_group);
   };
   if (emitters_.size() > kFewEmitters) {
-    tree_.along(to.x, direction, far, [&](uint32_t item) { add(tree_emitters_[item]); });
+    tree_.along(to.x, direction, reach_of_exact(far), [&](uint32_t item) { add(tree_emitters_[item]); });
     for (uint32_t sun : suns_) add(sun);
   } else {
     for (uint32_t i = 0; i < emitters_.size(); ++i) add(i);
@@ -525,16 +538,18 @@ Rgb Lights::lamps_met(const Receiver& to, const Vec3& direction, float near, flo
 Rgb Lights::lamps_seen(const Vec3& origin, const Vec3& direction, float near, float far, GroupLight* groups) const {
   Rgb sum{};
   const auto add = [&](uint32_t emitter) {
-    const Lamp& lamp = lamps_[emitters_[emitter].lamp];
+    const Emitter& e = emitters_[emitter];
+    const Lamp& lamp = lamps_[e.lamp];
     const bool inside = lamp.s.kind != LampKind::kSun && length2(lamp.center - origin) < lamp.s.radius * lamp.s.radius;
-    float pdf;
+    float pdf, at = 0;
     if (!lamp.s.camera_visible || inside) return;
-    const Rgb light = lamp_radiance_met(lamp, origin, direction, near, far, pdf);
+    const Rgb light = lamp_radiance_met(lamp, origin, direction, near, e.exact ? reach_of_exact(far) : far, pdf, &at);
+    if (e.exact && (is_black(light) || blocked_exactly(emitter, origin, origin + direction * at))) return;
     sum += light;
     if (groups) groups->add(light, emitters_[emitter].light_group);
   };
   if (visible_lamps_.size() > kFewEmitters) {
-    tree_.along(origin, direction, far, [&](uint32_t item) { if (emitters_[tree_emitters_[item]].lamp >= 0) add(tree_emitters_[item]); });
+    tree_.along(origin, direction, reach_of_exact(far), [&](uint32_t item) { if (emitters_[tree_emitters_[item]].lamp >= 0) add(tree_emitters_[item]); });
     for (uint32_t sun : suns_) add(sun);
   } else {
     for (uint32_t emitter : visible_lamps_) add(emitter);

@@ -77,6 +77,8 @@ struct LightSample {
   int16_t light_group = kNoLightGroup;
   RayMask seen_by = kAllRays;
   bool from_world = false;
+  int32_t exact = -1;  // a lamp's emitter that lies in a surface: see Lights::blocked_exactly()
+  Vec3 place;          // on it
 };
 
 // Where a photon path starts. `power` is that of the whole light field divided by the pdf: W for one photon of one.
@@ -95,13 +97,15 @@ struct PhotonStart {
   bool deltas = true;          // the first surface's may be deltas
   bool casts_shadows = true;   // else nothing blocks it, but behind what would have done so deltas do not scatter it
   int32_t aim = -1;            // pair of EmissionTargets; -1: natural emission
+  int32_t exact = -1;          // an emitter that lies in a surface, and the place on it that the first surface must be seen from
+  Vec3 place;
   int32_t shaded_by = -1;      // a lamp with a program: `power` lacks Lights::first_hit_factor(), which needs the distance
   bool asks_ray = false;       // of a world: `power` lacks Environment::share() of the ray that sees it
 
   // Whether it lights and is stopped by whatever it meets, as it is.
   bool plain() const {
     return !~lit_groups && seen_by == kAllRays && !~max_bounces && deltas && casts_shadows && !~blockers && soft_radius2 < 0 &&
-           first_hit_from == 0 && first_hit_to == INFINITY && shaded_by < 0 && !asks_ray;
+           first_hit_from == 0 && first_hit_to == INFINITY && shaded_by < 0 && !asks_ray && exact < 0;
   }
   // A disc of radius r that faces a receiver shows it, of the rays that pass its centre at a distance m, those that have gone on for
   // t >= m^2 / sqrt(r^2 - m^2) since they were nearest to the centre. (They leave the disc m^2 / t before that.)
@@ -116,6 +120,14 @@ struct PhotonStart {
 class Lights {
  public:
   Lights(Scene& scene, const std::vector<LampSettings>& lamps);
+
+  // An area lamp, by its number among those given, that lies in the plane of a surface, and the instance of that.
+  struct InSurface {
+    uint32_t lamp, instance;
+  };
+  const std::vector<InSurface>& in_surfaces() const { return in_surfaces_; }
+  // Whether something opaque stands between `origin` and a place on such a lamp, to the last bit of the distance.
+  bool blocked_exactly(uint32_t emitter, const Vec3& origin, const Vec3& place) const;
 
   // One light sample; nullopt when no light reaches the place.
   std::optional<LightSample> sample(const Receiver& to, float choice, const Vec2& u) const;
@@ -178,6 +190,8 @@ class Lights {
 
  private:
   struct Lamp {
+    static constexpr uint32_t kUnnumbered = ~0u;
+    uint32_t number = kUnnumbered;         // among those given
     LampSettings s;
     Vec3 center, axis_x, axis_y, forward;  // unit axes; forward: where the light shines
     Rgb radiance, intensity;               // W/m^2/sr; W/sr of point and spot; W/m^2 of a sun in `intensity`
@@ -216,6 +230,7 @@ class Lights {
     bool met_by_rays = true, casts_shadows = true;
     double power = 0;
     double parallel_flux = 0;               // of a sun: through a surface that faces it, mean over RGB, W/m^2
+    bool exact = false;                     // lies in a surface: lights_exact.cpp
     float over_share = 0;                   // one over its share of all lights' power
     std::vector<EmissiveTriangle> triangles;
     std::vector<float> cdf;                 // over triangles, by power
@@ -250,6 +265,10 @@ class Lights {
     float u, v;
     float side;                 // uniform in [0, 1), to choose the side by
   };
+  bool lies_in_surface(const Lamp& lamp, uint32_t& instance) const;
+  void find_lamps_in_surfaces();
+  float reach_of_exact(float far) const;  // how far off such a lamp may be found before something `far` off
+  void start_exactly(uint32_t emitter, PhotonStart& start) const;
   void add_lamp(const LampSettings& settings);
   void add_emissive_instances();
   void add_emissive_triangles(uint32_t instance, Emitter& emitter, Bounds& bounds, double& sum) const;
@@ -313,6 +332,13 @@ class Lights {
   PhotonStart emit_world(const Vec2& place, const Vec2& way) const;
   Vec3 parallel_origin(const Vec3& direction, const Vec3& through, const Vec3& outside, float width) const;
   void share_power();
+  // Where other things are very far off, photons of lamps and meshes there are aimed at spheres around what is near as well:
+  // lights_aimed.cpp.
+  float near_sphere(int k) const { return scene_.near_radius() * static_cast<float>(1 << 2 * k) * 1.0001f; }
+  int near_spheres(float distance) const;       // how many a light at that distance from the origin has
+  double near_share(const Vec3& x) const;       // about the share of photons from there that so come to be drawn
+  PhotonStart emit_nearby(const EmissionPrimary& primary) const;
+  void start_nearby(const Vec3& across, PhotonStart& start) const;
   // A lamp of a few triangles, seen from a place: lights_close.cpp.
   struct CloseLamp {
     static constexpr int kMost = 4;
@@ -351,6 +377,8 @@ class Lights {
   std::vector<double> power_cdf_;             // over emitters and, last, the world
   double world_power_ = 0, total_power_ = 0;
   float over_world_share_ = 0;  // one over the world's share of all power
+  bool any_exact_ = false;
+  std::vector<InSurface> in_surfaces_;
 };
 
 }  // namespace photon_splat

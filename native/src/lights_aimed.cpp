@@ -34,6 +34,7 @@ struct Lights::Draft {
 namespace {
 
 constexpr double kLeastFlux = 1e-7;  // of a target's flux: below it a pair is left to natural emission
+constexpr int kMostNearSpheres = 12;
 constexpr float kSlack = 1 + 1e-4f;  // rounding must not put a line outside the target that it was aimed at
 
 // 1 - cos of the half angle of a sphere of squared radius r2, seen from a squared distance d2 > r2.
@@ -204,6 +205,53 @@ float Lights::aimed_density(const Draft& draft, const EmissionTargets::Sphere& t
   return density > 0 && lines ? density * place_density(to) : density;
 }
 
+int Lights::near_spheres(float distance) const {
+  if (!scene_.has_far_things()) return 0;
+  int count = 0;
+  while (count < kMostNearSpheres && near_sphere(count) * 2 < distance) ++count;
+  return count;
+}
+
+double Lights::near_share(const Vec3& x) const {
+  const float d2 = length2(x), r = near_sphere(0);
+  const int spheres = near_spheres(std::sqrt(d2));
+  return spheres ? std::min(1.0, (1.0 + spheres) * r * r / d2) : 1.0;
+}
+
+// A light far off sends most of its photons past all that is seen. It sends as many to each of several spheres about it, each four times as
+// wide as the one before, as by nature: what comes to lie twice as far off brings a quarter of the light to what is near.
+PhotonStart Lights::emit_nearby(const EmissionPrimary& p) const {
+  const Emitter& e = emitters_[p.emitter];
+  const Vec3 from = e.lamp >= 0 ? lamps_[e.lamp].center : point_on_mesh(e, p.pick.y, p.place).position;
+  const int spheres = near_spheres(length(from));
+  Vec2 way = p.way;
+  // Of as many equal chances the first third goes to the smallest sphere, beside its own one.
+  const int more = spheres / 3, chances = spheres + 1 + more;
+  const float chosen = way.x * static_cast<float>(chances);
+  const int chance = std::min(static_cast<int>(chosen), chances - 1), own = std::max(0, chance - more);
+  way.x = std::min(chosen - static_cast<float>(chance), kBelowOne);
+  const auto sphere = [&](int k) {
+    EmissionTargets::Sphere s{};
+    s.radius = near_sphere(k);
+    return s;
+  };
+  Draft draft = own < spheres ? aimed_draft(p.emitter, sphere(own), p.pick, p.place, way) : natural_draft(p.emitter, p.pick, p.place, way);
+  float density = draft.natural;
+  for (int k = 0; k < spheres; ++k) density += static_cast<float>(k ? 1 : 1 + more) * aimed_density(draft, sphere(k), k == own);
+  if (spheres) draft.start.power *= density > 0 ? draft.natural * static_cast<float>(chances) / density : 0.0f;
+  if (spheres) start_nearby(draft.start.origin - draft.start.direction * dot(draft.start.origin, draft.start.direction), draft.start);
+  return finished(draft.start, p);
+}
+
+// A place millions of metres away is known to a few centimetres. Where nothing stands before it, the way begins near its end, at `across` from the
+// origin.
+void Lights::start_nearby(const Vec3& across, PhotonStart& start) const {
+  if (!start.plain() || !(max_abs(start.power) > 0)) return;
+  const float ahead = 2 * std::max(near_sphere(0), length(across)), before = -dot(start.origin, start.direction) - ahead;
+  const Vec3 origin = across - start.direction * ahead;
+  if (before > 0 && !scene_.occluded(origin, -start.direction, 0, before * (1 - 1e-5f))) start.origin = origin;
+}
+
 // About the power that passes from an emitter to a sphere, W, nothing standing between them.
 double Lights::flux_between(uint32_t index, const EmissionTargets::Sphere& t) const {
   const auto parallel = [&](double power) {
@@ -293,6 +341,7 @@ PhotonStart Lights::emit_towards(const EmissionTargets& targets, uint64_t index,
     draft.start.max_bounces = emitters_[p.emitter].max_bounces;
     draft.start.deltas = emitters_[p.emitter].met_by_rays;
     draft.start.casts_shadows = emitters_[p.emitter].casts_shadows;
+    if (emitters_[p.emitter].exact) start_exactly(p.emitter, draft.start);
     const int lamp = emitters_[p.emitter].lamp;
     if (lamp >= 0 && lamps_[lamp].s.program >= 0) draft.start.shaded_by = lamp;
   }

@@ -28,6 +28,7 @@ float sample_linear_from_corner(float u, float a, float b) {
 
 bool Lights::see_close(const Emitter& e, const Receiver& to, CloseLamp& out) const {
   const Vec3& x = to.x;
+  if (e.exact) return false;  // its places are to be known to the last bit
   if (length2(e.center - x) > kClose * kClose * e.radius * e.radius) return false;
   const auto add = [&](int i, const Vec3& a, const Vec3& b, const Vec3& c) {
     out.corner[i][0] = a - x;

@@ -33,6 +33,7 @@ PhotonStart& Lights::finished(PhotonStart& start, const EmissionPrimary& p) cons
     start.max_bounces = e.max_bounces;
     start.deltas = e.met_by_rays;
     start.casts_shadows = e.casts_shadows;
+    if (e.exact) start_exactly(p.emitter, start);
   }
   start.power *= over_share * p.weight;
   return start;
@@ -40,9 +41,10 @@ PhotonStart& Lights::finished(PhotonStart& start, const EmissionPrimary& p) cons
 
 void Lights::emit(const EmissionPrimary* primaries, uint32_t count, PhotonStart* out) const {
   uint32_t meshes[kMost], areas[kMost], mesh_count = 0, area_count = 0;
+  const bool plain = !scene_.has_far_things();
   for (uint32_t i = 0; i < count; ++i) {
     const EmissionPrimary& p = primaries[i];
-    const Emitter* e = p.emitter < emitters_.size() ? &emitters_[p.emitter] : nullptr;
+    const Emitter* e = plain && p.emitter < emitters_.size() && !emitters_[p.emitter].exact ? &emitters_[p.emitter] : nullptr;
     if (e && e->lamp < 0) meshes[mesh_count++] = i;
     else if (e && lamps_[e->lamp].s.kind == LampKind::kArea && lamps_[e->lamp].angle_cdf.empty()) areas[area_count++] = i;
     else out[i] = emit(p);

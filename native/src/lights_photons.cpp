@@ -135,6 +135,7 @@ void Lights::add_lamp(const LampSettings& settings) {
     e.importance *= mean;
     e.power *= mean;
   }
+  if (settings.kind != LampKind::kSun) e.power *= near_share(lamp.center);
   if (!(e.power > 0)) return;
   e.lit_groups = settings.lit_groups;
   e.blockers = settings.blockers;
@@ -205,6 +206,14 @@ void Lights::add_emissive_instances() {
     e.bounds = bounds;
     e.importance = static_cast<float>(sum);
     e.power = sum * kPi;
+    if (scene_.has_far_things()) {
+      double close = 0;
+      for (size_t t = 0; t < e.cdf.size(); ++t) {
+        const Vec3* corner = e.triangles[t].corner;
+        close += double(e.cdf[t] - (t ? e.cdf[t - 1] : 0)) * near_share((corner[0] + corner[1] + corner[2]) / 3.0f);
+      }
+      e.power = std::max(close, 1e-12 * sum) * kPi;
+    }
     emitter_of_instance_[i] = static_cast<int32_t>(emitters_.size());
     emitters_.push_back(std::move(e));
   }
@@ -392,6 +401,8 @@ void Lights::primaries(uint64_t first, uint32_t count, uint32_t seed, const Emis
 }
 
 PhotonStart Lights::emit(const EmissionPrimary& p) const {
+  const bool parallel = p.emitter == emitters_.size() || emitters_[p.emitter].parallel_flux > 0;
+  if (scene_.has_far_things() && !parallel) return emit_nearby(p);
   PhotonStart start;
   if (p.emitter == emitters_.size()) {
     start = emit_world(p.place, p.way);

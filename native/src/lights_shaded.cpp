@@ -66,7 +66,7 @@ float Lights::mean_shade(const Lamp& lamp) const {
   float most = 0;
   for (uint32_t i = 0; i < kProbes; ++i) {
     PhotonStart start = emit_lamp(lamp, 0.75f, sobol_2d(i, 0, 0), sobol_2d(i, 1, 0));
-    const float found = average(shade(lamp, start.origin, start.direction, lamp.s.kind == LampKind::kSun ? INFINITY : scene_.radius()));
+    const float found = average(shade(lamp, start.origin, start.direction, lamp.s.kind == LampKind::kSun ? INFINITY : scene_.near_radius()));
     if (!std::isfinite(found)) continue;
     sum += found;
     most = std::max(most, found);

@@ -368,8 +368,16 @@ NB_MODULE(photon_splat_native, m) {
         if (threads < 0) throw std::invalid_argument("the number of threads is negative");
         new (self) Renderer(threads);
       }, "threads"_a)
-      .def("set_origin", [](Renderer& r, std::array<double, 3> o) { std::copy(o.begin(), o.end(), r.scene.origin); }, "origin"_a,
-           "World position that the renderer's coordinates are relative to; before anything is added.")
+      .def("set_origin", [](Renderer& r, std::array<double, 3> o, float near) {
+        std::copy(o.begin(), o.end(), r.scene.origin);
+        r.scene.near = near;
+      }, "origin"_a, "near"_a = 0.0f, "World position that the renderer's coordinates are relative to; before anything is added. near: "
+           "radius of what stands close to it where other things are very far off, else 0.")
+      .def_prop_ro("lamps_in_surfaces", [](const Renderer& r) {
+        std::vector<std::pair<uint32_t, uint32_t>> pairs;
+        for (const Lights::InSurface& p : r.lamps_in_surfaces()) pairs.emplace_back(p.lamp, p.instance);
+        return pairs;
+      }, "Area lamps that lie in the plane of a surface, as (number of the lamp, of the instance), in a built scene.")
       .def("add_texture", &add_texture, "pixels"_a, "srgb"_a, "interpolation"_a, "extension"_a)
       .def("add_texture_reading", &add_texture_reading, "of"_a, "interpolation"_a, "extension"_a,
            "The pixels of another texture read in another way; they are kept once.")

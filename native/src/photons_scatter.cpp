@@ -38,6 +38,9 @@ bool PhotonTracer::sends_on(Path& path, const Surface& hit) const {
 // Whether the surface takes the light: the first one only what its lamp gives it.
 bool PhotonTracer::lit(const Path& path, const Surface& hit, const PhotonStart& start) const {
   if (path.bounces > 0) return true;
+  if (start.exact >= 0 &&
+      lights_.blocked_exactly(static_cast<uint32_t>(start.exact), hit.position + hit.ng * ray_epsilon(hit.position, hit.distance), start.place))
+    return false;
   const float distance = path.travelled + hit.distance, since_lamp = distance - start.soft_nearest;
   if (start.soft_radius2 >= 0 && !(since_lamp >= path.soft_from && since_lamp <= path.soft_to)) return false;
   return (start.lit_groups & scene_.instances[hit.instance].group) && start.accepts(distance);

@@ -11,9 +11,9 @@ constexpr float kSeenShare = 16;          // times that radius the octree begins
 
 RadiusMap::RadiusMap(const Scene& scene, const Photons& pilot, double pilot_paths, const Settings& settings)
     : pilot_paths_(std::max(pilot_paths, 1.0)) {
-  const bool small = kSeenShare * settings.reach < scene.radius();  // against a scene that is seen in part
-  const float r = small ? std::max(kSeenShare * settings.reach, 1e-20f) : scene.radius();
-  corner_ = (small ? settings.middle : scene.center()) - Vec3{r, r, r};
+  const bool small = kSeenShare * settings.reach < scene.near_radius();  // against a scene that is seen in part
+  const float r = small ? std::max(kSeenShare * settings.reach, 1e-20f) : scene.near_radius();
+  corner_ = (small ? settings.middle : scene.near_center()) - Vec3{r, r, r};  // cells go on beyond, however far
   size_ = 2 * r;
   largest_ = std::min(kLargestOfScene * scene.radius(), std::max(kLargestOfSeen * settings.reach, 1e-20f));
   std::vector<float> powers(pilot.size(), 1.0f);
@@ -52,7 +52,7 @@ uint64_t RadiusMap::index_at(const Vec3& x, int level) const {
 }
 
 uint64_t RadiusMap::cell(uint32_t key, const Vec3& x, int level) const {
-  return hash64((uint64_t{key} << 4 | static_cast<uint64_t>(level)) * 0x9e3779b97f4a7c15ull ^ hash64(index_at(x, level)));
+  return hash64((uint64_t{key} << 5 | static_cast<uint64_t>(level)) * 0x9e3779b97f4a7c15ull ^ hash64(index_at(x, level)));
 }
 
 // A cell that holds a sliver of the patch shows too low a density, so the densest of the nested cells is believed. The first of

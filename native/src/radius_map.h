@@ -48,7 +48,7 @@ class RadiusMap {
   void look_up(uint32_t key, const Vec3& x, Memory& memory) const;
 
   Vec3 corner_;
-  float size_, largest_;
+  float size_, largest_;  // m: of the cell of level 0
   double pilot_paths_;
   HashTable<Power> cells_;       // that hold enough photons
   HashTable<Power> on_surface_;  // by hashed key

@@ -83,6 +83,7 @@ class Renderer {
 
   // Acceleration structure, lights, film. Throws Cancelled like every stage below.
   void build();
+  std::vector<Lights::InSurface> lamps_in_surfaces() const { return lights_ ? lights_->in_surfaces() : std::vector<Lights::InSurface>{}; }
 
   // Camera samples of pass `pass`, direct light included, and records of where photons are wanted.
   void trace_camera(uint32_t pass);

@@ -130,6 +130,7 @@ class Scene {
   std::vector<InstanceAttribute> instance_attributes;
   std::vector<Affine> world_to_object;  // of each instance, shared or not; filled by build()
   double origin[3] = {0, 0, 0};
+  float near = 0;          // m around the origin: what the camera sees best, where other things are very far off; else 0
 
   // Adds a mesh placed by a matrix that is already relative to `origin`.
   void add_instance(uint32_t mesh, const std::array<double, 12>& to_world,
@@ -194,6 +195,10 @@ class Scene {
   const Bounds& bounds() const { return bounds_; }
   Vec3 center() const { return bounds_.empty() ? Vec3{} : bounds_.center(); }
   float radius() const { return bounds_.empty() ? 1.0f : std::max(0.5f * bounds_.diagonal(), 1e-20f); }
+  // The same of what matters: things that are very far off do not count.
+  bool has_far_things() const { return near > 0 && near < radius(); }
+  Vec3 near_center() const { return has_far_things() ? Vec3{} : center(); }
+  float near_radius() const { return has_far_things() ? near : radius(); }
   ThreadPool& pool() { return pool_; }
   RTCScene embree() const { return top_; }
 

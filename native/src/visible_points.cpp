@@ -42,7 +42,8 @@ void VisiblePoints::find_cells(Scene& scene, const Records& records, const Radiu
   cells_.resize(records.size());
   Random random(pass, hash_combine(seed, 0x9017u));
   const Vec3 shift{random.next(), random.next(), random.next()};
-  const float magnitude = std::max(max_abs(scene.bounds().lower), max_abs(scene.bounds().upper));
+  // Rounding takes part of a disc's place; of things far off the disc's own footprint is larger.
+  const float magnitude = scene.has_far_things() ? scene.near : std::max(max_abs(scene.bounds().lower), max_abs(scene.bounds().upper));
   const float smallest = std::max(1e-6f * (std::isfinite(magnitude) ? magnitude : 1.0f), 1e-30f);
   scene.pool().for_each(chunks_of(records.size()), cancel, [&](size_t c, int) {
     const size_t end = std::min(records.size(), (c + 1) * kChunk);

@@ -204,6 +204,14 @@ CASES: tuple[Case, ...] = (
     _geometry("mirrored_object"),
     _geometry("several_materials"),
     _geometry("curve_and_text"),
+    # Things far away, lamps at surfaces, glass that bends nothing
+    Case("far_box_sun", "far_thing", {"kind": "box", "light": "sun"}, photons_per_pass=60_000),
+    Case("far_vertex", "far_thing", {"kind": "vertex", "distance": 1e9}),
+    Case("far_dome", "far_thing", {"kind": "bright_dome", "light": "", "distance": 1e4}, photons_per_pass=60_000),
+    Case("lamp_at_ceiling", "lamp_in_plane", {"offset": 1e-6}),
+    Case("lamp_behind_ceiling", "lamp_in_plane", {"offset": 0.01, "behind": 1e-5}),
+    Case("clear_pane", "clear_glass", {"kind": "pane"}, samples=2048),
+    Case("clear_rough_ball", "clear_glass", {"kind": "sphere", "node": "principled", "ior": 1.001}, samples=2048),
     # Camera and frame
     Case("ortho", "camera_variant", {"kind": "ORTHO"}),
     Case("shift", "camera_variant", {"shift": (0.2, -0.15)}),

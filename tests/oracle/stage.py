@@ -19,6 +19,7 @@ from tests.oracle.cases import Case
 
 SCENES = Path(__file__).resolve().parents[2] / "blend_scenes"
 HIGH = (0.3, -0.3, 1.9)
+_SLANT_SUN = (0.9, -0.5, 2.0)
 
 
 def build(case: Case) -> bpy.types.Scene:
@@ -136,6 +137,100 @@ def instanced_lamp() -> None:
         stand = m.add_object("Fixture", None)
         stand.instance_type, stand.instance_collection = "COLLECTION", group
         stand.matrix_world = Matrix.LocRotScale(Vector(place), Euler((tilt, 0.0, 0.5)), Vector((1.0, 1.0, 1.0)))
+
+
+def far_thing(kind: str, light: str = "lamp", distance: float = 1e6) -> None:
+    """The stage with something far away that hardly matters: a box, a ground, a loose vertex, a dark dome, or a shining one."""
+    _stage()
+    if light == "lamp":
+        _lamp("POINT", 30.0, shadow_soft_size=0.1)
+        _lamp("AREA", 10.0, (-0.5, -0.9, 1.6), (0.0, 0.0, 0.3), size=0.4)
+    elif light == "sun":
+        _lamp("SUN", 2.0, aim=_SLANT_SUN, angle=radians(4.0))
+    elif light == "world":
+        m.set_world((0.8, 0.9, 1.0), 1.0)
+    d = distance
+    bpy.context.scene.camera.data.clip_end = 100 * d
+    grey = m.diffuse("Far", (0.5, 0.5, 0.5))
+    if kind == "box":
+        m.add_boxes("Far", [((d, d, 0.0), (d + 5.0, d + 5.0, 5.0))], grey)
+    elif kind == "ground":
+        m.add_mesh("Far", [(-d, -d, -0.5), (d, -d, -0.5), (d, d, -0.5), (-d, d, -0.5)], [(0, 1, 2, 3)], grey)
+    elif kind == "vertex":
+        m.add_mesh("Far", [(0.0, 0.0, 0.1), (0.1, 0.0, 0.1), (0.0, 0.1, 0.1), (d, -d, d)], [(0, 1, 2)], grey, location=(0.9, -0.9, 0.0))
+    elif kind in ("dome", "bright_dome"):
+        bright = kind == "bright_dome"
+        bpy.ops.mesh.primitive_uv_sphere_add(segments=32, ring_count=16, radius=d)
+        bpy.context.object.data.materials.append(m.emission("Dome", (0.8, 0.9, 1.0), 1.0) if bright else m.diffuse("Dome", (0.0, 0.0, 0.0)))
+    elif kind:
+        raise ValueError(f"no far thing is called {kind!r}")
+
+
+def lamp_in_plane(offset: float = 0.0, kind: str = "lamp", behind: float = 0.0) -> None:
+    """A closed room with a lamp `offset` m below its ceiling, and if wanted another one `behind` m above that, which lights nothing.
+
+    kind: lamp, an area lamp; quad, an emissive mesh; both, a lamp on its own emissive mesh; quad_front, one that shines downwards only.
+    """
+    m.new_scene(48, 48)
+    walls = m.diffuse("Walls", (0.7, 0.65, 0.6))
+    m.add_mesh("Room", *m.box_data((-1.5, -1.5, 0.0), (1.5, 1.5, 2.5)), walls)
+    m.add_boxes("Block", [((-0.4, -0.2, 0.0), (0.3, 0.5, 0.8))], m.diffuse("Red", (0.7, 0.2, 0.15)))
+    m.set_world((0.0, 0.0, 0.0))
+    z, h = 2.5 - offset, 0.35
+    if kind in ("lamp", "both"):
+        _lamp("AREA", 30.0, (0.2, -0.1, z), shape="SQUARE", size=2 * h)
+    if behind:
+        _lamp("AREA", 60.0, (-0.8, 0.3, 2.5 + behind), shape="SQUARE", size=h)
+    if kind in ("quad", "both", "quad_front"):
+        corners = [(0.2 - h, -0.1 - h, z), (0.2 + h, -0.1 - h, z), (0.2 + h, -0.1 + h, z), (0.2 - h, -0.1 + h, z)]
+        shine = (m.front_emission if kind == "quad_front" else m.emission)("Shine", (1.0, 0.9, 0.8), 12.0)
+        m.add_mesh("Quad", corners, [(3, 2, 1, 0)], shine)
+    m.add_camera((0.0, -1.4, 1.3), (0.0, 0.3, 1.3), lens=22.0)
+
+
+def twice(second: Sequence[float] = (0.2, 0.3, 0.7)) -> None:
+    """Stage whose block and floor are there twice, in other colours."""
+    _stage()
+    _lamp("AREA", 30.0, size=0.5)
+    blue = m.diffuse("Blue", second)
+    for name in ("Block", "Floor"):
+        thing = bpy.data.objects[name]
+        copy = m.add_object(name + " again", thing.data.copy())
+        copy.matrix_world = thing.matrix_world
+        copy.location, copy.rotation_euler = thing.location, thing.rotation_euler
+        copy.data.materials.clear()
+        copy.data.materials.append(blue)
+
+
+def clear_glass(
+    ior: float = 1.0, roughness: float = 0.0, kind: str = "pane", node: str = "glass", color: Sequence[float] = (0.9, 0.95, 1.0)
+) -> None:
+    """Glass that bends light little or not at all: a pane or a sphere before the lamp, or a room seen through one."""
+    _stage()
+    glass = bpy.data.materials.new("Glass")
+    glass.use_nodes = True
+    nodes = glass.node_tree
+    principled = next(n for n in nodes.nodes if n.type == "BSDF_PRINCIPLED")
+    if node == "principled":
+        principled.inputs["Base Color"].default_value = (*color, 1.0)
+        principled.inputs["Transmission Weight"].default_value = 1.0
+        principled.inputs["Roughness"].default_value = roughness
+        principled.inputs["IOR"].default_value = ior
+        principled.inputs["Specular IOR Level"].default_value = 0.0 if ior == 1.45 else 0.5
+    else:
+        bsdf = nodes.nodes.new("ShaderNodeBsdfGlass" if node == "glass" else "ShaderNodeBsdfRefraction")
+        bsdf.inputs["Color"].default_value = (*color, 1.0)
+        bsdf.inputs["Roughness"].default_value = roughness
+        bsdf.inputs["IOR"].default_value = ior
+        output = next(n for n in nodes.nodes if n.type == "OUTPUT_MATERIAL")
+        nodes.links.new(bsdf.outputs[0], output.inputs["Surface"])
+    _lamp("POINT", 30.0, (0.2, -0.4, 1.7), shadow_soft_size=0.35, use_soft_falloff=False)
+    if kind == "pane":
+        m.add_mesh("Pane", [(-1.5, -1.0, 1.0), (1.5, -1.0, 1.0), (1.5, 1.0, 1.1), (-1.5, 1.0, 1.1)], [(0, 1, 2, 3)], glass)
+    elif kind == "sphere":
+        m.add_sphere("Ball", 0.5, glass, (0.1, -0.6, 0.7))
+    elif kind == "room":
+        m.add_boxes("Hull", [((-1.5, -1.4, -0.1), (1.5, 1.4, 2.1))], glass)
 
 
 def linked_lamps() -> None:

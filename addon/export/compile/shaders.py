@@ -6,12 +6,14 @@ from collections.abc import Callable
 
 from ...core.shading import Feature
 from .assemble import Statement, statement
-from .node import Node
+from .node import LEAST_IOR, Node
 from .values import ONE, ZERO, Value
 
 Made = tuple[list[Statement], Feature]
 # A lobe below this roughness focuses light: photons of its own kind (see the integrator).
 SHARP_BELOW = 0.5
+BENDS_NOTHING = 1.0021
+"""bends_nothing() of native/src/bsdf/fresnel.h, and a little for rounding."""
 
 
 def _roughness_features(*roughnesses: Value) -> Feature:
@@ -109,27 +111,37 @@ def glossy(n: Node, weight: Value) -> Made:
     return [made], _roughness_features(roughness)
 
 
+def _bent(ior: Value, roughness: Value) -> Feature:
+    """What glass does to light: where its index is 1, or may be, some goes straight on."""
+    if ior.is_constant:
+        index = max(ior.data[0], LEAST_IOR)
+        if max(index, 1 / index) < BENDS_NOTHING:
+            return Feature.TRANSPARENT
+    straight = Feature(0) if ior.is_constant else Feature.TRANSPARENT
+    return straight | _roughness_features(roughness) | Feature.TRANSMITS
+
+
 def glass(n: Node, weight: Value) -> Made:
-    roughness = n.share("Roughness")
+    roughness, ior = n.share("Roughness"), n.ior("IOR", 1.5)
     made = statement(
         "Glass",
         weight=weight,
         color=n.color("Color"),
         normal=n.closure_normal(),
         roughness=roughness,
-        ior=n.ior("IOR", 1.5),
+        ior=ior,
         thin_film_thickness=n.number("Thin Film Thickness"),
         thin_film_ior=n.number("Thin Film IOR", 1.33),
         distribution=_distribution(n),
     )
-    return [made], _roughness_features(roughness) | Feature.TRANSMITS
+    return [made], _bent(ior, roughness)
 
 
 def refraction(n: Node, weight: Value) -> Made:
     roughness = n.share("Roughness")
     inputs = {"color": n.color("Color"), "normal": n.closure_normal(), "roughness": roughness, "ior": n.ior("IOR", 1.45)}
     made = statement("Refraction", weight=weight, distribution=_distribution(n), **inputs)
-    return [made], _roughness_features(roughness) | Feature.TRANSMITS
+    return [made], _bent(inputs["ior"], roughness)
 
 
 def metallic(n: Node, weight: Value) -> Made:
@@ -224,7 +236,7 @@ def principled(n: Node, weight: Value) -> Made:
     if metal != ONE and weights["Transmission Weight"] != ONE:
         features |= Feature.GATHERS
     if weights["Transmission Weight"] != ZERO:
-        features |= Feature.TRANSMITS
+        features |= Feature.TRANSMITS | (_bent(ior, roughness) & Feature.TRANSPARENT)
     if weights["Sheen Weight"] != ZERO:
         features |= Feature.GATHERS | Feature.REST
     smooth = metal == ZERO and weights["Transmission Weight"] == ZERO and (specular == ZERO or ior == ONE)

@@ -39,6 +39,7 @@ struct Facet {
   bool transmits, mirror;  // refraction alone: no mirror
   void expand(const View& view, LobeList& out) const {
     FresnelTerms f = fresnel;
+    if (transmits && bends_nothing(f.ior)) return out.go_straight(weight * f.transmit_tint);
     if (transmits) {
       if (view.back) f.film_ior /= f.ior, f.ior = 1 / f.ior;  // the film too is seen from within the glass
       const float f0 = f0_from_ior(f.ior);

@@ -87,6 +87,7 @@ class Bsdf {
   void finish();
 
   const Rgb& emission() const { return lobes_.emission; }          // radiance towards wo, W/m^2/sr
+  const Rgb& straight() const { return lobes_.straight; }  // of it, through glass that bends nothing: a camera ray is one of transmission then
   const Rgb& transparency() const { return lobes_.transparency; }  // share of light that goes straight on: a null vertex, no lobe
   float holdout() const { return lobes_.holdout; }
   bool scatters() const;      // has any closure that scatters

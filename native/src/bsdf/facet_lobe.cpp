@@ -61,10 +61,8 @@ Lobe facet_lobe(const View& view, const Rgb& weight, const Vec3& normal, const F
   lobe.fresnel = fresnel;
   lobe.facets.beckmann = shape.beckmann;
   const bool through = !is_black(fresnel.transmit_tint);
-  if (std::abs(fresnel.ior - 1) < 1e-3f && through) lobe.fresnel.ior = 1;
   lobe.facets.ax = saturate(sqr(shape.roughness) * shape.along);
   lobe.facets.ay = saturate(sqr(shape.roughness) * shape.across);
-  if (through && lobe.fresnel.ior == 1) lobe.facets.ax = lobe.facets.ay = 0;  // nothing bends: straight on
   lobe.n = valid_reflection(view, normal);
   Vec3 tangent = shape.tangent - lobe.n * dot(lobe.n, shape.tangent);
   const float length2_tangent = length2(tangent);

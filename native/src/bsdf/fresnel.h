@@ -30,6 +30,9 @@ inline constexpr Rgb kWhite{1, 1, 1};
 // is none (total internal reflection, reflectance 1).
 float fresnel_dielectric(float cos_i, float ior, float* cos_t = nullptr);
 
+// Whether a boundary bends light by so little that it goes straight on, however rough it is; the same from either side.
+inline bool bends_nothing(float ior) { return std::max(ior, 1 / ior) < 1.002f; }
+
 inline float f0_from_ior(float ior) { return sqr((ior - 1) / (ior + 1)); }
 float ior_from_f0(float f0);
 

@@ -56,6 +56,7 @@ class LobeList {
   static constexpr int kMax = 48;
 
   Rgb emission{}, transparency{};
+  Rgb straight{};  // the part of transparency that is glass which bends nothing
   float holdout = 0;
 
   int size() const { return size_; }
@@ -64,6 +65,10 @@ class LobeList {
   const Lobe* begin() const { return std::launder(reinterpret_cast<const Lobe*>(storage_)); }
   const Lobe* end() const { return begin() + size_; }
   const Lobe& operator[](int i) const { return begin()[i]; }
+  void go_straight(const Rgb& weight) {
+    transparency += weight;
+    straight += weight;
+  }
   // make() yields a lobe, which is made in its place: a copy of what has just been written in parts is slow.
   template <class Make>
   const Lobe& add(Make&& make) {

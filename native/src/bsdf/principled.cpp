@@ -110,7 +110,8 @@ void expand_principled(const Rgb& outer, const PrincipledInputs& in, const View&
     f.film_ior = view.back ? in.thin_film_ior / in.ior : in.thin_film_ior;
     FacetShape isotropic = shape;
     isotropic.along = isotropic.across = 1;
-    out.add([&] { return facet_lobe(view, weight * in.transmission_weight, normal, isotropic, f); });
+    if (bends_nothing(in.ior)) out.go_straight(weight * in.transmission_weight * f.transmit_tint);
+    else out.add([&] { return facet_lobe(view, weight * in.transmission_weight, normal, isotropic, f); });
     weight *= 1 - in.transmission_weight;
   }
 

@@ -66,7 +66,7 @@ void Frame::corners(Vec3* corner) const {
 
 const OffsetAxes& Frame::offset_axes() {
   if (knows_axes) return axes;
-  const float size = point.ray.footprint > 0 ? point.ray.footprint : 5e-4f * scene.radius();
+  const float size = point.ray.footprint > 0 ? point.ray.footprint : 5e-4f * scene.near_radius();
   const Vec3 n = point.ng;
   // Perpendicular to (1, 1, 1) and the normal, which is where Cycles has its first direction.
   Vec3 x{n.z - n.y, n.x - n.z, n.y - n.x};
