@@ -75,10 +75,10 @@ void PhotonTracer::start(uint64_t first, uint32_t count, uint32_t seed, PhotonSt
   lights_.emit(primaries, count, starts);
 }
 
-unsigned PhotonTracer::seen_by_diffuse(const RayHits& hits, unsigned which) const {
+unsigned PhotonTracer::seen_by_all(const RayHits& hits, unsigned which) const {
   for (unsigned rest = which; rest; rest &= rest - 1) {
     const uint32_t k = static_cast<uint32_t>(std::countr_zero(rest));
-    if (!(scene_.instances[hits.instance[k]].seen_by & ray_bit(RayInfo::kDiffuse))) which &= ~(1u << k);
+    if (scene_.instances[hits.instance[k]].seen_by != kAllRays) which &= ~(1u << k);
   }
   return which;
 }
@@ -156,18 +156,13 @@ void PhotonTracer::trace_chunk(uint64_t first, uint64_t count, double total, uin
   PlainSurfaces surfaces;
   Bounced bounced;
   const bool limited = scene_.limits_rays(), guesses = scene_.kinds_differ();
-  RayMask kinds[kBounceLanes] = {};
   while (alive) {
     run.rays += alive;
     uint32_t kept = 0;
     for (uint32_t next = 0, turn = 0; next < alive + kBounceLanes; next += kBounceLanes, turn ^= 1) {
       if (next < alive) {
-        Scene::Rays rays = rays_of(paths, next);
+        const Scene::Rays rays = rays_of(paths, next);
         const uint32_t lanes = std::min(kBounceLanes, alive - next);
-        if (limited) {
-          for (uint32_t k = 0; k < lanes; ++k) kinds[k] = ray_bit(kind_of_way(travellers.rest[next + k], paths.bounces[next + k]));
-          rays.kinds = kinds;
-        }
         if (ray_log) log_rays(rays, lanes, run.ray_log);
         hit[turn] = scene_.intersect(rays, lanes, found[turn]);
       }
@@ -178,7 +173,7 @@ void PhotonTracer::trace_chunk(uint64_t first, uint64_t count, double total, uin
       uint32_t any_alone = 0;
       for (uint32_t k = 0; k < kBounceLanes; ++k) any_alone |= paths.alone[begin + k];
       for (uint32_t k = 0; any_alone && k < kBounceLanes; ++k) together &= ~(paths.alone[begin + k] << k);
-      if (limited) together = guesses ? 0 : seen_by_diffuse(hits, together);
+      if (limited) together = guesses ? 0 : seen_by_all(hits, together);
       together = scene_.plain_surfaces(hits, together, surfaces);
       if (together) bounce_(paths, begin, hits, surfaces, settings, bounced);
       if (stream_ == PhotonStream::kCaustic) bounced.goes_on = 0;

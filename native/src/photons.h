@@ -130,13 +130,13 @@ class PhotonTracer {
   bool blocks(const Path& path, const Surface& hit, const PhotonStart& start) const;
   bool shade(Path& path, const Surface& hit, const PhotonStart& start, const Draws& draws, const KeyFilter& visible,
              Vec3& origin, Vec3& direction, Photons& photons) const;
-  // Kind of ray that looks back along the path's present way: what it does not see the photon passes.
+  // Kind of ray that looks back along the path's present way: what it does not see the photon lights and passes.
   static RayInfo::Kind kind_of_way(const Rest& rest, uint32_t bounces) {
     return rest.guessed ? rest.kind : bounces == 0 ? RayInfo::kShadow : RayInfo::kDiffuse;
   }
   bool sends_on(Path& path, const Surface& hit) const;
-  // Of the hits `which` those on instances that diffuse rays see.
-  unsigned seen_by_diffuse(const RayHits& hits, unsigned which) const;
+  // Of the hits `which` those on instances that all rays see.
+  unsigned seen_by_all(const RayHits& hits, unsigned which) const;
   static RayInfo::Kind guess_kind(Random& random, RayInfo::Kind first, float* chance);
   void keep_bounced(Travellers& travellers, uint32_t from, uint32_t to, const Bounced& bounced, uint32_t k) const;
   bool pass_before_lamp(Path& path, const Surface& hit, const Vec3& direction, const PhotonStart& start, Vec3& origin) const;

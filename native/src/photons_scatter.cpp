@@ -46,8 +46,10 @@ bool PhotonTracer::lit(const Path& path, const Surface& hit, const PhotonStart& 
   return (start.lit_groups & scene_.instances[hit.instance].group) && start.accepts(distance);
 }
 
-// Straight from its lamp light passes what does not block it, and lights that all the same.
+// Light passes what the ray that looks back along its way does not see, and, straight from its lamp, what does not block that; it lights
+// those all the same.
 bool PhotonTracer::blocks(const Path& path, const Surface& hit, const PhotonStart& start) const {
+  if (!(scene_.instances[hit.instance].seen_by & ray_bit(kind_of_way(path, path.bounces)))) return false;
   return path.bounces > 0 || (start.casts_shadows && start.blockers & scene_.instances[hit.instance].group);
 }
 
@@ -140,7 +142,7 @@ bool PhotonTracer::shade(Path& path, const Surface& hit, const PhotonStart& star
     const bool passes = !accepted || path.random.next() < 0.5f;
     if (accepted) path.power *= 2;
     if (passes) {
-      path.unshadowed = !start.casts_shadows;
+      path.unshadowed |= path.bounces == 0 && !start.casts_shadows;
       return go_straight_on(path, hit, {1, 1, 1}, origin);
     }
   }
@@ -170,7 +172,7 @@ bool PhotonTracer::shade(Path& path, const Surface& hit, const PhotonStart& star
 // photons for diffuse rays and scatters by lobes of that kind alone. What is passed on the way to the next vertex is seen by the
 // same ray; straight from the lamp by a shadow ray, which deltas do not send, or from a delta lobe.
 // Ray visibility of objects is the same question. A photon's way from A to B stands for the ray from B that finds A, or, from a light, for
-// the shadow ray from B: objects that rays of that kind do not see do not stop the photon, and A sends it on only if they see A. What B
+// the shadow ray from B: objects that rays of that kind do not see are lit and do not stop it, and A sends it on only if they see A. What B
 // stores stands for a diffuse ray from B, and B's lobe on the way to the eye says which kind it was: guessed at A where some object treats
 // diffuse, glossy and transmitted rays differently and some surface sends others than diffuse ones; else it makes no difference, and
 // diffuse ones are taken. A light that some kinds do not see is scattered by the first surface's lobes of the other kinds.
@@ -208,7 +210,7 @@ bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const Phot
     const float passing = mean / (mean + scattered);
     if (scattered == 0 || path.random.next() < passing) {
       if (passing_asked) path.kind = passing_ray.kind, path.guessed = true;
-      path.unshadowed |= !blocking && !start.casts_shadows;
+      path.unshadowed |= direct && !blocking && !start.casts_shadows;
       return go_straight_on(path, hit, transparency / (passing * passing_chance), origin);
     }
     path.power *= 1 / (1 - passing);

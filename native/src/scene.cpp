@@ -151,7 +151,10 @@ void Scene::build(const CancelFlag& cancel) {
       if (!inner) {
         inner = rtcNewScene(device_);
         RTCGeometry triangles = make_geometry(device_, mesh);
-        if (limits_rays()) rtcSetGeometryMask(triangles, kAllRays);
+        if (limits_rays()) {
+          rtcSetGeometryMask(triangles, kAllRays);
+          rtcCommitGeometry(triangles);
+        }
         rtcAttachGeometryByID(inner, triangles, 0);
         rtcReleaseGeometry(triangles);
         commit(inner, cancel);

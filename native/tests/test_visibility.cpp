@@ -24,13 +24,13 @@ void fill_room(Renderer& renderer, Thing thing, RayMask seen_by, bool instanced 
   grey.front.albedo = grey.back.albedo = {0.5f, 0.5f, 0.5f};
   renderer.scene.materials = {grey, grey};
   ProgramWriter w;
-  w.emit(nodes::Op::Glossy, {{"weight", w.constant({1})}, {"color", w.constant({0.9f, 0.9f, 0.9f})}});
+  const ProgramWriter::Values values{{"weight", w.constant({1})}, {"color", w.constant({0.9f, 0.9f, 0.9f})}};
+  w.emit(nodes::Op::Glossy, values);
   w.emit(nodes::Op::End, {});
   check_program(renderer.scene, w.program());
   w.program().features = kProgramSharp | kProgramRest;
   renderer.scene.programs = {w.program()};
   renderer.scene.materials[1].program = 0;
-  renderer.scene.meshes = {};
   renderer.scene.meshes.push_back(padded(make_cube()));
   renderer.scene.meshes.push_back(padded(make_sphere(16, 32)));
   renderer.scene.add_instance(0, {2, 0, 0, -1, 0, 2, 0, -1, 0, 0, 2, 0}, {0});
@@ -118,7 +118,7 @@ TEST_CASE("photons and paths agree on light past and from a thing that not all r
       fill_room(splatted, thing, mask);
       const double truth = mean_light(traced, 256, true);
       CHECK(mean_light(splatted, 16, false) == doctest::Approx(truth).epsilon(0.015));
-      if (thing == Thing::kGrey) CHECK(std::abs(truth / of_all - 1) > 0.004);
+      if (thing == Thing::kGrey) CHECK(std::abs(truth / of_all - 1) > 0.002);
     }
 }
 
@@ -127,7 +127,7 @@ TEST_CASE("photons and paths agree on lamps that some rays do not see, that end 
   glossy_only.seen_by = all_but({RayInfo::kDiffuse});
   few.max_bounces = 1;
   shadowless.casts_shadows = false;
-  for (const LampSettings& lamp : {glossy_only, few, shadowless})
+  for (const LampSettings& lamp : {few, shadowless, glossy_only})
     for (const Thing thing : {Thing::kGrey, Thing::kMirror}) {
       CAPTURE(lamp.max_bounces);
       CAPTURE(lamp.casts_shadows);
