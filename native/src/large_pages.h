@@ -47,7 +47,14 @@ struct LargePages {
 
   void deallocate(T* memory, std::size_t count) noexcept {
 #ifdef __linux__
+#if defined(__GNUC__) && !defined(__clang__)  // GCC takes the two ways of allocating for one, where it inlines both
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wmismatched-new-delete"
+#endif
     if (count >= kLeast / sizeof(T)) return std::free(memory);
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic pop
+#endif
 #endif
     std::allocator<T>{}.deallocate(memory, count);
   }
