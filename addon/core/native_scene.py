@@ -217,12 +217,13 @@ def _add_instances(renderer: Renderer, scene: Scene) -> None:
     light_groups = [NO_LIGHT_GROUP] * count if instances.light_group is None else instances.light_group.tolist()
     seen_by = [ALL_RAYS] * count if instances.seen_by is None else instances.seen_by.tolist()
     holdout = [False] * count if instances.holdout is None else instances.holdout.tolist()
-    for i in np.flatnonzero(~flat):
+    # Of surfaces that coincide rays meet the one that was added first; Cycles shows the object that comes last.
+    for i in np.flatnonzero(~flat)[::-1]:
         materials = material_sets[int(instances.material_set[i])]
         linking = (int(groups[i]), lit[i], blockers[i], light_groups[i])
         renderer.add_instance(int(instances.mesh[i]), matrices[i], materials, *linking, seen_by[i], holdout[i])
     for attribute in instances.attributes:
-        renderer.add_instance_attribute(attribute.id, np.ascontiguousarray(attribute.values[~flat], np.float32))
+        renderer.add_instance_attribute(attribute.id, np.ascontiguousarray(attribute.values[~flat][::-1], np.float32))
 
 
 def find_flat(scene: Scene) -> NDArray[np.bool_]:
