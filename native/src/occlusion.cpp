@@ -20,6 +20,7 @@ constexpr float kCover = 0.12f;  // what lies closer over the surface than this,
 constexpr float kTouching = 1e-3f;
 constexpr float kGolden = 2.39996323f;
 constexpr float kBentReach = 0.7f;  // of a bent disc's radius: further off it has little weight
+constexpr float kBeyond = 0.1f;     // of it: so far behind what has been met the patch is looked for
 constexpr RayMask kStored = ray_bit(RayInfo::kDiffuse);  // what stops photons that are stored
 
 // The part of a kernel (Epanechnikov) within the share s of its radius.
@@ -197,8 +198,12 @@ bool stands_in_bent_disc(const Scene& scene, uint32_t instance, uint32_t triangl
   }
   Surface hits[Scene::kPacket];
   for (unsigned met = scene.intersect_packet(origins, ways, Scene::kPacket, hits, kStored); met; met &= met - 1) {
-    const Surface& hit = hits[std::countr_zero(met)];
-    if (hit.distance < kBentReach * h && (hit.key | 1u) != (key | 1u)) return true;
+    const int k = std::countr_zero(met);
+    const Surface& hit = hits[k];
+    if (hit.distance >= kBentReach * h || (hit.key | 1u) == (key | 1u)) continue;
+    Surface below;
+    const Vec3 beyond = origin + ways[k] * (hit.distance + kBeyond * h);
+    if (scene.intersect(beyond, -normal, 0, h, false, below) && (below.key | 1u) == (key | 1u)) return true;
   }
   return false;
 }

@@ -16,8 +16,8 @@ struct DiscOcclusion {
 DiscOcclusion disc_occlusion(const Scene& scene, uint32_t instance, uint32_t triangle, uint32_t key, const Vec3& x,
                              const Vec3& normal, float h, uint32_t seed);
 
-// Whether something else comes close to a bent patch within a disc of radius h about x: seen by rays along the surface and a little
-// downwards, as it may bend away.
+// Whether something else stands on a bent patch, or the patch runs into it, within a disc of radius h about x: what rays along the surface
+// meet, level or a little downwards as it may bend away, if the patch goes on behind it.
 bool stands_in_bent_disc(const Scene& scene, uint32_t instance, uint32_t triangle, uint32_t key, const Vec3& x, const Vec3& normal, float h);
 
 }  // namespace photon_splat

@@ -15,6 +15,7 @@ constexpr uint32_t kGatheredSamples = 4;  // of a pixel in a pass where photons 
 constexpr uint32_t kPathSamples = 16;     // the same where paths bring all of the indirect light
 constexpr float kNoiseOfOne = 4.0f / 3;   // photon in a disc: squared relative error of what an Epanechnikov kernel makes of it
 constexpr size_t kLooksForFocus = 4096;  // places that tell what photons are to start about
+constexpr double kServedWell = 0.5;       // share of places
 constexpr double kLeastOfPhotons = 0.25;  // of a pass' photons, that the adaptive choice may come down to
 constexpr size_t kLaterLooks = 16;        // one record in so many, in each pass but the first
 constexpr float kGatheredSpacing = 2;  // times that of points that are seen: a pixel's paths meet many
@@ -235,16 +236,16 @@ void Renderer::learn_fallback(uint32_t pass, bool scouts) {
 
 // Places that photons serve, a share s, have little noise; those of paths have all of it. Without photons, of work P beside the camera's
 // C, there is time for (C + P)/C as many paths, and noise is of all places instead of 1 - s: photons pay if P (1 - s) < C s. P: of the
-// smallest pass that there may be.
+// smallest pass that there may be. Where they serve half of the places they stay all the same, for whoever renders a number of passes.
 bool Renderer::photons_pay() const {
   if (fallback_->reach() != Fallback::Reach::kBadlyServed || options.kept_photon_bytes) return true;
   const Layer& indirect = *layers_.front();
   const PhotonCounts pilot = indirect.tracer->last_counts();
-  const double places = static_cast<double>(std::max<uint64_t>(1, camera_tracer_->places()));
-  const double served = 1 - static_cast<double>(camera_tracer_->fallbacks()) / places;
+  const double wanted = static_cast<double>(std::count_if(records_->begin(), records_->end(), [](const Record& r) { return !r.caustics_only; }));
+  const double served = wanted / std::max(1.0, wanted + static_cast<double>(camera_tracer_->fallbacks()));
   const double photons = kLeastOfPhotons * work_of(pilot) * static_cast<double>(indirect.paths_per_pass) / static_cast<double>(std::max<uint64_t>(1, pilot.traced));
   const double camera = static_cast<double>(camera_tracer_->last_rays() + records_->size());
-  return photons * (1 - served) < camera * served;
+  return served >= kServedWell || photons * (1 - served) < camera * served;
 }
 
 
