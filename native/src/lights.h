@@ -163,6 +163,7 @@ class Lights {
   // Photons of suns and of the world start about what is seen, of which half lies within `radius` of `center`, and fewer everywhere else.
   // To be called before any photon is emitted, guided or aimed.
   void focus(const Vec3& center, float radius);
+  bool focused() const { return discs_.focused(); }
   double total_power() const { return total_power_; }  // W, mean over RGB
 
   // Photon number `index` of the stream `seed` starts in proportion to power, or where `guide` sends it.

@@ -311,7 +311,7 @@ void Renderer::focus_on_geometry() {
   lights_->focus(middle, reach);
 }
 
-// Once for a view. Returns where it looks, unless photons serve all views.
+// Once for a view. Returns where it looks, unless photons serve all views or it sees most of the scene.
 std::optional<SeenPlaces> Renderer::focus_on_view() {
   if (options.kept_photon_bytes || !records_ || records_->empty()) return {};
   const size_t step = 1 + records_->size() / kLooksForFocus;
@@ -322,6 +322,7 @@ std::optional<SeenPlaces> Renderer::focus_on_view() {
     lights_->focus(middle_, reach_);
     view_is_focused_ = true;
   }
+  if (!lights_->focused()) return {};
   SeenPlaces places(middle_, reach_);
   for (const Record& r : *records_) places.add(r.key, r.position);
   return places;
