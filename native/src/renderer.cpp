@@ -270,7 +270,7 @@ void Renderer::learn(Layer& layer, const KeyFilter& seen, bool stores_all) {
   const Photons* pilot = layer.tracer->learn_emission(paths, hash_combine(layer.seed, 4), seen, stored, places ? &*places : nullptr, cancel_);
   if (!pilot) pilot = &layer.tracer->trace(0, paths, static_cast<double>(paths), hash_combine(layer.seed, 3), stored, cancel_);
   const bool caustic = layer.stream == PhotonStream::kCaustic;
-  layer.radii = std::make_unique<RadiusMap>(scene, *pilot, static_cast<double>(paths), RadiusMap::Settings{middle_, reach_, caustic});
+  layer.radii = std::make_unique<RadiusMap>(scene, *pilot, static_cast<double>(paths), RadiusMap::Settings{middle_, caustic ? INFINITY : reach_, caustic});
   if (caustic) layer.dispersion = power_dispersion(*pilot);
   layer.pilot = since(layer.before, layer.tracer->counts());
 }

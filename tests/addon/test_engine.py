@@ -545,7 +545,7 @@ def test_the_last_render_is_told_in_the_panel() -> None:
 
     stage.room()
     stage.scene().render.use_motion_blur = True
-    job.observer.settings = lambda own: replace(own, adaptive_samples=False)  # passes have as many photons
+    job.observer.settings = lambda own: replace(own, adaptive_samples=False, fallback=False)  # passes have as many photons
     bpy.ops.render.render()
     last = job.last_renders["Scene"]
     assert "Motion blur" in last.warnings[0]
