@@ -13,13 +13,15 @@ _PATH = re.compile(r"(?<=: )[^:;]+(?= cannot be read)")
 _NUMBER = re.compile(r"\d[\d,.]*")
 _ORDER = (
     # Few, or none of the scene's things.
-    (3, re.compile(r"camera samples were not finite|camera samples .* too bright")),
-    # What is not in the picture at all, or in pink.
-    (0, re.compile(r"left out|cannot be read|in pink|no image|count(s|ed)? as not there|as empty|hits nothing")),
+    (4, re.compile(r"camera samples were not finite|camera samples .* too bright|triangles left out: .* without area")),
+    # What Blender shows and this does not.
+    (0, re.compile(r"(?s)[Nn]ot supported.*left out")),
+    # What else is not in the picture at all, or in pink.
+    (1, re.compile(r"left out|cannot be read|in pink|no image|count(s|ed)? as not there|as empty|hits nothing")),
     # What is there and looks otherwise.
-    (1, re.compile(r"not supported|taken as|read as|ignored|as usual|all the same|stands still|as a bump|is used|are used")),
+    (2, re.compile(r"not supported|taken as|read as|ignored|as usual|all the same|stands still|as a bump|is used|are used")),
 )
-_NOTE = 2
+_NOTE = 3
 
 
 def told(warnings: Iterable[str]) -> list[str]:
