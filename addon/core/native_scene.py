@@ -70,13 +70,14 @@ def focus(scene: Scene) -> tuple[NDArray[np.float64], float]:
     eye = scene.camera.matrix[:3, 3]
     reach = np.abs(boxes - eye).max(axis=(1, 2)) if len(boxes) else np.zeros(0)
     size = 0.5 * float(np.linalg.norm(bounds[1] - bounds[0]))
-    while True:
+    while np.isfinite(size):
         close = boxes[reach < size / FAR]
         if not len(close):
-            return origin, near
+            break
         low, high = close[:, 0].min(axis=0), close[:, 1].max(axis=0)
         origin, near = 0.5 * (low + high), max(0.5 * float(np.linalg.norm(high - low)), 1e-6 * size)
         size = near
+    return origin, near
 
 
 def fill_renderer(renderer: Renderer, scene: Scene, settings: RenderSettings) -> None:

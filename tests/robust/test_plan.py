@@ -39,7 +39,8 @@ def test_what_needs_no_photons_traces_none(what: Scene, settings: dict, sentence
 @pytest.mark.parametrize("what", [floor(emission=0.1), floor(world=0.1), floor(lamp=1.0)])
 def test_any_light_is_enough(what: Scene) -> None:
     assert make_plan(what, RenderSettings()).flags["photons"]
-    assert c.shoot(what, passes=2, photons_per_pass=1000, adaptive_samples=False).statistics["photons"]["traced"] == 2000
+    settings = {"passes": 2, "photons_per_pass": 1000, "adaptive_samples": False, "fallback": False}
+    assert c.shoot(what, **settings).statistics["photons"]["traced"] == 2000
 
 
 def test_words_and_flags() -> None:
