@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 
-class Cancelled(Exception):  # noqa: N818: no error
+class Cancelled(Exception):
     """The export was cancelled."""
 
 

@@ -248,7 +248,6 @@ bool Renderer::photons_pay() const {
   return served >= kServedWell || photons * (1 - served) < camera * served;
 }
 
-
 // The surfaces that photons of a layer are wanted on.
 KeyFilter Renderer::keys_seen(const Layer& layer) const {
   KeyFilter keys;

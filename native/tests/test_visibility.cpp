@@ -3,6 +3,7 @@
 
 #include "programs.h"
 #include "renderer.h"
+#include "passes.h"
 
 using namespace photon_splat;
 
@@ -54,20 +55,7 @@ void fill_room(Renderer& renderer, Thing thing, RayMask seen_by, bool instanced 
 }
 
 double mean_light(Renderer& renderer, uint32_t passes, bool reference) {
-  for (uint32_t pass = 0; pass < passes; ++pass) {
-    if (reference) {
-      renderer.trace_reference(pass);
-      continue;
-    }
-    renderer.trace_camera(pass);
-    for (size_t layer = 0; layer < renderer.layer_count(); ++layer) {
-      renderer.select_layer(layer);
-      renderer.make_points(pass);
-      renderer.trace_photons(0, renderer.paths_per_pass());
-      renderer.splat();
-    }
-    renderer.resolve();
-  }
+  render_passes(renderer, passes, reference);
   double sum = 0;
   for (const Pixel& p : renderer.film().pixels) sum += luminance(p.combined() * p.share());
   return sum / static_cast<double>(renderer.film().pixels.size());
