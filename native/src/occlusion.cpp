@@ -19,6 +19,9 @@ constexpr float kRim = 0.98f;    // in h: beyond, the kernel is nothing, and pro
 constexpr float kCover = 0.12f;  // what lies closer over the surface than this, in h, keeps photons off it
 constexpr float kTouching = 1e-3f;
 constexpr float kGolden = 2.39996323f;
+constexpr int kSteps = 3;           // away from walls: from one, from another that stands across the first, and once more
+constexpr float kPastRim = 1.05f;   // of a disc's radius: so far from its middle a wall is to be
+constexpr float kFurthest = 3;      // of it: so far a disc may be moved
 constexpr float kBentReach = 0.7f;  // of a bent disc's radius: further off it has little weight
 constexpr float kBeyond = 0.1f;     // of it: so far behind what has been met the patch is looked for
 constexpr RayMask kStored = ray_bit(RayInfo::kDiffuse);  // what stops photons that are stored
@@ -97,7 +100,7 @@ class Probes {
     const Vec3 offset = way * (h_ * 0.5f * (inner + outer));
     if (!outline_.holds(offset.x, offset.y)) return;
     places_[count_] = x_ + basis_.to_world(offset);
-    parts_[count_] = {inner, outer, distance};
+    parts_[count_] = {inner, outer, distance, way};
     if (++count_ == Scene::kPacket) look();
   }
 
@@ -118,8 +121,9 @@ class Probes {
       if (held >> i & 1) {
         out_.hidden += (mass_within(part.outer) - mass_within(part.inner)) / kDirections;
         out_.narrow_hidden += (mass_within(part.outer / kNarrow) - mass_within(part.inner / kNarrow)) / kDirections;
-      } else {
-        out_.clear = std::min(out_.clear, part.distance);
+      } else if (part.distance < out_.clear) {
+        out_.clear = part.distance;
+        out_.wall = basis_.to_world(part.way);
       }
     }
     count_ = 0;
@@ -128,6 +132,7 @@ class Probes {
  private:
   struct Part {
     float inner, outer, distance;
+    Vec3 way;
   };
   const Scene& scene_;
   PatchOutline& outline_;
@@ -181,6 +186,32 @@ DiscOcclusion disc_occlusion(const Scene& scene, uint32_t instance, uint32_t tri
   }
   probes.look();
   return out;
+}
+
+bool wall_between(const Scene& scene, const Vec3& a, const Vec3& b, const Vec3& normal, float h) {
+  const Vec3 from = a + normal * std::max(kHeight * h, ray_epsilon(a, h)), way = b - a;
+  const float distance = length(way);
+  return distance > 0 && scene.occluded(from, way / distance, 0, distance, kStored);
+}
+
+bool step_clear_of_walls(const Scene& scene, uint32_t instance, uint32_t triangle, uint32_t key, Vec3& x, const Vec3& normal, float r,
+                         uint32_t seed, DiscOcclusion& near) {
+  const uint32_t patch = scene.meshes[scene.instances[instance].mesh].topology.patch[triangle];
+  const Basis basis(normal);
+  Vec3 y = x;
+  DiscOcclusion there = near;
+  for (int step = 0; step < kSteps; ++step) {
+    y = y - there.wall * (kPastRim * r - there.clear);
+    PatchOutline outline(scene, instance, patch, x, basis, kFurthest * r);
+    const float a = dot(y - x, basis.tangent), b = dot(y - x, basis.bitangent);
+    if (length2(y - x) > sqr(kFurthest * r) || !outline.holds(a, b) || wall_between(scene, x, y, normal, r)) return false;
+    there = disc_occlusion(scene, instance, triangle, key, y, normal, r, hash_combine(seed, step));
+    if (there.clear < r) continue;
+    x = y;
+    near = there;
+    return true;
+  }
+  return false;
 }
 
 bool stands_in_bent_disc(const Scene& scene, uint32_t instance, uint32_t triangle, uint32_t key, const Vec3& x, const Vec3& normal, float h) {

@@ -344,6 +344,7 @@ void Renderer::make_points(uint32_t pass) {
     s.radius_factor = radius_factor(layer);
     s.caustics = layer.stream == PhotonStream::kCaustic;
     s.spacing = options.point_spacing;
+    s.occlusion = options.boundary_correction && options.occlusion;
     if (options.final_gather) s.wandered_spacing = kGatheredSpacing * options.point_spacing;
     s.steady = options.kept_photon_bytes > 0;
     s.fixed_radius = options.fixed_radius;
@@ -353,7 +354,7 @@ void Renderer::make_points(uint32_t pass) {
   }
   if (options.boundary_correction) {
     Timer timer(seconds_.boundary);
-    layer.points.correct_boundaries(scene, options.occlusion, cancel_);
+    layer.points.correct_boundaries(scene, cancel_);
   }
   Timer timer(seconds_.splat);
   layer.splatter->set_blocks(layer.points.block_bounds());

@@ -73,11 +73,12 @@ void Renderer::draw_store() {
     s.paths_per_pass = paths * std::min(1.0, kStorePhotons / std::max(photons, 1.0));
     s.radius_factor = options.radius_scale;
     s.spacing = options.point_spacing;
+    s.occlusion = options.boundary_correction && options.occlusion;
     s.caustics = layer->stream == PhotonStream::kCaustic;
     s.steady = true;
     layer->points.build(scene, *records_, *store.radii(), s, 0, layer->seed, cancel_);
     layer->group_sums.assign(layer->points.blocks().size() * scene.light_groups, GroupSums{});  // all of the light is the rest
-    if (options.boundary_correction) layer->points.correct_boundaries(scene, options.occlusion, cancel_);
+    if (options.boundary_correction) layer->points.correct_boundaries(scene, cancel_);
     layer->splatter->set_blocks(layer->points.block_bounds());
     layer->splatter->splat(store.photons(), layer->points.blocks(), scene.pool(), cancel_);
     const float share = static_cast<float>(1.0 / paths);

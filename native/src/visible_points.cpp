@@ -19,7 +19,8 @@ constexpr float kLeastOnStrips = 0.2f;        // of the radius: a fifth of its p
 constexpr float kLeastOfDensityRadius = 0.2f;  // curvature takes no more than this: 1/25 of the photons remain
 constexpr float kWhole = 0.999f;          // mass of a disc that no edge cuts
 constexpr float kClearOfWall = 0.9f;      // of the distance to it
-constexpr float kLeastOfWalledRadius = 0.25f;
+constexpr float kLeastOfWalledRadius = 0.18f;  // closer to a wall a disc of this size is moved away from it
+constexpr float kLeastBetweenWalls = 0.5f;     // of that, where there is no room for it
 constexpr float kLeastUnhidden = 0.1f;    // of a kernel's mass, whatever the probes say
 constexpr float kFootprintFloor = 2.0f;   // of a kernel's radius in camera samples, in the first pass
 
@@ -28,12 +29,18 @@ size_t chunks_of(size_t count) { return (count + kChunk - 1) / kChunk; }
 // Radii come in steps of 2^(1/4), so that neighbours share cells.
 float quantized(float h) { return std::exp2(std::round(std::log2(h) * 4) / 4); }
 
+uint32_t seed_of(const Vec3& x) {
+  return hash_combine(std::bit_cast<uint32_t>(x.x), hash_combine(std::bit_cast<uint32_t>(x.y), std::bit_cast<uint32_t>(x.z)));
+}
+
 }  // namespace
 
 void VisiblePoints::build(Scene& scene, const Records& records, const RadiusMap& radii,
                           const PointSettings& settings, uint32_t pass, uint32_t seed, const CancelFlag& cancel) {
   find_cells(scene, records, radii, settings, pass, seed, cancel);
   pick_points(scene, cancel);
+  looks_.clear();
+  if (settings.occlusion) split_at_walls(scene, records, cancel);
   fill_blocks(scene, records, cancel);
 }
 
@@ -149,6 +156,55 @@ void VisiblePoints::pick_points(Scene& scene, const CancelFlag& cancel) {
   });
 }
 
+VisiblePoints::Look VisiblePoints::look(Scene& scene, const Record& r, float h) const {
+  const uint32_t seed = seed_of(r.position);
+  Look look;
+  look.region = ClearRegions::region(r.key, r.position, h);
+  look.done = clear_regions_.to_look_at(look.region, hash32(seed));
+  look.found = look.done ? disc_occlusion(scene, r.instance, r.triangle, r.key, r.position, r.ng, h, seed) : DiscOcclusion{0, 0, h};
+  return look;
+}
+
+void VisiblePoints::split_at_walls(Scene& scene, const Records& records, const CancelFlag& cancel) {
+  looks_.resize(points_.size());
+  scene.pool().for_parts(points_.size(), 64, cancel, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) looks_[i] = look(scene, records[points_[i].record], points_[i].h);
+  });
+  std::vector<std::vector<uint32_t>> behind(chunks_of(records.size()));  // records, in their order
+  scene.pool().for_each(behind.size(), cancel, [&](size_t c, int) {
+    for (size_t i = c * kChunk; i < std::min(records.size(), (c + 1) * kChunk); ++i) {
+      const uint32_t p = point_of_record_[i];
+      if (p == kNone) continue;
+      const Point& point = points_[p];
+      const Vec3& middle = records[point.record].position;
+      const float clear = looks_[p].found.clear;
+      if (clear < point.h && length2(records[i].position - middle) > sqr(clear) &&
+          wall_between(scene, records[i].position, middle, records[point.record].ng, point.h))
+        behind[c].push_back(static_cast<uint32_t>(i));
+    }
+  });
+  std::vector<uint32_t> second(points_.size(), kNone);  // the point behind the wall
+  const size_t before = points_.size();
+  for (const std::vector<uint32_t>& some : behind) {
+    for (const uint32_t i : some) {
+      uint32_t& p = second[point_of_record_[i]];
+      if (p == kNone) {
+        p = static_cast<uint32_t>(points_.size());
+        points_.push_back({i, points_[point_of_record_[i]].h});
+      } else if (cells_[i].rank < cells_[points_[p].record].rank) {
+        points_[p].record = i;
+      }
+      point_of_record_[i] = p;
+    }
+  }
+  looks_.resize(points_.size());
+  scene.pool().for_parts(points_.size() - before, 64, cancel, [&](size_t begin, size_t end) {
+    for (size_t i = before + begin; i < before + end; ++i) looks_[i] = look(scene, records[points_[i].record], points_[i].h);
+  });
+  for (size_t i = 0; i < looks_.size(); ++i)
+    if (looks_[i].done) clear_regions_.learn(looks_[i].region, looks_[i].clear(points_[i].h));
+}
+
 void VisiblePoints::fill_blocks(Scene& scene, const Records& records, const CancelFlag& cancel) {
   // Morton order makes blocks compact.
   Bounds all;
@@ -175,6 +231,9 @@ void VisiblePoints::fill_blocks(Scene& scene, const Records& records, const Canc
       if (point_of_record_[i] != kNone) point_of_record_[i] = place[point_of_record_[i]];
   });
 
+  std::vector<Look> found(looks_.size());
+  for (size_t i = 0; i < found.size(); ++i) found[i] = looks_[order[i].second];
+  looks_ = std::move(found);
   const size_t block_count = (points_.size() + kBlockSize - 1) / kBlockSize;
   blocks_.resize(block_count);
   bounds_.resize(block_count);
@@ -215,41 +274,42 @@ void VisiblePoints::fill_blocks(Scene& scene, const Records& records, const Canc
   });
 }
 
-void VisiblePoints::correct_boundaries(Scene& scene, bool occlusion, const CancelFlag& cancel) {
+void VisiblePoints::correct_boundaries(Scene& scene, const CancelFlag& cancel) {
   std::atomic<uint64_t> cut{0}, obstructed{0};
-  struct Look {
-    uint64_t region;
-    bool done, clear;
-  };
-  std::vector<Look> looks(occlusion ? places_.size() : 0);
   scene.pool().for_each(blocks_.size(), cancel, [&](size_t b, int) {
     PointBlock& block = blocks_[b];
     for (uint32_t lane = 0; lane < kBlockSize && b * kBlockSize + lane < places_.size(); ++lane) {
       const auto [instance, triangle] = places_[b * kBlockSize + lane];
-      const Vec3 x{block.x[lane], block.y[lane], block.z[lane]}, n{block.nx[lane], block.ny[lane], block.nz[lane]};
+      Vec3 x{block.x[lane], block.y[lane], block.z[lane]};
+      const Vec3 n{block.nx[lane], block.ny[lane], block.nz[lane]};
       float h = 1 / std::sqrt(block.inverse_h2[lane]);
+      DiscOcclusion inside{0, 0, h};
+      if (!looks_.empty()) inside = looks_[b * kBlockSize + lane].found;
+      obstructed.fetch_add(inside.hidden > 0 || inside.clear < h, std::memory_order_relaxed);
+      if (inside.clear < h) {
+        const uint32_t seed = seed_of(x), key = block.key[lane];
+        float least = kLeastOfWalledRadius * h;
+        if (kClearOfWall * inside.clear >= least) {
+          h = kClearOfWall * inside.clear;
+          inside = disc_occlusion(scene, instance, triangle, key, x, n, h, seed);
+        } else {
+          h = least;
+          if (!step_clear_of_walls(scene, instance, triangle, key, x, n, h, seed, inside)) {
+            h = std::max(kClearOfWall * inside.clear, kLeastBetweenWalls * h);
+            inside = disc_occlusion(scene, instance, triangle, key, x, n, h, seed);
+          }
+        }
+        block.x[lane] = x.x;
+        block.y[lane] = x.y;
+        block.z[lane] = x.z;
+      }
       KernelMass m = kernel_mass(scene, instance, triangle, x, n, h);
       // Where the mass is a guess because edges crowd, a smaller disc sees less of the trouble.
       for (int halving = 0; !m.exact && m.mass < kTrustedMass && halving < kMostHalvings; ++halving) {
         h *= 0.5f;
         m = kernel_mass(scene, instance, triangle, x, n, h);
       }
-      const uint32_t seed = hash_combine(std::bit_cast<uint32_t>(x.x), hash_combine(std::bit_cast<uint32_t>(x.y), std::bit_cast<uint32_t>(x.z)));
-      DiscOcclusion inside{0, 0, h};
-      if (occlusion) {
-        Look& look = looks[b * kBlockSize + lane];
-        look.region = ClearRegions::region(block.key[lane], x, h);
-        look.done = clear_regions_.to_look_at(look.region, hash32(seed));
-        if (look.done) inside = disc_occlusion(scene, instance, triangle, block.key[lane], x, n, h, seed);
-        look.clear = !(inside.hidden > 0 || inside.clear < h);
-      }
       cut.fetch_add(m.mass < kWhole, std::memory_order_relaxed);
-      obstructed.fetch_add(inside.hidden > 0 || inside.clear < h, std::memory_order_relaxed);
-      if (inside.clear < h) {
-        h = std::max(kClearOfWall * inside.clear, kLeastOfWalledRadius * h);
-        m = kernel_mass(scene, instance, triangle, x, n, h);
-        inside = disc_occlusion(scene, instance, triangle, block.key[lane], x, n, h, seed);
-      }
       m.mass = std::max(m.mass - inside.hidden, kLeastUnhidden * m.mass);
       m.narrow = std::max(m.narrow - inside.narrow_hidden, kLeastUnhidden * m.narrow);
       if (!m.exact) {
@@ -261,8 +321,6 @@ void VisiblePoints::correct_boundaries(Scene& scene, bool occlusion, const Cance
       block.narrow_scale[lane] = 4 / (kPi * h * h * m.narrow);
     }
   });
-  for (const Look& look : looks)
-    if (look.done) clear_regions_.learn(look.region, look.clear);
   counts_.points += points_.size();
   counts_.cut += cut;
   counts_.obstructed += obstructed;

@@ -5,6 +5,7 @@
 #include "camera_tracer.h"
 #include "clear_regions.h"
 #include "kernel_mass.h"
+#include "occlusion.h"
 #include "point_blocks.h"
 #include "radius_map.h"
 
@@ -16,7 +17,7 @@ struct PointSettings {
   float radius_factor = 1;       // user's scale times the shrinking over passes
   float spacing = 1.0f / 3.0f;   // of points, in kernel radii; 0: a point per record
   float wandered_spacing = 0;    // of points for records of paths that went on, if it is more
-  bool boundary_correction = true;
+  bool occlusion = false;        // what stands in discs is looked for
   const float* pixel_factors = nullptr;  // on the radius, by the record's pixel; none: 1
   bool caustics = false;         // these points are for caustics: records that want nothing else count
   float fixed_radius = 0;        // metres; 0: chosen
@@ -29,10 +30,9 @@ class VisiblePoints {
   void build(Scene& scene, const Records& records, const RadiusMap& radii, const PointSettings& settings,
              uint32_t pass, uint32_t seed, const CancelFlag& cancel);
 
-  // Kernel masses of all points (the seed's boundary term), kept apart so that it can be timed. `occlusion`: less what
-  // things that stand on the surface hide, and discs that do not reach past walls. Where earlier calls have met none of them few
-  // points are looked at.
-  void correct_boundaries(Scene& scene, bool occlusion, const CancelFlag& cancel);
+  // Kernel masses of all points (the seed's boundary term), kept apart so that it can be timed; with PointSettings::occlusion less what
+  // things that stand on the surface hide, and of discs that do not reach past walls.
+  void correct_boundaries(Scene& scene, const CancelFlag& cancel);
 
   // Another view learns anew, so that its picture does not depend on those before.
   void forget_clear_regions() { clear_regions_ = {}; }
@@ -56,6 +56,13 @@ class VisiblePoints {
     uint32_t record;
     float h;
   };
+  // What stands in a point's disc. Where earlier passes have met nothing, few points are looked at.
+  struct Look {
+    uint64_t region = 0;
+    bool done = false;
+    DiscOcclusion found;
+    bool clear(float h) const { return !(found.hidden > 0 || found.clear < h); }
+  };
   struct Cell {
     uint64_t hash;
     uint32_t record;
@@ -65,10 +72,14 @@ class VisiblePoints {
   void find_cells(Scene& scene, const Records& records, const RadiusMap& radii, const PointSettings& s,
                   uint32_t pass, uint32_t seed, const CancelFlag& cancel);
   void pick_points(Scene& scene, const CancelFlag& cancel);
+  Look look(Scene& scene, const Record& r, float h) const;
+  // Records that see their point only through a wall get one of their own.
+  void split_at_walls(Scene& scene, const Records& records, const CancelFlag& cancel);
   void fill_blocks(Scene& scene, const Records& records, const CancelFlag& cancel);
 
   std::vector<Cell> cells_;
   std::vector<Point> points_;
+  std::vector<Look> looks_;  // per point, first as they are found, then in block order; none without occlusion
   std::vector<std::pair<uint32_t, uint32_t>> places_;  // instance and triangle per point, in block order
   std::vector<uint32_t> point_of_record_;
   PointBlocks blocks_;

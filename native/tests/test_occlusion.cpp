@@ -95,6 +95,35 @@ TEST_CASE("a sheet on the floor hides nothing, and no disc reaches past it") {
   CHECK(at_floor(scene, 0.25f, 0.5f, 0.2f).clear == 0.2f);
 }
 
+TEST_CASE("a disc at the foot of a sheet steps away from it, if there is room") {
+  const auto step = [](Scene& scene, float x, float y, float r, Vec3& place) {
+    Surface s;
+    REQUIRE(scene.intersect({x, y, 0.05f}, {0, 0, -1}, 0, 100, true, s));
+    place = s.position;
+    DiscOcclusion near = disc_occlusion(scene, s.instance, s.triangle, s.key, place, s.ng, 0.2f, 7);
+    REQUIRE(near.clear < r);
+    return step_clear_of_walls(scene, s.instance, s.triangle, s.key, place, s.ng, r, 7, near) && near.clear == r;
+  };
+  Vec3 place;
+  Scene one(1);
+  fill_all(one, floor_and(make_sheet(0.5f)));
+  for (const float side : {-1.0f, 1.0f}) {
+    CHECK(step(one, 0.5f + side * 0.01f, 0.5f, 0.05f, place));
+    CHECK(side * (place.x - 0.5f) > 0.05f);
+    CHECK(length(place - Vec3{0.5f + side * 0.01f, 0.5f, 0}) < 0.1f);
+    CHECK(place.z == doctest::Approx(0));
+  }
+  Scene corridor(1);
+  std::vector<Mesh> meshes = floor_and(make_sheet(0.5f));
+  meshes.push_back(padded(make_sheet(0.53f)));
+  fill_all(corridor, std::move(meshes));
+  CHECK_FALSE(step(corridor, 0.51f, 0.5f, 0.05f, place));
+  CHECK(place.x == doctest::Approx(0.51f));
+  Scene rim(1);  // the floor ends at x = 1
+  fill_all(rim, floor_and(make_sheet(0.97f)));
+  CHECK_FALSE(step(rim, 0.98f, 0.5f, 0.05f, place));
+}
+
 TEST_CASE("under an awning next to nothing is hidden: one sees its back, but not all around") {
   Scene scene(1);
   Mesh awning;  // over x < 0.5, from a wall of its own at x = 0.5 down to x = 0.1
