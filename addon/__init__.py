@@ -1,4 +1,6 @@
-"""Photon Splat: a Blender render engine that splats photons. Importable without Blender; `register` needs it."""
+"""Photon Splat: a Blender render engine that splats photons. Importable without Blender; `register`
+needs it.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +27,8 @@ def register() -> None:
         unregister()
         raise
     atexit.unregister(unregister)
-    if getattr(bpy.app, "module", False):  # Blender 4.5 as a Python module hangs at exit while a render engine or a panel is registered
+    # Blender 4.5 as a Python module hangs at exit while a render engine or a panel is registered
+    if getattr(bpy.app, "module", False):
         atexit.register(unregister)
 
 

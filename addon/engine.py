@@ -1,4 +1,6 @@
-"""The render engine as Blender sees it. It only delegates: Blender makes and drops engines as it likes."""
+"""The render engine as Blender sees it. It only delegates: Blender makes and drops engines as it
+likes.
+"""
 
 from __future__ import annotations
 
@@ -29,7 +31,9 @@ class PhotonSplatEngine(bpy.types.RenderEngine):
 
     def update_render_passes(self, scene: Any = None, renderlayer: Any = None) -> None:
         for info in wanted_passes(renderlayer):
-            self.register_pass(scene, renderlayer, info.name, len(info.channels), info.channels, kind(info))
+            self.register_pass(
+                scene, renderlayer, info.name, len(info.channels), info.channels, kind(info)
+            )
 
     def view_update(self, context: Any, depsgraph: Any) -> None:
         live_of(self).update(context, depsgraph)

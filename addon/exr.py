@@ -15,7 +15,9 @@ from .core.result import Passes, infos_of
 from .core.scene import Frame
 
 ROWS_AT_ONCE = 64
-"""Of a picture that is written: the channels side by side take as much memory as the picture again, but for so many rows only."""
+"""Of a picture that is written: the channels side by side take as much memory as the picture again,
+but for so many rows only.
+"""
 
 
 class WriteError(Exception):
@@ -23,7 +25,8 @@ class WriteError(Exception):
 
 
 def replace_file(path: Path, write: Callable[[Path], object]) -> None:
-    """Calls write(temporary path) and puts the file in the place of `path`: whole, or not at all. Raises WriteError.
+    """Calls write(temporary path) and puts the file in the place of `path`: whole, or not at all.
+    Raises WriteError.
 
     A link stays, and what it leads to is replaced; who may read and write the file stays as it was.
     """
@@ -39,7 +42,9 @@ def replace_file(path: Path, write: Callable[[Path], object]) -> None:
 
 
 def try_file(path: Path) -> None:
-    """Raises WriteError where replace_file() would not find a place for the file, or the wrong thing in it. Leaves nothing behind."""
+    """Raises WriteError where replace_file() would not find a place for the file, or the wrong
+    thing in it. Leaves nothing behind.
+    """
     with _error_of(path, "cannot be written"):
         if os.path.lexists(path) and os.path.exists(path) and not os.path.isfile(path):
             raise OSError("it is no ordinary file")
@@ -74,8 +79,12 @@ def _mode_of(path: Path) -> int:
         return 0o666 & ~mask
 
 
-def channels_of(passes: Passes, prefix: str = "", *, plain: bool = True) -> tuple[list[str], list[np.ndarray]]:
-    """Channel names of all passes, and the passes (height, width, channels) float32; `plain` leaves Combined without a layer name."""
+def channels_of(
+    passes: Passes, prefix: str = "", *, plain: bool = True
+) -> tuple[list[str], list[np.ndarray]]:
+    """Channel names of all passes, and the passes (height, width, channels) float32; `plain` leaves
+    Combined without a layer name.
+    """
     names, planes = [], []
     for info in infos_of(passes):
         layer = "" if plain and info.name == "Combined" else f"{prefix}{info.name}."
@@ -85,10 +94,16 @@ def channels_of(passes: Passes, prefix: str = "", *, plain: bool = True) -> tupl
 
 
 def write_exr(
-    path: Path, names: list[str], planes: Sequence[np.ndarray], frame: Frame, *, crop: bool, metadata: dict[str, str | int | float]
+    path: Path,
+    names: list[str],
+    planes: Sequence[np.ndarray],
+    frame: Frame,
+    *,
+    crop: bool,
+    metadata: dict[str, str | int | float],
 ) -> None:
-    """Writes `planes` (height, width, channels), `names` their channels, row 0 at the bottom, of `frame.region`; without `crop` a border
-    is the data window.
+    """Writes `planes` (height, width, channels), `names` their channels, row 0 at the bottom, of
+    `frame.region`; without `crop` a border is the data window.
 
     Raises WriteError.
     """
@@ -100,7 +115,12 @@ def write_exr(
     if frame.border is not None and not crop:
         x, y, _, _ = frame.region
         spec.x, spec.y = x, frame.height - y - height
-        spec.full_x, spec.full_y, spec.full_width, spec.full_height = 0, 0, frame.width, frame.height
+        spec.full_x, spec.full_y, spec.full_width, spec.full_height = (
+            0,
+            0,
+            frame.width,
+            frame.height,
+        )
     spec.attribute("compression", "zip")
     spec.attribute("oiio:ColorSpace", "lin_rec709")
     for key, value in metadata.items():
@@ -113,7 +133,11 @@ def write_exr(
         done = output.open(str(temporary), spec)
         for first in range(0, height, ROWS_AT_ONCE):
             last = min(first + ROWS_AT_ONCE, height)
-            rows = np.concatenate([plane[height - last : height - first][::-1] for plane in planes], axis=-1, dtype=np.float32)
+            rows = np.concatenate(
+                [plane[height - last : height - first][::-1] for plane in planes],
+                axis=-1,
+                dtype=np.float32,
+            )
             done = done and output.write_scanlines(spec.y + first, spec.y + last, spec.z, rows)
         if not (done and output.close()):
             raise OSError(output.geterror() or oiio.geterror() or "OpenImageIO did not say why")

@@ -1,4 +1,6 @@
-"""One render of one view layer for Blender: export, render, hand over the passes; errors and warnings reach the user."""
+"""One render of one view layer for Blender: export, render, hand over the passes; errors and
+warnings reach the user.
+"""
 
 from __future__ import annotations
 
@@ -39,7 +41,9 @@ class LastRender:
 
 @dataclass(slots=True)
 class Observer:
-    """A program around Blender (the command line) that watches renders and has the last word on their settings."""
+    """A program around Blender (the command line) that watches renders and has the last word on
+    their settings.
+    """
 
     started: float | None = None
     settings: Callable[[RenderSettings], RenderSettings] = lambda settings: settings
@@ -56,7 +60,9 @@ last_renders: dict[str, LastRender] = {}
 
 
 def render_view_layer(engine: Any, depsgraph: Any) -> None:
-    """The body of RenderEngine.render: always begins and ends a result, or Blender saves a blank frame or crashes."""
+    """The body of RenderEngine.render: always begins and ends a result, or Blender saves a blank
+    frame or crashes.
+    """
     started = observer.started or time.monotonic()
     blender_result = None
     failed = True
@@ -64,7 +70,9 @@ def render_view_layer(engine: Any, depsgraph: Any) -> None:
         held = held_for(engine, depsgraph)
         frame = export_frame(depsgraph.scene_eval.render)
         _, _, width, height = frame.region
-        blender_result = engine.begin_result(0, 0, width, height, layer=depsgraph.view_layer_eval.name)
+        blender_result = engine.begin_result(
+            0, 0, width, height, layer=depsgraph.view_layer_eval.name
+        )
         result = _render(engine, depsgraph, frame, blender_result, started, held)
         fill_passes(blender_result, result.passes)
         _finish(engine, depsgraph, result)
@@ -80,7 +88,14 @@ def render_view_layer(engine: Any, depsgraph: Any) -> None:
         engine.end_result(blender_result or engine.begin_result(0, 0, 1, 1), cancel=failed)
 
 
-def _render(engine: Any, depsgraph: Any, frame: Frame, blender_result: Any, started: float, held: Held | None) -> RenderResult:
+def _render(
+    engine: Any,
+    depsgraph: Any,
+    frame: Frame,
+    blender_result: Any,
+    started: float,
+    held: Held | None,
+) -> RenderResult:
     engine.update_stats("", "Exporting scene")
     settings = observer.settings(render_settings(depsgraph.scene_eval))
     if engine.is_preview:
@@ -91,7 +106,13 @@ def _render(engine: Any, depsgraph: Any, frame: Frame, blender_result: Any, star
         return engine.test_break() or observer.should_cancel()
 
     try:
-        scene = export_scene(depsgraph, engine.camera_override, frame, held.kept if held else None, Watch(should_cancel))
+        scene = export_scene(
+            depsgraph,
+            engine.camera_override,
+            frame,
+            held.kept if held else None,
+            Watch(should_cancel),
+        )
     except Cancelled:  # a render that is cancelled at once, of nothing
         nothing = Scene(Camera(np.eye(4), (-1.0, 1.0, -1.0, 1.0)), frame)
         return render(nothing, settings, started=started, should_cancel=lambda: True)
@@ -101,8 +122,12 @@ def _render(engine: Any, depsgraph: Any, frame: Frame, blender_result: Any, star
 
     def on_progress(progress: Progress) -> None:
         engine.update_progress(progress.fraction)
-        engine.update_stats(f"Remaining: {remaining(progress, time.monotonic() - started)}", progress.message)
-        engine.update_memory_stats(memory_used=current_memory_bytes() / 2**20, memory_peak=peak_memory_bytes() / 2**20)
+        engine.update_stats(
+            f"Remaining: {remaining(progress, time.monotonic() - started)}", progress.message
+        )
+        engine.update_memory_stats(
+            memory_used=current_memory_bytes() / 2**20, memory_peak=peak_memory_bytes() / 2**20
+        )
         if progress.interim is not None:
             fill_passes(blender_result, progress.interim)
             engine.update_result(blender_result)
@@ -118,7 +143,9 @@ def _render(engine: Any, depsgraph: Any, frame: Frame, blender_result: Any, star
         want_interim=not (bpy.app.background or engine.is_preview),
         persistent=held.persistent if held else None,
         release_textures=True,
-        wanted=None if observer.on_result else {p.name for layer in blender_result.layers for p in layer.passes},
+        wanted=None
+        if observer.on_result
+        else {p.name for layer in blender_result.layers for p in layer.passes},
     )
     result.statistics.setdefault("peak_memory_bytes", peak_memory_bytes())
     result.statistics["warnings"] = told(result.statistics.get("warnings", scene.warnings))
@@ -126,15 +153,23 @@ def _render(engine: Any, depsgraph: Any, frame: Frame, blender_result: Any, star
 
 
 def remaining(progress: Progress, elapsed: float) -> str:
-    """How long the rest of a render takes (minutes:seconds) if it goes on as in the `elapsed` seconds so far."""
+    """How long the rest of a render takes (minutes:seconds) if it goes on as in the `elapsed`
+    seconds so far.
+    """
     if not progress.passes_done or not progress.fraction > 0.0:
         return "--:--"
     seconds = round(elapsed * (1.0 / progress.fraction - 1.0))
-    return f"{seconds // 60:02}:{seconds % 60:02}" if seconds < 3600 else f"{seconds // 3600}:{seconds % 3600 // 60:02}:{seconds % 60:02}"
+    return (
+        f"{seconds // 60:02}:{seconds % 60:02}"
+        if seconds < 3600
+        else f"{seconds // 3600}:{seconds % 3600 // 60:02}:{seconds % 60:02}"
+    )
 
 
 def fill_passes(blender_result: Any, passes: dict[str, np.ndarray]) -> None:
-    """Copy `passes` (row 0 at the bottom, as Blender has it) into those that the render result has."""
+    """Copy `passes` (row 0 at the bottom, as Blender has it) into those that the render result
+    has.
+    """
     for layer in blender_result.layers:
         for blender_pass in layer.passes:
             pixels = passes.get(blender_pass.name)
@@ -149,12 +184,18 @@ def _finish(engine: Any, depsgraph: Any, result: RenderResult) -> None:
     last_renders[depsgraph.scene.name] = LastRender(result.statistics, warnings)
     engine.update_progress(1.0)
     for warning in warnings:
-        short = warning if len(warning) <= MAX_REPORT else warning[:MAX_REPORT] + "... (Render Properties > Approximated has all of it)"
+        short = (
+            warning
+            if len(warning) <= MAX_REPORT
+            else warning[:MAX_REPORT] + "... (Render Properties > Approximated has all of it)"
+        )
         engine.report({"WARNING"}, f"Photon Splat: {short}")
 
 
 def _fail(engine: Any, depsgraph: Any, error: BaseException) -> None:
-    """`report` makes the operator fail and save nothing; `error_set` shows the message in the picture's window."""
+    """`report` makes the operator fail and save nothing; `error_set` shows the message in the
+    picture's window.
+    """
     if not isinstance(error, ValueError | RuntimeError | MemoryError | ImportError):
         traceback.print_exception(error)
     message = describe(error)

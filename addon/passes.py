@@ -1,4 +1,6 @@
-"""The render passes as Blender sees them: one table for their registration and for the render result."""
+"""The render passes as Blender sees them: one table for their registration and for the render
+result.
+"""
 
 from __future__ import annotations
 
@@ -20,12 +22,18 @@ SWITCHES = {
     "Emission": "use_pass_emit",
 }
 """Blender's own switches, properties of a view layer."""
-OWN_SWITCHES = {"Photon Density": "use_pass_photon_density", "Surface ID": "use_pass_surface_id", "Error": "use_pass_error"}
+OWN_SWITCHES = {
+    "Photon Density": "use_pass_photon_density",
+    "Surface ID": "use_pass_surface_id",
+    "Error": "use_pass_error",
+}
 """Ours, properties of its `photon_splat`."""
 
 
 def wanted_passes(view_layer: Any) -> Iterator[PassInfo]:
-    """The passes that a bpy.types.ViewLayer asks for; Combined and those of its light groups always."""
+    """The passes that a bpy.types.ViewLayer asks for; Combined and those of its light groups
+    always.
+    """
     own = getattr(view_layer, "photon_splat", None)
     for info in PASSES:
         if info.name in OWN_SWITCHES:
@@ -39,4 +47,6 @@ def wanted_passes(view_layer: Any) -> Iterator[PassInfo]:
 
 def kind(info: PassInfo) -> str:
     """Blender's type of a pass."""
-    return {1: "VALUE", 4: "COLOR"}.get(len(info.channels), "VECTOR" if info.channels == "XYZ" else "COLOR")
+    return {1: "VALUE", 4: "COLOR"}.get(
+        len(info.channels), "VECTOR" if info.channels == "XYZ" else "COLOR"
+    )

@@ -1,7 +1,8 @@
-"""What final renders leave for the next while Blender's Persistent Data is on: arrays of meshes and images, and the native renderer.
+"""What final renders leave for the next while Blender's Persistent Data is on: arrays of meshes and
+images, and the native renderer.
 
-Blender then keeps the render engine and its dependency graph, which says what has changed, for one scene at a time. When it
-drops them, so do we.
+Blender then keeps the render engine and its dependency graph, which says what has changed, for one
+scene at a time. When it drops them, so do we.
 """
 
 from __future__ import annotations
@@ -37,7 +38,8 @@ _holders: list[_Holder] = []
 
 
 def held_for(engine: Any, depsgraph: Any) -> Held | None:
-    """What is held for the view layer that `engine` is to render; None: nothing, this is a preview or Persistent Data is off.
+    """What is held for the view layer that `engine` is to render; None: nothing, this is a preview
+    or Persistent Data is off.
 
     To be called before anything of a render may fail: `depsgraph` says only once what has changed.
     """
@@ -83,7 +85,11 @@ def _forget_after_undo(*_: Any) -> None:
             held.kept.clear()
 
 
-HANDLERS = (("load_pre", _free_before_load), ("undo_post", _forget_after_undo), ("redo_post", _forget_after_undo))
+HANDLERS = (
+    ("load_pre", _free_before_load),
+    ("undo_post", _forget_after_undo),
+    ("redo_post", _forget_after_undo),
+)
 
 
 def register() -> None:

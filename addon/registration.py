@@ -1,5 +1,7 @@
-"""Registering with Blender so that it can be done and undone at any time and in any order: a handler may be gone by the time that it is
-to be removed, and a class may still be there from scripts that have been reloaded since."""
+"""Registering with Blender so that it can be done and undone at any time and in any order: a
+handler may be gone by the time that it is to be removed, and a class may still be there from
+scripts that have been reloaded since.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +18,9 @@ def register_classes(classes: Sequence[Any]) -> None:
     for cls in classes:
         if cls.is_registered:
             continue
-        known = getattr(bpy.types, getattr(cls, "bl_idname", "") or cls.__name__, None) or getattr(bpy.types, cls.__name__, None)
+        known = getattr(bpy.types, getattr(cls, "bl_idname", "") or cls.__name__, None) or getattr(
+            bpy.types, cls.__name__, None
+        )
         if known is not None and known is not cls and known.__module__ == cls.__module__:
             bpy.utils.unregister_class(known)
         bpy.utils.register_class(cls)

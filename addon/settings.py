@@ -15,12 +15,16 @@ DEFAULTS = RenderSettings()
 
 
 def _tell(settings: Any, _: Any) -> None:
-    """Blender itself does not tell dependency graphs that it keeps (Persistent Data) of such a change."""
+    """Blender itself does not tell dependency graphs that it keeps (Persistent Data) of such a
+    change.
+    """
     settings.id_data.update_tag()
 
 
 class PhotonSplatSettings(bpy.types.PropertyGroup):
-    """Render settings of the engine; the render stops at whichever of passes and time limit comes first."""
+    """Render settings of the engine; the render stops at whichever of passes and time limit comes
+    first.
+    """
 
     time_limit: FloatProperty(  # type: ignore[valid-type]
         name="Time Limit",
@@ -33,7 +37,8 @@ class PhotonSplatSettings(bpy.types.PropertyGroup):
     )
     error_threshold: FloatProperty(  # type: ignore[valid-type]
         name="Error Threshold",
-        description="Stop when the picture's estimated relative error (RMS error over mean brightness) is this small; 0 = off",
+        description="Stop when the picture's estimated relative error (RMS error over mean "
+        "brightness) is this small; 0 = off",
         default=DEFAULTS.error_threshold,
         min=0.0,
         soft_max=0.2,
@@ -42,7 +47,8 @@ class PhotonSplatSettings(bpy.types.PropertyGroup):
     )
     passes: IntProperty(  # type: ignore[valid-type]
         name="Passes",
-        description="Number of passes: each takes one camera sample per pixel and traces a new set of photons",
+        description="Number of passes: each takes one camera sample per pixel and traces a new "
+        "set of photons",
         default=DEFAULTS.passes,
         min=1,
         soft_max=4096,
@@ -50,7 +56,8 @@ class PhotonSplatSettings(bpy.types.PropertyGroup):
     )
     photons_per_pass: IntProperty(  # type: ignore[valid-type]
         name="Photons per Pass",
-        description="Number of photon paths that start at the lights in the first pass; those that follow have as many as pay",
+        description="Number of photon paths that start at the lights in the first pass; those "
+        "that follow have as many as pay",
         default=DEFAULTS.photons_per_pass,
         min=0,
         soft_max=10_000_000,
@@ -58,7 +65,8 @@ class PhotonSplatSettings(bpy.types.PropertyGroup):
     )
     max_bounces: IntProperty(  # type: ignore[valid-type]
         name="Max Bounces",
-        description="Greatest number of surface bounces between light and camera; 0 = direct light only",
+        description="Greatest number of surface bounces between light and camera; 0 = direct "
+        "light only",
         default=DEFAULTS.max_bounces,
         min=0,
         soft_max=128,
@@ -67,7 +75,8 @@ class PhotonSplatSettings(bpy.types.PropertyGroup):
     )
     radius_scale: FloatProperty(  # type: ignore[valid-type]
         name="Radius Scale",
-        description="Multiplies the automatic radius of the photon discs (1 = automatic): smaller is sharper and noisier",
+        description="Multiplies the automatic radius of the photon discs (1 = automatic): smaller "
+        "is sharper and noisier",
         default=DEFAULTS.radius_scale,
         min=0.001,
         soft_min=0.1,
@@ -77,24 +86,28 @@ class PhotonSplatSettings(bpy.types.PropertyGroup):
     )
     boundary_correction: BoolProperty(  # type: ignore[valid-type]
         name="Boundary Correction",
-        description="Divide by the part of the disc that lies on the surface, so that edges and corners do not darken",
+        description="Divide by the part of the disc that lies on the surface, so that edges and "
+        "corners do not darken",
         default=DEFAULTS.boundary_correction,
         update=_tell,
     )
     fallback: BoolProperty(  # type: ignore[valid-type]
         name="Camera Path Fallback",
-        description="Let paths from the camera find the indirect light where surfaces are too small, too bent or too dark for photons",
+        description="Let paths from the camera find the indirect light where surfaces are too "
+        "small, too bent or too dark for photons",
         default=DEFAULTS.fallback,
         update=_tell,
     )
     final_gather: EnumProperty(  # type: ignore[valid-type]
         name="Final Gather",
-        description="Camera paths take one more bounce before photons light them: noisier, but without blur (final renders only)",
+        description="Camera paths take one more bounce before photons light them: noisier, but "
+        "without blur (final renders only)",
         items=[
             (
                 FinalGather.AUTO.value,
                 "Automatic",
-                "Where the picture is denoised and no error threshold ends the render; without photons where that is less work",
+                "Where the picture is denoised and no error threshold ends the render; without "
+                "photons where that is less work",
             ),
             (FinalGather.ON.value, "On", "Always"),
             (FinalGather.OFF.value, "Off", "Photons light what the camera sees"),
@@ -121,14 +134,16 @@ class PhotonSplatSettings(bpy.types.PropertyGroup):
     )
     seed: IntProperty(  # type: ignore[valid-type]
         name="Seed",
-        description="Another seed gives other noise; the same seed and number of passes give the same picture bit for bit",
+        description="Another seed gives other noise; the same seed and number of passes give the "
+        "same picture bit for bit",
         default=DEFAULTS.seed,
         min=0,
         update=_tell,
     )
     viewport_passes: IntProperty(  # type: ignore[valid-type]
         name="Viewport Passes",
-        description="Number of passes that refine the picture in the viewport while nothing changes",
+        description="Number of passes that refine the picture in the viewport while nothing "
+        "changes",
         default=64,
         min=1,
         soft_max=4096,
@@ -136,7 +151,8 @@ class PhotonSplatSettings(bpy.types.PropertyGroup):
     )
     viewport_photons_per_pass: IntProperty(  # type: ignore[valid-type]
         name="Viewport Photons per Pass",
-        description="Number of photon paths that start at the lights in the first pass that refines the viewport",
+        description="Number of photon paths that start at the lights in the first pass that "
+        "refines the viewport",
         default=100_000,
         min=0,
         soft_max=10_000_000,
@@ -144,7 +160,8 @@ class PhotonSplatSettings(bpy.types.PropertyGroup):
     )
     viewport_time_limit: FloatProperty(  # type: ignore[valid-type]
         name="Viewport Time Limit",
-        description="Stop refining the picture in the viewport after this many seconds; 0 = no limit",
+        description="Stop refining the picture in the viewport after this many seconds; 0 = no "
+        "limit",
         default=0.0,
         min=0.0,
         subtype="TIME_ABSOLUTE",
@@ -171,12 +188,14 @@ class PhotonSplatViewLayerSettings(bpy.types.PropertyGroup):
     )
     use_pass_surface_id: BoolProperty(  # type: ignore[valid-type]
         name="Surface ID",
-        description="Deliver a number per surface patch: photons count only for points on their own patch",
+        description="Deliver a number per surface patch: photons count only for points on their "
+        "own patch",
         default=False,
     )
     use_pass_error: BoolProperty(  # type: ignore[valid-type]
         name="Error",
-        description="Deliver the estimated error of each pixel's luminance, noise and blur together",
+        description="Deliver the estimated error of each pixel's luminance, noise and blur "
+        "together",
         default=False,
     )
 
@@ -202,12 +221,16 @@ def render_settings(scene: Any) -> RenderSettings:
         backend=Backend(group.backend),
         seed=group.seed,
         threads=render.threads if render.threads_mode == "FIXED" else 0,
-        point_spacing=DEFAULTS.point_spacing if abs(spacing - DEFAULTS.point_spacing) < 1e-6 else spacing,
+        point_spacing=DEFAULTS.point_spacing
+        if abs(spacing - DEFAULTS.point_spacing) < 1e-6
+        else spacing,
     )
 
 
 def viewport_settings(scene: Any) -> RenderSettings:
-    """Those of the viewport: its own passes, photons and time limit, all else that counts there as in `render_settings`."""
+    """Those of the viewport: its own passes, photons and time limit, all else that counts there as
+    in `render_settings`.
+    """
     group = scene.photon_splat
     return replace(
         render_settings(scene),
@@ -222,8 +245,12 @@ def viewport_settings(scene: Any) -> RenderSettings:
 
 def register() -> None:
     register_classes(CLASSES)
-    bpy.types.Scene.photon_splat = bpy.props.PointerProperty(type=PhotonSplatSettings, name="Photon Splat")
-    bpy.types.ViewLayer.photon_splat = bpy.props.PointerProperty(type=PhotonSplatViewLayerSettings, name="Photon Splat")
+    bpy.types.Scene.photon_splat = bpy.props.PointerProperty(
+        type=PhotonSplatSettings, name="Photon Splat"
+    )
+    bpy.types.ViewLayer.photon_splat = bpy.props.PointerProperty(
+        type=PhotonSplatViewLayerSettings, name="Photon Splat"
+    )
 
 
 def unregister() -> None:

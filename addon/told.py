@@ -7,25 +7,47 @@ from collections.abc import Iterable
 
 MOST_ALIKE = 50
 
-_OWNED = re.compile(r"((?:Material|Object|Light|World|Camera)\b.*?'(?: and \d+ more)?): (.+)", re.DOTALL)
+_OWNED = re.compile(
+    r"((?:Material|Object|Light|World|Camera)\b.*?'(?: and \d+ more)?): (.+)", re.DOTALL
+)
 _QUOTED = re.compile(r"'.+?'(?=[\s,:;.)]|$)")
 _PATH = re.compile(r"(?<=: )[^:;]+(?= cannot be read)")
 _NUMBER = re.compile(r"\d[\d,.]*")
 _ORDER = (
     # Few, or none of the scene's things.
-    (4, re.compile(r"camera samples were not finite|camera samples .* too bright|triangles left out: .* without area")),
+    (
+        4,
+        re.compile(
+            r"camera samples were not finite|camera samples .* too bright|triangles left out: .* "
+            r"without area"
+        ),
+    ),
     # What Blender shows and this does not.
     (0, re.compile(r"(?s)[Nn]ot supported.*left out")),
     # What else is not in the picture at all, or in pink.
-    (1, re.compile(r"left out|cannot be read|in pink|no image|count(s|ed)? as not there|as empty|hits nothing")),
+    (
+        1,
+        re.compile(
+            r"left out|cannot be read|in pink|no image|count(s|ed)? as not there|as empty|hits "
+            r"nothing"
+        ),
+    ),
     # What is there and looks otherwise.
-    (2, re.compile(r"not supported|taken as|read as|ignored|as usual|all the same|stands still|as a bump|is used|are used")),
+    (
+        2,
+        re.compile(
+            r"not supported|taken as|read as|ignored|as usual|all the same|stands still|as a "
+            r"bump|is used|are used"
+        ),
+    ),
 )
 _NOTE = 3
 
 
 def told(warnings: Iterable[str]) -> list[str]:
-    """The sentences, those of one kind made one that names all they name; what is missing in the picture first, notes last."""
+    """The sentences, those of one kind made one that names all they name; what is missing in the
+    picture first, notes last.
+    """
     kinds: dict[str, list[str]] = {}
     for warning in warnings:
         alike = kinds.setdefault(_kind(warning), [])
@@ -65,7 +87,11 @@ def _one_sentence(alike: list[str]) -> str:
     named = []
     for other in others[:MOST_ALIKE]:
         owner, its = _parts(other)
-        details = [*_QUOTED.findall(its), *_NUMBER.findall(_PATH.sub("", _QUOTED.sub("", its)))] if its != said else []
+        details = (
+            [*_QUOTED.findall(its), *_NUMBER.findall(_PATH.sub("", _QUOTED.sub("", its)))]
+            if its != said
+            else []
+        )
         named.append(f"{owner} ({', '.join(details)})" if details else owner)
     more = f" and {len(others) - MOST_ALIKE} more" if len(others) > MOST_ALIKE else ""
     return f"{first.rstrip('.')}; likewise {'; '.join(named)}{more}"

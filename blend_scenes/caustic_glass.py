@@ -1,4 +1,6 @@
-"""caustic_glass.blend: a glass ball on a table under a small bright lamp. Nothing but the table scatters diffusely."""
+"""caustic_glass.blend: a glass ball on a table under a small bright lamp. Nothing but the table
+scatters diffusely.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +11,12 @@ from .caustic_shapes import Glass
 def make() -> None:
     m.new_scene(640, 400)
     a = Glass.TABLE_HALF
-    m.add_mesh("Table", [(-a, -a, 0), (a, -a, 0), (a, a, 0), (-a, a, 0)], [(0, 1, 2, 3)], m.diffuse("Table", Glass.TABLE_ALBEDO))
+    m.add_mesh(
+        "Table",
+        [(-a, -a, 0), (a, -a, 0), (a, a, 0), (-a, a, 0)],
+        [(0, 1, 2, 3)],
+        m.diffuse("Table", Glass.TABLE_ALBEDO),
+    )
     m.add_sphere("Ball", Glass.RADIUS, m.glass("Glass", Glass.IOR), Glass.CENTRE, 128)
     m.add_light("Lamp", "AREA", Glass.POWER, Glass.LAMP, shape="SQUARE", size=Glass.LAMP_SIZE)
     m.set_world((0.0, 0.0, 0.0))

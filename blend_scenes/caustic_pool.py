@@ -1,4 +1,6 @@
-"""caustic_pool.blend: a basin of water with waves under the sun. The floor's caustics are seen through the same waves."""
+"""caustic_pool.blend: a basin of water with waves under the sun. The floor's caustics are seen
+through the same waves.
+"""
 
 from __future__ import annotations
 
@@ -13,9 +15,24 @@ CELLS = 128
 def make() -> None:
     m.new_scene(640, 400)
     a, top = Pool.HALF, Pool.RIM
-    corners = [(-a, -a, 0), (a, -a, 0), (a, a, 0), (-a, a, 0), (-a, -a, top), (a, -a, top), (a, a, top), (-a, a, top)]
+    corners = [
+        (-a, -a, 0),
+        (a, -a, 0),
+        (a, a, 0),
+        (-a, a, 0),
+        (-a, -a, top),
+        (a, -a, top),
+        (a, a, top),
+        (-a, a, top),
+    ]
     sides = [(0, 1, 2, 3), (0, 4, 5, 1), (1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 4, 0)]
-    m.add_mesh("Basin", corners, sides, [m.diffuse("Floor", Pool.FLOOR_ALBEDO), m.diffuse("Wall", Pool.WALL_ALBEDO)], [0, 1, 1, 1, 1])
+    m.add_mesh(
+        "Basin",
+        corners,
+        sides,
+        [m.diffuse("Floor", Pool.FLOOR_ALBEDO), m.diffuse("Wall", Pool.WALL_ALBEDO)],
+        [0, 1, 1, 1, 1],
+    )
     _water()
     m.add_light("Sun", "SUN", Pool.STRENGTH, Pool.SUN, (0.0, 0.0, 0.0), angle=Pool.SUN_ANGLE)
     m.set_world((0.0, 0.0, 0.0))

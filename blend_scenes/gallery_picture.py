@@ -1,6 +1,8 @@
-"""Renders a scene for the gallery: `python -m blend_scenes.gallery_picture NAME [--seconds S] [--resolution WxH] [--out FILE.png]`.
+"""Renders a scene for the gallery: `python -m blend_scenes.gallery_picture NAME [--seconds S]
+[--resolution WxH] [--out FILE.png]`.
 
-Photon Splat with its denoiser, then the scene's own view transform, so that the picture is what Blender would show.
+Photon Splat with its denoiser, then the scene's own view transform, so that the picture is what
+Blender would show.
 """
 
 from __future__ import annotations
@@ -30,7 +32,12 @@ def developed(scene: Path, exr: Path, png: Path) -> None:
         settings = bpy.context.scene.render.image_settings
         if hasattr(settings, "media_type"):
             settings.media_type = "IMAGE"
-        settings.file_format, settings.color_mode, settings.color_depth, settings.compression = "PNG", "RGB", "8", 100
+        settings.file_format, settings.color_mode, settings.color_depth, settings.compression = (
+            "PNG",
+            "RGB",
+            "8",
+            100,
+        )
         image.save_render(str(png), scene=bpy.context.scene)
 
 
@@ -44,8 +51,20 @@ def main() -> int:
     scene = HERE / f"{options.name}.blend"
     with tempfile.TemporaryDirectory() as folder:
         exr = Path(folder, "picture.exr")
-        command = [sys.executable, "-c", "from photon_splat.cli import run; run()", "render", str(scene), "-o", str(exr), "--denoise"]
-        status = subprocess.run([*command, "--seconds", options.seconds, "--resolution", options.resolution], check=False).returncode
+        command = [
+            sys.executable,
+            "-c",
+            "from photon_splat.cli import run; run()",
+            "render",
+            str(scene),
+            "-o",
+            str(exr),
+            "--denoise",
+        ]
+        status = subprocess.run(
+            [*command, "--seconds", options.seconds, "--resolution", options.resolution],
+            check=False,
+        ).returncode
         if status == 0:
             developed(scene, exr, options.out or HERE / "gallery" / f"{options.name}.png")
     return status

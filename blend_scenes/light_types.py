@@ -1,8 +1,9 @@
 """light_types.blend: twelve compartments, each lit by one light of its own.
 
-Upper row: sun (through an open top), area lights as square, rectangle, disk, ellipse, and a disk of 50 degrees spread.
-Lower row: point, point with a radius (soft falloff), point as a sphere, spot with a hard edge, spot with a soft edge
-and radius, an emissive mesh. Objects that belong to one light have its name, so that each can be rendered alone.
+Upper row: sun (through an open top), area lights as square, rectangle, disk, ellipse, and a disk of
+50 degrees spread. Lower row: point, point with a radius (soft falloff), point as a sphere, spot
+with a hard edge, spot with a soft edge and radius, an emissive mesh. Objects that belong to one
+light have its name, so that each can be rendered alone.
 """
 
 from __future__ import annotations
@@ -27,8 +28,18 @@ class _Quads:
         self.vertices: list[tuple[float, float, float]] = []
         self.faces: list[tuple[int, ...]] = []
 
-    def add(self, axis: int, at: float, low: tuple[float, float], high: tuple[float, float], *, positive: bool) -> None:
-        """A rectangle across `axis` (0, 1, 2) at `at`; low and high give the other two axes in cyclic order; `positive`: faces +axis."""
+    def add(
+        self,
+        axis: int,
+        at: float,
+        low: tuple[float, float],
+        high: tuple[float, float],
+        *,
+        positive: bool,
+    ) -> None:
+        """A rectangle across `axis` (0, 1, 2) at `at`; low and high give the other two axes in
+        cyclic order; `positive`: faces +axis.
+        """
         base = len(self.vertices)
         for u, v in ((low[0], low[1]), (high[0], low[1]), (high[0], high[1]), (low[0], high[1])):
             point = [0.0, 0.0, 0.0]
@@ -39,7 +50,9 @@ class _Quads:
 
 
 def _shelf() -> None:
-    """Twelve boxes open to the front, the first of the upper row to the top as well. No face lies hidden under another."""
+    """Twelve boxes open to the front, the first of the upper row to the top as well. No face lies
+    hidden under another.
+    """
     quads = _Quads()
     y0, y1 = -DEPTH / 2, DEPTH / 2
     top = 2 * HEIGHT + WALL
@@ -55,7 +68,8 @@ def _shelf() -> None:
             quads.add(0, x1, (y0, z), (y1, z1), positive=False)
     left, right = cell_centre(0, 0)[0] - WIDTH / 2, cell_centre(COLUMNS - 1, 0)[0] + WIDTH / 2
     open_end = left + WIDTH
-    # The front edges of the boards: upright ones row by row, lying ones from end to end, none above the open compartment.
+    # The front edges of the boards: upright ones row by row, lying ones from end to end, none above
+    # the open compartment.
     for row in range(2):
         z = row * (HEIGHT + WALL)
         for column in range(COLUMNS + 1):
@@ -83,7 +97,13 @@ def _objects() -> None:
         for column in range(COLUMNS):
             x, y, z = cell_centre(column, row)
             m.add_sphere(f"Ball {row}{column}", 0.16, clay, (x + 0.17, y + 0.12, z + 0.16), 24)
-            m.add_boxes(f"Block {row}{column}", [((-0.12, -0.12, 0.0), (0.12, 0.12, 0.3))], clay, (x - 0.2, y + 0.05, z), 0.4)
+            m.add_boxes(
+                f"Block {row}{column}",
+                [((-0.12, -0.12, 0.0), (0.12, 0.12, 0.3))],
+                clay,
+                (x - 0.2, y + 0.05, z),
+                0.4,
+            )
 
 
 def _lights() -> None:
@@ -101,14 +121,36 @@ def _lights() -> None:
     m.add_light("Area square", "AREA", 4.0, at(1, 1), shape="SQUARE", size=0.4, color=warm)
     m.add_light("Area rectangle", "AREA", 4.0, at(2, 1), shape="RECTANGLE", size=0.7, size_y=0.15)
     m.add_light("Area disk", "AREA", 4.0, at(3, 1), shape="DISK", size=0.5)
-    m.add_light("Area ellipse", "AREA", 4.0, at(4, 1), shape="ELLIPSE", size=0.2, size_y=0.7, color=warm)
+    m.add_light(
+        "Area ellipse", "AREA", 4.0, at(4, 1), shape="ELLIPSE", size=0.2, size_y=0.7, color=warm
+    )
     m.add_light("Area spread", "AREA", 2.0, at(5, 1), shape="DISK", size=0.5, spread=radians(50.0))
     m.add_light("Point", "POINT", 5.0, at(0, 0, 0.75), shadow_soft_size=0.0, color=(0.7, 0.85, 1.0))
     m.add_light("Point soft", "POINT", 5.0, at(1, 0, 0.75), shadow_soft_size=0.12)
-    m.add_light("Point sphere", "POINT", 5.0, at(2, 0, 0.75), shadow_soft_size=0.12, use_soft_falloff=False)
-    hard = m.add_light("Spot hard", "SPOT", 20.0, at(3, 0), aim(3), spot_size=radians(55.0), spot_blend=0.0, shadow_soft_size=0.0)
+    m.add_light(
+        "Point sphere", "POINT", 5.0, at(2, 0, 0.75), shadow_soft_size=0.12, use_soft_falloff=False
+    )
+    hard = m.add_light(
+        "Spot hard",
+        "SPOT",
+        20.0,
+        at(3, 0),
+        aim(3),
+        spot_size=radians(55.0),
+        spot_blend=0.0,
+        shadow_soft_size=0.0,
+    )
     hard.data.exposure = 0.5
-    m.add_light("Spot soft", "SPOT", 30.0, at(4, 0), aim(4), spot_size=radians(75.0), spot_blend=1.0, shadow_soft_size=0.06)
+    m.add_light(
+        "Spot soft",
+        "SPOT",
+        30.0,
+        at(4, 0),
+        aim(4),
+        spot_size=radians(75.0),
+        spot_blend=1.0,
+        shadow_soft_size=0.06,
+    )
     bulb = m.emission("Bulb", (1.0, 0.6, 0.3), 5.0)
     m.add_sphere("Emissive mesh", 0.13, bulb, at(5, 0, 0.6), 16)
 
@@ -119,7 +161,11 @@ def make() -> None:
     _objects()
     _lights()
     middle = HEIGHT + WALL / 2
-    m.add_camera((0.0, -9.0, middle + 3.6), (0.0, 0.0, middle + 0.05), ortho_scale=COLUMNS * (WIDTH + WALL) + 3 * WALL)
+    m.add_camera(
+        (0.0, -9.0, middle + 3.6),
+        (0.0, 0.0, middle + 0.05),
+        ortho_scale=COLUMNS * (WIDTH + WALL) + 3 * WALL,
+    )
     m.save("light_types")
 
 

@@ -1,6 +1,7 @@
 """Makes every scene of this folder anew: `python -m blend_scenes.make_all`.
 
-Run it with the oldest Blender that must open the files: newer ones read them, not the other way round.
+Run it with the oldest Blender that must open the files: newer ones read them, not the other way
+round.
 """
 
 from blend_scenes import (

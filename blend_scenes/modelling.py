@@ -1,7 +1,9 @@
-"""Tools with which the scripts here model: an empty file, Lambertian materials, boxes, lathes, lights and a camera.
+"""Tools with which the scripts here model: an empty file, Lambertian materials, boxes, lathes,
+lights and a camera.
 
-Metres, Z up. Every material is exactly Lambertian (Diffuse BSDF of roughness 0, or a Principled BSDF without specular),
-clear smooth glass or smooth metal, so that any engine that solves the rendering equation must arrive at the same picture.
+Metres, Z up. Every material is exactly Lambertian (Diffuse BSDF of roughness 0, or a Principled
+BSDF without specular), clear smooth glass or smooth metal, so that any engine that solves the
+rendering equation must arrive at the same picture.
 """
 
 from __future__ import annotations
@@ -22,7 +24,9 @@ HERE = Path(__file__).resolve().parent
 
 
 class _Placeholder(bpy.types.RenderEngine):
-    """Blender refuses to store the name of an engine it does not know; this makes the name known while a scene is written."""
+    """Blender refuses to store the name of an engine it does not know; this makes the name known
+    while a scene is written.
+    """
 
     bl_idname = "PHOTON_SPLAT"
     bl_label = "Photon Splat"
@@ -38,7 +42,11 @@ def new_scene(width: int, height: int, view_transform: str = "Standard") -> bpy.
         bpy.utils.register_class(_Placeholder)
     scene = bpy.context.scene
     scene.render.engine = "PHOTON_SPLAT"
-    scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = width, height, 100
+    scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = (
+        width,
+        height,
+        100,
+    )
     scene.view_settings.view_transform = view_transform
     scene.render.image_settings.file_format = "PNG"
     return scene
@@ -54,7 +62,7 @@ def save(name: str) -> Path:
     return path
 
 
-# Materials ---------------------------------------------------------------------------------------------------------
+# Materials ----------------------------------------------------------------------------------------
 
 
 def _node_material(name: str) -> tuple[bpy.types.Material, bpy.types.NodeTree, bpy.types.Node]:
@@ -74,8 +82,12 @@ def diffuse(name: str, color: Point) -> bpy.types.Material:
     return material
 
 
-def principled(name: str, color: Point = (0.8, 0.8, 0.8), image: bpy.types.Image | None = None) -> bpy.types.Material:
-    """A Principled BSDF with its specular level at 0, which leaves a Lambertian surface; `image` replaces the base colour."""
+def principled(
+    name: str, color: Point = (0.8, 0.8, 0.8), image: bpy.types.Image | None = None
+) -> bpy.types.Material:
+    """A Principled BSDF with its specular level at 0, which leaves a Lambertian surface; `image`
+    replaces the base colour.
+    """
     material, tree, output = _node_material(name)
     node = tree.nodes.new("ShaderNodeBsdfPrincipled")
     node.inputs["Base Color"].default_value = (*color, 1.0)
@@ -134,7 +146,9 @@ def polished_metal(name: str, color: Point) -> bpy.types.Material:
 
 
 def packed_image(name: str, pixels: np.ndarray) -> bpy.types.Image:
-    """An image packed into the file. pixels: (height, width, 3) in 0..1, sRGB-encoded, row 0 at the bottom."""
+    """An image packed into the file. pixels: (height, width, 3) in 0..1, sRGB-encoded, row 0 at the
+    bottom.
+    """
     height, width = pixels.shape[:2]
     image = bpy.data.images.new(name, width, height)
     rgba = np.ones((height, width, 4), np.float32)
@@ -145,7 +159,7 @@ def packed_image(name: str, pixels: np.ndarray) -> bpy.types.Image:
     return image
 
 
-# Shapes ------------------------------------------------------------------------------------------------------------
+# Shapes -------------------------------------------------------------------------------------------
 
 
 def add_mesh(
@@ -171,7 +185,9 @@ def add_mesh(
     return add_object(name, mesh, location, turn)
 
 
-def add_object(name: str, data: bpy.types.ID | None, location: Point = (0.0, 0.0, 0.0), turn: float = 0.0) -> bpy.types.Object:
+def add_object(
+    name: str, data: bpy.types.ID | None, location: Point = (0.0, 0.0, 0.0), turn: float = 0.0
+) -> bpy.types.Object:
     thing = bpy.data.objects.new(name, data)
     thing.location = location
     thing.rotation_euler[2] = turn
@@ -184,7 +200,9 @@ CUBE_FACES = ((0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 
 
 def box_data(low: Point, high: Point) -> tuple[list[Point], list[Face]]:
     """Corners and outward faces (bottom, top, front, back, left, right) of an axis-aligned box."""
-    corners = [(x, y, z) for z in (low[2], high[2]) for y in (low[1], high[1]) for x in (low[0], high[0])]
+    corners = [
+        (x, y, z) for z in (low[2], high[2]) for y in (low[1], high[1]) for x in (low[0], high[0])
+    ]
     return corners, list(CUBE_FACES)
 
 
@@ -199,22 +217,35 @@ def boxes_data(boxes: Iterable[tuple[Point, Point]]) -> tuple[list[Point], list[
 
 
 def add_boxes(
-    name: str, boxes: Iterable[tuple[Point, Point]], material: bpy.types.Material, location: Point = (0.0, 0.0, 0.0), turn: float = 0.0
+    name: str,
+    boxes: Iterable[tuple[Point, Point]],
+    material: bpy.types.Material,
+    location: Point = (0.0, 0.0, 0.0),
+    turn: float = 0.0,
 ) -> bpy.types.Object:
     """One object of several axis-aligned boxes given by their opposite corners."""
     return add_mesh(name, *boxes_data(boxes), material, location=location, turn=turn)
 
 
 def add_lathe(
-    name: str, profile: Sequence[tuple[float, float]], material: bpy.types.Material, location: Point, segments: int = 32
+    name: str,
+    profile: Sequence[tuple[float, float]],
+    material: bpy.types.Material,
+    location: Point,
+    segments: int = 32,
 ) -> bpy.types.Object:
-    """A smooth surface of revolution about Z. profile: (radius, height) from bottom to top; a radius of 0 closes an end."""
+    """A smooth surface of revolution about Z. profile: (radius, height) from bottom to top; a
+    radius of 0 closes an end.
+    """
     vertices: list[Point] = []
     rings: list[list[int]] = []
     for radius, height in profile:
         count = segments if radius > 0.0 else 1
         rings.append([len(vertices) + k % count for k in range(segments)])
-        vertices += [(radius * cos(2 * pi * k / segments), radius * sin(2 * pi * k / segments), height) for k in range(count)]
+        vertices += [
+            (radius * cos(2 * pi * k / segments), radius * sin(2 * pi * k / segments), height)
+            for k in range(count)
+        ]
     faces = []
     for lower, upper in pairwise(rings):
         for k in range(segments):
@@ -224,11 +255,17 @@ def add_lathe(
 
 
 def add_turned(
-    name: str, profile: Sequence[tuple[float, float]], material: bpy.types.Material, location: Point, segments: int
+    name: str,
+    profile: Sequence[tuple[float, float]],
+    material: bpy.types.Material,
+    location: Point,
+    segments: int,
 ) -> bpy.types.Object:
-    """Like add_lathe, but every strip of the profile is smooth by itself, with hard edges between strips.
+    """Like add_lathe, but every strip of the profile is smooth by itself, with hard edges between
+    strips.
 
-    profile: (radius, height), so ordered that the outside is on the right of the way along it in the (radius, height) plane.
+    profile: (radius, height), so ordered that the outside is on the right of the way along it in
+    the (radius, height) plane.
     """
     vertices: list[Point] = []
     faces: list[Face] = []
@@ -246,17 +283,27 @@ def add_turned(
     return add_mesh(name, vertices, faces, material, smooth=True, location=location)
 
 
-def add_sphere(name: str, radius: float, material: bpy.types.Material, location: Point, segments: int = 32) -> bpy.types.Object:
+def add_sphere(
+    name: str, radius: float, material: bpy.types.Material, location: Point, segments: int = 32
+) -> bpy.types.Object:
     """A smooth-shaded globe of `segments` x `segments`/2 faces."""
     rings = segments // 2
-    profile = [(radius * sin(pi * k / rings) if 0 < k < rings else 0.0, -radius * cos(pi * k / rings)) for k in range(rings + 1)]
+    profile = [
+        (radius * sin(pi * k / rings) if 0 < k < rings else 0.0, -radius * cos(pi * k / rings))
+        for k in range(rings + 1)
+    ]
     return add_lathe(name, profile, material, location, segments)
 
 
 def add_picture(
-    name: str, corners: Sequence[Point], material: bpy.types.Material, repeat: tuple[float, float] = (1.0, 1.0)
+    name: str,
+    corners: Sequence[Point],
+    material: bpy.types.Material,
+    repeat: tuple[float, float] = (1.0, 1.0),
 ) -> bpy.types.Object:
-    """A textured quad. corners: counter-clockwise seen from the front, the first at the texture's bottom left."""
+    """A textured quad. corners: counter-clockwise seen from the front, the first at the texture's
+    bottom left.
+    """
     thing = add_mesh(name, corners, [(0, 1, 2, 3)], material)
     u, v = repeat
     thing.data.uv_layers.new(name="UVMap").data.foreach_set("uv", [0, 0, u, 0, u, v, 0, v])
@@ -271,10 +318,17 @@ def subdivide_flat(thing: bpy.types.Object, levels: int) -> None:
         modifier.levels = modifier.render_levels = levels
 
 
-# Light and view ----------------------------------------------------------------------------------------------------
+# Light and view -----------------------------------------------------------------------------------
 
 
-def add_light(name: str, kind: str, energy: float, location: Point, aim: Point | None = None, **settings: object) -> bpy.types.Object:
+def add_light(
+    name: str,
+    kind: str,
+    energy: float,
+    location: Point,
+    aim: Point | None = None,
+    **settings: object,
+) -> bpy.types.Object:
     """A lamp at `location` that shines towards the point `aim` (straight down without one)."""
     light = bpy.data.lights.new(name, kind)
     light.energy = energy
@@ -295,7 +349,9 @@ def set_world(color: Point, strength: float = 1.0) -> None:
     bpy.context.scene.world = world
 
 
-def add_camera(location: Point, aim: Point, lens: float = 35.0, ortho_scale: float | None = None) -> bpy.types.Object:
+def add_camera(
+    location: Point, aim: Point, lens: float = 35.0, ortho_scale: float | None = None
+) -> bpy.types.Object:
     """The scene's camera at `location`, looking at the point `aim`."""
     data = bpy.data.cameras.new("Camera")
     data.lens = lens
@@ -303,6 +359,8 @@ def add_camera(location: Point, aim: Point, lens: float = 35.0, ortho_scale: flo
         data.type, data.ortho_scale = "ORTHO", ortho_scale
     thing = add_object("Camera", data, location)
     direction = Vector(aim) - Vector(location)
-    thing.matrix_world = Matrix.Translation(location) @ direction.to_track_quat("-Z", "Y").to_matrix().to_4x4()
+    thing.matrix_world = (
+        Matrix.Translation(location) @ direction.to_track_quat("-Z", "Y").to_matrix().to_4x4()
+    )
     bpy.context.scene.camera = thing
     return thing

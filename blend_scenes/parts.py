@@ -17,7 +17,12 @@ Point = Sequence[float]
 def rounded(thing: bpy.types.Object, width: float, segments: int = 2) -> bpy.types.Object:
     """Round its edges; smooth shading with flat sides."""
     bevel = thing.modifiers.new("Round", "BEVEL")
-    bevel.width, bevel.segments, bevel.limit_method, bevel.harden_normals = width, segments, "ANGLE", True
+    bevel.width, bevel.segments, bevel.limit_method, bevel.harden_normals = (
+        width,
+        segments,
+        "ANGLE",
+        True,
+    )
     thing.data.polygons.foreach_set("use_smooth", [True] * len(thing.data.polygons))
     return thing
 
@@ -58,7 +63,12 @@ def tube(
 ) -> bpy.types.Object:
     """A round bar along a smooth curve through about `points` (a polygon where sides < 0)."""
     data = bpy.data.curves.new(name, "CURVE")
-    data.dimensions, data.bevel_depth, data.bevel_resolution, data.resolution_u = "3D", radius, abs(sides), 6
+    data.dimensions, data.bevel_depth, data.bevel_resolution, data.resolution_u = (
+        "3D",
+        radius,
+        abs(sides),
+        6,
+    )
     data.use_fill_caps = not closed
     spline = data.splines.new("POLY" if sides < 0 else "NURBS")
     spline.points.add(len(points) - 1)
@@ -72,14 +82,23 @@ def tube(
 
 
 def circle(radius: float, height: float = 0.0, count: int = 24) -> list[tuple[float, float, float]]:
-    return [(radius * cos(2 * pi * k / count), radius * sin(2 * pi * k / count), height) for k in range(count)]
+    return [
+        (radius * cos(2 * pi * k / count), radius * sin(2 * pi * k / count), height)
+        for k in range(count)
+    ]
 
 
-def vessel(profile: Sequence[tuple[float, float]], wall: float, bottom: float) -> list[tuple[float, float]]:
-    """An open vessel's profile for add_lathe from its outside (radius, height, from the foot to the rim): the inside is `wall` less."""
+def vessel(
+    profile: Sequence[tuple[float, float]], wall: float, bottom: float
+) -> list[tuple[float, float]]:
+    """An open vessel's profile for add_lathe from its outside (radius, height, from the foot to the
+    rim): the inside is `wall` less.
+    """
     outer = [(0.0, profile[0][1]), *profile]
     rim = profile[-1]
-    inner = [(max(r - wall, 0.002), h) for r, h in reversed(profile[1:-1]) if h > profile[0][1] + bottom]
+    inner = [
+        (max(r - wall, 0.002), h) for r, h in reversed(profile[1:-1]) if h > profile[0][1] + bottom
+    ]
     floor = profile[0][1] + bottom
     widest = inner[-1][0] if inner else rim[0] - wall
     return [
@@ -93,7 +112,12 @@ def vessel(profile: Sequence[tuple[float, float]], wall: float, bottom: float) -
 
 
 def turned(
-    name: str, profile: Sequence[tuple[float, float]], material: bpy.types.Material, location: Point, segments: int = 32, smooth: int = 1
+    name: str,
+    profile: Sequence[tuple[float, float]],
+    material: bpy.types.Material,
+    location: Point,
+    segments: int = 32,
+    smooth: int = 1,
 ) -> bpy.types.Object:
     """A lathe with a subdivision surface over it."""
     thing = m.add_lathe(name, profile, material, location, segments)
@@ -126,7 +150,9 @@ def leaves(
             s = step / steps
             middle = Vector(foot) + along * (size * s) - Vector((0.0, 0.0, bend * size * s * s))
             half = 0.5 * width * size * sin(pi * min(s * 0.9 + 0.08, 1.0)) ** 0.8
-            vertices += [tuple(middle + side * (k * half) + up * (0.22 * abs(k) * half)) for k in (-1, 0, 1)]
+            vertices += [
+                tuple(middle + side * (k * half) + up * (0.22 * abs(k) * half)) for k in (-1, 0, 1)
+            ]
         for step in range(steps):
             for k in (0, 1):
                 corner = first + 3 * step + k
@@ -138,7 +164,9 @@ def leaves(
     return thing
 
 
-def bush(count: int, radius: float, height: float, size: float, seed: int, rise: float = 0.5) -> list[tuple[Point, Point, float]]:
+def bush(
+    count: int, radius: float, height: float, size: float, seed: int, rise: float = 0.5
+) -> list[tuple[Point, Point, float]]:
     """Places for `leaves` that fill a dome of the radius and height."""
     rng = np.random.default_rng(seed)
     places = []
@@ -148,16 +176,34 @@ def bush(count: int, radius: float, height: float, size: float, seed: int, rise:
         reach = radius * out * np.sqrt(max(1.0 - level**2 * 0.8, 0.05))
         foot = (reach * cos(turn), reach * sin(turn), height * level)
         swing = turn + rng.normal(0.0, 0.5)
-        places.append((foot, (cos(swing), sin(swing), rise * rng.uniform(0.3, 1.6)), size * rng.uniform(0.7, 1.2)))
+        places.append(
+            (
+                foot,
+                (cos(swing), sin(swing), rise * rng.uniform(0.3, 1.6)),
+                size * rng.uniform(0.7, 1.2),
+            )
+        )
     return places
 
 
 def text(
-    name: str, body: str, size: float, material: bpy.types.Material, matrix: Matrix, depth: float = 0.0, align: str = "CENTER"
+    name: str,
+    body: str,
+    size: float,
+    material: bpy.types.Material,
+    matrix: Matrix,
+    depth: float = 0.0,
+    align: str = "CENTER",
 ) -> bpy.types.Object:
     """Letters in the x, y plane of `matrix`."""
     data = bpy.data.curves.new(name, "FONT")
-    data.body, data.size, data.extrude, data.align_x, data.resolution_u = body, size, depth, align, 3
+    data.body, data.size, data.extrude, data.align_x, data.resolution_u = (
+        body,
+        size,
+        depth,
+        align,
+        3,
+    )
     data.materials.append(material)
     thing = m.add_object(name, data)
     thing.matrix_world = matrix

@@ -22,12 +22,17 @@ def need_opengl() -> None:
     try:
         context.submit(context.graphics).result()
     except context.NoGraphics as reason:
-        pytest.skip(f"{reason}. On Debian: apt-get install libegl1 libegl-mesa0 libgl1 libgl1-mesa-dri")
+        pytest.skip(
+            f"{reason}. On Debian: apt-get install libegl1 libegl-mesa0 libgl1 libgl1-mesa-dri"
+        )
 
 
 def need_method(name: str) -> None:
     """Skip where the OpenGL that is here is too old for that way to splat."""
-    if name == "gather" and context.submit(lambda: context.graphics().gl.version_code).result() < GATHER_NEEDS:
+    if (
+        name == "gather"
+        and context.submit(lambda: context.graphics().gl.version_code).result() < GATHER_NEEDS
+    ):
         pytest.skip("this OpenGL has no compute shaders")
 
 
@@ -43,7 +48,9 @@ def prepared(scene: Scene, **settings: object):
     return renderer
 
 
-def splat_on_gpu(renderer, most_texels: int | None = None, method: str | None = None) -> tuple[dict[str, np.ndarray], dict]:
+def splat_on_gpu(
+    renderer, most_texels: int | None = None, method: str | None = None
+) -> tuple[dict[str, np.ndarray], dict]:
     """The points of `renderer` after its photons, and the splatter's statistics."""
     splatter = GpuSplatter(renderer, threading.Event(), most_texels, method)
     try:
@@ -56,7 +63,9 @@ def splat_on_gpu(renderer, most_texels: int | None = None, method: str | None = 
 
 
 def expect_agreement(cpu: dict[str, np.ndarray], gpu: dict[str, np.ndarray]) -> None:
-    """Same points and same photons: irradiance to 1e-4 (RMS) and 1e-3 (worst point above 1 % of the mean)."""
+    """Same points and same photons: irradiance to 1e-4 (RMS) and 1e-3 (worst point above 1 % of the
+    mean).
+    """
     assert np.array_equal(cpu["position"], gpu["position"])
     want, got = cpu["irradiance"].astype(np.float64), gpu["irradiance"].astype(np.float64)
     size, error = np.linalg.norm(want, axis=1), np.linalg.norm(got - want, axis=1)

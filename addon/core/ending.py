@@ -1,4 +1,6 @@
-"""How long a render goes on after its last pass: estimate of the error, arrays of the film, denoising. A time limit holds for all of it."""
+"""How long a render goes on after its last pass: estimate of the error, arrays of the film,
+denoising. A time limit holds for all of it.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +13,9 @@ import numpy as np
 from .denoise import DenoiserMissing, denoise
 
 SMALL_SIDE, LARGE_SIDE = 24, 128
-"""Of squares that are denoised to learn how long it takes: what goes with their area is of interest."""
+"""Of squares that are denoised to learn how long it takes: what goes with their area is of
+interest.
+"""
 TRIAL_SHARE = 1 / 16
 """Of the picture, at most, that the large one has."""
 OF_SECOND_PART = 1.1
@@ -38,7 +42,9 @@ class Ending:
         self._denoise_once, self._denoise_pixels = 0.0, 0.0
 
     def estimate(self, make: Callable[[], None], passes: int) -> None:
-        """Calls `make`, which estimates the error after `passes` passes: it looks at blocks of 1, 2, 4, ... of them."""
+        """Calls `make`, which estimates the error after `passes` passes: it looks at blocks of 1,
+        2, 4, ... of them.
+        """
         began = time.monotonic()
         make()
         self._estimate, self._levels = time.monotonic() - began, passes.bit_length()
@@ -60,12 +66,17 @@ class Ending:
         except (DenoiserMissing, RuntimeError):  # which is said when the picture is to be denoised
             return
         area = large**2 - SMALL_SIDE**2
-        self._denoise_once, self._denoise_pixels = small, max(seconds - small, 0.0) / area * self.pixels + BLEND_SECONDS * self.pixels
+        self._denoise_once, self._denoise_pixels = (
+            small,
+            max(seconds - small, 0.0) / area * self.pixels + BLEND_SECONDS * self.pixels,
+        )
 
     def seconds(self, passes: int, runs: float) -> float:
         """After `passes` passes, with `runs` of the denoiser (0: none)."""
         denoising = runs * (self._denoise_once + self._denoise_pixels) if runs else 0.0
-        return CAUTION * (self._estimate * passes.bit_length() / self._levels + self._film + denoising)
+        return CAUTION * (
+            self._estimate * passes.bit_length() / self._levels + self._film + denoising
+        )
 
 
 def _denoise_seconds(side: int, threads: int) -> float:

@@ -30,7 +30,9 @@ def current_memory_bytes() -> int:
 
 
 PICTURE_BYTES = 350
-"""A pixel, in a diffuse scene: a third is the film and what the next passes are chosen by, the rest is of the pass that is being made."""
+"""A pixel, in a diffuse scene: a third is the film and what the next passes are chosen by, the rest
+is of the pass that is being made.
+"""
 
 
 def check_picture_fits(width: int, height: int) -> None:
@@ -38,13 +40,16 @@ def check_picture_fits(width: int, height: int) -> None:
     needed, free = PICTURE_BYTES * width * height, free_memory_bytes()
     if free is not None and needed > free:
         raise MemoryError(
-            f"a picture of {width} x {height} pixels takes {needed / 1e9:,.1f} GB at the least, and {max(free, 0) / 1e9:,.1f} GB are free; "
+            f"a picture of {width} x {height} pixels takes {needed / 1e9:,.1f} GB at the least, "
+            f"and {max(free, 0) / 1e9:,.1f} GB are free; "
             "render it smaller, or in parts by Render Region"
         )
 
 
 def free_memory_bytes() -> int | None:
-    """What this process may still take, by the system's and the container's limits, swap included; None where that is not known."""
+    """What this process may still take, by the system's and the container's limits, swap included;
+    None where that is not known.
+    """
     if sys.platform == "win32":
         return _windows_free()
     known = [free for free in (_linux_free(), *_group_free()) if free is not None]
@@ -53,7 +58,10 @@ def free_memory_bytes() -> int | None:
 
 def _linux_free(file: Path = Path("/proc/meminfo")) -> int | None:
     try:
-        kilobytes = {name: int(rest.split()[0]) for name, rest in (line.split(":", 1) for line in file.read_text().splitlines())}
+        kilobytes = {
+            name: int(rest.split()[0])
+            for name, rest in (line.split(":", 1) for line in file.read_text().splitlines())
+        }
         return 1024 * (kilobytes["MemAvailable"] + kilobytes.get("SwapFree", 0))
     except (OSError, ValueError, LookupError):
         return None
@@ -66,7 +74,9 @@ def _group_free(root: Path = Path("/sys/fs/cgroup")) -> Iterator[int | None]:
         (root / "memory", "memory.limit_in_bytes", "memory.usage_in_bytes", "total_inactive_file"),
     ):
         try:
-            statistics = dict(line.split() for line in (folder / "memory.stat").read_text().splitlines())
+            statistics = dict(
+                line.split() for line in (folder / "memory.stat").read_text().splitlines()
+            )
             now = int((folder / used).read_text()) - int(statistics.get(files, 0))
             yield int((folder / limit).read_text()) - now
         except (OSError, ValueError):  # no such group, or "max"
@@ -92,7 +102,11 @@ def _windows_free() -> int | None:
 
     status = Status(length=ctypes.sizeof(Status))
     windows = ctypes.windll  # type: ignore[attr-defined, unused-ignore]
-    return int(status.free_page_file) if windows.kernel32.GlobalMemoryStatusEx(ctypes.byref(status)) else None
+    return (
+        int(status.free_page_file)
+        if windows.kernel32.GlobalMemoryStatusEx(ctypes.byref(status))
+        else None
+    )
 
 
 def _windows_counter(name: str) -> int:
@@ -120,4 +134,6 @@ def _windows_counter(name: str) -> int:
     process.restype = wintypes.HANDLE
     query = windows.kernel32.K32GetProcessMemoryInfo
     query.argtypes = (wintypes.HANDLE, ctypes.c_void_p, wintypes.DWORD)
-    return int(getattr(counters, name)) if query(process(), ctypes.byref(counters), counters.cb) else 0
+    return (
+        int(getattr(counters, name)) if query(process(), ctypes.byref(counters), counters.cb) else 0
+    )

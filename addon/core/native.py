@@ -1,8 +1,8 @@
 """Loads the native module `photon_splat_native`, bound to the Embree 4 that Blender ships.
 
-The module asks the dynamic linker for Embree by its soname alone. In Blender, and after `import bpy`, that library is in
-the process already. Without bpy (tests of the core) it is loaded here from the installed bpy package, which is not
-imported for that.
+The module asks the dynamic linker for Embree by its soname alone. In Blender, and after `import
+bpy`, that library is in the process already. Without bpy (tests of the core) it is loaded here from
+the installed bpy package, which is not imported for that.
 """
 
 from __future__ import annotations
@@ -20,7 +20,9 @@ EMBREE = "libembree4.so.4"
 
 
 def load() -> ModuleType:
-    """The native module. ImportError, with one sentence, where it or a fitting Embree is missing."""
+    """The native module. ImportError, with one sentence, where it or a fitting Embree is
+    missing.
+    """
     if MODULE in sys.modules:
         return sys.modules[MODULE]
     if sys.platform == "linux" and not _is_loaded(EMBREE):
@@ -32,7 +34,10 @@ def load() -> ModuleType:
     except ModuleNotFoundError as error:
         if error.name != MODULE:
             raise
-        raise ImportError(f"Photon Splat's native module {MODULE} is not installed for this Python ({sys.executable}).") from error
+        raise ImportError(
+            f"Photon Splat's native module {MODULE} is not installed for this Python "
+            f"({sys.executable})."
+        ) from error
     except ImportError as error:
         if EMBREE in str(error):
             reason = f"neither this process nor an installed bpy package has {EMBREE}"
@@ -40,7 +45,9 @@ def load() -> ModuleType:
             reason = f"the {EMBREE} in this process lacks a function of Embree 4"
         else:
             raise
-        raise ImportError(f"Photon Splat needs the Embree 4 that Blender ships, but {reason}.") from error
+        raise ImportError(
+            f"Photon Splat needs the Embree 4 that Blender ships, but {reason}."
+        ) from error
 
 
 def bpy_library(soname: str) -> Path | None:

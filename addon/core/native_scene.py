@@ -10,7 +10,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from .scene import ALL_GROUPS, ALL_RAYS, NO_LIGHT_GROUP, NO_PROGRAM, Camera, Frame, Mesh, Scene, Side
+from .scene import (
+    ALL_GROUPS,
+    ALL_RAYS,
+    NO_LIGHT_GROUP,
+    NO_PROGRAM,
+    Camera,
+    Frame,
+    Mesh,
+    Scene,
+    Side,
+)
 from .settings import FinalGather, RenderSettings
 
 if TYPE_CHECKING:
@@ -20,11 +30,15 @@ ANY_BOUNCES = 0xFFFFFFFF
 
 
 FAR = 100.0
-"""What stands wholly within a hundredth of the scene's size around the camera is near, and all else far from it."""
+"""What stands wholly within a hundredth of the scene's size around the camera is near, and all else
+far from it.
+"""
 
 
 def world_bounds(scene: Scene) -> NDArray[np.float64]:
-    """(2, 3) lower and upper corner, m, of boxes around all instances; the camera's place for an empty scene."""
+    """(2, 3) lower and upper corner, m, of boxes around all instances; the camera's place for an
+    empty scene.
+    """
     return _around(_instance_boxes(scene), scene)
 
 
@@ -35,21 +49,30 @@ def _around(boxes: NDArray[np.float64], scene: Scene) -> NDArray[np.float64]:
 
 
 def _instance_boxes(scene: Scene) -> NDArray[np.float64]:
-    """(I, 2, 3) lower and upper corner in the world, m; instances without a triangle are left out."""
+    """(I, 2, 3) lower and upper corner in the world, m; instances without a triangle are left
+    out.
+    """
     instances = scene.instances
     filled = np.array([len(mesh.triangles) > 0 for mesh in scene.meshes], bool)
     corners = np.zeros((len(scene.meshes), 8, 3))
     for i in np.flatnonzero(filled):
         box = _box(scene.meshes[i])
-        corners[i] = np.array([[box[a, 0], box[b, 1], box[c, 2]] for a in (0, 1) for b in (0, 1) for c in (0, 1)])
+        corners[i] = np.array(
+            [[box[a, 0], box[b, 1], box[c, 2]] for a in (0, 1) for b in (0, 1) for c in (0, 1)]
+        )
     shown = filled[instances.mesh] if len(instances.mesh) else np.zeros(0, bool)
     matrices = instances.matrix[shown]
-    world = np.einsum("ijk,ick->icj", matrices[:, :3, :3], corners[instances.mesh[shown]]) + matrices[:, None, :3, 3]
+    world = (
+        np.einsum("ijk,ick->icj", matrices[:, :3, :3], corners[instances.mesh[shown]])
+        + matrices[:, None, :3, 3]
+    )
     return np.stack([world.min(axis=1), world.max(axis=1)], axis=1)
 
 
 def _box(mesh: Mesh) -> NDArray[np.float64]:
-    """(2, 3) lower and upper corner of the triangles; vertices that none of them uses do not count."""
+    """(2, 3) lower and upper corner of the triangles; vertices that none of them uses do not
+    count.
+    """
     axes = mesh.positions.T  # one at a time: numpy takes twenty times as long over axis 0
     ends = [int(at) for axis in axes for at in (axis.argmin(), axis.argmax())]
     if not all((mesh.triangles == end).any() for end in set(ends)):
@@ -60,9 +83,11 @@ def _box(mesh: Mesh) -> NDArray[np.float64]:
 
 
 def focus(scene: Scene) -> tuple[NDArray[np.float64], float]:
-    """Where coordinates count from, and the radius of what is near the camera, 0 where nothing is very far from it.
+    """Where coordinates count from, and the radius of what is near the camera, 0 where nothing is
+    very far from it.
 
-    Rounding errors grow with the distance from the origin: it is the middle of all, unless that is far from what is seen best.
+    Rounding errors grow with the distance from the origin: it is the middle of all, unless that is
+    far from what is seen best.
     """
     boxes = _instance_boxes(scene)
     bounds = _around(boxes, scene)
@@ -81,7 +106,9 @@ def focus(scene: Scene) -> tuple[NDArray[np.float64], float]:
 
 
 def fill_renderer(renderer: Renderer, scene: Scene, settings: RenderSettings) -> None:
-    """Copies everything into `renderer`. ValueError, with one sentence, for data that is not finite or does not fit."""
+    """Copies everything into `renderer`. ValueError, with one sentence, for data that is not finite
+    or does not fit.
+    """
     origin, near = focus(scene)
     if not np.isfinite(origin).all():
         raise ValueError("the scene has an instance whose place in the world is not finite")
@@ -121,7 +148,9 @@ def fill_renderer(renderer: Renderer, scene: Scene, settings: RenderSettings) ->
 
 
 def replace_shading(renderer: Renderer, scene: Scene) -> None:
-    """Gives a renderer that is built the materials, textures, lights and world of `scene`, whose geometry it has already."""
+    """Gives a renderer that is built the materials, textures, lights and world of `scene`, whose
+    geometry it has already.
+    """
     renderer.clear_shading()
     _add_materials(renderer, scene)
     _add_lights(renderer, scene)
@@ -129,15 +158,23 @@ def replace_shading(renderer: Renderer, scene: Scene) -> None:
 
 
 def _add_materials(renderer: Renderer, scene: Scene) -> None:
-    stored: dict[int, int] = {}  # the first texture with these pixels; other readings of them share its memory
+    # the first texture with these pixels; other readings of them share its memory
+    stored: dict[int, int] = {}
     for index, texture in enumerate(scene.textures):
         first = stored.setdefault(id(texture.pixels), index)
         if first != index and scene.textures[first].srgb == texture.srgb:
             renderer.add_texture_reading(first, str(texture.interpolation), str(texture.extension))
             continue
-        renderer.add_texture(np.ascontiguousarray(texture.pixels), texture.srgb, str(texture.interpolation), str(texture.extension))
+        renderer.add_texture(
+            np.ascontiguousarray(texture.pixels),
+            texture.srgb,
+            str(texture.interpolation),
+            str(texture.extension),
+        )
     for program in scene.programs:
-        renderer.add_program(program.name, program.code, program.constants, program.registers, int(program.features))
+        renderer.add_program(
+            program.name, program.code, program.constants, program.registers, int(program.features)
+        )
     for material in scene.materials:
         with _naming(f"material '{material.name}'"):
             if material.program != NO_PROGRAM:
@@ -176,9 +213,17 @@ def _add_lights(renderer: Renderer, scene: Scene) -> None:
     renderer.set_world(_rgb(scene.world), scene.world_seen_by)
     if scene.world_map is not None:
         rows = np.vstack([np.asarray(scene.world_map.to_lookup, np.float64), [0.0, 0.0, 0.0, 1.0]])
-        renderer.set_world_map(scene.world_map.texture, scene.world_map.mirror_ball, np.ascontiguousarray(rows))
+        renderer.set_world_map(
+            scene.world_map.texture, scene.world_map.mirror_ball, np.ascontiguousarray(rows)
+        )
     for sun in scene.sun_discs:
-        renderer.add_sun_disc([float(c) for c in sun.direction], sun.half_angle, _rgb(sun.bottom), _rgb(sun.top), sun.horizon)
+        renderer.add_sun_disc(
+            [float(c) for c in sun.direction],
+            sun.half_angle,
+            _rgb(sun.bottom),
+            _rgb(sun.top),
+            sun.horizon,
+        )
     if scene.world_program != NO_PROGRAM:
         renderer.set_world_program(scene.world_program)
 
@@ -186,7 +231,9 @@ def _add_lights(renderer: Renderer, scene: Scene) -> None:
 def place_camera(renderer: Renderer, camera: Camera, frame: Frame) -> None:
     """A renderer that is built takes it with set_view()."""
     screen = [float(c) for c in camera.screen]
-    renderer.set_shading_view(np.ascontiguousarray(camera.matrix, np.float64), screen, camera.orthographic)
+    renderer.set_shading_view(
+        np.ascontiguousarray(camera.matrix, np.float64), screen, camera.orthographic
+    )
     renderer.set_camera(
         matrix=np.ascontiguousarray(camera.matrix, np.float64),
         screen=screen,
@@ -200,7 +247,9 @@ def place_camera(renderer: Renderer, camera: Camera, frame: Frame) -> None:
         filter_width=frame.filter_width,
     )
     if camera.panorama is not None:
-        panorama = {k: list(v) if isinstance(v, tuple) else v for k, v in asdict(camera.panorama).items()}
+        panorama = {
+            k: list(v) if isinstance(v, tuple) else v for k, v in asdict(camera.panorama).items()
+        }
         renderer.set_panorama(**panorama | {"kind": str(camera.panorama.kind)})
     if camera.aperture is not None:
         renderer.set_aperture(**asdict(camera.aperture))
@@ -215,50 +264,76 @@ def _add_instances(renderer: Renderer, scene: Scene) -> None:
     groups = np.zeros(count, int) if instances.group is None else instances.group
     lit = [ALL_GROUPS] * count if instances.lit_groups is None else instances.lit_groups.tolist()
     blockers = [ALL_GROUPS] * count if instances.blockers is None else instances.blockers.tolist()
-    light_groups = [NO_LIGHT_GROUP] * count if instances.light_group is None else instances.light_group.tolist()
+    light_groups = (
+        [NO_LIGHT_GROUP] * count
+        if instances.light_group is None
+        else instances.light_group.tolist()
+    )
     seen_by = [ALL_RAYS] * count if instances.seen_by is None else instances.seen_by.tolist()
     holdout = [False] * count if instances.holdout is None else instances.holdout.tolist()
-    # Of surfaces that coincide rays meet the one that was added first; Cycles shows the object that comes last.
+    # Of surfaces that coincide rays meet the one that was added first; Cycles shows the object that
+    # comes last.
     for i in np.flatnonzero(~flat)[::-1]:
         materials = material_sets[int(instances.material_set[i])]
         linking = (int(groups[i]), lit[i], blockers[i], light_groups[i])
-        renderer.add_instance(int(instances.mesh[i]), matrices[i], materials, *linking, seen_by[i], holdout[i])
+        renderer.add_instance(
+            int(instances.mesh[i]), matrices[i], materials, *linking, seen_by[i], holdout[i]
+        )
     for attribute in instances.attributes:
-        renderer.add_instance_attribute(attribute.id, np.ascontiguousarray(attribute.values[~flat][::-1], np.float32))
+        renderer.add_instance_attribute(
+            attribute.id, np.ascontiguousarray(attribute.values[~flat][::-1], np.float32)
+        )
 
 
 def find_flat(scene: Scene) -> NDArray[np.bool_]:
-    """(I,) instances that are squeezed to nothing, which no renderer gets; adds the warnings about them to `scene`."""
+    """(I,) instances that are squeezed to nothing, which no renderer gets; adds the warnings about
+    them to `scene`.
+    """
     instances = scene.instances
     flat = _is_flat(scene)
     for name in sorted({scene.meshes[m].name for m in instances.mesh[flat]}):
-        scene.warnings.append(f"Mesh '{name}' stands in the scene flattened to nothing (a scale of 0); those instances are left out.")
+        scene.warnings.append(
+            f"Mesh '{name}' stands in the scene flattened to nothing (a scale of 0); those "
+            "instances are left out."
+        )
     return flat
 
 
 def _is_flat(scene: Scene) -> NDArray[np.bool_]:
-    flat: NDArray[np.bool_] = np.linalg.det(scene.instances.matrix[:, :3, :3].astype(np.float32)) == 0
+    flat: NDArray[np.bool_] = (
+        np.linalg.det(scene.instances.matrix[:, :3, :3].astype(np.float32)) == 0
+    )
     return flat
 
 
 def lamps_in_surfaces(renderer: Renderer, scene: Scene) -> list[str]:
-    """One warning about area lamps that lie in the plane of a surface: how much of their light gets past it is decided by rounding."""
+    """One warning about area lamps that lie in the plane of a surface: how much of their light gets
+    past it is decided by rounding.
+    """
     kept = np.flatnonzero(~_is_flat(scene))
     pairs = [
-        f"'{scene.lights[lamp].name}' in '{scene.meshes[scene.instances.mesh[kept[instance]]].name}'"
+        f"'{scene.lights[lamp].name}' in "
+        f"'{scene.meshes[scene.instances.mesh[kept[instance]]].name}'"
         for lamp, instance in renderer.lamps_in_surfaces
     ]
     if not pairs:
         return []
     named = ", ".join(pairs[:3]) + (f" and {len(pairs) - 3} more" if len(pairs) > 3 else "")
-    return [f"Area lamps lie exactly in a surface ({named}), which keeps back a part of their light by chance: move them off it."]
+    return [
+        f"Area lamps lie exactly in a surface ({named}), which keeps back a part of their light "
+        "by chance: move them off it."
+    ]
 
 
 def _add_mesh_shading(renderer: Renderer, index: int, mesh: Mesh) -> None:
     for attribute in mesh.shading.attributes:
-        renderer.add_mesh_attribute(index, attribute.id, str(attribute.domain), np.ascontiguousarray(attribute.values))
+        renderer.add_mesh_attribute(
+            index, attribute.id, str(attribute.domain), np.ascontiguousarray(attribute.values)
+        )
     if mesh.shading.generated is not None:
-        renderer.set_generated(index, list(mesh.shading.generated.scale), list(mesh.shading.generated.offset))
+        renderer.set_generated(
+            index, list(mesh.shading.generated.scale), list(mesh.shading.generated.offset)
+        )
 
 
 @contextmanager
@@ -271,7 +346,12 @@ def _naming(what: str) -> Iterator[None]:
 
 
 def _side(side: Side) -> tuple:
-    return (_rgb(side.base_color), side.base_color_texture, _rgb(side.emission), side.emission_texture)
+    return (
+        _rgb(side.base_color),
+        side.base_color_texture,
+        _rgb(side.emission),
+        side.emission_texture,
+    )
 
 
 def _rgb(color: tuple[float, float, float]) -> list[float]:

@@ -1,4 +1,6 @@
-"""What a final render leaves for the next: the native renderer with acceleration structure, lights and photons. Knows no Blender."""
+"""What a final render leaves for the next: the native renderer with acceleration structure, lights
+and photons. Knows no Blender.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +25,9 @@ OF_ONE_RENDER = ("passes", "time_limit", "error_threshold", "denoise", "backend"
 
 @dataclass(frozen=True, slots=True)
 class Start:
-    """A renderer that renders once `prepare` has been called, on any thread. reused: its geometry is that of an earlier render."""
+    """A renderer that renders once `prepare` has been called, on any thread. reused: its geometry
+    is that of an earlier render.
+    """
 
     renderer: Renderer
     prepare: Callable[[], None]
@@ -39,9 +43,11 @@ def start_anew(scene: Scene, settings: RenderSettings, kept_photon_bytes: int = 
 
 
 class Persistent:
-    """Keeps the renderer of the last render. A render calls start(), and keep() when it has ended without an error.
+    """Keeps the renderer of the last render. A render calls start(), and keep() when it has ended
+    without an error.
 
-    Photons of a pass are the same in all renders of a scene, whatever the camera sees, so that nothing flickers.
+    Photons of a pass are the same in all renders of a scene, whatever the camera sees, so that
+    nothing flickers.
     """
 
     def __init__(self, most_photon_bytes: int = MOST_PHOTON_BYTES) -> None:
@@ -49,9 +55,15 @@ class Persistent:
         self._left: tuple[Scene, RenderSettings, Renderer] | None = None
 
     def start(self, scene: Scene, settings: RenderSettings) -> Start:
-        """A renderer for `scene`: the last one, as far as it fits. Errors: those of fill_renderer; nothing is kept then."""
+        """A renderer for `scene`: the last one, as far as it fits. Errors: those of fill_renderer;
+        nothing is kept then.
+        """
         left, self._left = self._left, None
-        if left is None or not same_geometry(left[0], scene) or _known(left[0], left[1]) != _known(scene, settings):
+        if (
+            left is None
+            or not same_geometry(left[0], scene)
+            or _known(left[0], left[1]) != _known(scene, settings)
+        ):
             del left  # before the new one takes memory
             return start_anew(scene, settings, self._most)
         known, _, renderer = left

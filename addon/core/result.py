@@ -54,13 +54,16 @@ FILM_ARRAYS = {
     "Surface ID": "surface_id",
     "Error": "error",
 }
-"""Which array of the native film each pass is. Diffuse light is divided by the albedo, as Cycles divides it (0 where that is black);
-glossy and transmitted light has its colour in it."""
+"""Which array of the native film each pass is. Diffuse light is divided by the albedo, as Cycles
+divides it (0 where that is black); glossy and transmitted light has its colour in it.
+"""
 
 
 @dataclass(slots=True)
 class Progress:
-    """fraction 0..1 of what `passes` or `time_limit` ask for; `interim` holds passes where they were wanted and are new."""
+    """fraction 0..1 of what `passes` or `time_limit` ask for; `interim` holds passes where they
+    were wanted and are new.
+    """
 
     fraction: float
     message: str
@@ -70,8 +73,10 @@ class Progress:
 
 @dataclass(slots=True)
 class RenderResult:
-    """passes: name → (height, width, channels) float32, row 0 at the bottom, of those that were wanted. statistics: the --stats object.
-    noisy: the RGB of Combined before it was denoised, if it was."""
+    """passes: name → (height, width, channels) float32, row 0 at the bottom, of those that were
+    wanted. statistics: the --stats object.
+    noisy: the RGB of Combined before it was denoised, if it was.
+    """
 
     passes: Passes
     cancelled: bool
@@ -87,12 +92,19 @@ def light_group_pass(name: str) -> PassInfo:
 def infos_of(passes: Passes) -> list[PassInfo]:
     """Of all there are, those of light groups last."""
     known = {info.name for info in PASSES}
-    return [*PASSES, *(PassInfo(name, LIGHT_GROUP_CHANNELS) for name in passes if name not in known)]
+    return [
+        *PASSES,
+        *(PassInfo(name, LIGHT_GROUP_CHANNELS) for name in passes if name not in known),
+    ]
 
 
 def film_arrays(wanted: Collection[str] | None = None) -> list[str]:
-    """What passes_from_film() needs of a film for the passes `wanted` (None: all) and those of light groups."""
-    return [array for name, array in FILM_ARRAYS.items() if wanted is None or name in wanted] + ["light_groups"]
+    """What passes_from_film() needs of a film for the passes `wanted` (None: all) and those of
+    light groups.
+    """
+    return [array for name, array in FILM_ARRAYS.items() if wanted is None or name in wanted] + [
+        "light_groups"
+    ]
 
 
 def channels_of_arrays(arrays: Collection[str]) -> int:

@@ -1,7 +1,8 @@
 """The scene as plain numpy data: what the exporter writes and the native scene reads.
 
-Lengths are in metres, colours in linear Rec. 709, angles in radians. Matrices are row-major 4x4 float64 that map
-column vectors of local coordinates to world coordinates. Nothing here knows Blender.
+Lengths are in metres, colours in linear Rec. 709, angles in radians. Matrices are row-major 4x4
+float64 that map column vectors of local coordinates to world coordinates. Nothing here knows
+Blender.
 """
 
 from __future__ import annotations
@@ -41,7 +42,8 @@ class Extension(StrEnum):
 class Texture:
     """An image: `pixels` (height, width, 4) uint8 or float32, RGBA, row 0 at v = 0 (bottom).
 
-    `srgb` tells that the RGB of `pixels` is sRGB-encoded and is decoded when read; otherwise it is linear.
+    `srgb` tells that the RGB of `pixels` is sRGB-encoded and is decoded when read; otherwise it is
+    linear.
     """
 
     name: str
@@ -55,8 +57,9 @@ class Texture:
 class Side:
     """One side of a surface: Lambertian reflectance and Lambertian emission.
 
-    `base_color` is the diffuse albedo, multiplied by the texture's RGB if there is one; `emission` is the emitted
-    radiance (W/m^2/sr), multiplied by its texture likewise. Texture indices point into `Scene.textures`.
+    `base_color` is the diffuse albedo, multiplied by the texture's RGB if there is one; `emission`
+    is the emitted radiance (W/m^2/sr), multiplied by its texture likewise. Texture indices point
+    into `Scene.textures`.
     """
 
     base_color: Rgb = (0.8, 0.8, 0.8)
@@ -85,7 +88,8 @@ class Mesh:
     positions       (V, 3) float32
     triangles       (T, 3) uint32, indices into positions; counter-clockwise seen from the front
     corner_normals  (T, 3, 3) float32 unit shading normals per corner, or None
-    vertex_normals  (V, 3) float32 instead, where all corners at a vertex have the same; neither: flat everywhere
+    vertex_normals  (V, 3) float32 instead, where all corners at a vertex have the same; neither:
+    flat everywhere
     uv              (T, 3, 2) float32 of the render-active UV map, or None
     slots           (T,) uint16 material slot per triangle, or None: all 0
 
@@ -104,8 +108,14 @@ class Mesh:
     vertex_normals: NDArray[np.float32] | None = None
 
     def normals(self) -> NDArray[np.float32] | None:
-        """(T, 3, 3) unit shading normals per corner, however they are kept, or None: flat everywhere."""
-        return self.corner_normals if self.vertex_normals is None else self.vertex_normals[self.triangles]
+        """(T, 3, 3) unit shading normals per corner, however they are kept, or None: flat
+        everywhere.
+        """
+        return (
+            self.corner_normals
+            if self.vertex_normals is None
+            else self.vertex_normals[self.triangles]
+        )
 
 
 @dataclass(slots=True)
@@ -141,7 +151,9 @@ class Instances:
 
 
 class Ray(IntFlag):
-    """Kinds of ray, as bits; native code has the same order (RayInfo::Kind). Light samples come by shadow rays."""
+    """Kinds of ray, as bits; native code has the same order (RayInfo::Kind). Light samples come by
+    shadow rays.
+    """
 
     CAMERA = 1
     SHADOW = 2
@@ -165,24 +177,32 @@ class LightKind(StrEnum):
 
 @dataclass(slots=True)
 class Light:
-    """A lamp. It shines along the local -Z axis of `matrix`, whose scale is honoured where Blender honours it.
+    """A lamp. It shines along the local -Z axis of `matrix`, whose scale is honoured where Blender
+    honours it.
 
-    strength      RGB with colour, temperature, exposure, light-node strength and energy already multiplied in:
-                  radiant power in W as Blender's light setting means it (point, spot, area), irradiance in W/m^2 (sun)
+    strength      RGB with colour, temperature, exposure, light-node strength and energy already
+    multiplied in:
+                  radiant power in W as Blender's light setting means it (point, spot, area),
+                  irradiance in W/m^2 (sun)
     radius        m; point and spot
     soft_falloff  point and spot: the emitter is a disc that faces the receiver instead of a sphere
     spot_size     full cone angle; spot_blend in 0..1
     angle         full angular diameter of a sun
-    size          (x, y) of an area light, m, in local coordinates; `ellipse`: inscribed ellipse instead of rectangle
+    size          (x, y) of an area light, m, in local coordinates; `ellipse`: inscribed ellipse
+    instead of rectangle
     spread        full angle of an area light's emission; pi = Lambertian
-    normalize     area, point, spot: `strength` is total power (True), or does not depend on the emitter's area (False)
+    normalize     area, point, spot: `strength` is total power (True), or does not depend on the
+    emitter's area (False)
     camera_visible  seen directly by camera rays
-    program       index into Scene.programs: what it emits, per place and direction, is a factor of `strength`
+    program       index into Scene.programs: what it emits, per place and direction, is a factor of
+    `strength`
     lit_groups    bits of the Instances.group that it lights
     blockers      bits of the Instances.group that cast shadows in its light
     light_group   index into Scene.light_groups; -1: none
-    seen_by       the rays (`Ray`) that bring its light; what shadow rays bring is scattered as if by one of these
-    max_bounces   of a path before it finds the lamp (photons count from the surface that they light); None: any
+    seen_by       the rays (`Ray`) that bring its light; what shadow rays bring is scattered as if
+    by one of these
+    max_bounces   of a path before it finds the lamp (photons count from the surface that they
+    light); None: any
     met_by_rays   False: light samples find it, other rays do not
     casts_shadows False: nothing blocks its light samples
     """
@@ -213,8 +233,10 @@ class Light:
 
 @dataclass(slots=True)
 class WorldMap:
-    """An image of the world. `to_lookup` (3, 4) maps a direction to that which is looked up; `mirror_ball`: the image shows the
-    world mirrored in a ball, else it is equirectangular (u against the longitude, v from -Z up, its middle at +X)."""
+    """An image of the world. `to_lookup` (3, 4) maps a direction to that which is looked up;
+    `mirror_ball`: the image shows the world mirrored in a ball, else it is equirectangular (u
+    against the longitude, v from -Z up, its middle at +X).
+    """
 
     texture: int
     to_lookup: NDArray[np.float64]
@@ -223,7 +245,9 @@ class WorldMap:
 
 @dataclass(slots=True)
 class SunDisc:
-    """The sun of a sky: radiance (W/m^2/sr) at its lower and upper edge before limb darkening, hidden below an elevation."""
+    """The sun of a sky: radiance (W/m^2/sr) at its lower and upper edge before limb darkening,
+    hidden below an elevation.
+    """
 
     direction: tuple[float, float, float]
     half_angle: float
@@ -250,14 +274,17 @@ class PanoramaKind(StrEnum):
 
 @dataclass(slots=True)
 class Panorama:
-    """A lens that maps the whole frame to directions; which fields count depends on `kind`. Angles in radians.
+    """A lens that maps the whole frame to directions; which fields count depends on `kind`. Angles
+    in radians.
 
     longitude, latitude  (min, max), equirectangular
     fov                  full angle of a fisheye, beyond which nothing is seen
     focal_length         mm, equisolid
     sensor               mm, (width, height) of the whole frame, equisolid and polynomial
-    polynomial           coefficients of the polynomial fisheye: -(angle to the axis) in powers of mm from the centre
-    cylinder             (u min, u max, v min, v max): angles about the axis, and heights on a cylinder of radius 1
+    polynomial           coefficients of the polynomial fisheye: -(angle to the axis) in powers of
+    mm from the centre
+    cylinder             (u min, u max, v min, v max): angles about the axis, and heights on a
+    cylinder of radius 1
     """
 
     kind: PanoramaKind
@@ -272,7 +299,9 @@ class Panorama:
 
 @dataclass(slots=True)
 class Aperture:
-    """A lens of finite size: radius and distance of focus in m, blades (0: round) turned by `rotation`, height over width."""
+    """A lens of finite size: radius and distance of focus in m, blades (0: round) turned by
+    `rotation`, height over width.
+    """
 
     radius: float
     focus: float
@@ -283,12 +312,14 @@ class Aperture:
 
 @dataclass(slots=True)
 class Camera:
-    """A camera that looks along its local -Z axis, +Y up (scale and shear of `matrix` already removed).
+    """A camera that looks along its local -Z axis, +Y up (scale and shear of `matrix` already
+    removed).
 
-    `screen` is (left, right, bottom, top) of the whole frame: on the plane z = -1 for a perspective camera, in metres
-    for an orthographic one; shift, sensor fit, lens and pixel aspect are already in it.
-    Points nearer than `clip_start` or beyond `clip_end` (m, along the viewing axis; of a panorama: distance) are not seen.
-    With a `panorama`, `screen` is in its coordinates: (0, 1, 0, 1) unless the camera is shifted. Without `aperture` everything is sharp.
+    `screen` is (left, right, bottom, top) of the whole frame: on the plane z = -1 for a perspective
+    camera, in metres for an orthographic one; shift, sensor fit, lens and pixel aspect are already
+    in it. Points nearer than `clip_start` or beyond `clip_end` (m, along the viewing axis; of a
+    panorama: distance) are not seen. With a `panorama`, `screen` is in its coordinates: (0, 1, 0,
+    1) unless the camera is shifted. Without `aperture` everything is sharp.
     """
 
     matrix: NDArray[np.float64]
@@ -302,7 +333,9 @@ class Camera:
 
 @dataclass(slots=True)
 class Frame:
-    """The raster: the whole frame in pixels and the part of it that is rendered (`border`: x, y, width, height, origin bottom left)."""
+    """The raster: the whole frame in pixels and the part of it that is rendered (`border`: x, y,
+    width, height, origin bottom left).
+    """
 
     width: int
     height: int
@@ -320,9 +353,10 @@ class Frame:
 class Scene:
     """Everything a render needs.
 
-    `world` is the radiance (W/m^2/sr) seen where a ray leaves the scene: constant, or the factor of `world_map`; `sun_discs`
-    come on top. `world_program`, an index into `programs`, stands in the place of both where it is given. `light_groups` are the
-    names of those whose light gets passes of their own. `world_seen_by`: the rays that bring the world's light, as of a lamp.
+    `world` is the radiance (W/m^2/sr) seen where a ray leaves the scene: constant, or the factor of
+    `world_map`; `sun_discs` come on top. `world_program`, an index into `programs`, stands in the
+    place of both where it is given. `light_groups` are the names of those whose light gets passes
+    of their own. `world_seen_by`: the rays that bring the world's light, as of a lamp.
     """
 
     camera: Camera
@@ -364,7 +398,12 @@ def same(a: Any, b: Any) -> bool:
     if a is b:
         return True
     if isinstance(a, np.ndarray) or isinstance(b, np.ndarray):
-        return isinstance(a, np.ndarray) and isinstance(b, np.ndarray) and a.dtype == b.dtype and np.array_equal(a, b)
+        return (
+            isinstance(a, np.ndarray)
+            and isinstance(b, np.ndarray)
+            and a.dtype == b.dtype
+            and np.array_equal(a, b)
+        )
     if type(a) is not type(b):
         return False
     if is_dataclass(a):

@@ -19,53 +19,80 @@ from .native import load
 from .native_scene import lamps_in_surfaces
 from .persistent import Persistent, Start, start_anew
 from .plan import make_plan, pilot_sentences
-from .result import Passes, Progress, RenderResult, black_passes, channels_of_arrays, film_arrays, passes_from_film
+from .result import (
+    Passes,
+    Progress,
+    RenderResult,
+    black_passes,
+    channels_of_arrays,
+    film_arrays,
+    passes_from_film,
+)
 from .scene import Scene
 from .settings import Backend, Integrator, RenderSettings
 from .splatter import CpuSplatter, Splatter, SplatterFailed
 
 LEAST_PHOTONS_PER_BATCH = 1 << 14
 BATCHES_PER_PASS = 8
-"""At least so many, if they are not too small, where a graphics card splats one while the CPU traces the next."""
+"""At least so many, if they are not too small, where a graphics card splats one while the CPU
+traces the next.
+"""
 OF_DENOISING = ("Combined", "Normal")
 """Passes that the denoiser reads."""
 FOR_DENOISING = ("albedo", "variance", "diffuse_direct")
 """And arrays of the film that are no passes."""
 SAMPLES_WORTH_TWO = 8.0
-"""From so many camera samples a pixel on the diffuse direct light is denoised by itself, which takes a tenth of a second per 100,000
-pixels: after 14 samples relMSE is .90 (cornell_box), .95 (kitchen, street), .99 (interior) times as large."""
+"""From so many camera samples a pixel on the diffuse direct light is denoised by itself, which
+takes a tenth of a second per 100,000
+pixels: after 14 samples relMSE is .90 (cornell_box), .95 (kitchen, street), .99 (interior) times as
+large.
+"""
 SAMPLES_OF_NOISY_FEATURES = 32.0
-"""Up to so many the denoiser's features are noisier than it expects: filtered first, street after 1, 14, 64 samples has an error (relMSE)
-.49, .90, .99 times as large."""
+"""Up to so many the denoiser's features are noisier than it expects: filtered first, street after
+1, 14, 64 samples has an error (relMSE) .49, .90, .99 times as large.
+"""
 POLL_SECONDS = 0.05
 TRIAL_PATHS = 1 << 16
-"""Of photons, which tell how many more there is time for in the first pass, if it wants more than twice as many."""
+"""Of photons, which tell how many more there is time for in the first pass, if it wants more than
+twice as many.
+"""
 FEWEST_PATHS = 1 << 12
 """Worth a batch where time is short."""
 OF_RESOLVING = 0.15
-"""Of the seconds of a pass' camera samples: the end of a pass, when all of its photons are there."""
+"""Of the seconds of a pass' camera samples: the end of a pass, when all of its photons are there.
+"""
 FEWEST_PHOTONS = 0.25
-"""Of those that a pass wants: where time is short it has so many before a second sample of any pixel, or is left out."""
+"""Of those that a pass wants: where time is short it has so many before a second sample of any
+pixel, or is left out.
+"""
 FEWEST_PASSES_TO_STOP = 8
 """Before so many the error's estimate is too rough to end a render."""
 
 
 def next_estimate(passes: int) -> int:
-    """The pass after which the error is estimated again; it depends on nothing else, so that a render can be repeated."""
+    """The pass after which the error is estimated again; it depends on nothing else, so that a
+    render can be repeated.
+    """
     return passes + max(1, passes // 4)
 
 
 class PassSize(NamedTuple):
-    """What a pass has, or the seconds that go with it: camera samples per pixel, and photons over those of the first pass."""
+    """What a pass has, or the seconds that go with it: camera samples per pixel, and photons over
+    those of the first pass.
+    """
 
     samples: float
     photons: float
 
 
-def pass_that_fits(left: float, took: float, seconds: PassSize, last: PassSize, wanted: PassSize) -> PassSize | None:
-    """What of the pass `wanted` can be done in `left` seconds, if the last one took `took`, `seconds` of them for its samples and
-    photons: one sample of each pixel, and the same part of all others and of photons, but not too few photons; None if there is no
-    time for that."""
+def pass_that_fits(
+    left: float, took: float, seconds: PassSize, last: PassSize, wanted: PassSize
+) -> PassSize | None:
+    """What of the pass `wanted` can be done in `left` seconds, if the last one took `took`,
+    `seconds` of them for its samples and
+    photons: one sample of each pixel, and the same part of all others and of photons, but not too
+    few photons; None if there is no time for that.
+    """
     left -= took - sum(seconds)
     of_one = seconds.samples / last.samples  # in each pixel
     of_others = of_one * (wanted.samples - 1.0)
@@ -82,9 +109,13 @@ def pass_that_fits(left: float, took: float, seconds: PassSize, last: PassSize, 
     return PassSize(1.0 + share * (wanted.samples - 1.0), FEWEST_PHOTONS * wanted.photons)
 
 
-def batch_that_fits(wanted: int, most: int, left: float, path_seconds: float | None, *, whole: bool) -> int:
-    """How many of the `wanted` photon paths are to be traced next, `most` at once, if `left` seconds are left and one took `path_seconds`
-    (None: nobody knows); 0 where there is no time for more. whole: no fewer than `most` or all."""
+def batch_that_fits(
+    wanted: int, most: int, left: float, path_seconds: float | None, *, whole: bool
+) -> int:
+    """How many of the `wanted` photon paths are to be traced next, `most` at once, if `left`
+    seconds are left and one took `path_seconds` (None: nobody knows); 0 where there is no time for
+    more. whole: no fewer than `most` or all.
+    """
     batch = min(wanted, most)
     if math.isinf(left):
         return batch
@@ -97,7 +128,9 @@ def batch_that_fits(wanted: int, most: int, left: float, path_seconds: float | N
 
 
 class _Worker(threading.Thread):
-    """Does the passes off the caller's thread, which meanwhile reports progress and polls for cancellation."""
+    """Does the passes off the caller's thread, which meanwhile reports progress and polls for
+    cancellation.
+    """
 
     def __init__(
         self,
@@ -169,7 +202,11 @@ class _Worker(threading.Thread):
             self.ending.try_denoiser(settings.threads)
         self.stage = "Rendering"
         while self.passes_done < self.settings.passes:
-            began, pilot, before = time.monotonic(), self.renderer.pilot_seconds, self._stage_seconds()
+            began, pilot, before = (
+                time.monotonic(),
+                self.renderer.pilot_seconds,
+                self._stage_seconds(),
+            )
             size = PassSize(*self.renderer.next_pass)
             self.stage = f"Pass {self.passes_done + 1}"
             if self.settings.integrator is Integrator.REFERENCE:
@@ -182,8 +219,14 @@ class _Worker(threading.Thread):
             converged = self._estimate_error()
             if settings.time_limit and self.passes_done == 1:
                 self.ending.try_film(self.renderer, channels_of_arrays(arrays))
-            if self.want_interim and self.interim is None and self.passes_done < self.settings.passes:
-                self.interim = passes_from_film(self.renderer.film(film_arrays(self.wanted)), self.light_groups)
+            if (
+                self.want_interim
+                and self.interim is None
+                and self.passes_done < self.settings.passes
+            ):
+                self.interim = passes_from_film(
+                    self.renderer.film(film_arrays(self.wanted)), self.light_groups
+                )
             self.pass_finished.set()
             if converged:
                 return
@@ -199,7 +242,9 @@ class _Worker(threading.Thread):
         return PassSize(self.renderer.camera_seconds, self.renderer.photon_seconds)
 
     def _another_fits(self, took: float, seconds: PassSize, last: PassSize) -> bool:
-        """Whether one more pass keeps the time limit, if need be a smaller one, which it then will be."""
+        """Whether one more pass keeps the time limit, if need be a smaller one, which it then will
+        be.
+        """
         wanted = PassSize(*self.renderer.next_pass)
         fitting = pass_that_fits(self._seconds_left(wanted.samples), took, seconds, last, wanted)
         if fitting is None:
@@ -209,22 +254,36 @@ class _Worker(threading.Thread):
         return True
 
     def _seconds_left(self, samples: float) -> float:
-        """For passes, where the next has so many camera samples a pixel; the time limit less what comes after them."""
+        """For passes, where the next has so many camera samples a pixel; the time limit less what
+        comes after them.
+        """
         if not self.settings.time_limit:
             return math.inf
-        runs = denoising_runs(**self.denoising(self.samples_done + samples)) if self.settings.denoise else 0.0
+        runs = (
+            denoising_runs(**self.denoising(self.samples_done + samples))
+            if self.settings.denoise
+            else 0.0
+        )
         after = self.ending.seconds(self.passes_done + 1, runs)
         return self.started + self.settings.time_limit - time.monotonic() - after
 
     def denoising(self, samples: float) -> dict[str, bool]:
         """How a picture of so many camera samples a pixel is denoised."""
-        return {"apart": samples >= SAMPLES_WORTH_TWO, "noisy_features": samples <= SAMPLES_OF_NOISY_FEATURES}
+        return {
+            "apart": samples >= SAMPLES_WORTH_TWO,
+            "noisy_features": samples <= SAMPLES_OF_NOISY_FEATURES,
+        }
 
     def _choose_splatter(self) -> Splatter:
         if not self.light_groups:
-            return choose_splatter(self.renderer, self.settings.backend, self.cancel_asked, self.warnings)
+            return choose_splatter(
+                self.renderer, self.settings.backend, self.cancel_asked, self.warnings
+            )
         if self.settings.backend == Backend.GPU:
-            self.warnings.append("Light groups: the CPU splatter has been used, as that of the GPU does not keep their light apart.")
+            self.warnings.append(
+                "Light groups: the CPU splatter has been used, as that of the GPU does not keep "
+                "their light apart."
+            )
         return CpuSplatter(self.renderer)
 
     def _splat_pass(self, number: int) -> None:
@@ -239,7 +298,10 @@ class _Worker(threading.Thread):
             try:
                 self._splat_photons(layer, left)
             except SplatterFailed as failure:
-                self.warnings.append(f"The GPU splatter failed in pass {number + 1} ({failure}); the CPU splatter has done the rest.")
+                self.warnings.append(
+                    f"The GPU splatter failed in pass {number + 1} ({failure}); the CPU splatter "
+                    "has done the rest."
+                )
                 self.splatter.close()
                 gpu_context.submit(gpu_context.discard)
                 self.splatter = CpuSplatter(self.renderer)
@@ -247,8 +309,9 @@ class _Worker(threading.Thread):
         self.renderer.resolve()
 
     def _splat_photons(self, layer: int, seconds: float) -> None:
-        """Adds the photons of a pass and layer to its points, whose sums are 0 before: all, or as many as `seconds` are enough for, but
-        one batch at the least."""
+        """Adds the photons of a pass and layer to its points, whose sums are 0 before: all, or as
+        many as `seconds` are enough for, but one batch at the least.
+        """
         photons = self.renderer.paths_per_pass
         most = self.renderer.paths_per_batch
         if self.splatter.backend == Backend.GPU:
@@ -258,10 +321,18 @@ class _Worker(threading.Thread):
         first = 0
         while first < photons:
             began = time.monotonic()
-            batch = batch_that_fits(photons - first, most, end - began, self.path_seconds.get(layer), whole=self.renderer.keeps_photons)
+            batch = batch_that_fits(
+                photons - first,
+                most,
+                end - began,
+                self.path_seconds.get(layer),
+                whole=self.renderer.keeps_photons,
+            )
             if first and not batch:
                 break
-            batch = batch or min(photons, most, FEWEST_PATHS if not self.renderer.keeps_photons else most)
+            batch = batch or min(
+                photons, most, FEWEST_PATHS if not self.renderer.keeps_photons else most
+            )
             self.renderer.trace_photons(first, batch)
             self.splatter.add_photons()
             first += batch
@@ -276,10 +347,16 @@ class _Worker(threading.Thread):
             return False
         threshold = self.settings.error_threshold
         # Where no estimate ends the render they are for the message alone: a few in all.
-        self.next_estimate = next_estimate(self.passes_done) if threshold > 0 else 2 * self.passes_done
+        self.next_estimate = (
+            next_estimate(self.passes_done) if threshold > 0 else 2 * self.passes_done
+        )
         self.ending.estimate(self.renderer.make_error_estimate, self.passes_done)
         self.relative_error = self.renderer.statistics()["error"]["relative_rmse"]
-        return threshold > 0 and self.passes_done >= FEWEST_PASSES_TO_STOP and self.relative_error <= threshold
+        return (
+            threshold > 0
+            and self.passes_done >= FEWEST_PASSES_TO_STOP
+            and self.relative_error <= threshold
+        )
 
     def progress(self) -> Progress:
         done, settings = self.passes_done, self.settings
@@ -291,7 +368,9 @@ class _Worker(threading.Thread):
         if done:
             message += f" | error {100 * self.relative_error:.2g} %"
         if settings.error_threshold and self.relative_error:
-            fraction = max(fraction, min((settings.error_threshold / self.relative_error) ** 2, 1.0))
+            fraction = max(
+                fraction, min((settings.error_threshold / self.relative_error) ** 2, 1.0)
+            )
         self.fraction = max(fraction, self.fraction)
         interim, self.interim = self.interim, None
         return Progress(self.fraction, message, done, interim)
@@ -315,14 +394,16 @@ def render(
     release_textures: bool = False,
     wanted: Collection[str] | None = None,
 ) -> RenderResult:
-    """Renders `scene`. `started` is `time.monotonic()` when the render call began, export included; `persistent` holds what the
-    last render has left for this one, and then what this one leaves. `release_textures`: nobody renders `scene` again, so that its
-    pixels need not be kept beside native code's; not with `persistent`. `wanted`: names of the passes to give
-    back besides those of light groups (None: all).
+    """Renders `scene`. `started` is `time.monotonic()` when the render call began, export included;
+    `persistent` holds what the last render has left for this one, and then what this one leaves.
+    `release_textures`: nobody renders `scene` again, so that its pixels need not be kept beside
+    native code's; not with `persistent`. `wanted`: names of the passes to give back besides those
+    of light groups (None: all).
 
-    Both callbacks run on the caller's thread about every 50 ms. A cancelled render returns what is there.
-    Errors: ValueError for a scene or setting that cannot be rendered, a GPU that is not there among them; RuntimeError and
-    MemoryError from native code.
+    Both callbacks run on the caller's thread about every 50 ms. A cancelled render returns what is
+    there.
+    Errors: ValueError for a scene or setting that cannot be rendered, a GPU that is not there among
+    them; RuntimeError and MemoryError from native code.
     """
     if wanted is not None and settings.denoise:
         wanted = {*wanted, *OF_DENOISING}
@@ -334,7 +415,9 @@ def render(
     if release_textures and persistent is None:
         for texture in scene.textures:
             texture.pixels = np.empty((0, 0, 4), texture.pixels.dtype)
-    worker = _Worker(start, settings, scene.light_groups, started, want_interim, wanted, (width, height))
+    worker = _Worker(
+        start, settings, scene.light_groups, started, want_interim, wanted, (width, height)
+    )
     worker.start()
     try:
         while not worker.finished:
@@ -358,13 +441,20 @@ def render(
         renderer.end_passes()
         renderer.make_error_estimate()
     film = renderer.film(final_arrays(wanted, settings)) if worker.passes_done else None
-    passes = passes_from_film(film, scene.light_groups) if film else black_passes(width, height, scene.light_groups)
+    passes = (
+        passes_from_film(film, scene.light_groups)
+        if film
+        else black_passes(width, height, scene.light_groups)
+    )
     denoising, noisy = 0.0, None
     if settings.denoise and film and not worker.cancelled:
         noisy = passes["Combined"][..., :3].copy()
         denoising = _denoise(passes, film, worker, should_cancel)
         if scene.light_groups:
-            worker.warnings.append("Only Combined is denoised; the passes of light groups are not, so that their sum is noisier.")
+            worker.warnings.append(
+                "Only Combined is denoised; the passes of light groups are not, so that their sum "
+                "is noisier."
+            )
     statistics = _statistics(start, worker, scene, started, export_seconds)
     if settings.denoise:
         statistics["seconds"]["denoise"] = denoising
@@ -373,9 +463,12 @@ def render(
     return RenderResult(passes, worker.cancelled, statistics, noisy)
 
 
-def _denoise(passes: Passes, film: dict[str, Any], worker: _Worker, should_cancel: Callable[[], bool] | None) -> float:
-    """Takes the noise out of Combined, with what `film` knows of it; seconds it took. Where that cannot be done the picture stays
-    and a warning says why."""
+def _denoise(
+    passes: Passes, film: dict[str, Any], worker: _Worker, should_cancel: Callable[[], bool] | None
+) -> float:
+    """Takes the noise out of Combined, with what `film` knows of it; seconds it took. Where that
+    cannot be done the picture stays and a warning says why.
+    """
     began = time.monotonic()
     noisy = passes["Combined"][..., :3]
     how = worker.denoising(worker.samples_done)
@@ -395,7 +488,9 @@ def _denoise(passes: Passes, film: dict[str, Any], worker: _Worker, should_cance
     return time.monotonic() - began
 
 
-def _statistics(start: Start, worker: _Worker, scene: Scene, started: float, export_seconds: float) -> dict[str, Any]:
+def _statistics(
+    start: Start, worker: _Worker, scene: Scene, started: float, export_seconds: float
+) -> dict[str, Any]:
     statistics = start.renderer.statistics()
     statistics["seconds"] |= {"export": export_seconds, "total": time.monotonic() - started}
     statistics |= {
@@ -411,12 +506,17 @@ def _statistics(start: Start, worker: _Worker, scene: Scene, started: float, exp
     } | worker.splatter.statistics()
     if statistics["threads"] < statistics["threads_wanted"]:
         statistics["warnings"].append(
-            f"Of {statistics['threads_wanted']} threads the system has started {statistics['threads']}: the render has taken longer."
+            f"Of {statistics['threads_wanted']} threads the system has started "
+            f"{statistics['threads']}: the render has taken longer."
         )
     plan = make_plan(scene, worker.settings)
-    statistics["plan"] = {"sentences": plan.sentences + pilot_sentences(statistics), "flags": plan.flags}
+    statistics["plan"] = {
+        "sentences": plan.sentences + pilot_sentences(statistics),
+        "flags": plan.flags,
+    }
     if statistics["bad_samples"]:
         statistics["warnings"].append(
-            f"{statistics['bad_samples']} camera samples were not finite, or far too bright for any film, and have been left out."
+            f"{statistics['bad_samples']} camera samples were not finite, or far too bright for "
+            "any film, and have been left out."
         )
     return statistics

@@ -1,4 +1,6 @@
-"""Shader programs and what they read from meshes and instances, as plain data. See native/src/nodes/ops.def for the operations."""
+"""Shader programs and what they read from meshes and instances, as plain data. See
+native/src/nodes/ops.def for the operations.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +10,9 @@ from enum import IntFlag, StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
-GENERATED = 0  # id of the attribute that holds Generated coordinates where they are no linear function of the position
+# id of the attribute that holds Generated coordinates where they are no linear function of the
+# position
+GENERATED = 0
 
 
 class Feature(IntFlag):
@@ -41,7 +45,9 @@ class Program:
 
 
 class Domain(StrEnum):
-    """What a mesh attribute has a row for: positions, corners of triangles (three each) or triangles."""
+    """What a mesh attribute has a row for: positions, corners of triangles (three each) or
+    triangles.
+    """
 
     POINT = "point"
     CORNER = "corner"
@@ -50,7 +56,9 @@ class Domain(StrEnum):
 
 @dataclass(slots=True)
 class MeshAttribute:
-    """`values` (N, 1..4) float32, or (N, 4) uint8 of an sRGB-encoded colour with a linear alpha. `id` means the same on all meshes."""
+    """`values` (N, 1..4) float32, or (N, 4) uint8 of an sRGB-encoded colour with a linear alpha.
+    `id` means the same on all meshes.
+    """
 
     id: int
     domain: Domain

@@ -23,7 +23,9 @@ class SkyModel(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class SkySettings:
-    """Angles in radians, altitude in m, densities relative to the Earth's; `turbidity` is Preetham's only parameter."""
+    """Angles in radians, altitude in m, densities relative to the Earth's; `turbidity` is
+    Preetham's only parameter.
+    """
 
     model: SkyModel
     sun_elevation: float
@@ -37,8 +39,10 @@ class SkySettings:
 
 @dataclass(frozen=True, slots=True)
 class Sky:
-    """pixels: (HEIGHT, WIDTH, 4) float32 radiance, equirectangular, the sun above +X. sun_bottom, sun_top: radiance at the
-    edges of its disc, which shows itself above the elevation `horizon`; 0 for models without one."""
+    """pixels: (HEIGHT, WIDTH, 4) float32 radiance, equirectangular, the sun above +X. sun_bottom,
+    sun_top: radiance at the edges of its disc, which shows itself above the elevation `horizon`; 0
+    for models without one.
+    """
 
     pixels: NDArray[np.float32]
     sun_bottom: Rgb

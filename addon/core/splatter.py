@@ -11,13 +11,17 @@ if TYPE_CHECKING:
 
 
 class SplatterFailed(Exception):
-    """The splatter cannot go on; its message says why. The pass can be splatted anew by another one."""
+    """The splatter cannot go on; its message says why. The pass can be splatted anew by another
+    one.
+    """
 
 
 class Splatter(Protocol):
-    """Adds photons to the visible points of a pass. Photons and points are in the native renderer; no camera is needed.
+    """Adds photons to the visible points of a pass. Photons and points are in the native renderer;
+    no camera is needed.
 
-    All calls come from the thread that runs the render. Each may raise SplatterFailed, or the native module's Cancelled.
+    All calls come from the thread that runs the render. Each may raise SplatterFailed, or the
+    native module's Cancelled.
     """
 
     backend: Backend
@@ -26,10 +30,14 @@ class Splatter(Protocol):
         """Takes the points of the pass; call it after the renderer's make_points()."""
 
     def add_photons(self) -> None:
-        """Adds the renderer's latest batch of photons. They may be in use no longer when it returns."""
+        """Adds the renderer's latest batch of photons. They may be in use no longer when it
+        returns.
+        """
 
     def finish_pass(self) -> None:
-        """Sees to it that the points hold the sums of all photons, ready for the renderer's resolve()."""
+        """Sees to it that the points hold the sums of all photons, ready for the renderer's
+        resolve().
+        """
 
     def close(self) -> None:
         """Gives everything back; called once, after an error or cancellation too."""

@@ -1,8 +1,9 @@
-"""Renders what a viewport shows, on a thread of its own that owns the native renderer. Knows no Blender.
+"""Renders what a viewport shows, on a thread of its own that owns the native renderer. Knows no
+Blender.
 
-An edit brings a scene, a move of the camera a view. First comes a picture of few pixels, lit by a *store* of photons that
-serves every view: while the camera moves, no photon is traced. When it rests the store grows, the picture gets all its
-pixels, and then passes of a render refine it.
+An edit brings a scene, a move of the camera a view. First comes a picture of few pixels, lit by a
+*store* of photons that serves every view: while the camera moves, no photon is traced. When it
+rests the store grows, the picture gets all its pixels, and then passes of a render refine it.
 """
 
 from __future__ import annotations
@@ -24,7 +25,9 @@ if TYPE_CHECKING:
     from photon_splat_native import Renderer
 
 FIRST_PATHS, FIRST_PHOTONS = 1 << 15, 1 << 15
-"""Of the store before the first picture after an edit: paths at a time, until there are so many photons."""
+"""Of the store before the first picture after an edit: paths at a time, until there are so many
+photons.
+"""
 MOST_FIRST_PATHS = 1 << 18
 STORE_PHOTONS = 1 << 17
 """Wanted in the store when the camera rests: it is splatted within a frame."""
@@ -39,7 +42,9 @@ SLOW, FAST = 0.062, 0.056
 FORGET_AFTER = 30
 """Pictures after which one that was slow is tried again."""
 REST = 0.15
-"""s without a move after which the camera rests; more where its moves come more slowly than that, as in a window that is slow to draw."""
+"""s without a move after which the camera rests; more where its moves come more slowly than that,
+as in a window that is slow to draw.
+"""
 SLOWEST_MOVES = 0.5
 """s between two moves of one turn, at most."""
 SHOW_EVERY = 0.1
@@ -48,7 +53,8 @@ SHOW_EVERY = 0.1
 
 @dataclass(frozen=True, slots=True, eq=False)
 class View:
-    """What to show: `frame` is the whole region in pixels of the screen, its border the part to render.
+    """What to show: `frame` is the whole region in pixels of the screen, its border the part to
+    render.
 
     pixel: the least width of the picture's pixels, in pixels of the screen.
     """
@@ -58,14 +64,17 @@ class View:
     pixel: int = 1
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, View) and all(same(getattr(self, name), getattr(other, name)) for name in ("camera", "frame", "pixel"))
+        return isinstance(other, View) and all(
+            same(getattr(self, name), getattr(other, name)) for name in ("camera", "frame", "pixel")
+        )
 
 
 @dataclass(frozen=True, slots=True)
 class Picture:
-    """pixels: (height, width, 4) float32 premultiplied scene-linear RGBA, row 0 at the bottom. They cover `region` (x, y,
-    width, height, pixels of the screen). samples: camera samples per pixel; 1 as long as `moving`, from the store. made: when it
-    was, by time.monotonic()."""
+    """pixels: (height, width, 4) float32 premultiplied scene-linear RGBA, row 0 at the bottom. They
+    cover `region` (x, y, width, height, pixels of the screen). samples: camera samples per pixel; 1
+    as long as `moving`, from the store. made: when it was, by time.monotonic().
+    """
 
     pixels: NDArray[np.float32]
     region: tuple[int, int, int, int]
@@ -79,7 +88,9 @@ class Picture:
 
 @dataclass(slots=True)
 class Counts:
-    """What the thread has done so far. builds: of geometry; relights: of the rest on the same geometry; seconds: of the last of each."""
+    """What the thread has done so far. builds: of geometry; relights: of the rest on the same
+    geometry; seconds: of the last of each.
+    """
 
     builds: int = 0
     relights: int = 0
@@ -90,7 +101,8 @@ class Counts:
 
 
 class Controller:
-    """Owns the thread. All methods may be called from any one thread and return at once, but close().
+    """Owns the thread. All methods may be called from any one thread and return at once, but
+    close().
 
     `settings.passes` and `settings.time_limit` say when refinement ends (0 s = no limit).
     step: the width of a moving picture's pixels; None chooses it by the time that pictures take.
@@ -119,10 +131,17 @@ class Controller:
     # --- any thread ---
 
     def set_scene(self, scene: Scene, settings: RenderSettings) -> None:
-        """Shows `scene` from now on; what of it is as before is not built again. Its camera and frame do not count."""
+        """Shows `scene` from now on; what of it is as before is not built again. Its camera and
+        frame do not count.
+        """
         with self._changed:
             known = self._scene or self._loading or self._loaded
-            if known is not None and known[1] == settings and same_geometry(known[0], scene) and same_shading(known[0], scene):
+            if (
+                known is not None
+                and known[1] == settings
+                and same_geometry(known[0], scene)
+                and same_shading(known[0], scene)
+            ):
                 return
             self._scene = (scene, settings)
             self._error = None
@@ -147,7 +166,11 @@ class Controller:
     def status(self) -> tuple[str, float, str]:
         """What is going on, how much of it is done (0..1), and what went wrong."""
         with self._changed:
-            return self._status, self._progress, " ".join(str(self._error).split()) if self._error else ""
+            return (
+                self._status,
+                self._progress,
+                " ".join(str(self._error).split()) if self._error else "",
+            )
 
     @property
     def idle(self) -> bool:
@@ -167,7 +190,9 @@ class Controller:
         return self._thread.is_alive()
 
     def _interrupt(self, everything: bool) -> None:
-        """Wakes the thread up; stops what it does if that is no longer wanted: a moving camera lets a picture be finished."""
+        """Wakes the thread up; stops what it does if that is no longer wanted: a moving camera lets
+        a picture be finished.
+        """
         if self._renderer is not None and (everything or self._may_cancel):
             self._renderer.cancel()
         self._changed.notify_all()
@@ -192,7 +217,9 @@ class Controller:
                 self._changed.wait()
 
     def _work(self) -> bool:
-        """Does all there is to do for the scene and the view of now, then waits for others. False: the end."""
+        """Does all there is to do for the scene and the view of now, then waits for others. False:
+        the end.
+        """
         with self._changed:
             if self._closing:
                 self._renderer = self._loaded = None
@@ -215,7 +242,9 @@ class Controller:
         self._draw_store(renderer, view, max(self._pace.step, view.pixel), moving=True)
         with self._changed:
             self._may_cancel = True
-            while not self._is_new(view) and (left := self._moved + self._rest - time.monotonic()) > 0:
+            while (
+                not self._is_new(view) and (left := self._moved + self._rest - time.monotonic()) > 0
+            ):
                 self._changed.wait(left)
             if self._is_new(view):
                 return True
@@ -242,7 +271,12 @@ class Controller:
         started = time.monotonic()
         loaded, self._loaded = self._loaded, None
         renderer = self._renderer
-        if loaded is not None and renderer is not None and loaded[1] == settings and same_geometry(loaded[0], scene):
+        if (
+            loaded is not None
+            and renderer is not None
+            and loaded[1] == settings
+            and same_geometry(loaded[0], scene)
+        ):
             if not same_shading(loaded[0], scene):
                 self._say("Lighting")
                 replace_shading(renderer, scene)
@@ -270,7 +304,9 @@ class Controller:
             if store["full"] or store["photons"] >= photons or store["paths"] >= most_paths:
                 break
             self._say("Tracing photons", store["photons"] / photons)
-            renderer.trace_store(min(max(FIRST_PATHS, store["paths"]), PHOTONS_PER_BATCH), MOST_STORE_BYTES)
+            renderer.trace_store(
+                min(max(FIRST_PATHS, store["paths"]), PHOTONS_PER_BATCH), MOST_STORE_BYTES
+            )
             traced = True
         self._count(renderer)
         if traced:
@@ -302,7 +338,9 @@ class Controller:
                 renderer.select_layer(layer)
                 renderer.make_points(number)
                 for first in range(0, renderer.paths_per_pass, PHOTONS_PER_BATCH):
-                    renderer.trace_photons(first, min(PHOTONS_PER_BATCH, renderer.paths_per_pass - first))
+                    renderer.trace_photons(
+                        first, min(PHOTONS_PER_BATCH, renderer.paths_per_pass - first)
+                    )
                     renderer.splat()
             renderer.resolve()
             self.counts.passes += 1
@@ -318,17 +356,31 @@ class Controller:
 
     def _count(self, renderer: Renderer) -> None:
         photons = renderer.statistics()["photons"]
-        self.counts.photon_paths = renderer.store_statistics()["traced"] + photons["traced"] + photons["pilot"]
+        self.counts.photon_paths = (
+            renderer.store_statistics()["traced"] + photons["traced"] + photons["pilot"]
+        )
 
-    def _publish(self, renderer: Renderer, view: View, region: tuple[int, int, int, int], step: int, samples: int, moving: bool) -> None:
+    def _publish(
+        self,
+        renderer: Renderer,
+        view: View,
+        region: tuple[int, int, int, int],
+        step: int,
+        samples: int,
+        moving: bool,
+    ) -> None:
         pixels = renderer.picture()
         with self._changed:
             number = self._picture.number + 1 if self._picture else 1
-            self._picture = Picture(pixels, region, view, step, samples, moving, number, time.monotonic())
+            self._picture = Picture(
+                pixels, region, view, step, samples, moving, number, time.monotonic()
+            )
 
 
 class Pace:
-    """Chooses the width of a moving picture's pixels by the time that pictures take. `fixed`: that width for ever."""
+    """Chooses the width of a moving picture's pixels by the time that pictures take. `fixed`: that
+    width for ever.
+    """
 
     def __init__(self, fixed: int | None = None) -> None:
         self.step = fixed or FIRST_STEP
@@ -360,7 +412,8 @@ class Pace:
 
 
 def scaled(frame: Frame, step: int, sharp: bool = True) -> tuple[Frame, tuple[int, int, int, int]]:
-    """`frame` in pixels `step` times as wide, rounded up, and what of the screen its region then covers.
+    """`frame` in pixels `step` times as wide, rounded up, and what of the screen its region then
+    covers.
 
     sharp: each pixel shows what it covers alone; else the filter of `frame` blurs it.
     """
@@ -375,7 +428,9 @@ def scaled(frame: Frame, step: int, sharp: bool = True) -> tuple[Frame, tuple[in
 
 
 def fitted(view: View, frame: Frame, step: int) -> Camera:
-    """The camera of `view` for its frame in wider pixels, which may reach beyond it to the right and above."""
+    """The camera of `view` for its frame in wider pixels, which may reach beyond it to the right
+    and above.
+    """
     left, right, bottom, top = view.camera.screen
     right = left + (right - left) * (frame.width * step) / view.frame.width
     top = bottom + (top - bottom) * (frame.height * step) / view.frame.height

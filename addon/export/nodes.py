@@ -1,4 +1,6 @@
-"""Reading shader node trees: where a socket's value comes from, through groups, reroutes, muted nodes and links."""
+"""Reading shader node trees: where a socket's value comes from, through groups, reroutes, muted
+nodes and links.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,8 @@ OUTPUTS = ("ShaderNodeOutputMaterial", "ShaderNodeOutputWorld", "ShaderNodeOutpu
 
 @dataclass(slots=True)
 class Source:
-    """What feeds a socket: an output `socket` of `node`, or (node is None) an unlinked input `socket` with its own value.
+    """What feeds a socket: an output `socket` of `node`, or (node is None) an unlinked input
+    `socket` with its own value.
 
     `groups` are the group nodes around it, outermost first.
     """
@@ -43,12 +46,22 @@ def source(socket: Any, groups: tuple[Any, ...] = ()) -> Source:
         if node.type == "REROUTE":
             socket = node.inputs[0]
         elif node.mute:
-            passed = next((inner.from_socket for inner in node.internal_links if inner.to_socket == output), None)
+            passed = next(
+                (inner.from_socket for inner in node.internal_links if inner.to_socket == output),
+                None,
+            )
             if passed is None:
                 return Source(None, socket, groups)
             socket = passed
         elif node.type == "GROUP" and node.node_tree is not None:
-            ending = next((n for n in node.node_tree.nodes if n.type == "GROUP_OUTPUT" and n.is_active_output), None)
+            ending = next(
+                (
+                    n
+                    for n in node.node_tree.nodes
+                    if n.type == "GROUP_OUTPUT" and n.is_active_output
+                ),
+                None,
+            )
             inner = _by_identifier(ending.inputs, output.identifier) if ending else None
             if inner is None:
                 return Source(None, socket, groups)
@@ -63,18 +76,24 @@ def source(socket: Any, groups: tuple[Any, ...] = ()) -> Source:
 
 
 def output_node(tree: Any) -> Any:
-    """The output node that Cycles reads, or None: its own, whether it is active or not, else that of all renderers."""
+    """The output node that Cycles reads, or None: its own, whether it is active or not, else that
+    of all renderers.
+    """
     return tree.get_output_node("CYCLES")
 
 
 def report_foreign_output(tree: Any, owner: str, report: Report) -> None:
     """Says so where there is an output, but not for us."""
     if any(node.bl_idname in OUTPUTS for node in tree.nodes):
-        report.warn(f"{owner}: its only output is for another renderer (Target); black, as in Cycles")
+        report.warn(
+            f"{owner}: its only output is for another renderer (Target); black, as in Cycles"
+        )
 
 
 def uses_nodes(owner: Any) -> bool:
-    """True if a material, light or world is shaded by its node tree (always, from Blender 5.0 on)."""
+    """True if a material, light or world is shaded by its node tree (always, from Blender 5.0
+    on).
+    """
     if owner.node_tree is None:
         return False
     if bpy.app.version >= (5, 0, 0):
@@ -85,7 +104,9 @@ def uses_nodes(owner: Any) -> bool:
 
 
 def hollow_groups(tree: Any) -> list[Any]:
-    """Group nodes in `tree`, at any depth, whose output is linked and which have no tree or no output node in it."""
+    """Group nodes in `tree`, at any depth, whose output is linked and which have no tree or no
+    output node in it.
+    """
     found, seen, waiting = [], {tree.as_pointer()}, [tree]
     while waiting:
         for node in waiting.pop().nodes:
@@ -102,7 +123,9 @@ def hollow_groups(tree: Any) -> list[Any]:
 
 
 def default_value(socket: Any) -> Any:
-    """A socket's own value: a tuple of floats, a float, or None for sockets without one (shaders)."""
+    """A socket's own value: a tuple of floats, a float, or None for sockets without one
+    (shaders).
+    """
     value = getattr(socket, "default_value", None)
     if value is None or isinstance(value, str):
         return None

@@ -21,14 +21,23 @@ BORROWED = {
     "VIEWLAYER_PT_override",
 }
 # Made for engines without settings of their own.
-NOT_OURS = {"VIEWLAYER_PT_filter", "VIEWLAYER_PT_layer_passes", "RENDER_PT_gpencil", "RENDER_PT_simplify_greasepencil"}
+NOT_OURS = {
+    "VIEWLAYER_PT_filter",
+    "VIEWLAYER_PT_layer_passes",
+    "RENDER_PT_gpencil",
+    "RENDER_PT_simplify_greasepencil",
+}
 
 
 def _panels() -> Iterator[Any]:
     for panel in bpy.types.Panel.__subclasses__():
         engines = getattr(panel, "COMPAT_ENGINES", None)
         name = panel.__name__
-        if isinstance(engines, set) and name not in NOT_OURS and (name in BORROWED or "BLENDER_RENDER" in engines):
+        if (
+            isinstance(engines, set)
+            and name not in NOT_OURS
+            and (name in BORROWED or "BLENDER_RENDER" in engines)
+        ):
             yield panel
 
 

@@ -1,4 +1,6 @@
-"""Presets of the sampling settings, by Blender's own system: Draft, Good and Final come with the engine."""
+"""Presets of the sampling settings, by Blender's own system: Draft, Good and Final come with the
+engine.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +29,9 @@ class PHOTON_SPLAT_PT_presets(PresetPanel, bpy.types.Panel):
 class PHOTON_SPLAT_OT_preset_add(AddPresetBase, bpy.types.Operator):
     bl_idname = "photon_splat.preset_add"
     bl_label = "Add Sampling Preset"
-    bl_description = "Keep the settings of Sampling and Light Paths under a name, or remove those of a name"
+    bl_description = (
+        "Keep the settings of Sampling and Light Paths under a name, or remove those of a name"
+    )
     preset_menu = "PHOTON_SPLAT_PT_presets"
     preset_defines = ["settings = bpy.context.scene.photon_splat"]
     preset_values = [
@@ -55,7 +59,8 @@ def _homes() -> list[str]:
 
 def register() -> None:
     register_classes(CLASSES)
-    if hasattr(bpy.utils, "register_preset_path") and HOME not in _homes():  # Blender 4.2 finds the user's own presets only
+    # Blender 4.2 finds the user's own presets only
+    if hasattr(bpy.utils, "register_preset_path") and HOME not in _homes():
         bpy.utils.register_preset_path(HOME)
 
 

@@ -96,11 +96,18 @@ class PHOTON_SPLAT_PT_performance(RenderPanel, bpy.types.Panel):
         layout.prop(scene.render, "preview_pixel_size", text="Viewport Pixel Size")
         layout.prop(scene.render, "use_persistent_data")
         memory = translated("Memory: {now:,.0f} MiB now, {most:,.0f} MiB at most")
-        layout.label(text=memory.format(now=current_memory_bytes() / 2**20, most=peak_memory_bytes() / 2**20), translate=False)
+        layout.label(
+            text=memory.format(
+                now=current_memory_bytes() / 2**20, most=peak_memory_bytes() / 2**20
+            ),
+            translate=False,
+        )
 
 
 def graphics(scene: str) -> str:
-    """What is known of the graphics card without asking it: its name, from the last render that used it."""
+    """What is known of the graphics card without asking it: its name, from the last render that
+    used it.
+    """
     last = last_renders.get(scene)
     name = last.statistics.get("gpu", {}).get("renderer") if last else None
     if name:

@@ -1,4 +1,6 @@
-"""What a render told: its figures, and what of the scene was approximated, with a click to where that is."""
+"""What a render told: its figures, and what of the scene was approximated, with a click to where
+that is.
+"""
 
 from __future__ import annotations
 
@@ -17,10 +19,14 @@ from .base import RenderPanel, paragraph, translated
 class PHOTON_SPLAT_OT_select(bpy.types.Operator):
     bl_idname = "photon_splat.select"
     bl_label = "Select What Was Approximated"
-    bl_description = "Select the objects that are named, or that use the materials named, and show the material"
+    bl_description = (
+        "Select the objects that are named, or that use the materials named, and show the material"
+    )
     bl_options = {"REGISTER", "UNDO", "INTERNAL"}
 
-    name: bpy.props.StringProperty(name="Names", description="Of objects and materials, a line each")  # type: ignore[valid-type]
+    name: bpy.props.StringProperty(  # type: ignore[valid-type]
+        name="Names", description="Of objects and materials, a line each"
+    )
 
     @classmethod
     def poll(cls, context: Any) -> bool:
@@ -90,7 +96,9 @@ class PHOTON_SPLAT_PT_approximations(RenderPanel, bpy.types.Panel):
             paragraph(row, warning, "INFO")
             names = named(warning)
             if names:
-                row.operator(PHOTON_SPLAT_OT_select.bl_idname, text="", icon="RESTRICT_SELECT_OFF").name = "\n".join(names)
+                row.operator(
+                    PHOTON_SPLAT_OT_select.bl_idname, text="", icon="RESTRICT_SELECT_OFF"
+                ).name = "\n".join(names)
 
 
 def warnings(scene: str) -> list[str]:
@@ -103,16 +111,22 @@ def warnings(scene: str) -> list[str]:
 
 def named(warning: str) -> list[str]:
     """The objects and materials of this file that a warning names."""
-    return [name for name in names_in(warning) if name in bpy.data.objects or name in bpy.data.materials]
+    return [
+        name for name in names_in(warning) if name in bpy.data.objects or name in bpy.data.materials
+    ]
 
 
 def users(context: Any, names: Collection[str]) -> Iterator[tuple[Any, int | None]]:
-    """The objects of the view layer of those names, or with a material of such a name and its slot; those first that are named first."""
+    """The objects of the view layer of those names, or with a material of such a name and its slot;
+    those first that are named first.
+    """
     place = {name: k for k, name in reversed(list(enumerate(names)))}
     found: list[tuple[int, int, Any, int | None]] = []
     for ob in context.view_layer.objects:
         slots = [
-            (place[slot.material.name], k) for k, slot in enumerate(ob.material_slots) if slot.material and slot.material.name in place
+            (place[slot.material.name], k)
+            for k, slot in enumerate(ob.material_slots)
+            if slot.material and slot.material.name in place
         ]
         if slots or ob.name in place:
             first, slot = min(slots) if slots else (len(place), None)
@@ -125,7 +139,11 @@ def statistics_lines(statistics: dict[str, Any]) -> Iterator[str]:
     """The figures of a render as short lines."""
     if not statistics:
         return
-    seconds, photons, error = statistics.get("seconds", {}), statistics.get("photons", {}), statistics.get("error", {})
+    seconds, photons, error = (
+        statistics.get("seconds", {}),
+        statistics.get("photons", {}),
+        statistics.get("error", {}),
+    )
     state = translated("cancelled after") if statistics.get("cancelled") else translated("in")
     line = translated("{passes} passes {state} {seconds:.1f} s on {threads} threads, {backend}")
     yield line.format(
@@ -139,11 +157,17 @@ def statistics_lines(statistics: dict[str, Any]) -> Iterator[str]:
         line = translated("Estimated error {error:.2g} % of the mean brightness")
         yield line.format(error=100 * error["relative_rmse"])
     line = translated("{traced:,} photons traced, {stored:,} stored, {rays:,} rays")
-    yield line.format(traced=photons.get("traced", 0), stored=photons.get("stored", 0), rays=statistics.get("rays", 0))
+    yield line.format(
+        traced=photons.get("traced", 0),
+        stored=photons.get("stored", 0),
+        rays=statistics.get("rays", 0),
+    )
     for name, value in seconds.items():
         if name != "total" and value >= 0.005:
             yield f"    {translated(name.capitalize())}: {value:.2f} s"
-    yield translated("Peak memory {memory:,.0f} MiB").format(memory=statistics.get("peak_memory_bytes", 0) / 2**20)
+    yield translated("Peak memory {memory:,.0f} MiB").format(
+        memory=statistics.get("peak_memory_bytes", 0) / 2**20
+    )
 
 
 def plan_lines(plan: Any) -> Iterator[str]:
@@ -157,7 +181,12 @@ def plan_lines(plan: Any) -> Iterator[str]:
         yield from (str(line) for line in plan)
 
 
-CLASSES = (PHOTON_SPLAT_OT_select, PHOTON_SPLAT_PT_approximations, PHOTON_SPLAT_PT_last_render, PHOTON_SPLAT_PT_plan)
+CLASSES = (
+    PHOTON_SPLAT_OT_select,
+    PHOTON_SPLAT_PT_approximations,
+    PHOTON_SPLAT_PT_last_render,
+    PHOTON_SPLAT_PT_plan,
+)
 
 
 def _forget(*_: Any) -> None:

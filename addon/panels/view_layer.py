@@ -38,7 +38,15 @@ class PHOTON_SPLAT_PT_light_groups(RenderPanel, bpy.types.Panel):
     def draw(self, context: Any) -> None:
         view_layer = context.view_layer
         row = split_layout(self).row()
-        row.template_list("UI_UL_list", "lightgroups", view_layer, "lightgroups", view_layer, "active_lightgroup_index", rows=3)
+        row.template_list(
+            "UI_UL_list",
+            "lightgroups",
+            view_layer,
+            "lightgroups",
+            view_layer,
+            "active_lightgroup_index",
+            rows=3,
+        )
         buttons = row.column(align=True)
         buttons.operator("scene.view_layer_add_lightgroup", icon="ADD", text="")
         buttons.operator("scene.view_layer_remove_lightgroup", icon="REMOVE", text="")
@@ -49,7 +57,14 @@ class PHOTON_SPLAT_PT_light_groups(RenderPanel, bpy.types.Panel):
 def _draw_light_group(panel: Any, owner: Any, view_layer: Any) -> None:
     """What light group `owner`, an object or a world, is of."""
     row = split_layout(panel).row(align=True)
-    row.prop_search(owner, "lightgroup", view_layer, "lightgroups", text="Light Group", results_are_suggestions=True)
+    row.prop_search(
+        owner,
+        "lightgroup",
+        view_layer,
+        "lightgroups",
+        text="Light Group",
+        results_are_suggestions=True,
+    )
     known = any(group.name == owner.lightgroup for group in view_layer.lightgroups)
     button = row.column(align=True)
     button.enabled = bool(owner.lightgroup) and not known

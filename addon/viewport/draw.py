@@ -15,7 +15,9 @@ class Canvas:
         self.number = 0
 
     def draw(self, picture: Picture) -> None:
-        """Scene-linear and premultiplied, as Blender wants it: it does the colour management afterwards."""
+        """Scene-linear and premultiplied, as Blender wants it: it does the colour management
+        afterwards.
+        """
         import gpu
         from gpu_extras.presets import draw_texture_2d
 

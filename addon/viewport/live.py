@@ -1,4 +1,6 @@
-"""The viewports that are rendered now, each with its thread; none outlives the engine that Blender made for it."""
+"""The viewports that are rendered now, each with its thread; none outlives the engine that Blender
+made for it.
+"""
 
 from __future__ import annotations
 
@@ -56,7 +58,9 @@ class Live:
         self.kept.forget(changed(depsgraph))
         try:
             report = Report()
-            scene = export_contents(depsgraph, NOWHERE, Frame(1, 1), report, self.kept, visible_in(context.space_data))
+            scene = export_contents(
+                depsgraph, NOWHERE, Frame(1, 1), report, self.kept, visible_in(context.space_data)
+            )
             settings = viewport_settings(depsgraph.scene_eval)
         except (ValueError, RuntimeError, MemoryError) as error:
             self.error = " ".join(str(error).split()) or type(error).__name__
@@ -72,8 +76,14 @@ class Live:
         started = time.monotonic()
         scene, space, rv3d = depsgraph.scene_eval, context.space_data, context.region_data
         bounds = self._scene_bounds() if not rv3d.is_perspective else None
-        local = space.camera.evaluated_get(depsgraph) if space.use_local_camera and space.camera else None
-        self.controller.set_view(view_of(context.region, space, rv3d, scene, pixel_size(scene, context), bounds, local))
+        local = (
+            space.camera.evaluated_get(depsgraph)
+            if space.use_local_camera and space.camera
+            else None
+        )
+        self.controller.set_view(
+            view_of(context.region, space, rv3d, scene, pixel_size(scene, context), bounds, local)
+        )
         picture = self.controller.picture()
         if picture is not None:
             engine.bind_display_space_shader(scene)
@@ -84,7 +94,10 @@ class Live:
             engine.update_stats("Photon Splat", f"Error: {error or self.error}")
         else:
             samples = picture.samples if picture else 0
-            engine.update_stats("Photon Splat", f"{status} {100 * progress:.0f} %" if status else f"{samples} passes")
+            engine.update_stats(
+                "Photon Splat",
+                f"{status} {100 * progress:.0f} %" if status else f"{samples} passes",
+            )
         self.seconds["draw"] = time.monotonic() - started
 
     def news(self) -> bool:
@@ -128,7 +141,9 @@ def changed(depsgraph: Any) -> set[int]:
 
 
 def visible_in(space: Any) -> Any:
-    """What a 3D viewport shows, if it does not show everything: a test of instances of the graph."""
+    """What a 3D viewport shows, if it does not show everything: a test of instances of the
+    graph.
+    """
     if space is None or not (space.local_view or space.use_local_collections):
         return None
 
@@ -189,7 +204,11 @@ def _forget_after_undo(*_: Any) -> None:
         live.kept.clear()
 
 
-HANDLERS = (("load_pre", _close_before_load), ("undo_post", _forget_after_undo), ("redo_post", _forget_after_undo))
+HANDLERS = (
+    ("load_pre", _close_before_load),
+    ("undo_post", _forget_after_undo),
+    ("redo_post", _forget_after_undo),
+)
 
 
 def register() -> None:

@@ -18,12 +18,19 @@ Rectangle = tuple[float, float, float, float]
 
 
 def view_of(
-    region: Any, space: Any, rv3d: Any, scene: Any, pixel: int, bounds: NDArray[np.float64] | None = None, local: Any = None
+    region: Any,
+    space: Any,
+    rv3d: Any,
+    scene: Any,
+    pixel: int,
+    bounds: NDArray[np.float64] | None = None,
+    local: Any = None,
 ) -> View:
     """What the region of a 3D viewport shows, in pixels `pixel` times as wide as the screen's.
 
     scene   evaluated, for its render settings and its camera
-    bounds  (2, 3) corners of what stands in the scene, m: an orthographic view, which begins behind the eye, begins there
+    bounds  (2, 3) corners of what stands in the scene, m: an orthographic view, which begins behind
+    the eye, begins there
     local   the evaluated camera object of this viewport alone, if it has one
     """
     width, height = max(int(region.width), 1), max(int(region.height), 1)
@@ -45,32 +52,63 @@ def view_of(
     if seen is not None:
         whole = camera_frame(ob.data, scene.render, window)
         # A whole panorama fills the frame; nothing is seen around it.
-        camera = replace(seen, screen=window if seen.panorama is None else mapped(window, whole, seen.screen))
-        frame.border = border_in_camera(scene.render, ob.data, window, whole, width, height, only_frame=seen.panorama is not None)
+        camera = replace(
+            seen, screen=window if seen.panorama is None else mapped(window, whole, seen.screen)
+        )
+        frame.border = border_in_camera(
+            scene.render,
+            ob.data,
+            window,
+            whole,
+            width,
+            height,
+            only_frame=seen.panorama is not None,
+        )
     else:
         camera.clip_start, camera.clip_end = float(space.clip_start), float(space.clip_end)
         if camera.orthographic:
             begin_before(camera, bounds)
         if space.use_render_border:
-            fractions = (space.render_border_min_x, space.render_border_max_x, space.render_border_min_y, space.render_border_max_y)
+            fractions = (
+                space.render_border_min_x,
+                space.render_border_max_x,
+                space.render_border_min_y,
+                space.render_border_max_y,
+            )
             frame.border = pixels(fractions, width, height)
     return View(camera, frame, pixel)
 
 
 def projection(rv3d: Any) -> tuple[Rectangle, Camera]:
-    """What of the plane z = -1 (perspective) or in metres (orthographic) the region shows, and a camera that sees it."""
+    """What of the plane z = -1 (perspective) or in metres (orthographic) the region shows, and a
+    camera that sees it.
+    """
     p = np.array(rv3d.window_matrix, np.float64)
     matrix = np.linalg.inv(np.array(rv3d.view_matrix, np.float64))
     if rv3d.is_perspective:
-        window = ((p[0, 2] - 1) / p[0, 0], (p[0, 2] + 1) / p[0, 0], (p[1, 2] - 1) / p[1, 1], (p[1, 2] + 1) / p[1, 1])
+        window = (
+            (p[0, 2] - 1) / p[0, 0],
+            (p[0, 2] + 1) / p[0, 0],
+            (p[1, 2] - 1) / p[1, 1],
+            (p[1, 2] + 1) / p[1, 1],
+        )
     else:
-        window = ((-1 - p[0, 3]) / p[0, 0], (1 - p[0, 3]) / p[0, 0], (-1 - p[1, 3]) / p[1, 1], (1 - p[1, 3]) / p[1, 1])
+        window = (
+            (-1 - p[0, 3]) / p[0, 0],
+            (1 - p[0, 3]) / p[0, 0],
+            (-1 - p[1, 3]) / p[1, 1],
+            (1 - p[1, 3]) / p[1, 1],
+        )
     left, right, bottom, top = (float(side) for side in window)
-    return (left, right, bottom, top), Camera(matrix, (left, right, bottom, top), orthographic=not rv3d.is_perspective)
+    return (left, right, bottom, top), Camera(
+        matrix, (left, right, bottom, top), orthographic=not rv3d.is_perspective
+    )
 
 
 def begin_before(camera: Camera, bounds: NDArray[np.float64] | None) -> None:
-    """Moves the eye of an orthographic camera back, out of the scene, as far as the view is not clipped before it."""
+    """Moves the eye of an orthographic camera back, out of the scene, as far as the view is not
+    clipped before it.
+    """
     axis, eye = camera.matrix[:3, 2], camera.matrix[:3, 3]
     back = camera.clip_end
     if bounds is not None:
@@ -84,27 +122,51 @@ def begin_before(camera: Camera, bounds: NDArray[np.float64] | None) -> None:
 def camera_frame(camera: Any, render: Any, window: Rectangle) -> Rectangle:
     """Where the camera's frame lies in the region: fractions of its width and height."""
     width, height = resolution(render)
-    left, right, bottom, top = screen(camera, width, height, render.pixel_aspect_y / render.pixel_aspect_x)
+    left, right, bottom, top = screen(
+        camera, width, height, render.pixel_aspect_y / render.pixel_aspect_x
+    )
     across, up = window[1] - window[0], window[3] - window[2]
-    return ((left - window[0]) / across, (right - window[0]) / across, (bottom - window[2]) / up, (top - window[2]) / up)
+    return (
+        (left - window[0]) / across,
+        (right - window[0]) / across,
+        (bottom - window[2]) / up,
+        (top - window[2]) / up,
+    )
 
 
 def mapped(window: Rectangle, whole: Rectangle, inside: Rectangle) -> Rectangle:
-    """The coordinates of the whole region when those of the frame `whole` (fractions of it) are `inside`."""
-    across, up = (inside[1] - inside[0]) / (whole[1] - whole[0]), (inside[3] - inside[2]) / (whole[3] - whole[2])
+    """The coordinates of the whole region when those of the frame `whole` (fractions of it) are
+    `inside`.
+    """
+    across, up = (
+        (inside[1] - inside[0]) / (whole[1] - whole[0]),
+        (inside[3] - inside[2]) / (whole[3] - whole[2]),
+    )
     left, bottom = inside[0] - whole[0] * across, inside[2] - whole[2] * up
     return (left, left + across, bottom, bottom + up)
 
 
 def border_in_camera(
-    render: Any, camera: Any, window: Rectangle, whole: Rectangle, width: int, height: int, only_frame: bool
+    render: Any,
+    camera: Any,
+    window: Rectangle,
+    whole: Rectangle,
+    width: int,
+    height: int,
+    only_frame: bool,
 ) -> tuple[int, int, int, int] | None:
-    """What is to be rendered of a camera view: its border, its frame if all around is hidden, or everything."""
+    """What is to be rendered of a camera view: its border, its frame if all around is hidden, or
+    everything.
+    """
     hidden = camera.show_passepartout and camera.passepartout_alpha >= 1.0
     if render.use_border:
         x, y = whole[1] - whole[0], whole[3] - whole[2]
         sides = (whole[0] + render.border_min_x * x, whole[0] + render.border_max_x * x)
-        return pixels((*sides, whole[2] + render.border_min_y * y, whole[2] + render.border_max_y * y), width, height)
+        return pixels(
+            (*sides, whole[2] + render.border_min_y * y, whole[2] + render.border_max_y * y),
+            width,
+            height,
+        )
     return pixels(whole, width, height) if hidden or only_frame else None
 
 

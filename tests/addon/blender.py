@@ -1,7 +1,8 @@
-"""Tests that run inside Blender: a process of its own does them one after the other, so that a crash costs one test only.
+"""Tests that run inside Blender: a process of its own does them one after the other, so that a
+crash costs one test only.
 
-A test function that is marked with `in_blender` is called in that process, on an empty scene with the engine registered.
-Its arguments are what JSON carries: parameters, and paths as strings.
+A test function that is marked with `in_blender` is called in that process, on an empty scene with
+the engine registered. Its arguments are what JSON carries: parameters, and paths as strings.
 """
 
 from __future__ import annotations
@@ -34,14 +35,21 @@ class Blender:
         self.process: subprocess.Popen[str] | None = None
 
     def call(self, check: Callable[..., None], arguments: dict[str, Any]) -> None:
-        """Calls `check` over there. The test fails if it raises, ends the process, or takes longer than `SECONDS`."""
+        """Calls `check` over there. The test fails if it raises, ends the process, or takes longer
+        than `SECONDS`.
+        """
         if self.process is None or self.process.poll() is not None:
             self._start()
         process = self.process
         assert process is not None
         assert process.stdin is not None
         assert process.stdout is not None
-        request = {"module": check.__module__, "file": inspect.getfile(check), "name": check.__name__, "arguments": arguments}
+        request = {
+            "module": check.__module__,
+            "file": inspect.getfile(check),
+            "name": check.__name__,
+            "arguments": arguments,
+        }
         process.stdin.write(json.dumps(request) + "\n")
         process.stdin.flush()
         watch = threading.Timer(SECONDS, process.kill)
@@ -56,9 +64,19 @@ class Blender:
 
     def _start(self) -> None:
         path = os.pathsep.join([str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])])
-        environment = os.environ | {"BLENDER_USER_RESOURCES": tempfile.mkdtemp(dir=self.scratch), "PYTHONPATH": path}
+        environment = os.environ | {
+            "BLENDER_USER_RESOURCES": tempfile.mkdtemp(dir=self.scratch),
+            "PYTHONPATH": path,
+        }
         command = [sys.executable, "-m", "tests.addon.blender"]
-        self.process = subprocess.Popen(command, cwd=ROOT, env=environment, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        self.process = subprocess.Popen(
+            command,
+            cwd=ROOT,
+            env=environment,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
 
     def stop(self) -> None:
         if self.process is not None:
@@ -71,7 +89,13 @@ def in_blender(check: Callable[..., None]) -> Callable[..., None]:
 
     @functools.wraps(check)
     def run(blender: Blender, **arguments: Any) -> None:
-        blender.call(check, {name: str(value) if isinstance(value, Path) else value for name, value in arguments.items()})
+        blender.call(
+            check,
+            {
+                name: str(value) if isinstance(value, Path) else value
+                for name, value in arguments.items()
+            },
+        )
 
     own = [inspect.Parameter("blender", inspect.Parameter.POSITIONAL_OR_KEYWORD)]
     run.__signature__ = inspect.Signature([*own, *inspect.signature(check).parameters.values()])  # type: ignore[attr-defined]
@@ -79,7 +103,9 @@ def in_blender(check: Callable[..., None]) -> Callable[..., None]:
 
 
 def _serve() -> None:
-    """Answers every request with one line: null, or what went wrong. What Blender prints goes to stderr."""
+    """Answers every request with one line: null, or what went wrong. What Blender prints goes to
+    stderr.
+    """
     answers = os.fdopen(os.dup(1), "w", buffering=1)
     os.dup2(2, 1)
     import bpy

@@ -95,7 +95,12 @@ def world(radiance: float) -> None:
     made = bpy.data.worlds.new("World")
     if bpy.app.version < (5, 0, 0):
         made.use_nodes = True
-    made.node_tree.nodes["Background"].inputs["Color"].default_value = (radiance, radiance, radiance, 1)
+    made.node_tree.nodes["Background"].inputs["Color"].default_value = (
+        radiance,
+        radiance,
+        radiance,
+        1,
+    )
     scene().world = made
 
 
@@ -112,11 +117,17 @@ def room(pixels: int = 16, passes: int = 2, photons: int = 2000) -> Any:
 
 def resize(width: int, height: int | None = None) -> None:
     render = scene().render
-    render.resolution_x, render.resolution_y, render.resolution_percentage = width, height or width, 100
+    render.resolution_x, render.resolution_y, render.resolution_percentage = (
+        width,
+        height or width,
+        100,
+    )
 
 
 def exported() -> Scene:
-    """The scene as a final render exports it: through Blender's render operator, with a session that renders nothing."""
+    """The scene as a final render exports it: through Blender's render operator, with a session
+    that renders nothing.
+    """
     return exports()[0]
 
 
@@ -128,7 +139,9 @@ def exports(**operator: Any) -> list[Scene]:
 
     def keep(what: Scene, *_: Any, **__: Any) -> RenderResult:
         seen.append(what)
-        return RenderResult(black_passes(*what.frame.region[2:]), False, {"warnings": list(what.warnings)})
+        return RenderResult(
+            black_passes(*what.frame.region[2:]), False, {"warnings": list(what.warnings)}
+        )
 
     if scene().camera is None:
         camera()

@@ -20,10 +20,18 @@ LENSES: list[dict[str, Any]] = [
     {"type": "ORTHO", "ortho_scale": 3.5},
     {"type": "ORTHO", "ortho_scale": 3.5, "shift_x": 0.3, "shift_y": 0.1, "sensor_fit": "VERTICAL"},
 ]
-FRAMES = [(40, 40, 1.0, 1.0), (60, 20, 1.0, 1.0), (20, 60, 1.0, 1.0), (40, 36, 1.0, 2.0), (40, 36, 1.5, 1.0)]
+FRAMES = [
+    (40, 40, 1.0, 1.0),
+    (60, 20, 1.0, 1.0),
+    (20, 60, 1.0, 1.0),
+    (40, 36, 1.0, 2.0),
+    (40, 36, 1.5, 1.0),
+]
 
 
-@pytest.mark.parametrize("lens", LENSES, ids=lambda lens: ",".join(f"{k}={v}" for k, v in lens.items()) or "plain")
+@pytest.mark.parametrize(
+    "lens", LENSES, ids=lambda lens: ",".join(f"{k}={v}" for k, v in lens.items()) or "plain"
+)
 @in_blender
 def test_screen_is_blenders_view_frame(lens: dict[str, Any]) -> None:
     from bpy_extras.object_utils import world_to_camera_view
@@ -46,10 +54,14 @@ def test_screen_is_blenders_view_frame(lens: dict[str, Any]) -> None:
         left, right, bottom, top = camera.screen
         depth = 1.0 if camera.orthographic else -ob.data.view_frame(scene=scene)[0].z
         corners = [(x / depth, y / depth) for x, y, _ in ob.data.view_frame(scene=scene)]
-        assert np.allclose(corners, [(right, top), (right, bottom), (left, bottom), (left, top)], atol=1e-5), (width, height)
+        assert np.allclose(
+            corners, [(right, top), (right, bottom), (left, bottom), (left, top)], atol=1e-5
+        ), (width, height)
 
         point = np.array([0.4, -0.3, -2.0])
-        seen = world_to_camera_view(scene, ob, Vector(camera.matrix[:3, :3] @ point + camera.matrix[:3, 3]))
+        seen = world_to_camera_view(
+            scene, ob, Vector(camera.matrix[:3, :3] @ point + camera.matrix[:3, 3])
+        )
         x, y = point[:2] if camera.orthographic else point[:2] / 2.0
         assert seen.x == pytest.approx((x - left) / (right - left), abs=1e-4)
         assert seen.y == pytest.approx((y - bottom) / (top - bottom), abs=1e-4)
@@ -85,7 +97,12 @@ def test_resolution_border_and_clipping() -> None:
     stage.resize(50, 30)
     render.resolution_percentage = 50
     render.use_border = True
-    render.border_min_x, render.border_max_x, render.border_min_y, render.border_max_y = 0.2, 0.6, 0.0, 0.5
+    render.border_min_x, render.border_max_x, render.border_min_y, render.border_max_y = (
+        0.2,
+        0.6,
+        0.0,
+        0.5,
+    )
     render.film_transparent = True
     render.filter_size = 2.5
     what = stage.exported()
@@ -101,7 +118,10 @@ def test_a_scene_without_a_camera_says_so() -> None:
     from photon_splat.export.camera import export_camera
     from photon_splat.report import Report
 
-    with pytest.raises(ValueError, match="Scene 'Scene' has no camera: add one, or set an object as the scene's active camera"):
+    with pytest.raises(
+        ValueError,
+        match="Scene 'Scene' has no camera: add one, or set an object as the scene's active camera",
+    ):
         export_camera(None, stage.scene(), Report())
 
 
@@ -113,7 +133,11 @@ def test_a_camera_of_a_type_that_nobody_knows() -> None:
     from photon_splat.report import Report
 
     ob = SimpleNamespace(name="Odd", type="CAMERA", data=SimpleNamespace(type="CUSTOM"))
-    with pytest.raises(ValueError, match="Camera 'Odd' is of type CUSTOM; there are perspective, orthographic and panoramic cameras"):
+    with pytest.raises(
+        ValueError,
+        match="Camera 'Odd' is of type CUSTOM; there are perspective, orthographic and panoramic "
+        "cameras",
+    ):
         export_camera(ob, stage.scene(), Report())
 
 
@@ -135,9 +159,21 @@ def test_aperture_and_focus() -> None:
     ob.data.lens = 80.0
     assert stage.exported().camera.aperture is None
     dof.use_dof = True
-    dof.aperture_fstop, dof.focus_distance, dof.aperture_blades, dof.aperture_rotation, dof.aperture_ratio = 2.0, 4.0, 6, 0.5, 1.5
+    (
+        dof.aperture_fstop,
+        dof.focus_distance,
+        dof.aperture_blades,
+        dof.aperture_rotation,
+        dof.aperture_ratio,
+    ) = 2.0, 4.0, 6, 0.5, 1.5
     lens = stage.exported().camera.aperture
-    assert (lens.radius, lens.focus, lens.blades, lens.rotation, lens.ratio) == (pytest.approx(0.02), 4.0, 6, 0.5, 1.5)
+    assert (lens.radius, lens.focus, lens.blades, lens.rotation, lens.ratio) == (
+        pytest.approx(0.02),
+        4.0,
+        6,
+        0.5,
+        1.5,
+    )
     ob.data.type = "ORTHO"
     assert stage.exported().camera.aperture.radius == pytest.approx(0.25)
     # Only the distance along the viewing axis counts, whatever the scale of the camera.

@@ -40,7 +40,12 @@ def _save_scenes(folder: str) -> None:
     stage.scene().render.use_motion_blur = True
     scene.view_layers.new("Second")
     scene.render.use_border = True
-    scene.render.border_min_x, scene.render.border_max_x, scene.render.border_min_y, scene.render.border_max_y = 0.25, 0.75, 0.5, 0.75
+    (
+        scene.render.border_min_x,
+        scene.render.border_max_x,
+        scene.render.border_min_y,
+        scene.render.border_max_y,
+    ) = 0.25, 0.75, 0.5, 0.75
     save("border")
     scene.render.use_crop_to_border = True
     save("crop")
@@ -65,10 +70,15 @@ def scenes(blender: Blender, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def _start(tmp_path: Path, *arguments: object, **options: Any) -> subprocess.Popen[str]:
     path = os.pathsep.join([str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])])
-    environment = os.environ | {"BLENDER_USER_RESOURCES": str(tmp_path / "blender"), "PYTHONPATH": path}
+    environment = os.environ | {
+        "BLENDER_USER_RESOURCES": str(tmp_path / "blender"),
+        "PYTHONPATH": path,
+    }
     command = [*RUN, *map(str, arguments)]
     pipe = subprocess.PIPE
-    return subprocess.Popen(command, cwd=tmp_path, env=environment, stdout=pipe, stderr=pipe, text=True, **options)
+    return subprocess.Popen(
+        command, cwd=tmp_path, env=environment, stdout=pipe, stderr=pipe, text=True, **options
+    )
 
 
 def _render(tmp_path: Path, *arguments: object, **options: Any) -> tuple[int, str]:
@@ -113,9 +123,15 @@ def _left(folder: Path) -> list[str]:
         (["--passes", "1.5"], "--passes: '1.5' is not a number"),
         (["--passes", "9999999999999"], "--passes: '9999999999999' is not a number between 1 and"),
         (["--photons-per-pass", "-1"], "--photons-per-pass"),
-        (["--photons-per-pass", "99999999999999"], "--photons-per-pass: '99999999999999' is not a number between 0 and"),
+        (
+            ["--photons-per-pass", "99999999999999"],
+            "--photons-per-pass: '99999999999999' is not a number between 0 and",
+        ),
         (["--resolution", "640"], "--resolution: '640' is not WIDTHxHEIGHT"),
-        (["--resolution", "2x2"], "--resolution: '2x2' is not WIDTHxHEIGHT with sides between 4 and 65536 pixels"),
+        (
+            ["--resolution", "2x2"],
+            "--resolution: '2x2' is not WIDTHxHEIGHT with sides between 4 and 65536 pixels",
+        ),
         (["--resolution", "axb"], "--resolution: 'axb'"),
         (["--seed", "-1"], "--seed"),
         (["--seed", "4294967296"], "--seed: '4294967296' is not a number between 0 and"),
@@ -125,13 +141,20 @@ def _left(folder: Path) -> list[str]:
         (["--backend", "magic"], "--backend: invalid choice: 'MAGIC'"),
         (["--point-spacing", "2"], "--point-spacing: '2' is not a number between 0 and 1"),
         (["--colour", "red"], "unrecognized arguments: --colour red"),
-        (["--stats", "missing/stats.json"], "missing/stats.json cannot be written: the folder missing does not exist"),
+        (
+            ["--stats", "missing/stats.json"],
+            "missing/stats.json cannot be written: the folder missing does not exist",
+        ),
         (["--stats", "."], ". is a folder"),
         (["--stats", "./out.exr"], "--stats and --output name the same file"),
     ],
 )
 def test_options_that_make_no_sense(
-    options: list[str], words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    options: list[str],
+    words: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     monkeypatch.chdir(tmp_path)
     Path("scene.blend").touch()
@@ -146,16 +169,29 @@ def test_options_that_make_no_sense(
         (["render", ".", "-o", "out.exr"], ". is not a file"),
         (["render", "scene.blend"], "the following arguments are required: -o/--output"),
         (["render", "-o", "out.exr"], "the following arguments are required: SCENE.blend"),
-        (["render", "scene.blend", "-o", "out.png"], "out.png does not end in .exr: pictures are written as OpenEXR"),
-        (["render", "scene.blend", "-o", "gone/out.exr"], "gone/out.exr cannot be written: the folder gone does not exist"),
-        (["render", "scene.blend", "-o", "scene.blend/out.exr"], "scene.blend/out.exr cannot be written"),
+        (
+            ["render", "scene.blend", "-o", "out.png"],
+            "out.png does not end in .exr: pictures are written as OpenEXR",
+        ),
+        (
+            ["render", "scene.blend", "-o", "gone/out.exr"],
+            "gone/out.exr cannot be written: the folder gone does not exist",
+        ),
+        (
+            ["render", "scene.blend", "-o", "scene.blend/out.exr"],
+            "scene.blend/out.exr cannot be written",
+        ),
         (["render", "scene.blend", "-o", "folder.exr"], "folder.exr is a folder"),
         (["paint"], "invalid choice: 'paint'"),
         ([], "the following arguments are required: render"),
     ],
 )
 def test_files_that_make_no_sense(
-    arguments: list[str], words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    arguments: list[str],
+    words: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     monkeypatch.chdir(tmp_path)
     Path("scene.blend").touch()
@@ -173,13 +209,22 @@ def _refused(capsys: pytest.CaptureFixture[str], words: str, *arguments: str) ->
     assert words in errors
 
 
-def test_a_folder_without_permission(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_folder_without_permission(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     """The superuser may write everywhere, so that the answer of the system is made up."""
     monkeypatch.chdir(tmp_path)
     Path("scene.blend").touch()
     Path("locked").mkdir()
     monkeypatch.setattr(os, "access", lambda path, mode: Path(path) != Path("locked"))
-    _refused(capsys, "locked/out.exr cannot be written: no permission in locked", "render", "scene.blend", "-o", "locked/out.exr")
+    _refused(
+        capsys,
+        "locked/out.exr cannot be written: no permission in locked",
+        "render",
+        "scene.blend",
+        "-o",
+        "locked/out.exr",
+    )
 
 
 # --- what goes wrong in Blender and after it ---
@@ -195,8 +240,12 @@ def test_a_folder_without_permission(tmp_path: Path, monkeypatch: pytest.MonkeyP
         ("no_layer", "Blender rendered no view layer; is at least one enabled for rendering?"),
     ],
 )
-def test_scenes_that_cannot_be_rendered(scene: str, words: str, scenes: Path, tmp_path: Path) -> None:
-    status, errors = _render(tmp_path, scenes / f"{scene}.blend", "-o", "out.exr", "--stats", "stats.json")
+def test_scenes_that_cannot_be_rendered(
+    scene: str, words: str, scenes: Path, tmp_path: Path
+) -> None:
+    status, errors = _render(
+        tmp_path, scenes / f"{scene}.blend", "-o", "out.exr", "--stats", "stats.json"
+    )
     assert status == 1
     assert words in errors
     assert errors.count("\n") == 1, errors
@@ -211,7 +260,9 @@ def _small_disk() -> None:
 def test_disk_full_leaves_what_was_there(scenes: Path, tmp_path: Path) -> None:
     (tmp_path / "out.exr").write_text("the picture of yesterday")
     options = ("--resolution", "200x200", "--passes", "1", "--photons-per-pass", "10")
-    status, errors = _render(tmp_path, scenes / "room.blend", "-o", "out.exr", *options, preexec_fn=_small_disk)
+    status, errors = _render(
+        tmp_path, scenes / "room.blend", "-o", "out.exr", *options, preexec_fn=_small_disk
+    )
     assert status == 1
     *_, last = errors.splitlines()
     assert last.startswith("photon-splat: out.exr could not be written: ")
@@ -221,7 +272,16 @@ def test_disk_full_leaves_what_was_there(scenes: Path, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_interrupting_writes_nothing(number: signal.Signals, scenes: Path, tmp_path: Path) -> None:
-    process = _start(tmp_path, scenes / "room.blend", "-o", "out.exr", "--passes", "1000000", "--resolution", "64x64")
+    process = _start(
+        tmp_path,
+        scenes / "room.blend",
+        "-o",
+        "out.exr",
+        "--passes",
+        "1000000",
+        "--resolution",
+        "64x64",
+    )
     try:
         assert process.stderr is not None
         assert " %" in process.stderr.readline()
@@ -274,8 +334,25 @@ def test_picture_and_statistics(scenes: Path, tmp_path: Path) -> None:
     assert pixels[..., [spec.channelnames.index(c) for c in "RGB"]].mean() > 0.01
 
     said = json.loads((tmp_path / "stats.json").read_text())
-    assert set(said["seconds"]) >= {"export", "acceleration", "camera", "photons", "splat", "boundary", "total"}
-    assert set(said) >= {"photons", "rays", "peak_memory_bytes", "passes", "threads", "backend", "warnings", "startup_seconds"}
+    assert set(said["seconds"]) >= {
+        "export",
+        "acceleration",
+        "camera",
+        "photons",
+        "splat",
+        "boundary",
+        "total",
+    }
+    assert set(said) >= {
+        "photons",
+        "rays",
+        "peak_memory_bytes",
+        "passes",
+        "threads",
+        "backend",
+        "warnings",
+        "startup_seconds",
+    }
     assert said["photons"]["traced"] == 3 * 60_000
     assert 0 < said["photons"]["stored"] < 10 * 180_000
     assert said["rays"] > 9000
@@ -294,8 +371,24 @@ def test_picture_and_statistics(scenes: Path, tmp_path: Path) -> None:
 
 
 def test_options_have_the_last_word(scenes: Path, tmp_path: Path) -> None:
-    options = ("--resolution", "20x12", "--passes", "2", "--photons-per-pass", "500", "--integrator", "reference", "--frame", "7")
-    assert _render(tmp_path, scenes / "room.blend", "-o", "out.exr", "--stats", "stats.json", *options)[0] == 0
+    options = (
+        "--resolution",
+        "20x12",
+        "--passes",
+        "2",
+        "--photons-per-pass",
+        "500",
+        "--integrator",
+        "reference",
+        "--frame",
+        "7",
+    )
+    assert (
+        _render(
+            tmp_path, scenes / "room.blend", "-o", "out.exr", "--stats", "stats.json", *options
+        )[0]
+        == 0
+    )
     spec, _ = _picture(tmp_path / "out.exr")
     said = json.loads((tmp_path / "stats.json").read_text())
     assert (spec.width, spec.height) == (20, 12)
@@ -305,7 +398,10 @@ def test_options_have_the_last_word(scenes: Path, tmp_path: Path) -> None:
 def test_border_layers_and_warnings(scenes: Path, tmp_path: Path) -> None:
     status, errors = _render(tmp_path, scenes / "border.blend", "-o", "out.exr")
     assert status == 0
-    assert "photon-splat: warning: Motion blur is not supported yet; everything stands still\n" in errors
+    assert (
+        "photon-splat: warning: Motion blur is not supported yet; everything stands still\n"
+        in errors
+    )
     spec, _ = _picture(tmp_path / "out.exr")
     assert (spec.x, spec.y, spec.width, spec.height) == (6, 6, 12, 6)
     assert (spec.full_x, spec.full_y, spec.full_width, spec.full_height) == (0, 0, 24, 24)
@@ -318,7 +414,12 @@ def test_border_layers_and_warnings(scenes: Path, tmp_path: Path) -> None:
 
 def test_seconds_are_kept(scenes: Path, tmp_path: Path) -> None:
     options = ("--seconds", "2", "--photons-per-pass", "20000", "--resolution", "64x64")
-    assert _render(tmp_path, scenes / "room.blend", "-o", "out.exr", "--stats", "stats.json", *options)[0] == 0
+    assert (
+        _render(
+            tmp_path, scenes / "room.blend", "-o", "out.exr", "--stats", "stats.json", *options
+        )[0]
+        == 0
+    )
     said = json.loads((tmp_path / "stats.json").read_text())
     assert said["seconds"]["total"] == pytest.approx(2, rel=0.2)
     assert said["passes"] > 4
@@ -326,7 +427,9 @@ def test_seconds_are_kept(scenes: Path, tmp_path: Path) -> None:
 
 def test_error_ends_the_render(scenes: Path, tmp_path: Path) -> None:
     options = ("--error", "0.05", "--photons-per-pass", "20000")
-    status, errors = _render(tmp_path, scenes / "room.blend", "-o", "out.exr", "--stats", "stats.json", *options)
+    status, errors = _render(
+        tmp_path, scenes / "room.blend", "-o", "out.exr", "--stats", "stats.json", *options
+    )
     assert status == 0
     assert " | error " in errors
     said = json.loads((tmp_path / "stats.json").read_text())
@@ -337,7 +440,16 @@ def test_error_ends_the_render(scenes: Path, tmp_path: Path) -> None:
 def test_threads_do_not_change_the_picture(scenes: Path, tmp_path: Path) -> None:
     pictures = []
     for threads in (1, 2, 5):
-        options = ("--threads", threads, "--passes", "2", "--seed", "5", "--photons-per-pass", "200000")
+        options = (
+            "--threads",
+            threads,
+            "--passes",
+            "2",
+            "--seed",
+            "5",
+            "--photons-per-pass",
+            "200000",
+        )
         assert _render(tmp_path, scenes / "room.blend", "-o", "out.exr", *options)[0] == 0
         pictures.append(_picture(tmp_path / "out.exr")[1])
     for other in pictures[1:]:
@@ -355,7 +467,11 @@ def test_an_output_that_exists_is_replaced(scenes: Path, tmp_path: Path) -> None
 
 def _shell(tmp_path: Path, command: str, **options: Any) -> subprocess.CompletedProcess[str]:
     path = os.pathsep.join([str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])])
-    environment = os.environ | {"BLENDER_USER_RESOURCES": str(tmp_path / "blender"), "PYTHONPATH": path} | options.pop("env", {})
+    environment = (
+        os.environ
+        | {"BLENDER_USER_RESOURCES": str(tmp_path / "blender"), "PYTHONPATH": path}
+        | options.pop("env", {})
+    )
     run = " ".join(shlex.quote(word) for word in RUN)
     return subprocess.run(
         ["bash", "-c", command.replace("RENDER", run)],
@@ -371,7 +487,11 @@ def _shell(tmp_path: Path, command: str, **options: Any) -> subprocess.Completed
 
 @pytest.mark.parametrize("stderr", ["2>&-", "2> >(head -c1)", ">&- 2>&-", "<&- >&- 2>&-"])
 def test_nobody_reads_the_messages(stderr: str, scenes: Path, tmp_path: Path) -> None:
-    done = _shell(tmp_path, f"RENDER {shlex.quote(str(scenes / 'border.blend'))} -o out.exr --stats stats.json --passes 20 {stderr}")
+    done = _shell(
+        tmp_path,
+        f"RENDER {shlex.quote(str(scenes / 'border.blend'))} -o out.exr --stats stats.json "
+        f"--passes 20 {stderr}",
+    )
     assert done.returncode == 0
     assert _left(tmp_path) == ["out.exr", "stats.json"]
     assert _picture(tmp_path / "out.exr")[0].width == 12
@@ -395,7 +515,9 @@ def _save_odd_path(folder: str) -> None:
 
 def test_a_missing_texture_whose_path_is_no_text(blender: Blender, tmp_path: Path) -> None:
     blender.call(_save_odd_path, {"folder": str(tmp_path)})
-    status, errors = _render(tmp_path, tmp_path / "odd.blend", "-o", "out.exr", "--stats", "stats.json")
+    status, errors = _render(
+        tmp_path, tmp_path / "odd.blend", "-o", "out.exr", "--stats", "stats.json"
+    )
     assert status == 0, errors
     assert "gone/\\xff\\xe9.png cannot be read; shown in pink" in errors
     assert "\\xff" in json.loads((tmp_path / "stats.json").read_text())["warnings"][0]
@@ -413,7 +535,11 @@ def test_a_missing_texture_whose_path_is_no_text(blender: Blender, tmp_path: Pat
     ],
 )
 def test_outputs_that_would_be_lost_or_do_harm(
-    options: list[str], words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    options: list[str],
+    words: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     monkeypatch.chdir(tmp_path)
     Path("scene.blend").write_text("the work of years")
@@ -456,26 +582,42 @@ def test_links_are_followed_and_the_mode_is_kept(tmp_path: Path) -> None:
 def test_no_folder_is_left_for_temporary_files(scenes: Path, tmp_path: Path) -> None:
     (tmp_path / "temporary").mkdir()
     environment = {name: str(tmp_path / "temporary") for name in ("TMPDIR", "TMP", "TEMP")}
-    done = _shell(tmp_path, f"RENDER {shlex.quote(str(scenes / 'room.blend'))} -o out.exr --passes 1", env=environment)
+    done = _shell(
+        tmp_path,
+        f"RENDER {shlex.quote(str(scenes / 'room.blend'))} -o out.exr --passes 1",
+        env=environment,
+    )
     assert done.returncode == 0, done.stderr
     assert os.listdir(tmp_path / "temporary") == []
 
 
 STUCK = """
-import sys, time
+import ctypes, sys
 from photon_splat import cli
-cli._open_scene = lambda options: (sys.stderr.write("here\\n"), sys.stderr.flush(), __import__("ctypes").PyDLL(None).sleep(30))
+def sleep(options):
+    sys.stderr.write("here\\n")
+    sys.stderr.flush()
+    ctypes.PyDLL(None).sleep(30)
+cli._open_scene = sleep
 cli.run()
 """
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_the_second_signal_ends_the_process_wherever_it_is(number: signal.Signals, tmp_path: Path) -> None:
+def test_the_second_signal_ends_the_process_wherever_it_is(
+    number: signal.Signals, tmp_path: Path
+) -> None:
     """In a library that sleeps, without Python's lock given up: no code of ours runs there."""
     (tmp_path / "scene.blend").touch()
     path = os.pathsep.join([str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])])
     command = [sys.executable, "-c", STUCK, "render", "scene.blend", "-o", "out.exr"]
-    process = subprocess.Popen(command, cwd=tmp_path, env=os.environ | {"PYTHONPATH": path}, stderr=subprocess.PIPE, text=True)
+    process = subprocess.Popen(
+        command,
+        cwd=tmp_path,
+        env=os.environ | {"PYTHONPATH": path},
+        stderr=subprocess.PIPE,
+        text=True,
+    )
     try:
         assert process.stderr is not None
         assert process.stderr.readline() == "here\n"
@@ -495,7 +637,8 @@ if os.getuid() == 0:
 import bpy
 from photon_splat.core.native import load
 native = load()
-mine = sum(len(os.listdir(f"/proc/{p}/task")) for p in os.listdir("/proc") if p.isdigit() and os.stat(f"/proc/{p}").st_uid == os.getuid())
+processes = [f"/proc/{p}" for p in os.listdir("/proc") if p.isdigit()]
+mine = sum(len(os.listdir(f"{p}/task")) for p in processes if os.stat(p).st_uid == os.getuid())
 resource.setrlimit(resource.RLIMIT_NPROC, (mine + 2, mine + 2))
 print(native.Renderer(16).statistics()["threads"])
 os._exit(0)
@@ -507,7 +650,15 @@ def test_threads_that_the_system_refuses(tmp_path: Path) -> None:
     environment = os.environ | {"PYTHONPATH": path, "BLENDER_USER_RESOURCES": str(tmp_path)}
     tmp_path.chmod(0o777)
     command = [sys.executable, "-c", FEW_THREADS]
-    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=60, check=False)
+    done = subprocess.run(
+        command,
+        cwd=tmp_path,
+        env=environment,
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
     if "Permission" in done.stderr or "ModuleNotFound" in done.stderr:
         pytest.skip("an ordinary user cannot read this checkout")
     assert done.returncode == 0, done.stderr

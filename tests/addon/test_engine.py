@@ -53,9 +53,14 @@ def _exr(path: str) -> None:
 @pytest.mark.smoke
 def test_render_operator_in_a_plain_script(tmp_path: Path) -> None:
     path = os.pathsep.join([str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])])
-    environment = os.environ | {"BLENDER_USER_RESOURCES": str(tmp_path / "blender"), "PYTHONPATH": path}
+    environment = os.environ | {
+        "BLENDER_USER_RESOURCES": str(tmp_path / "blender"),
+        "PYTHONPATH": path,
+    }
     command = [sys.executable, "-c", SCRIPT, str(tmp_path / "out.png")]
-    done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, timeout=60, check=False)
+    done = subprocess.run(
+        command, cwd=ROOT, env=environment, capture_output=True, text=True, timeout=60, check=False
+    )
     assert done.returncode == 0, done.stderr
     assert "{'FINISHED'}" in done.stdout
     import OpenImageIO as oiio
@@ -92,7 +97,17 @@ def test_errors_of_every_kind_reach_the_caller(kind: str, tmp_path: str) -> None
     _fails("render", getattr(builtins, kind)(text), sentence, tmp_path)
 
 
-@pytest.mark.parametrize("where", ["export_frame", "export_scene", "render_settings", "fill_passes", "current_memory_bytes", "_finish"])
+@pytest.mark.parametrize(
+    "where",
+    [
+        "export_frame",
+        "export_scene",
+        "render_settings",
+        "fill_passes",
+        "current_memory_bytes",
+        "_finish",
+    ],
+)
 @in_blender
 def test_errors_anywhere_reach_the_caller(where: str, tmp_path: str) -> None:
     _fails(where, RuntimeError("on purpose"), "on purpose", tmp_path)
@@ -152,7 +167,10 @@ def test_an_animation_stops_at_the_frame_that_fails(tmp_path: str) -> None:
             raise ValueError("frame 2 on purpose")
         return plain(depsgraph, *given)
 
-    with stage.replaced("export_scene", fail_at_two), pytest.raises(RuntimeError, match="frame 2 on purpose"):
+    with (
+        stage.replaced("export_scene", fail_at_two),
+        pytest.raises(RuntimeError, match="frame 2 on purpose"),
+    ):
         bpy.ops.render.render(animation=True)
     assert os.listdir(tmp_path) == ["frame_0001.png"]
 
@@ -236,7 +254,13 @@ def test_passes_of_view_layers(tmp_path: str) -> None:
     scene = stage.room()
     first, second = scene.view_layers[0], scene.view_layers.new("Second")
     first.name = "First"
-    for name in ("use_pass_z", "use_pass_normal", "use_pass_diffuse_direct", "use_pass_diffuse_indirect", "use_pass_diffuse_color"):
+    for name in (
+        "use_pass_z",
+        "use_pass_normal",
+        "use_pass_diffuse_direct",
+        "use_pass_diffuse_indirect",
+        "use_pass_diffuse_color",
+    ):
         setattr(first, name, True)
     first.use_pass_emit = True
     first.photon_splat.use_pass_photon_density = first.photon_splat.use_pass_surface_id = True
@@ -256,14 +280,24 @@ def test_passes_of_view_layers(tmp_path: str) -> None:
         bpy.ops.render.render(write_still=True)
     assert len(results) == 2
     saved = _channels(scene.render.filepath)
-    wanted = {"Combined": "RGBA", "Depth": "Z", "Normal": "XYZ", "Photon Density": "X", "Surface ID": "X"}
-    wanted |= dict.fromkeys(("Diffuse Direct", "Diffuse Indirect", "Diffuse Color", "Emission"), "RGB")
+    wanted = {
+        "Combined": "RGBA",
+        "Depth": "Z",
+        "Normal": "XYZ",
+        "Photon Density": "X",
+        "Surface ID": "X",
+    }
+    wanted |= dict.fromkeys(
+        ("Diffuse Direct", "Diffuse Indirect", "Diffuse Color", "Emission"), "RGB"
+    )
     names = {f"First.{name}.{letter}" for name, letters in wanted.items() for letter in letters}
     names |= {f"Second.Combined.{letter}" for letter in "RGBA"} | {"Second.Depth.Z"}
     assert {name for name in saved if not name.startswith("Composite.")} == names
     for name, letters in wanted.items():
         for k, letter in enumerate(letters):
-            assert np.array_equal(saved[f"First.{name}.{letter}"][::-1], results[0].passes[name][..., k]), name
+            assert np.array_equal(
+                saved[f"First.{name}.{letter}"][::-1], results[0].passes[name][..., k]
+            ), name
     job.observer.on_result = None  # then only what Blender asks for is made
     bpy.ops.render.render(write_still=True)
     alone = _channels(scene.render.filepath)
@@ -279,7 +313,9 @@ def test_normal_pass_has_the_bumps_that_cycles_has(tmp_path: str) -> None:
     scene = stage.room(pixels=32, passes=32, photons=0)
     scene.view_layers[0].use_pass_normal = True
     shade, tree = stage.empty_material("Bumpy")
-    wave, bump, shader = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("TexWave", "Bump", "BsdfDiffuse"))
+    wave, bump, shader = (
+        tree.nodes.new(f"ShaderNode{kind}") for kind in ("TexWave", "Bump", "BsdfDiffuse")
+    )
     wave.inputs["Scale"].default_value = 0.5
     bump.inputs["Distance"].default_value = 0.3
     tree.links.new(wave.outputs["Color"], bump.inputs["Height"])
@@ -297,7 +333,9 @@ def test_normal_pass_has_the_bumps_that_cycles_has(tmp_path: str) -> None:
         scene.render.filepath = f"{tmp_path}/{engine}.exr"
         bpy.ops.render.render(write_still=True)
         saved = _channels(scene.render.filepath)
-        seen.append(np.stack([saved[f"{scene.view_layers[0].name}.Normal.{axis}"] for axis in "XYZ"], -1))
+        seen.append(
+            np.stack([saved[f"{scene.view_layers[0].name}.Normal.{axis}"] for axis in "XYZ"], -1)
+        )
     assert np.abs(seen[1][..., 0]).max() > 0.2
     assert np.abs(seen[0] - seen[1]).mean() < 0.02
     assert np.abs(seen[0] - seen[1]).max() < 0.2
@@ -305,7 +343,9 @@ def test_normal_pass_has_the_bumps_that_cycles_has(tmp_path: str) -> None:
 
 @in_blender
 def test_light_groups_add_up_to_the_picture(tmp_path: str) -> None:
-    """Passes by Cycles' names; kept photons, a mirror's caustics and the reference integrator among what is told apart."""
+    """Passes by Cycles' names; kept photons, a mirror's caustics and the reference integrator among
+    what is told apart.
+    """
     import bpy
 
     scene = stage.room(photons=20_000)
@@ -326,13 +366,20 @@ def test_light_groups_add_up_to_the_picture(tmp_path: str) -> None:
             bpy.ops.render.render()
         passes = results[0].passes
         left = passes["Combined"][..., :3] - passes["Combined_key"] - passes["Combined_sky"]
-        assert min(passes["Combined_key"].mean(), passes["Combined_sky"].mean(), left.mean()) > 0.001
+        assert (
+            min(passes["Combined_key"].mean(), passes["Combined_sky"].mean(), left.mean()) > 0.001
+        )
         assert (results[0].statistics["reused"]["photons"] > 0) == again
     rest.lightgroup = "sky"  # of which a graph that Blender keeps is not told
     with stage.watched() as results:
         bpy.ops.render.render()
     passes = results[0].passes
-    assert np.allclose(passes["Combined_key"] + passes["Combined_sky"], passes["Combined"][..., :3], rtol=1e-4, atol=1e-6)
+    assert np.allclose(
+        passes["Combined_key"] + passes["Combined_sky"],
+        passes["Combined"][..., :3],
+        rtol=1e-4,
+        atol=1e-6,
+    )
     scene.render.use_persistent_data = False
     if hasattr(scene.render.image_settings, "media_type"):
         scene.render.image_settings.media_type = "MULTI_LAYER_IMAGE"
@@ -343,12 +390,20 @@ def test_light_groups_add_up_to_the_picture(tmp_path: str) -> None:
         bpy.ops.render.render(write_still=True)
     passes = results[0].passes
     assert results[0].statistics["warnings"] == []
-    assert np.allclose(passes["Combined_key"] + passes["Combined_sky"], passes["Combined"][..., :3], rtol=1e-4, atol=1e-6)
+    assert np.allclose(
+        passes["Combined_key"] + passes["Combined_sky"],
+        passes["Combined"][..., :3],
+        rtol=1e-4,
+        atol=1e-6,
+    )
     assert np.allclose(passes["Combined"], plain, rtol=1e-4, atol=1e-6)
     saved = _channels(scene.render.filepath)
     for name in ("key", "sky"):
         for k, letter in enumerate("RGB"):
-            assert np.array_equal(saved[f"{layer.name}.Combined_{name}.{letter}"][::-1], passes[f"Combined_{name}"][..., k])
+            assert np.array_equal(
+                saved[f"{layer.name}.Combined_{name}.{letter}"][::-1],
+                passes[f"Combined_{name}"][..., k],
+            )
 
 
 def _combined() -> np.ndarray:
@@ -384,12 +439,19 @@ def test_two_scenes_have_settings_of_their_own() -> None:
     other.render.engine = "PHOTON_SPLAT"
     other.collection.objects.link(bpy.data.objects["Camera"])
     other.camera = bpy.data.objects["Camera"]
-    other.render.resolution_x, other.render.resolution_y, other.render.resolution_percentage = 12, 6, 100
+    other.render.resolution_x, other.render.resolution_y, other.render.resolution_percentage = (
+        12,
+        6,
+        100,
+    )
     other.photon_splat.passes = 5
     with stage.watched() as results:
         bpy.ops.render.render()
         bpy.ops.render.render(scene="Other")
-    assert [(r.passes["Combined"].shape, r.statistics["passes"]) for r in results] == [((8, 8, 4), 2), ((6, 12, 4), 5)]
+    assert [(r.passes["Combined"].shape, r.statistics["passes"]) for r in results] == [
+        ((8, 8, 4), 2),
+        ((6, 12, 4), 5),
+    ]
     assert results[0].passes["Combined"][..., :3].mean() > 0
     assert results[1].passes["Combined"][..., :3].max() == 0
 
@@ -412,11 +474,15 @@ def test_animation(tmp_path: str) -> None:
 
 
 def _signs() -> None:
-    """Shining squares that tell where a pixel is: red at the lower left, green at the upper right of a frame of 4 x 4 units."""
+    """Shining squares that tell where a pixel is: red at the lower left, green at the upper right
+    of a frame of 4 x 4 units.
+    """
     camera = stage.camera()
     camera.data.type, camera.data.ortho_scale = "ORTHO", 4
     for name, color, place in (("Red", (1, 0, 0), -1), ("Green", (0, 1, 0), 1)):
-        stage.plane(name, 1, location=(place, place, 0)).data.materials[0] = stage.material(name, color, "ShaderNodeEmission")
+        stage.plane(name, 1, location=(place, place, 0)).data.materials[0] = stage.material(
+            name, color, "ShaderNodeEmission"
+        )
     stage.resize(16)
     stage.scene().photon_splat.passes = 2
 
@@ -430,7 +496,12 @@ def test_border(crop: bool, tmp_path: str) -> None:
     _signs()
     render = stage.scene().render
     render.use_border, render.use_crop_to_border = True, crop
-    render.border_min_x, render.border_max_x, render.border_min_y, render.border_max_y = 0.0, 0.5, 0.25, 0.5
+    render.border_min_x, render.border_max_x, render.border_min_y, render.border_max_y = (
+        0.0,
+        0.5,
+        0.25,
+        0.5,
+    )
     _exr(f"{tmp_path}/out.exr")
     bpy.ops.render.render(write_still=True)
     saved = _load(render.filepath)
@@ -486,7 +557,9 @@ def test_no_light_is_black_and_nothing_is_empty() -> None:
     assert results[1].passes["Combined"].max() == 0
 
 
-@pytest.mark.parametrize(("size", "percentage"), [((4, 4), 100), ((4, 4), 25), ((400, 4), 25), ((4, 400), 25)])
+@pytest.mark.parametrize(
+    ("size", "percentage"), [((4, 4), 100), ((4, 4), 25), ((400, 4), 25), ((4, 400), 25)]
+)
 @in_blender
 def test_smallest_images(size: tuple[int, int], percentage: int) -> None:
     import bpy
@@ -497,7 +570,11 @@ def test_smallest_images(size: tuple[int, int], percentage: int) -> None:
     with stage.watched() as results:
         bpy.ops.render.render()
     combined = results[0].passes["Combined"]
-    assert combined.shape == (max(size[1] * percentage // 100, 1), max(size[0] * percentage // 100, 1), 4)
+    assert combined.shape == (
+        max(size[1] * percentage // 100, 1),
+        max(size[0] * percentage // 100, 1),
+        4,
+    )
     assert np.isfinite(combined).all()
     assert combined[..., :3].mean() > 0
 
@@ -523,7 +600,9 @@ def test_settings_of_the_scene_reach_the_session() -> None:
     scene.photon_splat.boundary_correction = False
     scene.photon_splat.backend = "CPU"
     scene.render.threads_mode, scene.render.threads = "FIXED", 3
-    assert render_settings(scene) == RenderSettings(**values, boundary_correction=False, backend=Backend.CPU, threads=3)
+    assert render_settings(scene) == RenderSettings(
+        **values, boundary_correction=False, backend=Backend.CPU, threads=3
+    )
 
 
 @in_blender
@@ -545,7 +624,8 @@ def test_the_last_render_is_told_in_the_panel() -> None:
 
     stage.room()
     stage.scene().render.use_motion_blur = True
-    job.observer.settings = lambda own: replace(own, adaptive_samples=False, fallback=False)  # passes have as many photons
+    # passes have as many photons
+    job.observer.settings = lambda own: replace(own, adaptive_samples=False, fallback=False)
     bpy.ops.render.render()
     last = job.last_renders["Scene"]
     assert "Motion blur" in last.warnings[0]
@@ -557,7 +637,9 @@ def test_the_last_render_is_told_in_the_panel() -> None:
     assert job.last_renders["Scene"].error == "on purpose"
 
 
-@pytest.mark.parametrize("kind", ["material", "object", "collection", "light", "world", "empty object"])
+@pytest.mark.parametrize(
+    "kind", ["material", "object", "collection", "light", "world", "empty object"]
+)
 @in_blender
 def test_previews(kind: str) -> None:
     """Blender renders the picture of an asset by the engine, too, on a scene of its own."""
@@ -605,9 +687,16 @@ def test_registering_twice_leaves_nothing() -> None:
         kinds = (bpy.types.Panel, bpy.types.PropertyGroup, bpy.types.RenderEngine)
         classes = [cls for kind in kinds for cls in kind.__subclasses__() if cls.is_registered]
         found = [
-            cls.__name__ for cls in classes if "photon" in cls.__name__.lower() or "PHOTON_SPLAT" in getattr(cls, "COMPAT_ENGINES", ())
+            cls.__name__
+            for cls in classes
+            if "photon" in cls.__name__.lower()
+            or "PHOTON_SPLAT" in getattr(cls, "COMPAT_ENGINES", ())
         ]
-        found += [f"{kind.__name__}.photon_splat" for kind in (bpy.types.Scene, bpy.types.ViewLayer) if hasattr(kind, "photon_splat")]
+        found += [
+            f"{kind.__name__}.photon_splat"
+            for kind in (bpy.types.Scene, bpy.types.ViewLayer)
+            if hasattr(kind, "photon_splat")
+        ]
         return sorted(set(found))
 
     registered = traces()

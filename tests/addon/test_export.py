@@ -35,7 +35,10 @@ def test_curves_text_surfaces_and_metaballs_become_meshes() -> None:
     text.body = "ab"
     metaball = bpy.data.metaballs.new("Meta")
     metaball.elements.new()
-    made = {name: stage.add(name, data) for name, data in (("Wire", curve), ("Text", text), ("Meta", metaball))}
+    made = {
+        name: stage.add(name, data)
+        for name, data in (("Wire", curve), ("Text", text), ("Meta", metaball))
+    }
     bpy.ops.surface.primitive_nurbs_surface_sphere_add()
     whole = stage.exported()
     assert len(whole.instances.mesh) == 4
@@ -71,7 +74,10 @@ def test_geometry_nodes_instances_share_one_mesh() -> None:
     tree.interface.new_socket("Geometry", in_out="INPUT", socket_type="NodeSocketGeometry")
     tree.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
     given, made = tree.nodes.new("NodeGroupInput"), tree.nodes.new("NodeGroupOutput")
-    scatter, cube = tree.nodes.new("GeometryNodeInstanceOnPoints"), tree.nodes.new("GeometryNodeMeshCube")
+    scatter, cube = (
+        tree.nodes.new("GeometryNodeInstanceOnPoints"),
+        tree.nodes.new("GeometryNodeMeshCube"),
+    )
     tree.links.new(given.outputs[0], scatter.inputs["Points"])
     tree.links.new(cube.outputs["Mesh"], scatter.inputs["Instance"])
     tree.links.new(scatter.outputs["Instances"], made.inputs[0])
@@ -81,7 +87,12 @@ def test_geometry_nodes_instances_share_one_mesh() -> None:
     assert len(what.instances.mesh) == 4
     assert len(what.meshes) == 1
     assert stage.triangle_count(what) == 4 * 12
-    assert sorted(tuple(m[:2, 3]) for m in what.instances.matrix) == [(-1, -1), (-1, 1), (1, -1), (1, 1)]
+    assert sorted(tuple(m[:2, 3]) for m in what.instances.matrix) == [
+        (-1, -1),
+        (-1, 1),
+        (1, -1),
+        (1, 1),
+    ]
 
 
 @pytest.mark.smoke
@@ -157,7 +168,9 @@ def test_smooth_and_flat_faces_in_one_mesh() -> None:
 @in_blender
 def test_several_materials() -> None:
     corners = [(x, y, 0) for y in (0, 1) for x in range(4)]
-    ob = stage.add("Strip", stage.mesh("Strip", corners, [(k, k + 1, k + 5, k + 4) for k in range(3)]))
+    ob = stage.add(
+        "Strip", stage.mesh("Strip", corners, [(k, k + 1, k + 5, k + 4) for k in range(3)])
+    )
     for name, red in (("A", 0.125), ("B", 0.25)):
         ob.data.materials.append(stage.material(name, (red, 0, 0)))
     ob.data.polygons.foreach_set("material_index", [1, 0, 5])
@@ -228,15 +241,29 @@ def test_negative_scale_keeps_the_front() -> None:
 @in_blender
 def test_degenerate_and_broken_triangles_are_dropped_with_one_warning() -> None:
     nan = float("nan")
-    vertices = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (2, 0, 0), (nan, 0, 0), (0, float("inf"), 0), (0, 1, 1)]
+    vertices = [
+        (0, 0, 0),
+        (1, 0, 0),
+        (1, 1, 0),
+        (2, 0, 0),
+        (nan, 0, 0),
+        (0, float("inf"), 0),
+        (0, 1, 1),
+    ]
     faces = [(0, 1, 2), (0, 1, 3), (1, 2, 4), (0, 2, 5), (0, 2, 6)]
     stage.add("Bad apple", stage.mesh("Data", vertices, faces))
     what = stage.exported()
     mesh = what.meshes[0]
     assert np.isfinite(mesh.positions).all()
     assert len(mesh.triangles) == 2
-    said = stage.the_one_warning(what, lambda warning: "Bad apple" in warning and "material" not in warning.lower())
-    assert said == "Object 'Bad apple': triangles left out: 2 with a vertex that is not a finite number, 1 without area"
+    said = stage.the_one_warning(
+        what, lambda warning: "Bad apple" in warning and "material" not in warning.lower()
+    )
+    assert (
+        said
+        == "Object 'Bad apple': triangles left out: 2 with a vertex that is not a finite number, "
+        "1 without area"
+    )
 
 
 @in_blender
@@ -244,7 +271,8 @@ def test_slots_uv_and_normals_follow_what_is_dropped() -> None:
     corners = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (2, 0, 0), (0, 1, 0)]
     data = stage.mesh("Data", corners, [(0, 1, 3), (0, 1, 2), (0, 2, 4)])
     data.uv_layers.new(name="UV").uv.foreach_set(
-        "vector", np.array([corners[v][:2] for v in (0, 1, 3, 0, 1, 2, 0, 2, 4)], np.float32).ravel()
+        "vector",
+        np.array([corners[v][:2] for v in (0, 1, 3, 0, 1, 2, 0, 2, 4)], np.float32).ravel(),
     )
     data.shade_smooth()
     for name in "ABC":
@@ -276,7 +304,10 @@ def test_scales_of_zero() -> None:
     what = stage.exported()
     assert len(what.instances.mesh) == 1
     assert np.ptp(stage.world_positions(what), axis=(0, 1)).tolist() == [2, 2, 0]
-    assert stage.the_one_warning(what, lambda warning: "scale" in warning) == "Objects left out, as their scale is zero: 'Point'"
+    assert (
+        stage.the_one_warning(what, lambda warning: "scale" in warning)
+        == "Objects left out, as their scale is zero: 'Point'"
+    )
 
 
 @in_blender
@@ -334,13 +365,26 @@ def test_light_linking() -> None:
     blockers.objects.link(floor)
     only.light_linking.blocker_collection = bpy.data.collections.new("Nothing in it")
     what = stage.exported()
-    groups = {what.meshes[mesh].name: int(group) for mesh, group in zip(what.instances.mesh, what.instances.group, strict=True)}
+    groups = {
+        what.meshes[mesh].name: int(group)
+        for mesh, group in zip(what.instances.mesh, what.instances.group, strict=True)
+    }
     assert groups["Wall"] == 0
     assert len(set(groups.values())) == 3
-    lit = {light.kind: {name for name, group in groups.items() if light.lit_groups >> group & 1} for light in what.lights}
+    lit = {
+        light.kind: {name for name, group in groups.items() if light.lit_groups >> group & 1}
+        for light in what.lights
+    }
     assert lit == {"point": {"Floor"}, "spot": {"Floor", "Wall"}, "sun": {"Floor", "Box", "Wall"}}
-    blocked = {light.kind: {name for name, group in groups.items() if light.blockers >> group & 1} for light in what.lights}
-    assert blocked == {"point": {"Floor", "Box", "Wall"}, "spot": {"Floor", "Box", "Wall"}, "sun": {"Floor"}}
+    blocked = {
+        light.kind: {name for name, group in groups.items() if light.blockers >> group & 1}
+        for light in what.lights
+    }
+    assert blocked == {
+        "point": {"Floor", "Box", "Wall"},
+        "spot": {"Floor", "Box", "Wall"},
+        "sun": {"Floor"},
+    }
     assert [light.blockers == ALL_GROUPS for light in what.lights] == [True, True, False]
     assert what.instances.lit_groups is None
     assert what.instances.blockers is None
@@ -384,7 +428,12 @@ def test_what_is_said_of_lamps() -> None:
 
     plain = stage.lamp()
     exported = stage.exported().lights[0]
-    assert (exported.seen_by, exported.max_bounces, exported.met_by_rays, exported.casts_shadows) == (ALL_RAYS, None, True, True)
+    assert (
+        exported.seen_by,
+        exported.max_bounces,
+        exported.met_by_rays,
+        exported.casts_shadows,
+    ) == (ALL_RAYS, None, True, True)
     plain.visible_glossy = plain.visible_shadow = False
     plain.data.use_shadow = False
     plain.data.cycles.max_bounces = 3
@@ -409,7 +458,11 @@ def test_light_groups() -> None:
     layer = stage.scene().view_layers[0]
     stage.plane("Dark"), stage.lamp("SUN")
     plain = stage.exported()
-    assert (plain.light_groups, plain.instances.light_group, plain.world_light_group) == ([], None, -1)
+    assert (plain.light_groups, plain.instances.light_group, plain.world_light_group) == (
+        [],
+        None,
+        -1,
+    )
     for name in ("key", "rim"):
         layer.lightgroups.add(name=name)
     stage.plane("Glow").lightgroup = "rim"
@@ -419,10 +472,17 @@ def test_light_groups() -> None:
     stage.scene().world.lightgroup = "rim"
     what = stage.exported()
     assert what.light_groups == ["key", "rim"]
-    assert {what.meshes[mesh].name: int(g) for mesh, g in zip(what.instances.mesh, what.instances.light_group, strict=True)} == {
+    assert {
+        what.meshes[mesh].name: int(g)
+        for mesh, g in zip(what.instances.mesh, what.instances.light_group, strict=True)
+    } == {
         "Dark": -1,
         "Glow": 1,
     }
-    assert {light.kind: light.light_group for light in what.lights} == {"sun": -1, "point": 0, "spot": -1}
+    assert {light.kind: light.light_group for light in what.lights} == {
+        "sun": -1,
+        "point": 0,
+        "spot": -1,
+    }
     assert what.world_light_group == 1
     assert not what.warnings

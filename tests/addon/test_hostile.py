@@ -1,4 +1,6 @@
-"""Materials nobody should make: a finite picture by both integrators, and a warning that names what was wrong."""
+"""Materials nobody should make: a finite picture by both integrators, and a warning that names what
+was wrong.
+"""
 
 from __future__ import annotations
 
@@ -13,23 +15,44 @@ from tests.addon import stage
 from tests.addon.blender import in_blender
 
 NAN, INF = math.nan, math.inf
-# Node, what its sockets get, and what the warning must say of each; native/tests/test_bsdf_edges.cpp has many more numbers.
+# Node, what its sockets get, and what the warning must say of each;
+# native/tests/test_bsdf_edges.cpp has many more numbers.
 CURSED: list[tuple[str, dict[Any, float], list[str]]] = [
     ("BsdfGlass", {"IOR": 0.0}, ["its IOR is 0, taken as 1e-05"]),
     ("BsdfGlass", {"IOR": 1.0, "Roughness": 1.0}, []),
     ("BsdfGlass", {"IOR": -1.5, "Roughness": 0.0}, ["its IOR is -1.5, taken as 1e-05"]),
     ("BsdfGlass", {"IOR": NAN, "Roughness": INF}, ["IOR", "Roughness"]),
-    ("BsdfRefraction", {"IOR": -1.0, "Roughness": 2.0}, ["its IOR is -1, taken as 1e-05", "its Roughness is 2, taken as 1"]),
-    ("BsdfAnisotropic", {"Roughness": -1.0, "Anisotropy": 5.0, "Rotation": INF}, ["its Roughness is -1, taken as 0"]),
+    (
+        "BsdfRefraction",
+        {"IOR": -1.0, "Roughness": 2.0},
+        ["its IOR is -1, taken as 1e-05", "its Roughness is 2, taken as 1"],
+    ),
+    (
+        "BsdfAnisotropic",
+        {"Roughness": -1.0, "Anisotropy": 5.0, "Rotation": INF},
+        ["its Roughness is -1, taken as 0"],
+    ),
     ("BsdfDiffuse", {"Roughness": INF}, ["Roughness"]),
     (
         "BsdfPrincipled",
         {"IOR": 0.0, "Transmission Weight": 3.0},
         ["its IOR is 0, taken as 1e-05", "its Transmission Weight is 3, taken as 1"],
     ),
-    ("BsdfPrincipled", {"Metallic": 7.0, "Roughness": 0.0, "Anisotropic": -9.0}, ["its Metallic is 7, taken as 1"]),
-    ("BsdfPrincipled", {"Coat Weight": -2.0, "Coat IOR": 0.0, "Sheen Weight": 1e30}, ["its Coat Weight is -2", "its Coat IOR is 0"]),
-    ("BsdfPrincipled", {"Alpha": 4.0, "Emission Strength": -3.0, "Subsurface Weight": -1.0}, ["its Alpha is 4, taken as 1"]),
+    (
+        "BsdfPrincipled",
+        {"Metallic": 7.0, "Roughness": 0.0, "Anisotropic": -9.0},
+        ["its Metallic is 7, taken as 1"],
+    ),
+    (
+        "BsdfPrincipled",
+        {"Coat Weight": -2.0, "Coat IOR": 0.0, "Sheen Weight": 1e30},
+        ["its Coat Weight is -2", "its Coat IOR is 0"],
+    ),
+    (
+        "BsdfPrincipled",
+        {"Alpha": 4.0, "Emission Strength": -3.0, "Subsurface Weight": -1.0},
+        ["its Alpha is 4, taken as 1"],
+    ),
     ("BsdfPrincipled", {"Base Color": 5.0, "Roughness": 1.0}, []),
     ("BsdfPrincipled", {"Base Color": 1.0, "Roughness": 0.0, "Metallic": 1.0}, []),
     ("BsdfPrincipled", {"Base Color": 0.0, "Specular IOR Level": -1.0}, []),
@@ -42,7 +65,9 @@ CURSED: list[tuple[str, dict[Any, float], list[str]]] = [
 
 
 def _cursed(name: str, kind: str, values: dict[Any, float]) -> Any:
-    """A material of one shader whose sockets get numbers from Value nodes: their own would be held to a range."""
+    """A material of one shader whose sockets get numbers from Value nodes: their own would be held
+    to a range.
+    """
     made, tree = stage.empty_material(name)
     shader = tree.nodes.new("ShaderNode" + kind)
     for socket, value in values.items():
@@ -77,13 +102,17 @@ def test_numbers_outside_of_their_range_are_named_and_harmless() -> None:
     stage.room(16, 2, 2000)
     stage.scene().objects["Plane"].location.z = -1.0
     for k, (kind, values, _) in enumerate(CURSED):
-        thing = stage.plane(f"P{k}", 0.25, location=(0.55 * (k % 4) - 0.8, 0.55 * (k // 4) - 0.8, 0.1))
+        thing = stage.plane(
+            f"P{k}", 0.25, location=(0.55 * (k % 4) - 0.8, 0.55 * (k // 4) - 0.8, 0.1)
+        )
         thing.data.materials[0] = _cursed(f"M{k}", kind, values)
     what = stage.exported()
     for k, (_, _, said) in enumerate(CURSED):
         warnings = [warning for warning in what.warnings if f"'M{k}'" in warning]
         for words in said:
-            assert any(words in warning for warning in warnings), f"M{k}: {words!r} is not said: {warnings}"
+            assert any(words in warning for warning in warnings), (
+                f"M{k}: {words!r} is not said: {warnings}"
+            )
         assert said or not warnings, f"M{k} needs no warning: {warnings}"
     for picture in _finite_pictures():
         assert picture[..., :3].mean() > 0
@@ -93,8 +122,12 @@ def test_numbers_outside_of_their_range_are_named_and_harmless() -> None:
 def test_a_thousand_transparent_layers_let_through_what_they_should() -> None:
     """Each takes a thousandth; behind them something shines."""
     clear = stage.material("Clear", (0.999, 0.999, 0.999), "ShaderNodeBsdfTransparent")
-    corners = [(x, y, 0.001 * k) for k in range(1000) for x, y in ((-3, -3), (3, -3), (3, 3), (-3, 3))]
-    layers = stage.add("Layers", stage.mesh("Layers", corners, [range(4 * k, 4 * k + 4) for k in range(1000)]))
+    corners = [
+        (x, y, 0.001 * k) for k in range(1000) for x, y in ((-3, -3), (3, -3), (3, 3), (-3, 3))
+    ]
+    layers = stage.add(
+        "Layers", stage.mesh("Layers", corners, [range(4 * k, 4 * k + 4) for k in range(1000)])
+    )
     layers.data.materials.append(clear)
     glow = stage.plane("Glow", 3.0, location=(0, 0, -1))
     glow.data.materials[0] = stage.material("Glow", (1, 1, 1), "ShaderNodeEmission")
@@ -106,7 +139,9 @@ def test_a_thousand_transparent_layers_let_through_what_they_should() -> None:
 
 @in_blender
 def test_glass_in_glass_in_glass_ends() -> None:
-    """Twenty balls one within the other, indices above and below 1: no hang, no light from nowhere."""
+    """Twenty balls one within the other, indices above and below 1: no hang, no light from
+    nowhere.
+    """
     import bmesh
     import bpy
 
@@ -116,7 +151,11 @@ def test_glass_in_glass_in_glass_ends() -> None:
         bmesh.ops.create_icosphere(ball, subdivisions=2, radius=0.9 - 0.04 * k)
         ball.to_mesh(form)
         ball.free()
-        form.materials.append(_cursed(f"G{k}", "BsdfGlass", {"IOR": (1.5, 0.5, 3.0)[k % 3], "Roughness": 0.25 * (k % 2)}))
+        form.materials.append(
+            _cursed(
+                f"G{k}", "BsdfGlass", {"IOR": (1.5, 0.5, 3.0)[k % 3], "Roughness": 0.25 * (k % 2)}
+            )
+        )
         stage.add("Ball", form, (0, 0, 1))
     for picture in _finite_pictures(max_bounces=1000):
         assert picture[..., :3].mean() < 100.0
@@ -138,7 +177,10 @@ def test_more_lobes_than_there_is_room_for_are_named() -> None:
             above = shader
     stage.surface(tree, above)
     stage.plane().data.materials[0] = made
-    said = "Material 'Onion': its shaders may come to 60 lobes at one point; what is beyond 48 there is left out"
+    said = (
+        "Material 'Onion': its shaders may come to 60 lobes at one point; what is beyond 48 "
+        "there is left out"
+    )
     assert stage.exported().warnings == [said]
 
 
@@ -149,7 +191,9 @@ def test_absurd_strengths_are_refused_by_name() -> None:
     stage.lamp("SPOT", 1e30, (0, 0, 3)).name = "Supernova"
     stage.world(1e30)
     said = " ".join(stage.exported().warnings)
-    assert "Lights left out, as they are brighter than numbers of pixels can be: 'Supernova'" in said
+    assert (
+        "Lights left out, as they are brighter than numbers of pixels can be: 'Supernova'" in said
+    )
     assert "it is brighter than numbers of pixels can be; left out" in said
     for picture in _finite_pictures():
         assert picture[..., :3].mean() > 0

@@ -1,4 +1,6 @@
-"""Registering and forgetting the engine: at any time, in any order, also after files, undo and reloaded scripts."""
+"""Registering and forgetting the engine: at any time, in any order, also after files, undo and
+reloaded scripts.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +24,11 @@ def _ours() -> list[str]:
         if handler.__module__.startswith("photon_splat")
     ]
     found += [name for name in dir(bpy.types) if name.startswith(("PHOTON_SPLAT", "PhotonSplat"))]
-    found += [f"{owner.__name__}.photon_splat" for owner in (bpy.types.Scene, bpy.types.ViewLayer) if hasattr(owner, "photon_splat")]
+    found += [
+        f"{owner.__name__}.photon_splat"
+        for owner in (bpy.types.Scene, bpy.types.ViewLayer)
+        if hasattr(owner, "photon_splat")
+    ]
     return sorted(found)
 
 
@@ -94,7 +100,9 @@ def test_registering_and_removing_in_any_order() -> None:
 
 @in_blender
 def test_scripts_that_are_reloaded_leave_nothing_twice() -> None:
-    """What Blender's Reload Scripts does, also where the old scripts could not remove themselves."""
+    """What Blender's Reload Scripts does, also where the old scripts could not remove
+    themselves.
+    """
     import importlib
     import sys
 
@@ -105,7 +113,11 @@ def test_scripts_that_are_reloaded_leave_nothing_twice() -> None:
         for removes in (True, False):
             if removes:
                 photon_splat.unregister()
-            held = {name: sys.modules.pop(name) for name in list(sys.modules) if name.startswith("photon_splat.")}
+            held = {
+                name: sys.modules.pop(name)
+                for name in list(sys.modules)
+                if name.startswith("photon_splat.")
+            }
             for name in held:
                 vars(photon_splat).pop(name.split(".")[1], None)
             try:

@@ -112,7 +112,10 @@ def test_missing_image_names_image_and_material(tmp_path: str) -> None:
     _textured(image)
     what = stage.exported()
     said = stage.the_one_warning(what)
-    assert said == f"Material 'Painted', node 'Image Texture': image 'lost.png': {tmp_path}/lost.png cannot be read; shown in pink"
+    assert (
+        said == f"Material 'Painted', node 'Image Texture': image 'lost.png': {tmp_path}/lost.png "
+        "cannot be read; shown in pink"
+    )
     assert what.textures[0].pixels[0, 0].tolist() == [255, 0, 255, 255]
 
 
@@ -120,7 +123,10 @@ def test_missing_image_names_image_and_material(tmp_path: str) -> None:
 def test_an_image_texture_without_image() -> None:
     _textured(None)
     said = stage.the_one_warning(stage.exported())
-    assert said == "Material 'Painted', node 'Image Texture': an image texture has no image; shown in pink"
+    assert (
+        said
+        == "Material 'Painted', node 'Image Texture': an image texture has no image; shown in pink"
+    )
 
 
 @in_blender
@@ -132,7 +138,10 @@ def test_interpolation_extension_and_one_texture_for_both_uses() -> None:
     _textured(image, "Second")
     _textured(image, "Third")
     what = stage.exported()
-    assert [(t.interpolation, t.extension) for t in what.textures] == [("closest", "clip"), ("linear", "repeat")]
+    assert [(t.interpolation, t.extension) for t in what.textures] == [
+        ("closest", "clip"),
+        ("linear", "repeat"),
+    ]
 
 
 @pytest.mark.smoke
@@ -177,15 +186,27 @@ def test_backfacing_gives_each_side_its_own() -> None:
 def test_mix_and_add_of_shaders_and_colours() -> None:
     made, tree = stage.empty_material("Mixed")
     add, mix = tree.nodes.new("ShaderNodeAddShader"), tree.nodes.new("ShaderNodeMixShader")
-    one, two, glow = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("BsdfDiffuse", "BsdfDiffuse", "Emission"))
+    one, two, glow = (
+        tree.nodes.new(f"ShaderNode{kind}") for kind in ("BsdfDiffuse", "BsdfDiffuse", "Emission")
+    )
     blend = tree.nodes.new("ShaderNodeMix")
     blend.data_type, blend.blend_type = "RGBA", "MULTIPLY"
-    factor, a, b = (next(s for s in blend.inputs if s.identifier == name) for name in ("Factor_Float", "A_Color", "B_Color"))
+    factor, a, b = (
+        next(s for s in blend.inputs if s.identifier == name)
+        for name in ("Factor_Float", "A_Color", "B_Color")
+    )
     factor.default_value, a.default_value, b.default_value = 1.0, (0.5, 0.5, 0.5, 1), (0.5, 1, 0, 1)
-    tree.links.new(next(s for s in blend.outputs if s.identifier == "Result_Color"), one.inputs["Color"])
+    tree.links.new(
+        next(s for s in blend.outputs if s.identifier == "Result_Color"), one.inputs["Color"]
+    )
     two.inputs["Color"].default_value = (0, 0, 0, 1)
     mix.inputs[0].default_value = 0.25
-    for shader, target in ((one, mix.inputs[1]), (two, mix.inputs[2]), (mix, add.inputs[0]), (glow, add.inputs[1])):
+    for shader, target in (
+        (one, mix.inputs[1]),
+        (two, mix.inputs[2]),
+        (mix, add.inputs[0]),
+        (glow, add.inputs[1]),
+    ):
         tree.links.new(shader.outputs[0], target)
     stage.surface(tree, add)
     stage.plane().data.materials[0] = made
@@ -202,13 +223,18 @@ def test_groups_reroutes_and_muted_nodes() -> None:
     group = bpy.data.node_groups.new("Paint", "ShaderNodeTree")
     group.interface.new_socket("Tone", in_out="INPUT", socket_type="NodeSocketColor")
     group.interface.new_socket("Shader", in_out="OUTPUT", socket_type="NodeSocketShader")
-    given, inner, ending = (group.nodes.new(kind) for kind in ("NodeGroupInput", "ShaderNodeBsdfDiffuse", "NodeGroupOutput"))
+    given, inner, ending = (
+        group.nodes.new(kind)
+        for kind in ("NodeGroupInput", "ShaderNodeBsdfDiffuse", "NodeGroupOutput")
+    )
     group.links.new(given.outputs[0], inner.inputs["Color"])
     group.links.new(inner.outputs[0], ending.inputs[0])
     made, tree = stage.empty_material("Grouped")
     used = tree.nodes.new("ShaderNodeGroup")
     used.node_tree = group
-    color, reroute, muted = (tree.nodes.new(kind) for kind in ("ShaderNodeRGB", "NodeReroute", "ShaderNodeInvert"))
+    color, reroute, muted = (
+        tree.nodes.new(kind) for kind in ("ShaderNodeRGB", "NodeReroute", "ShaderNodeInvert")
+    )
     color.outputs[0].default_value = (0.125, 0.25, 0.5, 1)
     muted.mute = True
     tree.links.new(color.outputs[0], muted.inputs["Color"])
@@ -238,7 +264,12 @@ def test_what_is_more_than_lambert_becomes_a_program() -> None:
         stage.plane(f"P{k}").data.materials[0] = made
     what = stage.exported()
     features = [what.programs[material.program].features for material in what.materials]
-    assert features == [Feature.REST, Feature.GATHERS, Feature.GATHERS | Feature.REST, Feature.EMITS]
+    assert features == [
+        Feature.REST,
+        Feature.GATHERS,
+        Feature.GATHERS | Feature.REST,
+        Feature.EMITS,
+    ]
     assert what.warnings == []
 
 
@@ -261,7 +292,11 @@ def test_features_of_programs() -> None:
     assert principled(Metallic=1.0) == Feature.REST
     assert principled(Alpha=0.5) == matte | Feature.TRANSPARENT
     assert principled(Emission_Strength=2.0) == matte | Feature.EMITS | Feature.CONSTANT_EMISSION
-    assert principled(Emission_Strength=2.0, Coat_Weight=0.5) & (Feature.EMITS | Feature.CONSTANT_EMISSION) == Feature.EMITS
+    assert (
+        principled(Emission_Strength=2.0, Coat_Weight=0.5)
+        & (Feature.EMITS | Feature.CONSTANT_EMISSION)
+        == Feature.EMITS
+    )
 
 
 @in_blender
@@ -276,8 +311,14 @@ def test_only_what_programs_ask_for_is_exported() -> None:
     stage.surface(tree, shader)
     mesh.materials[0] = made
     what = stage.exported()
-    assert (what.meshes[0].shading.attributes, what.meshes[0].shading.generated, what.instances.attributes) == ([], None, [])
-    tone, other, info = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("VertexColor", "UVMap", "ObjectInfo"))
+    assert (
+        what.meshes[0].shading.attributes,
+        what.meshes[0].shading.generated,
+        what.instances.attributes,
+    ) == ([], None, [])
+    tone, other, info = (
+        tree.nodes.new(f"ShaderNode{kind}") for kind in ("VertexColor", "UVMap", "ObjectInfo")
+    )
     tone.layer_name, other.uv_map = "Tone", "Other"
     for source, target in (
         (tone.outputs["Color"], "Base Color"),
@@ -286,7 +327,10 @@ def test_only_what_programs_ask_for_is_exported() -> None:
     ):
         tree.links.new(source, shader.inputs[target])
     what = stage.exported()
-    assert sorted((str(a.domain), a.values.shape) for a in what.meshes[0].shading.attributes) == [("corner", (6, 2)), ("corner", (6, 4))]
+    assert sorted((str(a.domain), a.values.shape) for a in what.meshes[0].shading.attributes) == [
+        ("corner", (6, 2)),
+        ("corner", (6, 4)),
+    ]
     assert [a.values.shape for a in what.instances.attributes] == [(1, 1)]
     assert what.meshes[0].shading.generated is None
 
@@ -302,7 +346,9 @@ def test_no_material_and_an_empty_slot() -> None:
             ob.data.materials.append(None)
         what = stage.exported()
         if bpy.app.version >= (5, 0, 0):
-            assert what.programs[what.materials[0].program].features == Feature.GATHERS | Feature.REST
+            assert (
+                what.programs[what.materials[0].program].features == Feature.GATHERS | Feature.REST
+            )
         else:
             assert np.allclose(what.materials[0].front.base_color, 0.8)
         assert what.warnings == []
@@ -315,8 +361,14 @@ def test_values_that_are_no_colour() -> None:
     negative = stage.material("Negative")
     difference = negative.node_tree.nodes.new("ShaderNodeMix")
     difference.data_type, difference.blend_type = "RGBA", "SUBTRACT"
-    for name, value in (("Factor_Float", 1.0), ("A_Color", (0.5, 0.5, 0.5, 1)), ("B_Color", (0, 1, 0, 1))):
-        next(socket for socket in difference.inputs if socket.identifier == name).default_value = value
+    for name, value in (
+        ("Factor_Float", 1.0),
+        ("A_Color", (0.5, 0.5, 0.5, 1)),
+        ("B_Color", (0, 1, 0, 1)),
+    ):
+        next(
+            socket for socket in difference.inputs if socket.identifier == name
+        ).default_value = value
     result = next(socket for socket in difference.outputs if socket.identifier == "Result_Color")
     negative.node_tree.links.new(result, negative.node_tree.nodes["Diffuse BSDF"].inputs["Color"])
     for k, material in enumerate((made, negative)):
@@ -348,11 +400,16 @@ def test_world_and_lamp_nodes() -> None:
 
 @in_blender
 def test_nested_mixes_of_one_source_are_looked_at_once_each() -> None:
-    """Sixty in a row, each with the one before on both inputs: a walk that looks at both would never end."""
+    """Sixty in a row, each with the one before on both inputs: a walk that looks at both would
+    never end.
+    """
     import bpy
 
     tree = _textured(_four_colors("Made"))
-    shader, texture = (next(node for node in tree.nodes if node.type == kind) for kind in ("BSDF_DIFFUSE", "TEX_IMAGE"))
+    shader, texture = (
+        next(node for node in tree.nodes if node.type == kind)
+        for kind in ("BSDF_DIFFUSE", "TEX_IMAGE")
+    )
     last = texture.outputs["Color"]
     for _ in range(60):
         mix = tree.nodes.new("ShaderNodeMix")
@@ -368,7 +425,9 @@ def test_nested_mixes_of_one_source_are_looked_at_once_each() -> None:
 
 
 def _two_colors(tree: Any, output: str, red: str, green: str) -> None:
-    """Two output nodes of a kind in an empty tree, the first of which is active: red light for the renderer `red`, green light."""
+    """Two output nodes of a kind in an empty tree, the first of which is active: red light for the
+    renderer `red`, green light.
+    """
     tree.nodes.clear()
     for target, color in ((red, (1, 0, 0, 1)), (green, (0, 1, 0, 1))):
         ending, emission = tree.nodes.new(output), tree.nodes.new("ShaderNodeEmission")
@@ -436,7 +495,14 @@ def _beside_a_volume(surface: str) -> Any:
 
 # What Cycles lets pass and what it does not.
 @pytest.mark.parametrize(
-    ("surface", "clear"), [("", True), ("AddShader", True), ("Emission", True), ("BsdfDiffuse", False), ("VolumeScatter", False)]
+    ("surface", "clear"),
+    [
+        ("", True),
+        ("AddShader", True),
+        ("Emission", True),
+        ("BsdfDiffuse", False),
+        ("VolumeScatter", False),
+    ],
 )
 @in_blender
 def test_a_volume_without_surface_is_clear(surface: str, clear: bool) -> None:
@@ -458,7 +524,9 @@ def test_a_material_of_nothing_is_black() -> None:
 
 
 def _textured_file(path: Path, pixels: np.ndarray, kind: str, alpha: bool = False) -> Any:
-    """A file of `pixels` (straight alpha) as the texture of a diffuse material, whose alpha somebody asks for; returns the image."""
+    """A file of `pixels` (straight alpha) as the texture of a diffuse material, whose alpha
+    somebody asks for; returns the image.
+    """
     import bpy
     import OpenImageIO as oiio
 
@@ -471,7 +539,10 @@ def _textured_file(path: Path, pixels: np.ndarray, kind: str, alpha: bool = Fals
     image = bpy.data.images.load(str(path))
     tree = _textured(image)
     if alpha:
-        texture, shader = (next(node for node in tree.nodes if node.type == kind) for kind in ("TEX_IMAGE", "BSDF_DIFFUSE"))
+        texture, shader = (
+            next(node for node in tree.nodes if node.type == kind)
+            for kind in ("TEX_IMAGE", "BSDF_DIFFUSE")
+        )
         tree.links.new(texture.outputs["Alpha"], shader.inputs["Roughness"])
     return image
 
@@ -479,10 +550,16 @@ def _textured_file(path: Path, pixels: np.ndarray, kind: str, alpha: bool = Fals
 ENCODED = np.array([[[0.8, 0.4, 0.2, 0.5]]], np.float32)
 
 
-@pytest.mark.parametrize(("alpha", "expected"), [(False, (0.1329, 0.0331, 0.01)), (True, (0.302, 0.0664, 0.0166))])
+@pytest.mark.parametrize(
+    ("alpha", "expected"), [(False, (0.1329, 0.0331, 0.01)), (True, (0.302, 0.0664, 0.0166))]
+)
 @in_blender
-def test_sixteen_bits_are_multiplied_before_they_are_decoded(tmp_path: str, alpha: bool, expected: tuple[float, ...]) -> None:
-    """As in Cycles, and times alpha after it where the tree asks for the alpha, which takes that off again."""
+def test_sixteen_bits_are_multiplied_before_they_are_decoded(
+    tmp_path: str, alpha: bool, expected: tuple[float, ...]
+) -> None:
+    """As in Cycles, and times alpha after it where the tree asks for the alpha, which takes that
+    off again.
+    """
     _textured_file(Path(tmp_path, "sixteen.png"), ENCODED, "uint16", alpha)
     (texture,) = stage.exported().textures
     assert np.allclose(texture.pixels[0, 0, :3], expected, atol=1e-3)
@@ -497,7 +574,11 @@ def test_grey_files_with_alpha_are_not_multiplied(tmp_path: str) -> None:
 
 
 # Of encoded 0.8, 0.4, 0.2, as Cycles shows them.
-SPACES = {"ACEScg": (1.0986, 0.3499, 0.1598), "Linear Rec.2020": (1.0781, 0.3518, 0.1689), "Filmic Log": (1.6504, 0.017, 0.0017)}
+SPACES = {
+    "ACEScg": (1.0986, 0.3499, 0.1598),
+    "Linear Rec.2020": (1.0781, 0.3518, 0.1689),
+    "Filmic Log": (1.6504, 0.017, 0.0017),
+}
 
 
 @pytest.mark.parametrize("space", SPACES)
@@ -512,7 +593,10 @@ def test_color_spaces(tmp_path: str, space: str) -> None:
     what = stage.exported()
     (texture,) = what.textures
     assert not texture.srgb
-    assert np.allclose(texture.pixels[0, 0, :3], SPACES[space], rtol=0.01, atol=2e-3), (texture.pixels, bpy.app.version)
+    assert np.allclose(texture.pixels[0, 0, :3], SPACES[space], rtol=0.01, atol=2e-3), (
+        texture.pixels,
+        bpy.app.version,
+    )
     assert what.warnings == []
 
 
@@ -533,7 +617,9 @@ def test_a_missing_image_is_pink_everywhere(extension: str) -> None:
 def test_a_sequence_shows_the_frame_of_its_user(tmp_path: str) -> None:
     """Start, offset, length and repetition as Blender has them."""
     for k in range(1, 6):
-        image = _textured_file(Path(tmp_path, f"seen_{k:04}.png"), np.full((1, 1, 3), k / 10, np.float32), "uint8")
+        image = _textured_file(
+            Path(tmp_path, f"seen_{k:04}.png"), np.full((1, 1, 3), k / 10, np.float32), "uint8"
+        )
     tree = stage.scene().objects["Canvas.004"].data.materials[0].node_tree
     texture = next(node for node in tree.nodes if node.type == "TEX_IMAGE")
     image.source = "SEQUENCE"
@@ -557,7 +643,9 @@ def test_a_sequence_shows_the_frame_of_its_user(tmp_path: str) -> None:
 @pytest.mark.parametrize("kind", ["Transparent", "Principled"])
 @in_blender
 def test_shadows_may_be_told_to_be_opaque(kind: str) -> None:
-    """Transparent Shadows of a material: off, shadow rays do not pass, and all others do, as in Cycles."""
+    """Transparent Shadows of a material: off, shadow rays do not pass, and all others do, as in
+    Cycles.
+    """
     from photon_splat.core import native
     from photon_splat.core.native_scene import fill_renderer
     from photon_splat.core.settings import RenderSettings
@@ -566,7 +654,9 @@ def test_shadows_may_be_told_to_be_opaque(kind: str) -> None:
     if not hasattr(made, "use_transparent_shadow"):
         return
     shader = tree.nodes.new(f"ShaderNodeBsdf{kind}")
-    shader.inputs["Color" if kind == "Transparent" else "Alpha"].default_value = (0.5, 0.5, 0.5, 1) if kind == "Transparent" else 0.5
+    shader.inputs["Color" if kind == "Transparent" else "Alpha"].default_value = (
+        (0.5, 0.5, 0.5, 1) if kind == "Transparent" else 0.5
+    )
     stage.surface(tree, shader)
     stage.plane().data.materials[0] = made
     found = {}
@@ -576,7 +666,10 @@ def test_shadows_may_be_told_to_be_opaque(kind: str) -> None:
         fill_renderer(renderer, stage.exported(), RenderSettings())
         renderer.build()
         place, down = np.array([[0.1, 0.2, 1]], np.float32), np.array([[0, 0, -1]], np.float32)
-        found[on] = [float(renderer.shade_rays(place, down, kind=ray)["transparency"][0, 0]) for ray in ("shadow", "camera")]
+        found[on] = [
+            float(renderer.shade_rays(place, down, kind=ray)["transparency"][0, 0])
+            for ray in ("shadow", "camera")
+        ]
     assert np.allclose(found[True], (0.5, 0.5), atol=0.01)
     assert np.allclose(found[False], (0.0, 0.5), atol=0.01)
 
@@ -585,7 +678,11 @@ def test_shadows_may_be_told_to_be_opaque(kind: str) -> None:
 def test_packed_tiles(tmp_path: str) -> None:
     """Those of a UDIM image, whose files are gone; and one that never was is pink."""
     for number in (1001, 1002):
-        image = _textured_file(Path(tmp_path, f"tile.{number}.png"), np.full((1, 1, 3), (number - 1000) / 10, np.float32), "uint8")
+        image = _textured_file(
+            Path(tmp_path, f"tile.{number}.png"),
+            np.full((1, 1, 3), (number - 1000) / 10, np.float32),
+            "uint8",
+        )
     image.source, image.filepath = "TILED", str(Path(tmp_path, "tile.<UDIM>.png"))
     image.tiles[0].number = 1001
     image.tiles.new(1002)

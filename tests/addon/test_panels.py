@@ -1,4 +1,6 @@
-"""What the interface shows and does: every panel draws, presets set what they say, and warnings lead to their objects."""
+"""What the interface shows and does: every panel draws, presets set what they say, and warnings
+lead to their objects.
+"""
 
 from __future__ import annotations
 
@@ -48,7 +50,12 @@ def _draw(panel: Any) -> list[str]:
 def _panels() -> list[Any]:
     from photon_splat.panels import render, report, view_layer
 
-    return [cls for part in (render, view_layer, report) for cls in part.CLASSES if "_PT_" in cls.__name__]
+    return [
+        cls
+        for part in (render, view_layer, report)
+        for cls in part.CLASSES
+        if "_PT_" in cls.__name__
+    ]
 
 
 @pytest.mark.smoke
@@ -68,7 +75,9 @@ def test_every_panel_draws_before_and_after_a_render() -> None:
     shown = {name for panel in after.values() for name in panel}
     hidden = {"rna_type", "name"}
     for group in (stage.scene().photon_splat, bpy.context.view_layer.photon_splat):
-        assert {prop.identifier for prop in group.bl_rna.properties} - hidden <= shown, "settings that no panel shows"
+        assert {prop.identifier for prop in group.bl_rna.properties} - hidden <= shown, (
+            "settings that no panel shows"
+        )
 
 
 @in_blender
@@ -80,7 +89,9 @@ def test_every_setting_says_what_it_does() -> None:
         for prop in group.bl_rna.properties:
             if prop.identifier not in {"rna_type", "name"}:
                 assert len(prop.description) > 15, prop.identifier
-                assert prop.name == prop.name.title() or "per" in prop.name or "ID" in prop.name, prop.name
+                assert prop.name == prop.name.title() or "per" in prop.name or "ID" in prop.name, (
+                    prop.name
+                )
 
 
 @pytest.mark.parametrize(("name", "error"), [("Draft", 0.1), ("Good", 0.03), ("Final", 0.01)])
@@ -96,8 +107,15 @@ def test_presets(name: str, error: float) -> None:
     bpy.ops.script.execute_preset(filepath=str(path), menu_idname="PHOTON_SPLAT_PT_presets")
     settings = stage.scene().photon_splat
     assert settings.error_threshold == pytest.approx(error)
-    kept = {value.removeprefix("settings.") for value in presets.PHOTON_SPLAT_OT_preset_add.preset_values}
-    assert kept == {line.split()[0].removeprefix("settings.") for line in path.read_text().splitlines() if line.startswith("settings.")}
+    kept = {
+        value.removeprefix("settings.")
+        for value in presets.PHOTON_SPLAT_OT_preset_add.preset_values
+    }
+    assert kept == {
+        line.split()[0].removeprefix("settings.")
+        for line in path.read_text().splitlines()
+        if line.startswith("settings.")
+    }
     assert all(hasattr(settings, value) for value in kept)
 
 
@@ -110,7 +128,9 @@ def test_a_preset_of_ones_own() -> None:
     settings.passes = 77
     bpy.ops.photon_splat.preset_add(name="Mine")
     settings.passes = 5
-    (path,) = Path(bpy.utils.user_resource("SCRIPTS", path=f"presets/{presets.FOLDER}")).glob("[Mm]ine.py")
+    (path,) = Path(bpy.utils.user_resource("SCRIPTS", path=f"presets/{presets.FOLDER}")).glob(
+        "[Mm]ine.py"
+    )
     bpy.ops.script.execute_preset(filepath=str(path), menu_idname="PHOTON_SPLAT_PT_presets")
     assert settings.passes == 77
 
@@ -132,7 +152,10 @@ def test_a_click_on_a_warning_selects_what_it_names() -> None:
     assert bpy.context.view_layer.objects.active == one
     assert one.active_material.name == "Odd"
     assert [ob.name for ob in bpy.context.selected_objects] == [one.name]
-    assert report.named("Hair of objects is left out: 'Other', 'It's one', 'Gone'") == ["Other", "It's one"]
+    assert report.named("Hair of objects is left out: 'Other', 'It's one', 'Gone'") == [
+        "Other",
+        "It's one",
+    ]
     assert bpy.ops.photon_splat.select(name="Other") == {"FINISHED"}
     assert bpy.context.view_layer.objects.active == other
     assert report.named("Motion blur is not supported yet; everything stands still") == []
@@ -151,10 +174,20 @@ def test_panels_of_blender_know_the_engine_and_forget_it() -> None:
     import photon_splat
 
     def knowing() -> set[str]:
-        found = (panel for panel in bpy.types.Panel.__subclasses__() if "PHOTON_SPLAT" in getattr(panel, "COMPAT_ENGINES", ()))
+        found = (
+            panel
+            for panel in bpy.types.Panel.__subclasses__()
+            if "PHOTON_SPLAT" in getattr(panel, "COMPAT_ENGINES", ())
+        )
         return {panel.__name__ for panel in found if "photon_splat" not in panel.__module__}
 
-    wanted = {"RENDER_PT_color_management", "EEVEE_MATERIAL_PT_surface", "DATA_PT_camera_dof", "DATA_PT_lens", "MATERIAL_PT_preview"}
+    wanted = {
+        "RENDER_PT_color_management",
+        "EEVEE_MATERIAL_PT_surface",
+        "DATA_PT_camera_dof",
+        "DATA_PT_lens",
+        "MATERIAL_PT_preview",
+    }
     assert wanted <= knowing()
     photon_splat.unregister()
     assert knowing() == set()
@@ -172,7 +205,9 @@ def test_all_warnings_are_shown_one_a_kind_and_lead_to_all_they_name() -> None:
     for k in range(4):
         thing = stage.plane(f"Thing {k}")
         shade, tree = stage.empty_material(f"Photo {k}")
-        shader, photo = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("BsdfDiffuse", "TexImage"))
+        shader, photo = (
+            tree.nodes.new(f"ShaderNode{kind}") for kind in ("BsdfDiffuse", "TexImage")
+        )
         photo.image = bpy.data.images.new(f"{k}.png", 1, 1)
         photo.image.source, photo.image.filepath = "FILE", f"//gone/{k}.png"
         tree.links.new(photo.outputs["Color"], shader.inputs["Color"])
@@ -197,7 +232,9 @@ def test_every_warning_reaches_blenders_reports() -> None:
     from photon_splat import job
 
     said: list[str] = []
-    engine = SimpleNamespace(is_preview=False, update_progress=lambda _: None, report=lambda _, text: said.append(text))
+    engine = SimpleNamespace(
+        is_preview=False, update_progress=lambda _: None, report=lambda _, text: said.append(text)
+    )
     depsgraph = SimpleNamespace(scene=SimpleNamespace(name="Odd"))
     warnings = [f"Thing {k} is left out" for k in range(5)]
     job._finish(engine, depsgraph, SimpleNamespace(statistics={"warnings": warnings}))

@@ -179,5 +179,9 @@ def test_an_animation_traces_its_photons_once(tmp_path: Path) -> None:
     made.render.filepath = f"{tmp_path}/"
     with stage.watched() as results:
         bpy.ops.render.render(animation=True)
-    assert [result.statistics["photons"]["traced"] for result in results] == [PASSES * PHOTONS, 0, 0]
+    assert [result.statistics["photons"]["traced"] for result in results] == [
+        PASSES * PHOTONS,
+        0,
+        0,
+    ]
     assert not np.array_equal(results[0].passes["Combined"], results[2].passes["Combined"])

@@ -1,4 +1,6 @@
-"""Persistent Data: after every kind of edit the picture is that of a first render, and what could be used again was."""
+"""Persistent Data: after every kind of edit the picture is that of a first render, and what could
+be used again was.
+"""
 
 from __future__ import annotations
 
@@ -47,7 +49,9 @@ def _paint() -> None:
     import bpy
 
     tree = bpy.data.materials["Red"].node_tree
-    next(node for node in tree.nodes if node.type == "BSDF_DIFFUSE").inputs["Color"].default_value = (0.1, 0.1, 0.8, 1.0)
+    next(node for node in tree.nodes if node.type == "BSDF_DIFFUSE").inputs[
+        "Color"
+    ].default_value = (0.1, 0.1, 0.8, 1.0)
 
 
 def _light_world() -> None:

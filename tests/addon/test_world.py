@@ -20,7 +20,9 @@ def _tree() -> tuple[Any, Any]:
     world = bpy.data.worlds.new("Sky")
     stage.scene().world = world
     world.use_nodes = True
-    return world.node_tree, next(node for node in world.node_tree.nodes if node.type == "BACKGROUND")
+    return world.node_tree, next(
+        node for node in world.node_tree.nodes if node.type == "BACKGROUND"
+    )
 
 
 def _image(tree: Any, background: Any) -> Any:
@@ -54,7 +56,9 @@ def test_an_environment_image_and_its_rotation() -> None:
     _mapped(tree, node).inputs["Rotation"].default_value = (0.0, 0.0, 0.5)
     what = stage.exported()
     assert what.world_map.mirror_ball
-    assert np.allclose(what.world_map.to_lookup[:2, :2], [[cos(0.5), -sin(0.5)], [sin(0.5), cos(0.5)]])
+    assert np.allclose(
+        what.world_map.to_lookup[:2, :2], [[cos(0.5), -sin(0.5)], [sin(0.5), cos(0.5)]]
+    )
     assert what.warnings == []
 
 
@@ -73,9 +77,16 @@ def test_a_tree_that_comes_to_a_constant_is_one() -> None:
     tree, background = _tree()
     color = tree.nodes.new("ShaderNodeMix")
     color.data_type = "RGBA"
-    for name, value in (("Factor_Float", 0.5), ("A_Color", (0, 0, 1, 1)), ("B_Color", (1, 0, 0, 1))):
+    for name, value in (
+        ("Factor_Float", 0.5),
+        ("A_Color", (0, 0, 1, 1)),
+        ("B_Color", (1, 0, 0, 1)),
+    ):
         next(socket for socket in color.inputs if socket.identifier == name).default_value = value
-    tree.links.new(next(socket for socket in color.outputs if socket.identifier == "Result_Color"), background.inputs["Color"])
+    tree.links.new(
+        next(socket for socket in color.outputs if socket.identifier == "Result_Color"),
+        background.inputs["Color"],
+    )
     background.inputs["Strength"].default_value = 2.0
     what = stage.exported()
     assert (what.world, what.world_program) == ((1, 0, 1), -1)
@@ -99,7 +110,9 @@ def test_a_mixed_sky_is_looked_up_as_the_sky_alone() -> None:
     fill_renderer(renderer, what, RenderSettings())
     renderer.build()
     angles = np.linspace(0.1, 6.0, 40)
-    directions = np.stack([np.cos(angles), np.sin(angles), np.sin(3 * angles)], axis=1).astype(np.float32)
+    directions = np.stack([np.cos(angles), np.sin(angles), np.sin(3 * angles)], axis=1).astype(
+        np.float32
+    )
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)
     found = renderer.shade_rays(np.zeros_like(directions), directions)["emission"]
     tree.links.new(sky.outputs[0], background.inputs["Color"])
@@ -108,13 +121,18 @@ def test_a_mixed_sky_is_looked_up_as_the_sky_alone() -> None:
     looked_up = directions.astype(np.float64) @ alone.world_map.to_lookup[:, :3].T
     u = (np.arctan2(looked_up[:, 1], looked_up[:, 0]) - pi) / (-2 * pi)
     v = np.arcsin(np.clip(looked_up[:, 2], -1, 1)) / pi + 0.5
-    row, column = (v * pixels.shape[0]).astype(int), (u * pixels.shape[1]).astype(int) % pixels.shape[1]
+    row, column = (
+        (v * pixels.shape[0]).astype(int),
+        (u * pixels.shape[1]).astype(int) % pixels.shape[1],
+    )
     expected = pixels[np.minimum(row, pixels.shape[0] - 1), column, :3]
     # The nearest pixel stands for the interpolated ones: at the horizon that is not close.
     assert np.isclose(found, expected, rtol=0.05, atol=0.02).all(axis=1).mean() >= 0.9
 
 
-@pytest.mark.parametrize(("output", "warned"), [("Is Camera Ray", False), ("Is Diffuse Ray", False), ("Ray Depth", True)])
+@pytest.mark.parametrize(
+    ("output", "warned"), [("Is Camera Ray", False), ("Is Diffuse Ray", False), ("Ray Depth", True)]
+)
 @in_blender
 def test_light_path_of_a_world_is_that_of_the_ray(output: str, warned: bool) -> None:
     """Native code asks for it; only depths are not known of photons."""
@@ -132,7 +150,10 @@ def test_light_path_of_a_world_is_that_of_the_ray(output: str, warned: bool) -> 
     fill_renderer(renderer, what, RenderSettings())
     renderer.build()
     up = np.array([[0, 0, 1]], np.float32)
-    seen = {kind: float(renderer.shade_rays(up * 0, up, kind=kind)["emission"][0, 0]) for kind in ("camera", "diffuse", "glossy")}
+    seen = {
+        kind: float(renderer.shade_rays(up * 0, up, kind=kind)["emission"][0, 0])
+        for kind in ("camera", "diffuse", "glossy")
+    }
     assert (
         seen
         == {
@@ -156,9 +177,12 @@ def test_a_sky_and_its_sun(model: str) -> None:
     tree.links.new(node.outputs["Color"], background.inputs["Color"])
     what = stage.exported()
     (sun,) = what.sun_discs
-    assert sun.direction == pytest.approx((sin(0.3) * cos(0.5), cos(0.3) * cos(0.5), sin(0.5)), abs=1e-5)
+    assert sun.direction == pytest.approx(
+        (sin(0.3) * cos(0.5), cos(0.3) * cos(0.5), sin(0.5)), abs=1e-5
+    )
     assert sun.half_angle == pytest.approx(0.01)
-    # Strength and intensity cancel. In Blender's units the sun gives some hundreds outside the atmosphere.
+    # Strength and intensity cancel. In Blender's units the sun gives some hundreds outside the
+    # atmosphere.
     flux = np.mean(sun.top) * pi * 0.01**2
     assert 20.0 < flux < 200.0
     assert np.all(np.asarray(sun.bottom) < sun.top)
@@ -177,7 +201,10 @@ def test_a_sky_model_that_is_not_there_is_named() -> None:
     node.sky_type = "HOSEK_WILKIE"
     tree.links.new(node.outputs["Color"], background.inputs["Color"])
     what = stage.exported()
-    assert what.warnings == ["World 'Sky', node 'Sky Texture': the sky model HOSEK_WILKIE is not supported; taken as Preetham's"]
+    assert what.warnings == [
+        "World 'Sky', node 'Sky Texture': the sky model HOSEK_WILKIE is not supported; taken as "
+        "Preetham's"
+    ]
     assert what.world_map is not None
 
 

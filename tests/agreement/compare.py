@@ -19,8 +19,9 @@ LEAST = 0.03
 
 @dataclass(frozen=True, slots=True)
 class Agreement:
-    """mean: ratio to the reference; mean_error: its standard error. off: share of blocks that differ. told_over_true: of the RMSE, None
-    where the reference is too noisy to tell it."""
+    """mean: ratio to the reference; mean_error: its standard error. off: share of blocks that
+    differ. told_over_true: of the RMSE, None where the reference is too noisy to tell it.
+    """
 
     mean: float
     mean_error: float
@@ -34,20 +35,30 @@ class Agreement:
 
 def blocks(picture: NDArray[np.float64]) -> NDArray[np.float64]:
     height, width = (n // BLOCK for n in picture.shape[:2])
-    return picture[: height * BLOCK, : width * BLOCK].reshape(height, BLOCK, width, BLOCK).mean((1, 3))
+    return (
+        picture[: height * BLOCK, : width * BLOCK].reshape(height, BLOCK, width, BLOCK).mean((1, 3))
+    )
 
 
-def agreement(splat: tuple[NDArray, NDArray], told: NDArray, lamps: NDArray, reference: tuple[NDArray, NDArray]) -> Agreement:
-    """Pictures are (height, width, 3), of independent seeds. told: the error that the first one tells, (height, width). lamps: pixels
-    that see one, (height, width), which are left out: single ones at their rims would decide on the error. A firefly counts as
-    `FIREFLY` times the brightest thousandth of the reference."""
+def agreement(
+    splat: tuple[NDArray, NDArray],
+    told: NDArray,
+    lamps: NDArray,
+    reference: tuple[NDArray, NDArray],
+) -> Agreement:
+    """Pictures are (height, width, 3), of independent seeds. told: the error that the first one
+    tells, (height, width). lamps: pixels that see one, (height, width), which are left out: single
+    ones at their rims would decide on the error. A firefly counts as `FIREFLY` times the brightest
+    thousandth of the reference.
+    """
     counted = ~binary_dilation(lamps, iterations=3)
     light = [picture @ LUMINANCE * counted for picture in (*splat, *reference)]
     cap = FIREFLY * float(np.percentile(light[2] + light[3], 99.9)) / 2.0
     clipped = [np.minimum(picture, cap) for picture in light]
     a, b, r, s = (blocks(picture) for picture in clipped)
     ours, truth = (a + b) / 2.0, (r + s) / 2.0
-    # Noise of a block: its own two pairs of halves, and those of the whole picture as far as light goes.
+    # Noise of a block: its own two pairs of halves, and those of the whole picture as far as light
+    # goes.
     own = ((a - b) ** 2 + (r - s) ** 2) / 4.0
     scale = np.maximum(truth, 0.05 * truth.mean())
     usual = float((own / scale**2).mean())

@@ -1,4 +1,6 @@
-"""Random scenes: sizes of floors, distances and sizes of lamps, rooms and fields, clutter. The same seed makes the same scene."""
+"""Random scenes: sizes of floors, distances and sizes of lamps, rooms and fields, clutter. The same
+seed makes the same scene.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +29,9 @@ def placed(thing: Mesh, matrix: np.ndarray) -> Mesh:
     return Mesh(thing.name, points.astype(np.float32), thing.triangles, normals)
 
 
-def turn(draw: Draw, place: np.ndarray, scale: np.ndarray | float = 1.0, *, tumbled: bool = False) -> np.ndarray:
+def turn(
+    draw: Draw, place: np.ndarray, scale: np.ndarray | float = 1.0, *, tumbled: bool = False
+) -> np.ndarray:
     """A matrix that turns about z, or any way, scales and moves."""
     matrix = np.eye(4)
     angle = draw.uniform(0.0, 2.0 * pi)
@@ -54,13 +58,19 @@ def thing(draw: Draw, place: np.ndarray, size: float) -> Mesh:
     sunk = np.array([0.0, 0.0, size * draw.uniform(-0.3, 0.5)])
     match draw.integers(6):
         case 0:
-            return placed(box((-0.5, -0.5, 0.0), (0.5, 0.5, 1.0)), turn(draw, place, size * draw.uniform(0.4, 1.4, 3)))
+            return placed(
+                box((-0.5, -0.5, 0.0), (0.5, 0.5, 1.0)),
+                turn(draw, place, size * draw.uniform(0.4, 1.4, 3)),
+            )
         case 1:
             return placed(globe(0.5, 3, smooth=True), turn(draw, place + sunk, size))
         case 2:
             return placed(globe(0.5, 2), turn(draw, place + sunk, size * draw.uniform(0.5, 1.2, 3)))
         case 3:  # a slab
-            return placed(box((-0.5, -0.5, 0.0), (0.5, 0.5, 0.06)), turn(draw, place + sunk, size * draw.uniform(0.7, 2.0)))
+            return placed(
+                box((-0.5, -0.5, 0.0), (0.5, 0.5, 0.06)),
+                turn(draw, place + sunk, size * draw.uniform(0.7, 2.0)),
+            )
         case 4:  # a pole
             return placed(box((-0.04, -0.04, 0.0), (0.04, 0.04, 2.0)), turn(draw, place, size))
         case _:
@@ -78,7 +88,12 @@ def clutter(draw: Draw, reach: float) -> list[Mesh]:
         centre = np.array([*draw.uniform(-0.5 * reach, 0.5 * reach, 2), 0.0])
         for _ in range(draw.integers(5, 25)):
             at = centre + np.array([*draw.normal(0.0, size, 2), abs(draw.normal(0.0, 0.6 * size))])
-            things.append(placed(globe(0.5, 2 + int(draw.integers(2)), smooth=bool(draw.integers(2))), turn(draw, at, size)))
+            things.append(
+                placed(
+                    globe(0.5, 2 + int(draw.integers(2)), smooth=bool(draw.integers(2))),
+                    turn(draw, at, size),
+                )
+            )
     return things
 
 
@@ -90,25 +105,57 @@ def lamps(draw: Draw, reach: float, ceiling: float | None) -> list[Light]:
         angle, height = draw.uniform(0.0, 2.0 * pi), draw.uniform(0.3, 1.2)
         place = np.array([distance * cos(angle), distance * sin(angle), distance * height])
         if ceiling is not None:
-            place = np.array([*draw.uniform(-0.8 * reach, 0.8 * reach, 2), ceiling * draw.uniform(0.5, 0.98)])
+            place = np.array(
+                [*draw.uniform(-0.8 * reach, 0.8 * reach, 2), ceiling * draw.uniform(0.5, 0.98)]
+            )
             distance = ceiling
         power = 40.0 * distance**2 * log_uniform(draw, 0.3, 3.0)
         radius = 0.0 if draw.random() < 0.3 else log_uniform(draw, 1e-4, 0.15) * distance
         aim = (*draw.uniform(-0.5 * reach, 0.5 * reach, 2), 0.0)
         match draw.integers(4) if ceiling is None else draw.integers(3):
             case 0:
-                found.append(lamp(LightKind.POINT, power, tuple(place), radius=radius, soft_falloff=bool(draw.integers(2))))
+                found.append(
+                    lamp(
+                        LightKind.POINT,
+                        power,
+                        tuple(place),
+                        radius=radius,
+                        soft_falloff=bool(draw.integers(2)),
+                    )
+                )
             case 1:
                 found.append(
                     lamp(
-                        LightKind.SPOT, power, tuple(place), aim, radius=radius, spot_size=draw.uniform(0.5, 2.5), spot_blend=draw.random()
+                        LightKind.SPOT,
+                        power,
+                        tuple(place),
+                        aim,
+                        radius=radius,
+                        spot_size=draw.uniform(0.5, 2.5),
+                        spot_blend=draw.random(),
                     )
                 )
             case 2:
                 side = log_uniform(draw, 0.01, 0.5) * distance
-                found.append(lamp(LightKind.AREA, power, tuple(place), aim, size=(side, side * draw.uniform(0.3, 1.0))))
+                found.append(
+                    lamp(
+                        LightKind.AREA,
+                        power,
+                        tuple(place),
+                        aim,
+                        size=(side, side * draw.uniform(0.3, 1.0)),
+                    )
+                )
             case _:
-                found.append(lamp(LightKind.SUN, draw.uniform(1.0, 6.0), tuple(place), aim, angle=draw.uniform(0.0, 0.1)))
+                found.append(
+                    lamp(
+                        LightKind.SUN,
+                        draw.uniform(1.0, 6.0),
+                        tuple(place),
+                        aim,
+                        angle=draw.uniform(0.0, 0.1),
+                    )
+                )
     return found
 
 
@@ -120,7 +167,11 @@ def room(draw: Draw, reach: float, ceiling: float) -> list[Thing]:
     """One wall of which may be missing; alone or on a ground."""
     whole = box((-reach, -reach, 0.0), (reach, reach, ceiling), inwards=True)
     missing = int(draw.integers(0, 7))
-    triangles = whole.triangles if missing > 5 else np.delete(whole.triangles, (2 * missing, 2 * missing + 1), 0)
+    triangles = (
+        whole.triangles
+        if missing > 5
+        else np.delete(whole.triangles, (2 * missing, 2 * missing + 1), 0)
+    )
     things = [(Mesh("room", whole.positions, triangles), random_color(draw))]
     if draw.random() < 0.5:
         half = log_uniform(draw, 2.0, 1000.0) * reach
@@ -149,12 +200,26 @@ def random_scene(seed: int) -> Scene:
     else:
         things = field(draw, reach)
     things += [(one, random_color(draw)) for one in clutter(draw, reach)]
-    world = 0.0 if ceiling is not None and draw.random() < 0.7 else (draw.uniform(0.0, 0.6) if draw.random() < 0.6 else 0.0)
+    world = (
+        0.0
+        if ceiling is not None and draw.random() < 0.7
+        else (draw.uniform(0.0, 0.6) if draw.random() < 0.6 else 0.0)
+    )
     shining = lamps(draw, reach, ceiling)
     if draw.random() < 0.25:  # a mesh that shines
         size = log_uniform(draw, 0.02, 0.3) * reach
-        place = np.array([*draw.uniform(-0.7 * reach, 0.7 * reach, 2), draw.uniform(0.3, 0.75) * (ceiling or reach)])
-        things.append((placed(globe(0.5, 2), turn(draw, place, size)), lambert(0.5, 10.0 * (reach / size) ** 2)))
+        place = np.array(
+            [
+                *draw.uniform(-0.7 * reach, 0.7 * reach, 2),
+                draw.uniform(0.3, 0.75) * (ceiling or reach),
+            ]
+        )
+        things.append(
+            (
+                placed(globe(0.5, 2), turn(draw, place, size)),
+                lambert(0.5, 10.0 * (reach / size) ** 2),
+            )
+        )
     if ceiling is None:
         angle, far = draw.uniform(0.0, 2.0 * pi), draw.uniform(1.5, 3.5) * reach
         eye = (far * cos(angle), far * sin(angle), draw.uniform(0.4, 2.0) * reach)

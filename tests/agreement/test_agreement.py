@@ -1,4 +1,6 @@
-"""The splat picture agrees with the reference integrator's on scenes that nobody made by hand: a few of `make agreement`, small."""
+"""The splat picture agrees with the reference integrator's on scenes that nobody made by hand: a
+few of `make agreement`, small.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +9,8 @@ import pytest
 from tests.agreement.generator import random_scene
 from tests.agreement.run import MOST_OFF, TOLD_WITHIN, measure
 
-# Once wrong: bent things that run into each other (2, 10), light from far out on a floor (5), a wall of which a metre is seen.
+# Once wrong: bent things that run into each other (2, 10), light from far out on a floor (5), a
+# wall of which a metre is seen.
 ONCE_WRONG = (2, 5, 10)
 
 
@@ -16,4 +19,6 @@ def test_mean_blocks_and_told_error_agree_with_the_reference(seed: int) -> None:
     result, _ = measure(random_scene(seed), passes=12, samples=128, adaptive_samples=False)
     assert result.mean_agrees, result
     assert result.off <= MOST_OFF, result
-    assert result.told_over_true is None or TOLD_WITHIN[0] <= result.told_over_true <= TOLD_WITHIN[1], result
+    assert (
+        result.told_over_true is None or TOLD_WITHIN[0] <= result.told_over_true <= TOLD_WITHIN[1]
+    ), result

@@ -1,4 +1,6 @@
-"""Seconds that the export of a million triangles takes, flat and smooth, with a UV map. Needs bpy."""
+"""Seconds that the export of a million triangles takes, flat and smooth, with a UV map. Needs
+bpy.
+"""
 
 from __future__ import annotations
 
@@ -34,7 +36,9 @@ def _wavy_sheet(smooth: bool) -> None:
 
 
 def measure() -> dict[str, Any]:
-    """Median seconds of `REPEATS` exports of each kind after one that warms Blender's caches, which is given, too."""
+    """Median seconds of `REPEATS` exports of each kind after one that warms Blender's caches, which
+    is given, too.
+    """
     import bpy
     from photon_splat.export import export_scene
 
@@ -48,5 +52,11 @@ def measure() -> dict[str, Any]:
             scene = export_scene(depsgraph)
             seconds.append(time.perf_counter() - began)
         triangles = sum(len(scene.meshes[m].triangles) for m in scene.instances.mesh)
-        figures[kind] = {"triangles": triangles, "first_seconds": seconds[0], "seconds": median(seconds[1:])}
-    return figures | {"kept": all(max(f["first_seconds"], f["seconds"]) < SECONDS_LIMIT for f in figures.values())}
+        figures[kind] = {
+            "triangles": triangles,
+            "first_seconds": seconds[0],
+            "seconds": median(seconds[1:]),
+        }
+    return figures | {
+        "kept": all(max(f["first_seconds"], f["seconds"]) < SECONDS_LIMIT for f in figures.values())
+    }

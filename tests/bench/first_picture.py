@@ -1,4 +1,6 @@
-"""From F12 to the first pixels: one pass of the Cornell box and of a sheet of a million triangles. Needs bpy."""
+"""From F12 to the first pixels: one pass of the Cornell box and of a sheet of a million triangles.
+Needs bpy.
+"""
 
 from __future__ import annotations
 
@@ -14,13 +16,17 @@ RENDERS = 4
 
 
 def measure() -> dict[str, Any]:
-    """Seconds of the render call, export and acceleration structure included, for one pass; the first of a process, then the least."""
+    """Seconds of the render call, export and acceleration structure included, for one pass; the
+    first of a process, then the least.
+    """
     import bpy
     import photon_splat
     from photon_splat.job import last_renders, observer
 
     photon_splat.register()
-    observer.settings = lambda settings: replace(settings, passes=1, time_limit=0.0, error_threshold=0.0, denoise=False)
+    observer.settings = lambda settings: replace(
+        settings, passes=1, time_limit=0.0, error_threshold=0.0, denoise=False
+    )
     figures: dict[str, Any] = {}
     for name, size in (("cornell_box", (512, 512)), ("sheet_1M", (960, 540))):
         if name == "cornell_box":
@@ -30,15 +36,27 @@ def measure() -> dict[str, Any]:
             _light_and_aim()
         scene = bpy.context.scene
         scene.render.engine = "PHOTON_SPLAT"
-        scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = *size, 100
+        scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = (
+            *size,
+            100,
+        )
         seconds = []
         for _ in range(RENDERS):
             began = time.monotonic()
             bpy.ops.render.render()
             seconds.append(time.monotonic() - began)
-        stages = {stage: round(s, 3) for stage, s in last_renders[scene.name].statistics["seconds"].items()}
-        figures[name] = {"first_seconds": seconds[0], "least_seconds": min(seconds), "stages": stages}
-    return figures | {"kept": all(figures[name]["least_seconds"] < limit for name, limit in LIMITS.items())}
+        stages = {
+            stage: round(s, 3)
+            for stage, s in last_renders[scene.name].statistics["seconds"].items()
+        }
+        figures[name] = {
+            "first_seconds": seconds[0],
+            "least_seconds": min(seconds),
+            "stages": stages,
+        }
+    return figures | {
+        "kept": all(figures[name]["least_seconds"] < limit for name, limit in LIMITS.items())
+    }
 
 
 def _light_and_aim() -> None:
@@ -51,4 +69,6 @@ def _light_and_aim() -> None:
     scene.collection.objects.link(light)
     camera = scene.camera
     camera.location = (0.0, -9.0, 4.0)
-    camera.rotation_euler = (-camera.location + Vector((0.0, 0.0, 0.2))).to_track_quat("-Z", "Y").to_euler()
+    camera.rotation_euler = (
+        (-camera.location + Vector((0.0, 0.0, 0.2))).to_track_quat("-Z", "Y").to_euler()
+    )

@@ -1,7 +1,9 @@
-"""The seed's way, to compare with: each photon's disc projected into the image, where every pixel has its point.
+"""The seed's way, to compare with: each photon's disc projected into the image, where every pixel
+has its point.
 
-A point is a pinhole camera's first hit. For the benchmark only: the product splats onto sparse points, in blocks that no
-camera has to see. A disc has one radius where points have each their own, so that it misses some that would catch its photon.
+A point is a pinhole camera's first hit. For the benchmark only: the product splats onto sparse
+points, in blocks that no camera has to see. A disc has one radius where points have each their own,
+so that it misses some that would catch its photon.
 """
 
 from __future__ import annotations
@@ -34,13 +36,16 @@ in float radius;
 flat out uvec4 hit, light;
 
 void main() {
-    ivec2 place = ivec2(2 * (gl_InstanceID % int(PHOTONS_PER_ROW)), gl_InstanceID / int(PHOTONS_PER_ROW));
+    int row = gl_InstanceID / int(PHOTONS_PER_ROW);
+    ivec2 place = ivec2(2 * (gl_InstanceID % int(PHOTONS_PER_ROW)), row);
     hit = texelFetch(photons, place, 0);
     light = texelFetch(photons, place + ivec2(1, 0), 0);
     vec3 normal = direction(light.x);
-    vec3 tangent = normalize(cross(normal, abs(normal.x) > 0.5 ? vec3(0.0, 1.0, 0.0) : vec3(1.0, 0.0, 0.0)));
+    vec3 other = abs(normal.x) > 0.5 ? vec3(0.0, 1.0, 0.0) : vec3(1.0, 0.0, 0.0);
+    vec3 tangent = normalize(cross(normal, other));
     vec2 corner = radius * (2.0 * vec2(gl_VertexID & 1, gl_VertexID >> 1) - 1.0);
-    gl_Position = view * vec4(uintBitsToFloat(hit.xyz) + corner.x * tangent + corner.y * cross(normal, tangent), 1.0);
+    vec3 across = corner.x * tangent + corner.y * cross(normal, tangent);
+    gl_Position = view * vec4(uintBitsToFloat(hit.xyz) + across, 1.0);
 }
 """
 )
@@ -57,8 +62,11 @@ void main() {
     float relative = relative_distance(point, hit.xyz);
     sums = vec4(0.0);
     narrow = 0.0;
-    if (relative < 1.0 && hit.w == plane.w)
-        add_photon(relative, uintBitsToFloat(plane.xyz), direction(light.x), uintBitsToFloat(light.yzw), sums, narrow);
+    if (relative < 1.0 && hit.w == plane.w) {
+        vec3 normal = uintBitsToFloat(plane.xyz);
+        vec3 power = uintBitsToFloat(light.yzw);
+        add_photon(relative, normal, direction(light.x), power, sums, narrow);
+    }
 }
 """
 )
@@ -71,24 +79,36 @@ def view_matrix(camera: Camera) -> NDArray[np.float64]:
     project = np.zeros((4, 4))
     project[0, 0], project[0, 2] = 2 / (right - left), (right + left) / (right - left)
     project[1, 1], project[1, 2] = 2 / (top - bottom), (top + bottom) / (top - bottom)
-    project[2, 2], project[2, 3], project[3, 2] = -(far + near) / (far - near), -2 * far * near / (far - near), -1
+    project[2, 2], project[2, 3], project[3, 2] = (
+        -(far + near) / (far - near),
+        -2 * far * near / (far - near),
+        -1,
+    )
     return project @ np.linalg.inv(camera.matrix)
 
 
-def pixels_of(positions: NDArray[np.float32], view: NDArray[np.float64], width: int, height: int) -> tuple[NDArray[np.intp], ...]:
+def pixels_of(
+    positions: NDArray[np.float32], view: NDArray[np.float64], width: int, height: int
+) -> tuple[NDArray[np.intp], ...]:
     """Indices of those that are in the picture, and their pixels (row * width + column)."""
     clip = np.column_stack([positions, np.ones(len(positions))]) @ view.T
     with np.errstate(divide="ignore", invalid="ignore"):
         at = (clip[:, :2] / clip[:, 3:] * 0.5 + 0.5) * (width, height)
-    seen = np.flatnonzero((clip[:, 3] > 0) & (at >= 0).all(axis=1) & (at < (width, height)).all(axis=1))
+    seen = np.flatnonzero(
+        (clip[:, 3] > 0) & (at >= 0).all(axis=1) & (at < (width, height)).all(axis=1)
+    )
     column, row = at[seen].astype(np.intp).T
     return seen, row * width + column
 
 
 def measure_discs(case: Case, scene: Any) -> dict[str, Any]:
     """One pass of at least case.photons photons, a point per camera sample. gpu_ms: drawing alone.
-    hits_per_photon, cpu_hits_per_photon: photons caught by the points that are pixels, from the discs and from the CPU splatter."""
-    settings = RenderSettings(photons_per_pass=case.photons, radius_scale=case.radius, point_spacing=0.0, fallback=False)
+    hits_per_photon, cpu_hits_per_photon: photons caught by the points that are pixels, from the
+    discs and from the CPU splatter.
+    """
+    settings = RenderSettings(
+        photons_per_pass=case.photons, radius_scale=case.radius, point_spacing=0.0, fallback=False
+    )
     renderer = load().Renderer(0)
     fill_renderer(renderer, scene, settings)
     renderer.build()
@@ -104,9 +124,16 @@ def measure_discs(case: Case, scene: Any) -> dict[str, Any]:
     position = np.full((len(of_pixel), 4), np.finfo(np.float32).max, np.float32)
     position[pixels] = np.column_stack([points["position"][who], points["radius"][who] ** -2.0])
     plane = np.zeros((len(of_pixel), 4), np.uint32)
-    plane[pixels] = np.column_stack([np.ascontiguousarray(points["normal"][who]).view(np.uint32), points["key"][who]])
+    plane[pixels] = np.column_stack(
+        [np.ascontiguousarray(points["normal"][who]).view(np.uint32), points["key"][who]]
+    )
     widest = {key: points["radius"][points["key"] == key].max() for key in np.unique(points["key"])}
-    drawer = context.submit(_Drawer, view, position.reshape(case.height, case.width, 4), plane.reshape(case.height, case.width, 4)).result()
+    drawer = context.submit(
+        _Drawer,
+        view,
+        position.reshape(case.height, case.width, 4),
+        plane.reshape(case.height, case.width, 4),
+    ).result()
     done = first = fragments = 0
     while done < case.photons:
         renderer.trace_photons(first, min(PATHS_PER_BATCH, case.photons))
@@ -141,14 +168,19 @@ def measure_discs(case: Case, scene: Any) -> dict[str, Any]:
 class _Drawer:
     """On the OpenGL thread."""
 
-    def __init__(self, view: NDArray[np.float64], position: NDArray[np.float32], plane: NDArray[np.uint32]) -> None:
+    def __init__(
+        self, view: NDArray[np.float64], position: NDArray[np.float32], plane: NDArray[np.uint32]
+    ) -> None:
         self._graphics = context.graphics()
         gl = self._graphics.gl
         self.seconds = 0.0
         size = position.shape[1], position.shape[0]
         self._program = gl.program(VERTEX, FRAGMENT)
         self._program["view"] = tuple(view.T.astype(np.float32).ravel())
-        self._points = [gl.texture(size, 4, position, dtype="f4"), gl.texture(size, 4, plane, dtype="u4")]
+        self._points = [
+            gl.texture(size, 4, position, dtype="f4"),
+            gl.texture(size, 4, plane, dtype="u4"),
+        ]
         self._sums = [gl.texture(size, 4, dtype="f4"), gl.texture(size, 1, dtype="f4")]
         self._frame = gl.framebuffer(self._sums)
         self._frame.clear()
@@ -160,7 +192,12 @@ class _Drawer:
     def draw(self, records: NDArray[np.float32], radius: NDArray[np.float32]) -> int:
         """Fragments drawn."""
         gl, graphics = self._graphics.gl, self._graphics
-        photons = gl.texture((2 * PHOTONS_PER_ROW, len(records) // PHOTONS_PER_ROW), 4, records.view(np.uint32), dtype="u4")
+        photons = gl.texture(
+            (2 * PHOTONS_PER_ROW, len(records) // PHOTONS_PER_ROW),
+            4,
+            records.view(np.uint32),
+            dtype="u4",
+        )
         radii = gl.buffer(radius)
         quads = gl.vertex_array(self._program, [(radii, "1f4/i", "radius")])
         self._frame.use()
@@ -172,14 +209,18 @@ class _Drawer:
         with self._fragments, graphics.timer:
             quads.render(gl.TRIANGLE_STRIP, vertices=4, instances=len(radius))
         graphics.finish()
-        self.seconds += 1e-9 * graphics.timer.elapsed if graphics.hardware else time.monotonic() - began
+        self.seconds += (
+            1e-9 * graphics.timer.elapsed if graphics.hardware else time.monotonic() - began
+        )
         for thing in (quads, radii, photons):
             thing.release()
         return int(self._fragments.samples)
 
     def finish(self) -> NDArray[np.float32]:
         """Photons caught by each pixel, (H, W); gives everything back."""
-        count = np.frombuffer(self._sums[0].read(), np.float32).reshape(self._sums[0].height, self._sums[0].width, 4)[..., 3]
+        count = np.frombuffer(self._sums[0].read(), np.float32).reshape(
+            self._sums[0].height, self._sums[0].width, 4
+        )[..., 3]
         self._graphics.idle.use()
         for thing in (self._frame, *self._sums, *self._points, self._program):
             thing.release()

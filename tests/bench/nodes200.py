@@ -1,7 +1,9 @@
-"""What a hit on a shader of 200 nodes costs, beside Cycles' on the same one: `python -m tests.bench.nodes200`.
+"""What a hit on a shader of 200 nodes costs, beside Cycles' on the same one: `python -m
+tests.bench.nodes200`.
 
-Processor time of all threads, so that other work on the machine does not count; of two numbers of samples, so that start-up does not.
-The picture is a plane that fills the view and shines, so that every sample is one hit and one run of the shader.
+Processor time of all threads, so that other work on the machine does not count; of two numbers of
+samples, so that start-up does not. The picture is a plane that fills the view and shines, so that
+every sample is one hit and one run of the shader.
 """
 
 from __future__ import annotations
@@ -35,7 +37,11 @@ def build(blocks: int) -> int:
         noise = add("ShaderNodeTexNoise")
         noise.inputs["Scale"].default_value = 3.0 + k
         wave, ramp, mix = add("ShaderNodeMath"), add("ShaderNodeValToRGB"), add("ShaderNodeMix")
-        hue, bright, gamma = add("ShaderNodeHueSaturation"), add("ShaderNodeBrightContrast"), add("ShaderNodeGamma")
+        hue, bright, gamma = (
+            add("ShaderNodeHueSaturation"),
+            add("ShaderNodeBrightContrast"),
+            add("ShaderNodeGamma"),
+        )
         shift, rescale = add("ShaderNodeVectorMath"), add("ShaderNodeMapRange")
         wave.operation, shift.operation, mix.data_type = "SINE", "MULTIPLY_ADD", "RGBA"
         hue.inputs["Hue"].default_value = 0.5 + 0.01 * k
@@ -76,9 +82,16 @@ def seconds(engine: str, samples: int) -> float:
     scene.render.engine = engine
     if engine == "CYCLES":
         cycles = scene.cycles
-        cycles.samples, cycles.use_adaptive_sampling, cycles.use_denoising, cycles.max_bounces = samples, False, False, 0
+        cycles.samples, cycles.use_adaptive_sampling, cycles.use_denoising, cycles.max_bounces = (
+            samples,
+            False,
+            False,
+            0,
+        )
     else:
-        observer.settings = lambda plain: replace(plain, integrator=Integrator.REFERENCE, passes=samples, time_limit=0.0, max_bounces=0)
+        observer.settings = lambda plain: replace(
+            plain, integrator=Integrator.REFERENCE, passes=samples, time_limit=0.0, max_bounces=0
+        )
     began = time.process_time()
     bpy.ops.render.render()
     return time.process_time() - began

@@ -1,8 +1,9 @@
-"""What Persistent Data saves: python -m tests.bench.persistent [SCENE.blend ...] [--frames N] [--passes N] [--resolution WxH]
+"""What Persistent Data saves: python -m tests.bench.persistent [SCENE.blend ...] [--frames N]
+[--passes N] [--resolution WxH]
 
-Renders a camera move by Blender's operator, with persistent data and without, frame by frame in turns, so that both meet the same
-machine. Prints seconds of a render call and of all processors in it, medians over the frames after the first, their ratio, and how
-the two pictures compare.
+Renders a camera move by Blender's operator, with persistent data and without, frame by frame in
+turns, so that both meet the same machine. Prints seconds of a render call and of all processors in
+it, medians over the frames after the first, their ratio, and how the two pictures compare.
 """
 
 from __future__ import annotations
@@ -23,15 +24,27 @@ STEP = 0.02
 def main() -> None:
     import photon_splat
 
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("scenes", nargs="*", type=Path, default=[ROOT / f"blend_scenes/{name}.blend" for name in ("interior", "instances")])
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument(
+        "scenes",
+        nargs="*",
+        type=Path,
+        default=[ROOT / f"blend_scenes/{name}.blend" for name in ("interior", "instances")],
+    )
     parser.add_argument("--frames", type=int, default=5)
     parser.add_argument("--passes", type=int, default=8)
     parser.add_argument("--resolution", default="480x270")
     options = parser.parse_args()
     photon_splat.register()
     for path in options.scenes:
-        measure(path.resolve(), options.frames, options.passes, tuple(int(n) for n in options.resolution.split("x")))
+        measure(
+            path.resolve(),
+            options.frames,
+            options.passes,
+            tuple(int(n) for n in options.resolution.split("x")),
+        )
     photon_splat.unregister()
 
 
@@ -52,16 +65,21 @@ def measure(path: Path, frames: int, passes: int, size: tuple[int, ...]) -> None
             scene.camera.location += scene.camera.matrix_world.to_3x3().col[0].normalized() * STEP
     name = path.stem
     for k in range(frames):
-        fresh, kept = (shots[which][k].passes["Combined"][..., :3].mean() for which in (False, True))
+        fresh, kept = (
+            shots[which][k].passes["Combined"][..., :3].mean() for which in (False, True)
+        )
         reused, stages = shots[True][k].statistics["reused"], shots[True][k].statistics["seconds"]
         print(
-            f"{name}, frame {k + 1}: {seconds[False][k]:.2f} s fresh, {seconds[True][k]:.2f} s persistent; mean {kept / fresh - 1:+.3%}; "
-            f"{reused['photons']:,} photons used again; " + ", ".join(f"{stage} {taken:.2f}" for stage, taken in stages.items())
+            f"{name}, frame {k + 1}: {seconds[False][k]:.2f} s fresh, {seconds[True][k]:.2f} s "
+            f"persistent; mean {kept / fresh - 1:+.3%}; "
+            f"{reused['photons']:,} photons used again; "
+            + ", ".join(f"{stage} {taken:.2f}" for stage, taken in stages.items())
         )
     fresh, kept = (float(np.median(seconds[which][1:])) for which in (False, True))
     cpu_fresh, cpu_kept = (float(np.median(processor[which][1:])) for which in (False, True))
     print(
-        f"{name}: frames 2 to {frames}: {fresh:.2f} s fresh, {kept:.2f} s persistent: ratio {kept / fresh:.2f}; "
+        f"{name}: frames 2 to {frames}: {fresh:.2f} s fresh, {kept:.2f} s persistent: ratio "
+        f"{kept / fresh:.2f}; "
         f"of processors {cpu_fresh:.2f} s and {cpu_kept:.2f} s: ratio {cpu_kept / cpu_fresh:.2f}"
     )
 
@@ -72,7 +90,10 @@ def open_scene(path: Path, passes: int, size: tuple[int, ...]) -> Any:
     bpy.ops.wm.open_mainfile(filepath=str(path))
     scene = bpy.context.scene
     scene.render.engine = "PHOTON_SPLAT"
-    scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = *size, 100
+    scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = (
+        *size,
+        100,
+    )
     scene.photon_splat.passes, scene.photon_splat.time_limit = passes, 0.0
     return scene
 

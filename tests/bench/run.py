@@ -1,6 +1,8 @@
-"""What the engine promises in figures: `python -m tests.bench.run [NAME ...]`. Prints, and writes out/bench.json.
+"""What the engine promises in figures: `python -m tests.bench.run [NAME ...]`. Prints, and writes
+out/bench.json.
 
-Each measurement runs in a process of its own (memory and caches are its own). Exit status 1 if a promise is missed.
+Each measurement runs in a process of its own (memory and caches are its own). Exit status 1 if a
+promise is missed.
 """
 
 from __future__ import annotations
@@ -25,7 +27,9 @@ Figures = dict[str, Any]
 
 
 def seed_table() -> Figures:
-    """The seed's table: 2 M photons traced, 1 M photons splatted, on 1,500 and on 100,000 triangles. Seconds, medians of 3."""
+    """The seed's table: 2 M photons traced, 1 M photons splatted, on 1,500 and on 100,000
+    triangles. Seconds, medians of 3.
+    """
     from photon_splat.core.native import load
     from photon_splat.core.native_scene import fill_renderer
     from photon_splat.core.settings import RenderSettings
@@ -54,20 +58,32 @@ def seed_table() -> Figures:
             "splat_1M_seconds": median(splat),
             "stored_of_2M": int(stored),
         }
-    ratio = figures["cornell_box_100k"]["splat_1M_seconds"] / figures["cornell_box_1500"]["splat_1M_seconds"]
+    ratio = (
+        figures["cornell_box_100k"]["splat_1M_seconds"]
+        / figures["cornell_box_1500"]["splat_1M_seconds"]
+    )
     return figures | {"splat_ratio": ratio, "kept": ratio <= 1.15}
 
 
 def reference_halves() -> np.ndarray:
-    """Two independent path-traced halves of cornell_box, (2, 512, 512, 3) float64; made once and kept in build/."""
+    """Two independent path-traced halves of cornell_box, (2, 512, 512, 3) float64; made once and
+    kept in build/.
+    """
     from photon_splat.core.session import render
     from photon_splat.core.settings import Integrator, RenderSettings
 
     cache = ROOT / "build" / "bench" / "cornell_box_512.npy"
     if not cache.exists():
         scene = from_blend("cornell_box", 512, 512)
-        print("   reference: two halves of 600 samples (kept for next time)", file=sys.stderr, flush=True)
-        settings = [RenderSettings(passes=600, max_bounces=64, seed=seed, integrator=Integrator.REFERENCE) for seed in (71, 72)]
+        print(
+            "   reference: two halves of 600 samples (kept for next time)",
+            file=sys.stderr,
+            flush=True,
+        )
+        settings = [
+            RenderSettings(passes=600, max_bounces=64, seed=seed, integrator=Integrator.REFERENCE)
+            for seed in (71, 72)
+        ]
         halves = [render(scene, half, started=time.monotonic()) for half in settings]
         cache.parent.mkdir(parents=True, exist_ok=True)
         np.save(cache, np.stack([half.passes["Combined"][..., :3] for half in halves]))
@@ -75,7 +91,9 @@ def reference_halves() -> np.ndarray:
 
 
 def error_at_10_seconds() -> Figures:
-    """RMSE of cornell_box at 512x512 after 1 and 10 s, export included, free of the path-traced reference's noise."""
+    """RMSE of cornell_box at 512x512 after 1 and 10 s, export included, free of the path-traced
+    reference's noise.
+    """
     import bpy
     from photon_splat.core.session import render
     from photon_splat.core.settings import RenderSettings
@@ -101,11 +119,15 @@ def error_at_10_seconds() -> Figures:
             "photons": result.statistics["photons"]["traced"],
             "stages": result.statistics["seconds"],
         }
-    return figures | {"kept": figures["10 s"]["rmse"] <= 0.010 and figures["10 s"]["seconds"] < 10.5}
+    return figures | {
+        "kept": figures["10 s"]["rmse"] <= 0.010 and figures["10 s"]["seconds"] < 10.5
+    }
 
 
 def plan_against_everything() -> Figures:
-    """cornell_box, plain and diffuse: seconds of 24 passes as planned, and with all that can be forced on; least of 3. Same error?"""
+    """cornell_box, plain and diffuse: seconds of 24 passes as planned, and with all that can be
+    forced on; least of 3. Same error?
+    """
     import resource
 
     from photon_splat.core.session import render
@@ -121,32 +143,55 @@ def plan_against_everything() -> Figures:
             before = resource.getrusage(resource.RUSAGE_SELF)
             result = render(scene, RenderSettings(passes=24, force=force), started=time.monotonic())
             after = resource.getrusage(resource.RUSAGE_SELF)
-            seconds, cpu = result.statistics["seconds"]["total"], after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+            seconds, cpu = (
+                result.statistics["seconds"]["total"],
+                after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime,
+            )
             if not turn:
-                rmse = rmse_two_halves(result.passes["Combined"][..., :3].astype(np.float64), half_1, half_2)
-                figures[name] = {"seconds": seconds, "cpu_seconds": cpu, "rmse": rmse, "plan": result.statistics["plan"]["sentences"]}
+                rmse = rmse_two_halves(
+                    result.passes["Combined"][..., :3].astype(np.float64), half_1, half_2
+                )
+                figures[name] = {
+                    "seconds": seconds,
+                    "cpu_seconds": cpu,
+                    "rmse": rmse,
+                    "plan": result.statistics["plan"]["sentences"],
+                }
             figures[name]["seconds"] = min(seconds, figures[name]["seconds"])
             figures[name]["cpu_seconds"] = min(cpu, figures[name]["cpu_seconds"])
     planned, everything = figures["planned"], figures["everything"]
     share = {what: planned[what] / everything[what] for what in ("seconds", "cpu_seconds", "rmse")}
-    return figures | {"share": share, "kept": share["seconds"] <= 0.8 and 0.98 < share["rmse"] < 1.02}
+    return figures | {
+        "share": share,
+        "kept": share["seconds"] <= 0.8 and 0.98 < share["rmse"] < 1.02,
+    }
 
 
 def photon_tracer_against_embree() -> Figures:
-    """Rays per second of the photon tracer over those of Embree alone on the same rays (its fastest call); best of 3 each."""
+    """Rays per second of the photon tracer over those of Embree alone on the same rays (its fastest
+    call); best of 3 each.
+    """
     from photon_splat.core.native import load
     from photon_splat.core.native_scene import fill_renderer
     from photon_splat.core.settings import RenderSettings
 
     figures: Figures = {}
-    for name, scene in (("globe_131k", bumpy_globe_in_a_box()), ("cornell_box_100k", from_blend("cornell_box_100k"))):
+    for name, scene in (
+        ("globe_131k", bumpy_globe_in_a_box()),
+        ("cornell_box_100k", from_blend("cornell_box_100k")),
+    ):
         runs = []
         for _ in range(3):
             renderer = load().Renderer(0)
             fill_renderer(renderer, scene, RenderSettings())
             renderer.build()
             bench = renderer.bench_photon_tracer(500_000)
-            runs.append((bench["rays"] / bench["tracer_seconds"], {call: bench["rays"] / s for call, s in bench["embree_seconds"].items()}))
+            runs.append(
+                (
+                    bench["rays"] / bench["tracer_seconds"],
+                    {call: bench["rays"] / s for call, s in bench["embree_seconds"].items()},
+                )
+            )
         tracer = max(run[0] for run in runs)
         embree = {call: max(run[1][call] for run in runs) for call in runs[0][1]}
         call = max(embree, key=lambda key: embree[key])
@@ -160,7 +205,9 @@ def photon_tracer_against_embree() -> Figures:
 
 
 def memory_of_instances() -> Figures:
-    """10 million instanced triangles, rendered at the scene's own size: peak memory of the process, Blender included."""
+    """10 million instanced triangles, rendered at the scene's own size: peak memory of the process,
+    Blender included.
+    """
     from photon_splat.core.session import render
     from photon_splat.core.settings import RenderSettings
 
@@ -169,7 +216,12 @@ def memory_of_instances() -> Figures:
     triangles = int(sum(len(scene.meshes[m].triangles) for m in scene.instances.mesh))
     render(scene, RenderSettings(passes=4), started=started)
     peak = _peak_memory()
-    return {"triangles": triangles, "peak_bytes": peak, "seconds": time.monotonic() - started, "kept": peak < MEMORY_LIMIT}
+    return {
+        "triangles": triangles,
+        "peak_bytes": peak,
+        "seconds": time.monotonic() - started,
+        "kept": peak < MEMORY_LIMIT,
+    }
 
 
 def _peak_memory() -> int:
@@ -180,16 +232,22 @@ def _peak_memory() -> int:
 
 
 def memory_of_photons(photons: str = "") -> Figures:
-    """Peak memory of one pass of 10 k to 100 M photons on cornell_box, each in a process of its own."""
+    """Peak memory of one pass of 10 k to 100 M photons on cornell_box, each in a process of its
+    own.
+    """
     if photons:
         from photon_splat.core.session import render
         from photon_splat.core.settings import RenderSettings
 
         scene = from_blend("cornell_box", 128, 128)
-        result = render(scene, RenderSettings(passes=1, photons_per_pass=int(photons)), started=time.monotonic())
+        result = render(
+            scene, RenderSettings(passes=1, photons_per_pass=int(photons)), started=time.monotonic()
+        )
         return {"peak_bytes": _peak_memory(), "seconds": result.statistics["seconds"]["total"]}
     counts = (10_000, 100_000, 1_000_000, 10_000_000, 100_000_000)
-    figures: Figures = {f"{count:,}": _in_process("memory_of_photons", str(count)) for count in counts}
+    figures: Figures = {
+        f"{count:,}": _in_process("memory_of_photons", str(count)) for count in counts
+    }
     peaks = [figures[f"{count:,}"]["peak_bytes"] for count in counts]
     return figures | {"growth": max(peaks) / peaks[0], "kept": max(peaks) < 1.1 * peaks[0]}
 
@@ -236,7 +294,9 @@ def _in_process(name: str, *arguments: str) -> Figures:
         answer = os.path.join(scratch, "figures.json")
         command = [sys.executable, "-m", "tests.bench.run", "--child", answer, name, *arguments]
         blender = environment(os.path.join(scratch, "blender"))
-        done = subprocess.run(command, cwd=ROOT, env=blender, stdout=sys.stderr, timeout=900, check=False)
+        done = subprocess.run(
+            command, cwd=ROOT, env=blender, stdout=sys.stderr, timeout=900, check=False
+        )
         try:
             with open(answer) as file:
                 return json.load(file)
@@ -268,7 +328,10 @@ def main(arguments: list[str]) -> int:
         os._exit(0)  # Blender may hang or die at exit
     unknown = [name for name in arguments if name not in MEASUREMENTS]
     if unknown:
-        print(f"no such measurement: {', '.join(unknown)}; there are {', '.join(MEASUREMENTS)}", file=sys.stderr)
+        print(
+            f"no such measurement: {', '.join(unknown)}; there are {', '.join(MEASUREMENTS)}",
+            file=sys.stderr,
+        )
         return 2
     results: Figures = {}
     for name in arguments or MEASUREMENTS:
@@ -279,7 +342,10 @@ def main(arguments: list[str]) -> int:
     output.parent.mkdir(exist_ok=True)
     output.write_text(json.dumps(results, indent=2))
     missed = [name for name, figures in results.items() if not figures.get("kept", True)]
-    print(f"{output.relative_to(ROOT)} written. " + (f"MISSED: {', '.join(missed)}" if missed else "Every promise is kept."))
+    print(
+        f"{output.relative_to(ROOT)} written. "
+        + (f"MISSED: {', '.join(missed)}" if missed else "Every promise is kept.")
+    )
     return 1 if missed else 0
 
 

@@ -1,7 +1,9 @@
-"""The seed's picture: the indirect light of the Cornell box from 0.05 %, 1 % and 100 % of 1,000,000 photons.
+"""The seed's picture: the indirect light of the Cornell box from 0.05 %, 1 % and 100 % of 1,000,000
+photons.
 
-`python -m tests.bench.seed_picture [FILE.png]`, by default blend_scenes/gallery/seed_photons.png. All three panels have the
-disc radius that suits the million; each is brightened by the share of photons it lacks, so that single discs show.
+`python -m tests.bench.seed_picture [FILE.png]`, by default blend_scenes/gallery/seed_photons.png.
+All three panels have the disc radius that suits the million; each is brightened by the share of
+photons it lacks, so that single discs show.
 """
 
 from __future__ import annotations
@@ -27,7 +29,9 @@ WHITE = 0.35
 def panel(scene: object, share: float) -> np.ndarray:
     """(PANEL, PANEL, 3) linear RGB of indirect light alone, row 0 at the top."""
     renderer = load().Renderer(0)
-    fill_renderer(renderer, scene, RenderSettings(passes=1, photons_per_pass=PHOTONS, point_spacing=0.0))
+    fill_renderer(
+        renderer, scene, RenderSettings(passes=1, photons_per_pass=PHOTONS, point_spacing=0.0)
+    )
     renderer.build()
     renderer.trace_camera(0)
     renderer.make_points(0)
@@ -40,7 +44,9 @@ def panel(scene: object, share: float) -> np.ndarray:
 
 
 def main(arguments: list[str]) -> int:
-    output = Path(arguments[0]) if arguments else ROOT / "blend_scenes" / "gallery" / "seed_photons.png"
+    output = (
+        Path(arguments[0]) if arguments else ROOT / "blend_scenes" / "gallery" / "seed_photons.png"
+    )
     scene = from_blend("cornell_box", PANEL * FINE, PANEL * FINE)
     gap = np.ones((PANEL, 8, 3))
     panels = [np.clip(panel(scene, share) / WHITE, 0.0, 1.0) ** (1 / 2.2) for share in SHARES]

@@ -1,7 +1,9 @@
-"""How fast the viewport is, without a window: python -m tests.bench.viewport [SCENE.blend ...] [--edits N]
+"""How fast the viewport is, without a window: python -m tests.bench.viewport [SCENE.blend ...]
+[--edits N]
 
-At 960x540: seconds from an edit to the first picture of it, of which Blender's own thread is held by the export; pictures a
-second while the camera orbits. Medians. Drawing is not in it (make viewport-test).
+At 960x540: seconds from an edit to the first picture of it, of which Blender's own thread is held
+by the export; pictures a second while the camera orbits. Medians. Drawing is not in it (make
+viewport-test).
 """
 
 from __future__ import annotations
@@ -25,9 +27,14 @@ def main() -> None:
     import bpy
     import photon_splat
 
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument(
-        "scenes", nargs="*", type=Path, default=[ROOT / f"blend_scenes/{name}.blend" for name in ("cornell_box", "interior")]
+        "scenes",
+        nargs="*",
+        type=Path,
+        default=[ROOT / f"blend_scenes/{name}.blend" for name in ("cornell_box", "interior")],
     )
     parser.add_argument("--edits", type=int, default=20, help="of each kind")
     options = parser.parse_args()
@@ -50,11 +57,16 @@ def measure(name: str, edits: int) -> None:
     lamp = bpy.data.lights.new("Edited", "POINT")
     lamp.energy = 1.0
     scene.collection.objects.link(bpy.data.objects.new("Edited", lamp))
-    mesh = max((ob for ob in scene.objects if ob.type == "MESH"), key=lambda ob: len(ob.data.vertices))
+    mesh = max(
+        (ob for ob in scene.objects if ob.type == "MESH"), key=lambda ob: len(ob.data.vertices)
+    )
     changes: dict[str, Callable[[int], Any]] = {
         "light": lambda k: setattr(lamp, "energy", 1.0 + k),
         "object moved": lambda k: setattr(mesh, "location", (0.001 * k, 0, 0)),
-        "mesh": lambda k: (setattr(mesh.data.vertices[0], "co", (0.001 * k, 0, 0)), mesh.data.update()),
+        "mesh": lambda k: (
+            setattr(mesh.data.vertices[0], "co", (0.001 * k, 0, 0)),
+            mesh.data.update(),
+        ),
     }
     with viewport(width=WIDTH, height=HEIGHT, eye=eye, window=window) as v:
         wait(v, 0)
@@ -68,22 +80,43 @@ def measure(name: str, edits: int) -> None:
                 times.append(time.monotonic() - began)
                 exports.append(v.live.seconds["export"])
                 time.sleep(0.3)
-            print(f"{name}: {kind}: first picture after {np.median(times):.3f} s, export {1000 * np.median(exports):.1f} ms")
+            print(
+                f"{name}: {kind}: first picture after {np.median(times):.3f} s, export "
+                f"{1000 * np.median(exports):.1f} ms"
+            )
         v.settle()
-        first, traced, began, k = number(v), v.live.controller.counts.photon_paths, time.monotonic(), 0
+        first, traced, began, k = (
+            number(v),
+            v.live.controller.counts.photon_paths,
+            time.monotonic(),
+            0,
+        )
         while time.monotonic() - began < 3.0:
             k += 1
             turned = eye.copy()
             angle = 0.3 * math.sin(0.05 * k)
             turned[:3, :3] = (
-                np.array([[math.cos(angle), -math.sin(angle), 0], [math.sin(angle), math.cos(angle), 0], [0, 0, 1]]) @ eye[:3, :3]
+                np.array(
+                    [
+                        [math.cos(angle), -math.sin(angle), 0],
+                        [math.sin(angle), math.cos(angle), 0],
+                        [0, 0, 1],
+                    ]
+                )
+                @ eye[:3, :3]
             )
             v.context.region_data.view_matrix = np.linalg.inv(turned).astype(np.float32)
             v.draw()
             time.sleep(0.005)
         rate = (number(v) - first) / (time.monotonic() - began)
-        step, traced = v.live.controller.picture().step, v.live.controller.counts.photon_paths - traced  # type: ignore[union-attr]
-        print(f"{name}: orbiting: {rate:.1f} pictures/s in pixels {step} wide, {traced} photon paths traced")
+        step, traced = (
+            v.live.controller.picture().step,
+            v.live.controller.counts.photon_paths - traced,
+        )  # type: ignore[union-attr]
+        print(
+            f"{name}: orbiting: {rate:.1f} pictures/s in pixels {step} wide, {traced} photon "
+            "paths traced"
+        )
 
 
 def number(v: Viewport) -> int:

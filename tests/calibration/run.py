@@ -1,12 +1,15 @@
-"""Is the error estimate true? `python -m tests.calibration.run [--to=SECONDS] [--fresh] [SCENE ...]` writes a table and a chart.
+"""Is the error estimate true? `python -m tests.calibration.run [--to=SECONDS] [--fresh] [SCENE
+...]` writes a table and a chart.
 
-The scenes of the charts against their truth (`tests/chart`; made once, kept in build/chart), rendered with the default settings and two
-seeds. Of the first seed the picture after 0.3, 1, 3, 10 and 30 s: true RMS error over the estimated one, for the whole picture and for
-the pixels of each decile of the estimate. A figure of 1 is a perfect estimate; the promise is 0.7 to 1.5. And of both seeds, the second
-for 3 s, the
-true error at the moment when an `error_threshold` of 5, 2 or 1 % would have ended the render: at most 1.3 times that is promised, in 9
-of 10. Seconds are the process' own time over the number of cores, so that other work on the machine does not count.
-What has been measured lies in build/calibration and is taken up again by the next run; --fresh measures anew.
+The scenes of the charts against their truth (`tests/chart`; made once, kept in build/chart),
+rendered with the default settings and two seeds. Of the first seed the picture after 0.3, 1, 3, 10
+and 30 s: true RMS error over the estimated one, for the whole picture and for the pixels of each
+decile of the estimate. A figure of 1 is a perfect estimate; the promise is 0.7 to 1.5. And of both
+seeds, the second for 3 s, the true error at the moment when an `error_threshold` of 5, 2 or 1 %
+would have ended the render: at most 1.3 times that is promised, in 9 of 10. Seconds are the
+process' own time over the number of cores, so that other work on the machine does not count. What
+has been measured lies in build/calibration and is taken up again by the next run; --fresh measures
+anew.
 """
 
 from __future__ import annotations
@@ -36,26 +39,40 @@ SEEDS = {1: 30.0, 2: 3.0}
 NOTHING = 1e-4
 """Of the mean luminance: where both errors are smaller, in black, their ratio says nothing."""
 UNKNOWN = {"many_lights": 1e-3}
-"""Share of a scene's pixels that are left out: those of which the truth's two halves say the most different things. Where lamps all but
-touch a wall a few pixels have nearly all of the truth's noise: at one of them its halves are 19.7 and 16.3 and 2,048 samples of Cycles
-11.9, and the product of what a picture differs from either is no squared error there. Three such pixels of 106,400 were two thirds of
-the sum. In other scenes what the truth knows least is also what a picture errs in most, and so it counts."""
+"""Share of a scene's pixels that are left out: those of which the truth's two halves say the most
+different things. Where lamps all but touch a wall a few pixels have nearly all of the truth's
+noise: at one of them its halves are 19.7 and 16.3 and 2,048 samples of Cycles 11.9, and the product
+of what a picture differs from either is no squared error there. Three such pixels of 106,400 were
+two thirds of the sum. In other scenes what the truth knows least is also what a picture errs in
+most, and so it counts.
+"""
 KEPT = ROOT / "build" / "calibration"
 LOW, HIGH = 0.7, 1.5
 MOST = 1.3
 Figures = dict[str, Any]
 
 
-def compare(luminance: np.ndarray, estimate: np.ndarray, truth: np.ndarray, unknown: float) -> Figures:
-    """luminance, estimate (H, W); truth (2, H, W); unknown: share of pixels left out. Ratios are true over estimated RMS error."""
-    known = np.argsort(np.abs(truth[0] - truth[1]).ravel(), kind="stable")[: round((1.0 - unknown) * estimate.size)]
-    squared = ((luminance - truth[0]) * (luminance - truth[1])).ravel()[known]  # free of the truth's noise
+def compare(
+    luminance: np.ndarray, estimate: np.ndarray, truth: np.ndarray, unknown: float
+) -> Figures:
+    """luminance, estimate (H, W); truth (2, H, W); unknown: share of pixels left out. Ratios are
+    true over estimated RMS error.
+    """
+    known = np.argsort(np.abs(truth[0] - truth[1]).ravel(), kind="stable")[
+        : round((1.0 - unknown) * estimate.size)
+    ]
+    # free of the truth's noise
+    squared = ((luminance - truth[0]) * (luminance - truth[1])).ravel()[known]
     said = estimate.astype(np.float64).ravel()[known] ** 2
     order = np.argsort(said, kind="stable")
 
     def ratio(pixels: np.ndarray) -> float:
         true, estimated = max(squared[pixels].mean(), 0.0), max(said[pixels].mean(), 1e-30)
-        return 1.0 if max(true, estimated) < (NOTHING * truth.mean()) ** 2 else float(np.sqrt(true / estimated))
+        return (
+            1.0
+            if max(true, estimated) < (NOTHING * truth.mean()) ** 2
+            else float(np.sqrt(true / estimated))
+        )
 
     mean = truth.mean()
     return {
@@ -66,7 +83,9 @@ def compare(luminance: np.ndarray, estimate: np.ndarray, truth: np.ndarray, unkn
 
 
 def follow(name: str, seed: int, budgets: tuple[float, ...]) -> Figures:
-    """One render as the session does it, looked at on its way: rows, one per budget, and stops, one per threshold that it reached."""
+    """One render as the session does it, looked at on its way: rows, one per budget, and stops, one
+    per threshold that it reached.
+    """
     from photon_splat.core.persistent import start_anew
     from photon_splat.core.result import passes_from_film
     from photon_splat.core.session import FEWEST_PASSES_TO_STOP, next_estimate
@@ -93,12 +112,21 @@ def follow(name: str, seed: int, budgets: tuple[float, ...]) -> Figures:
         last = (time.process_time() - began) / (os.cpu_count() or 1)
         spent += last
         said = renderer.statistics()["error"]
-        reached = [x for x in THRESHOLDS[len(stops) :] if estimated and done >= FEWEST_PASSES_TO_STOP and said["relative_rmse"] <= x]
+        reached = [
+            x
+            for x in THRESHOLDS[len(stops) :]
+            if estimated and done >= FEWEST_PASSES_TO_STOP and said["relative_rmse"] <= x
+        ]
         ended = [x for x in budgets[len(rows) :] if spent + last > x]
         if reached or ended:
             renderer.make_error_estimate()
             passes = passes_from_film(renderer.film())
-            figures = compare(passes["Combined"][..., :3] @ LUMINANCE, passes["Error"][..., 0], halves, UNKNOWN.get(name, 0.0))
+            figures = compare(
+                passes["Combined"][..., :3] @ LUMINANCE,
+                passes["Error"][..., 0],
+                halves,
+                UNKNOWN.get(name, 0.0),
+            )
             said = renderer.statistics()["error"]
             common = {"scene": name, "seed": seed, "passes": done, "said": said}
             rows += [{"seconds": budget} | common | figures for budget in ended]
@@ -146,19 +174,27 @@ def table(rows: list[Figures], stops: list[Figures]) -> str:
     lines = [
         "# Calibration of the error estimate",
         "",
-        "True over estimated RMS error of the luminance; 1 is perfect, 0.7 to 1.5 is promised. Made by `make calibration`.",
+        "True over estimated RMS error of the luminance; 1 is perfect, 0.7 to 1.5 is promised. "
+        "Made by `make calibration`.",
         *(
-            f"{name} without the {share:.1%} of pixels that the truth itself knows least: its halves differ most there."
+            f"{name} without the {share:.1%} of pixels that the truth itself knows least: its "
+            "halves differ most there."
             for name, share in UNKNOWN.items()
         ),
         "",
-        "| scene | s | passes | true | estimated | of it bias | picture | " + " | ".join(f"d{i}" for i in range(1, 11)) + " |",
+        "| scene | s | passes | true | estimated | of it bias | picture | "
+        + " | ".join(f"d{i}" for i in range(1, 11))
+        + " |",
         "|---|---|---|---|---|---|---|" + "---|" * 10,
     ]
     for row in rows:
-        said, deciles = row["said"], " | ".join(f"{d:.2f}" if LOW <= d <= HIGH else f"**{d:.2f}**" for d in row["deciles"])
+        said, deciles = (
+            row["said"],
+            " | ".join(f"{d:.2f}" if LOW <= d <= HIGH else f"**{d:.2f}**" for d in row["deciles"]),
+        )
         lines.append(
-            f"| {row['scene']} | {row['seconds']:g} | {row['passes']} | {row['true']:.4f} | {said['relative_rmse']:.4f} "
+            f"| {row['scene']} | {row['seconds']:g} | {row['passes']} | {row['true']:.4f} | "
+            f"{said['relative_rmse']:.4f} "
             f"| {said['bias']:.4f} | {row['ratio']:.2f} | {deciles} |"
         )
     pictures = [row["ratio"] for row in rows]
@@ -167,11 +203,25 @@ def table(rows: list[Figures], stops: list[Figures]) -> str:
         inside = sum(LOW <= r <= HIGH for r in ratios)
         lines += ["", f"{inside} of {len(ratios)} {what} lie between {LOW} and {HIGH}."]
     lines += ["", "## `error_threshold`", ""]
-    lines += ["| scene | seed | asked | seconds | passes | true | over asked |", "|---|---|---|---|---|---|---|"]
+    lines += [
+        "| scene | seed | asked | seconds | passes | true | over asked |",
+        "|---|---|---|---|---|---|---|",
+    ]
     for stop in sorted(stops, key=lambda stop: (-stop["asked"], stop["scene"], stop["seed"])):
-        cells = [stop["scene"], stop["seed"], f"{stop['asked']:.0%}", f"{stop['seconds']:.1f}", stop["passes"], f"{stop['true']:.4f}"]
+        cells = [
+            stop["scene"],
+            stop["seed"],
+            f"{stop['asked']:.0%}",
+            f"{stop['seconds']:.1f}",
+            stop["passes"],
+            f"{stop['true']:.4f}",
+        ]
         lines.append(f"| {' | '.join(map(str, cells))} | {stop['true'] / stop['asked']:.2f} |")
-    lines += ["", f"{sum(map(honest, stops))} of the {len(stops)} renders that got there are at most {MOST} times as far off as asked."]
+    lines += [
+        "",
+        f"{sum(map(honest, stops))} of the {len(stops)} renders that got there are at most {MOST} "
+        "times as far off as asked.",
+    ]
     return "\n".join(lines) + "\n"
 
 
@@ -188,9 +238,17 @@ def chart(rows: list[Figures], path: Path) -> None:
         axis.axhline(1.0, color="#888", lw=0.8)
         for row in mine:
             axis.plot([row["seconds"]] * 10, row["deciles"], "_", color="#c07030", ms=9)
-        axis.plot([row["seconds"] for row in mine], [row["ratio"] for row in mine], "o-", color="#204080", ms=4)
+        axis.plot(
+            [row["seconds"] for row in mine],
+            [row["ratio"] for row in mine],
+            "o-",
+            color="#204080",
+            ms=4,
+        )
         axis.set(xscale="log", yscale="log", title=name, xlabel="seconds", ylim=(0.1, 10))
-        axis.set_yticks([0.2, 0.5, 0.7, 1, 1.5, 2, 5], labels=["0.2", "0.5", "0.7", "1", "1.5", "2", "5"])
+        axis.set_yticks(
+            [0.2, 0.5, 0.7, 1, 1.5, 2, 5], labels=["0.2", "0.5", "0.7", "1", "1.5", "2", "5"]
+        )
         axis.minorticks_off()
     axes[0].set_ylabel("true / estimated error\n(line: picture, dashes: deciles)")
     figure.tight_layout()
@@ -199,7 +257,9 @@ def chart(rows: list[Figures], path: Path) -> None:
 
 def main(arguments: list[str]) -> int:
     if arguments[:1] == ["--child"]:
-        Path(arguments[1]).write_text(json.dumps(measure(arguments[2], tuple(map(float, arguments[3:])))))
+        Path(arguments[1]).write_text(
+            json.dumps(measure(arguments[2], tuple(map(float, arguments[3:]))))
+        )
         os._exit(0)  # Blender may hang or die at exit
     limits = [float(a.removeprefix("--to=")) for a in arguments if a.startswith("--to=")]
     if "--fresh" in arguments:
@@ -208,7 +268,9 @@ def main(arguments: list[str]) -> int:
     names = [a for a in arguments if not a.startswith("--")] or list(SCENES)
     unknown = [name for name in names if name not in SCENES]
     if unknown:
-        print(f"no such scene: {', '.join(unknown)}; there are {', '.join(SCENES)}", file=sys.stderr)
+        print(
+            f"no such scene: {', '.join(unknown)}; there are {', '.join(SCENES)}", file=sys.stderr
+        )
         return 2
     rows: list[Figures] = []
     stops: list[Figures] = []
@@ -217,8 +279,12 @@ def main(arguments: list[str]) -> int:
         for name in names:
             answer = Path(scratch, f"{name}.json")
             command = [sys.executable, "-m", "tests.calibration.run", "--child", str(answer), name]
-            command += [str(budget) for budget in BUDGETS if budget <= min(limits, default=BUDGETS[-1])]
-            subprocess.run(command, cwd=ROOT, env=environment, stdout=sys.stderr, timeout=3600, check=False)
+            command += [
+                str(budget) for budget in BUDGETS if budget <= min(limits, default=BUDGETS[-1])
+            ]
+            subprocess.run(
+                command, cwd=ROOT, env=environment, stdout=sys.stderr, timeout=3600, check=False
+            )
             if not answer.exists():
                 print(f"{name} could not be measured", file=sys.stderr)
                 return 1

@@ -1,4 +1,6 @@
-"""Scenes of blend_scenes/ under the cameras of truth.VIEWS; and what Cycles sees where formulas do not reach. Needs bpy."""
+"""Scenes of blend_scenes/ under the cameras of truth.VIEWS; and what Cycles sees where formulas do
+not reach. Needs bpy.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +12,9 @@ from tests.caustics.truth import FILTER, FOLDER, PIXELS, VIEWS
 
 
 def open_view(name: str, *, surface_only: bool = True, pixels: int = PIXELS) -> None:
-    """Open the scene and look straight down, through everything above the watched surface unless `surface_only` is off."""
+    """Open the scene and look straight down, through everything above the watched surface unless
+    `surface_only` is off.
+    """
     import bpy
 
     from tests.oracle import stage
@@ -29,7 +33,9 @@ def open_view(name: str, *, surface_only: bool = True, pixels: int = PIXELS) -> 
 
 
 def without_bent_light(pixels: int, samples: int) -> np.ndarray:
-    """The small glass seen by Cycles when the lamp shows neither in nor through the glass: all light but the caustic; two halves."""
+    """The small glass seen by Cycles when the lamp shows neither in nor through the glass: all
+    light but the caustic; two halves.
+    """
     import bpy
 
     from tests.oracle.references import render_with_cycles
@@ -45,7 +51,11 @@ def without_bent_light(pixels: int, samples: int) -> np.ndarray:
 
 def main() -> None:
     halves = without_bent_light(PIXELS, 1024)
-    np.savez_compressed(FOLDER / "small_glass_rest.npz", half_1=halves[0].astype(np.float16), half_2=halves[1].astype(np.float16))
+    np.savez_compressed(
+        FOLDER / "small_glass_rest.npz",
+        half_1=halves[0].astype(np.float16),
+        half_2=halves[1].astype(np.float16),
+    )
     print(f"small_glass_rest: mean {np.mean(halves):.4f}", file=sys.stderr)
 
 

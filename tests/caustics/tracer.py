@@ -1,7 +1,9 @@
-"""A light tracer in numpy, from the formulas alone: exact shapes, Snell, Fresnel, Lambert. Shares no code with the renderer.
+"""A light tracer in numpy, from the formulas alone: exact shapes, Snell, Fresnel, Lambert. Shares
+no code with the renderer.
 
-Photons start at the lamps, choose between reflection and refraction at random, scatter diffusely, and are counted where they
-land on the watched surface. Rays are (N, 3) origins and unit directions, flux is (N, 3) in W (RGB).
+Photons start at the lamps, choose between reflection and refraction at random, scatter diffusely,
+and are counted where they land on the watched surface. Rays are (N, 3) origins and unit directions,
+flux is (N, 3) in W (RGB).
 """
 
 from __future__ import annotations
@@ -28,7 +30,9 @@ class Shape(Protocol):
 
 @dataclass(frozen=True)
 class Rectangle:
-    """Part of the plane where coordinate `axis` is `value`: low <= other two coordinates <= high, in order of their axes."""
+    """Part of the plane where coordinate `axis` is `value`: low <= other two coordinates <= high,
+    in order of their axes.
+    """
 
     axis: int
     value: float
@@ -40,7 +44,9 @@ class Rectangle:
             t = (self.value - origin[:, self.axis]) / direction[:, self.axis]
         t = np.where(np.isfinite(t) & (t > NEAR), t, np.inf)
         point = origin + np.where(np.isfinite(t), t, 0.0)[:, None] * direction
-        for axis, low, high in zip([a for a in range(3) if a != self.axis], self.low, self.high, strict=True):
+        for axis, low, high in zip(
+            [a for a in range(3) if a != self.axis], self.low, self.high, strict=True
+        ):
             t = np.where((point[:, axis] >= low) & (point[:, axis] <= high), t, np.inf)
         return t
 
@@ -48,7 +54,9 @@ class Rectangle:
         return np.broadcast_to(np.eye(3)[self.axis], point.shape)
 
 
-def _nearest_root(a: Array, b: Array, c: Array, allowed: Callable[[Array], NDArray[np.bool_]]) -> Array:
+def _nearest_root(
+    a: Array, b: Array, c: Array, allowed: Callable[[Array], NDArray[np.bool_]]
+) -> Array:
     """Smallest allowed root > NEAR of a t^2 + b t + c = 0."""
     with np.errstate(divide="ignore", invalid="ignore"):
         q = -0.5 * (b + np.copysign(np.sqrt(b * b - 4 * a * c), b))
@@ -77,7 +85,8 @@ class Sphere:
 
 @dataclass(frozen=True)
 class Strip:
-    """What the segment from `first` to `second` (radius, height) sweeps around the Z axis through `place`.
+    """What the segment from `first` to `second` (radius, height) sweeps around the Z axis through
+    `place`.
 
     The solid lies on the left of the way from first to second in the (radius, height) plane.
     """
@@ -117,7 +126,9 @@ class Strip:
 
 @dataclass(frozen=True)
 class Waves:
-    """z = height(x, y) between `low` and `high`, over |x|, |y| <= half; the solid is below. First crossing of even steps, then Newton."""
+    """z = height(x, y) between `low` and `high`, over |x|, |y| <= half; the solid is below. First
+    crossing of even steps, then Newton.
+    """
 
     height: Callable[[Array, Array], Array]
     slope: Callable[[Array, Array], tuple[Array, Array]]
@@ -135,7 +146,13 @@ class Waves:
         with np.errstate(divide="ignore", invalid="ignore"):
             enter, leave = np.sort(np.stack([(self.low - z) / dz, (self.high - z) / dz]), axis=0)
             side = np.min(
-                [np.where(direction[:, a] > 0, self.half - origin[:, a], -self.half - origin[:, a]) / direction[:, a] for a in (0, 1)],
+                [
+                    np.where(
+                        direction[:, a] > 0, self.half - origin[:, a], -self.half - origin[:, a]
+                    )
+                    / direction[:, a]
+                    for a in (0, 1)
+                ],
                 axis=0,
             )
         start = np.maximum(np.nan_to_num(enter), 1e-6)
@@ -148,7 +165,9 @@ class Waves:
             new = self._above(origin, direction, b)
             crossed = open_ & (value * new <= 0) & (value != 0)
             if crossed.any():
-                found[crossed] = self._refine(origin[crossed], direction[crossed], a[crossed], b[crossed])
+                found[crossed] = self._refine(
+                    origin[crossed], direction[crossed], a[crossed], b[crossed]
+                )
                 open_ = open_ & ~crossed
             a, value = b, new
         return found
@@ -185,7 +204,9 @@ class Surface:
 
 
 def fresnel(cosine: Array, ratio: Array) -> tuple[Array, Array]:
-    """Unpolarised reflectance and the cosine of the refracted ray; ratio = n behind / n before; 1 and 0 under total reflection."""
+    """Unpolarised reflectance and the cosine of the refracted ray; ratio = n behind / n before; 1
+    and 0 under total reflection.
+    """
     square = 1.0 - (1.0 - cosine**2) / ratio**2
     inner = np.sqrt(np.maximum(square, 0.0))
     along = (ratio * cosine - inner) / (ratio * cosine + inner)
@@ -193,8 +214,12 @@ def fresnel(cosine: Array, ratio: Array) -> tuple[Array, Array]:
     return np.where(square > 0, (along**2 + across**2) / 2, 1.0), inner
 
 
-def _scatter(surface: Surface, point: Array, d: Array, flux: Array, rng: np.random.Generator) -> tuple[Array, Array]:
-    """Outgoing directions and flux. What crosses into an index n carries 1/n^2: flux of the radiance that is constant along rays."""
+def _scatter(
+    surface: Surface, point: Array, d: Array, flux: Array, rng: np.random.Generator
+) -> tuple[Array, Array]:
+    """Outgoing directions and flux. What crosses into an index n carries 1/n^2: flux of the
+    radiance that is constant along rays.
+    """
     normal = surface.shape.normal(point)
     cosine = -(d * normal).sum(-1)
     inside = cosine < 0
@@ -206,7 +231,11 @@ def _scatter(surface: Surface, point: Array, d: Array, flux: Array, rng: np.rand
         x /= np.linalg.norm(x, axis=-1, keepdims=True)
         y = np.cross(normal, x)
         radius = np.sqrt(u)
-        out = (radius * np.cos(turn))[:, None] * x + (radius * np.sin(turn))[:, None] * y + np.sqrt(1 - u)[:, None] * normal
+        out = (
+            (radius * np.cos(turn))[:, None] * x
+            + (radius * np.sin(turn))[:, None] * y
+            + np.sqrt(1 - u)[:, None] * normal
+        )
         return out, flux * np.asarray(surface.color)
     mirrored = d + 2 * cosine[:, None] * normal
     if surface.kind == "mirror":
@@ -216,7 +245,9 @@ def _scatter(surface: Surface, point: Array, d: Array, flux: Array, rng: np.rand
     refracted = d / ratio[:, None] + (cosine / ratio - inner)[:, None] * normal
     chosen = rng.random(len(d)) < reflectance
     out = np.where(chosen[:, None], mirrored, refracted)
-    return out / np.linalg.norm(out, axis=-1, keepdims=True), np.where(chosen[:, None], flux, flux / ratio[:, None] ** 2)
+    return out / np.linalg.norm(out, axis=-1, keepdims=True), np.where(
+        chosen[:, None], flux, flux / ratio[:, None] ** 2
+    )
 
 
 def trace(
@@ -229,7 +260,9 @@ def trace(
     *,
     diffuse_bounces: int = 6,
 ) -> None:
-    """Follow photons; land(points, flux, bent) is told what reaches surfaces[0], `bent`: after a mirror or glass and nothing diffuse."""
+    """Follow photons; land(points, flux, bent) is told what reaches surfaces[0], `bent`: after a
+    mirror or glass and nothing diffuse.
+    """
     scattered = np.zeros(len(origin), int)
     bent = np.zeros(len(origin), bool)
     for _ in range(64):
@@ -250,7 +283,11 @@ def trace(
             return
         # Russian roulette after the second diffuse bounce keeps the expectation.
         power = flux.max(-1)
-        survive = np.where(scattered > 1, np.minimum(power / np.maximum(power.mean(), 1e-300), 1.0), 1.0)
+        survive = np.where(
+            scattered > 1, np.minimum(power / np.maximum(power.mean(), 1e-300), 1.0), 1.0
+        )
         alive = (rng.random(len(power)) < survive) & (scattered <= diffuse_bounces)
         flux = flux / np.maximum(survive, 1e-300)[:, None]
-        origin, direction, flux, scattered, bent = (x[alive] for x in (point, direction, flux, scattered, bent))
+        origin, direction, flux, scattered, bent = (
+            x[alive] for x in (point, direction, flux, scattered, bent)
+        )

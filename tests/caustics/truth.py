@@ -1,6 +1,8 @@
-"""The light on the watched surface of each caustic scene, by tests/caustics/tracer.py: `python -m tests.caustics.truth [NAME ...]`.
+"""The light on the watched surface of each caustic scene, by tests/caustics/tracer.py: `python -m
+tests.caustics.truth [NAME ...]`.
 
-Keeps radiance of the surface as seen by View's camera, in two independent halves (height, width, 3) float16, row 0 at low y.
+Keeps radiance of the surface as seen by View's camera, in two independent halves (height, width, 3)
+float16, row 0 at low y.
 """
 
 from __future__ import annotations
@@ -27,7 +29,9 @@ Photons = tuple[Array, Array, Array]
 
 @dataclass(frozen=True)
 class View:
-    """A camera straight above (middle x, y), orthographic, `size` metres wide, that sees only what is below `below`."""
+    """A camera straight above (middle x, y), orthographic, `size` metres wide, that sees only what
+    is below `below`.
+    """
 
     scene: str
     middle: tuple[float, float]
@@ -45,25 +49,39 @@ def _floor(half: float, albedo: tuple[float, float, float], z: float = 0.0) -> S
 
 
 def _glass_surfaces() -> list[Surface]:
-    return [_floor(Glass.TABLE_HALF, Glass.TABLE_ALBEDO), Surface(Sphere(Glass.CENTRE, Glass.RADIUS), "glass", ior=Glass.IOR)]
+    return [
+        _floor(Glass.TABLE_HALF, Glass.TABLE_ALBEDO),
+        Surface(Sphere(Glass.CENTRE, Glass.RADIUS), "glass", ior=Glass.IOR),
+    ]
 
 
 def _ring_surfaces() -> list[Surface]:
-    way = [(Ring.OUTER, 0.0), (Ring.OUTER, Ring.HEIGHT), (Ring.INNER, Ring.HEIGHT), (Ring.INNER, 0.0)]
+    way = [
+        (Ring.OUTER, 0.0),
+        (Ring.OUTER, Ring.HEIGHT),
+        (Ring.INNER, Ring.HEIGHT),
+        (Ring.INNER, 0.0),
+    ]
     ring = [Surface(Strip(a, b), "mirror", Ring.COLOR) for a, b in pairwise(way)]
     return [_floor(Ring.TABLE_HALF, Ring.TABLE_ALBEDO), *ring]
 
 
 def _pool_surfaces() -> list[Surface]:
     a, top = Pool.HALF, Pool.RIM
-    walls = [Surface(Rectangle(axis, side, (-a, 0.0), (a, top)), "diffuse", Pool.WALL_ALBEDO) for axis in (0, 1) for side in (-a, a)]
+    walls = [
+        Surface(Rectangle(axis, side, (-a, 0.0), (a, top)), "diffuse", Pool.WALL_ALBEDO)
+        for axis in (0, 1)
+        for side in (-a, a)
+    ]
     swing = sum(amplitude for _, amplitude, _ in Pool.WAVES)
     water = Waves(Pool.height, Pool.slope, Pool.LEVEL - swing, Pool.LEVEL + swing, a)
     return [_floor(a, Pool.FLOOR_ALBEDO), *walls, Surface(water, "glass", ior=Pool.IOR)]
 
 
 def _small_surfaces() -> list[Surface]:
-    """The tumbler on its table. Only photons that went through the glass are kept, so the room does not matter."""
+    """The tumbler on its table. Only photons that went through the glass are kept, so the room does
+    not matter.
+    """
     profile = SmallGlass.PROFILE
     strips = [Strip(a, b, SmallGlass.PLACE) for a, b in pairwise(profile)]
     table = _floor(SmallGlass.TABLE_HALF, SmallGlass.TABLE_ALBEDO, SmallGlass.TABLE_HEIGHT)
@@ -71,11 +89,20 @@ def _small_surfaces() -> list[Surface]:
 
 
 def _lamp_photons(
-    place: tuple[float, ...], size: float, power: float, aim: tuple[Array, Array], count: int, rng: np.random.Generator
+    place: tuple[float, ...],
+    size: float,
+    power: float,
+    aim: tuple[Array, Array],
+    count: int,
+    rng: np.random.Generator,
 ) -> Photons:
-    """From a square lamp that faces down to points spread evenly over the rectangle `aim` (low, high corner)."""
+    """From a square lamp that faces down to points spread evenly over the rectangle `aim` (low,
+    high corner).
+    """
     low, high = aim
-    start = np.asarray(place) + np.concatenate([(rng.random((count, 2)) - 0.5) * size, np.zeros((count, 1))], -1)
+    start = np.asarray(place) + np.concatenate(
+        [(rng.random((count, 2)) - 0.5) * size, np.zeros((count, 1))], -1
+    )
     end = low + (high - low) * np.concatenate([rng.random((count, 2)), np.zeros((count, 1))], -1)
     way = end - start
     square = (way**2).sum(-1)
@@ -87,9 +114,14 @@ def _lamp_photons(
 
 
 def _near_and_far(
-    photons: Callable[[tuple[Array, Array], int], Photons], inner: Sequence[Sequence[float]], half: float, count: int
+    photons: Callable[[tuple[Array, Array], int], Photons],
+    inner: Sequence[Sequence[float]],
+    half: float,
+    count: int,
 ) -> Photons:
-    """Most photons aimed at the `inner` corners' rectangle of a table, the others at the rest of the table."""
+    """Most photons aimed at the `inner` corners' rectangle of a table, the others at the rest of
+    the table.
+    """
     low, high = (np.array([*corner, 0.0]) for corner in inner)
     near = photons((low, high), count * 4 // 5)
     far = photons((np.array([-half, -half, 0.0]), np.array([half, half, 0.0])), count // 5)
@@ -107,18 +139,28 @@ def _glass_photons(count: int, rng: np.random.Generator) -> Photons:
 
 
 def _sun_photons(
-    towards: tuple[float, ...], angle: float, strength: float, aim: tuple[Array, Array], count: int, rng: np.random.Generator
+    towards: tuple[float, ...],
+    angle: float,
+    strength: float,
+    aim: tuple[Array, Array],
+    count: int,
+    rng: np.random.Generator,
 ) -> Photons:
     """Through points spread evenly over a horizontal rectangle, from far away."""
     middle = np.asarray(towards) / np.linalg.norm(towards)
     x = np.cross(middle, [0.0, 0.0, 1.0])
     x /= np.linalg.norm(x)
     y = np.cross(middle, x)
-    radius, turn = np.tan(angle / 2) * np.sqrt(rng.random((count, 1))), 2 * np.pi * rng.random((count, 1))
+    radius, turn = (
+        np.tan(angle / 2) * np.sqrt(rng.random((count, 1))),
+        2 * np.pi * rng.random((count, 1)),
+    )
     direction = -(middle + radius * (np.cos(turn) * x + np.sin(turn) * y))
     direction /= np.linalg.norm(direction, axis=-1, keepdims=True)
     low, high = aim
-    through = low + (high - low) * np.concatenate([rng.random((count, 2)), np.zeros((count, 1))], -1)
+    through = low + (high - low) * np.concatenate(
+        [rng.random((count, 2)), np.zeros((count, 1))], -1
+    )
     flux = strength * -direction[:, 2] * float(np.prod((high - low)[:2])) / count
     return through - 3.0 * direction, direction, np.repeat(flux[:, None], 3, -1)
 
@@ -135,7 +177,9 @@ def _pool_photons(count: int, rng: np.random.Generator) -> Photons:
     a, top = Pool.HALF, Pool.RIM
     corner = np.array([a, a, 0.0])
     lift = np.array([0.0, 0.0, top])
-    start, direction, flux = _sun_photons(Pool.SUN, Pool.SUN_ANGLE, Pool.STRENGTH, (lift - corner, lift + corner), count, rng)
+    start, direction, flux = _sun_photons(
+        Pool.SUN, Pool.SUN_ANGLE, Pool.STRENGTH, (lift - corner, lift + corner), count, rng
+    )
     return start + 3.0 * direction, direction, flux
 
 
@@ -147,13 +191,33 @@ def _small_photons(count: int, rng: np.random.Generator) -> Photons:
     shadow = lamp + (middle - lamp) * stretch
     shadow[2] = SmallGlass.TABLE_HEIGHT
     half = np.array([0.055, 0.055, 0.0])
-    return _lamp_photons(SmallGlass.LAMP, SmallGlass.LAMP_SIZE, SmallGlass.POWER, (shadow - half, shadow + half), count, rng)
+    return _lamp_photons(
+        SmallGlass.LAMP,
+        SmallGlass.LAMP_SIZE,
+        SmallGlass.POWER,
+        (shadow - half, shadow + half),
+        count,
+        rng,
+    )
 
 
 VIEWS = {
-    "glass": View("caustic_glass", (0.12, -0.08), 0.75, 0.001, Glass.TABLE_ALBEDO, _glass_surfaces, _glass_photons, 24),
-    "ring": View("caustic_ring", (0.0, 0.0), 1.0, 0.001, Ring.TABLE_ALBEDO, _ring_surfaces, _ring_photons, 24),
-    "pool": View("caustic_pool", (0.0, 0.0), 1.6, 0.3, Pool.FLOOR_ALBEDO, _pool_surfaces, _pool_photons, 8),
+    "glass": View(
+        "caustic_glass",
+        (0.12, -0.08),
+        0.75,
+        0.001,
+        Glass.TABLE_ALBEDO,
+        _glass_surfaces,
+        _glass_photons,
+        24,
+    ),
+    "ring": View(
+        "caustic_ring", (0.0, 0.0), 1.0, 0.001, Ring.TABLE_ALBEDO, _ring_surfaces, _ring_photons, 24
+    ),
+    "pool": View(
+        "caustic_pool", (0.0, 0.0), 1.6, 0.3, Pool.FLOOR_ALBEDO, _pool_surfaces, _pool_photons, 8
+    ),
     "small_glass": View(
         "small_glass",
         (0.12, -0.07),
@@ -191,10 +255,14 @@ def irradiance(view: View, photons: int, seed: int, cells: int = PIXELS * FINE) 
 
 
 def seen_by_pixels(fine: Array) -> Array:
-    """Cells to pixels, through the camera's pixel filter; cells beyond the view count as the outermost ones."""
+    """Cells to pixels, through the camera's pixel filter; cells beyond the view count as the
+    outermost ones.
+    """
     offset = (np.arange(-2 * FINE, 2 * FINE) + 0.5) / FINE
     turn = 2 * np.pi * (offset / FILTER + 0.5)
-    weight = 0.35875 - 0.48829 * np.cos(turn) + 0.14128 * np.cos(2 * turn) - 0.01168 * np.cos(3 * turn)
+    weight = (
+        0.35875 - 0.48829 * np.cos(turn) + 0.14128 * np.cos(2 * turn) - 0.01168 * np.cos(3 * turn)
+    )
     weight = np.where(np.abs(offset) < FILTER / 2, weight, 0.0)
     weight /= weight.sum()
     for axis in (0, 1):
@@ -208,7 +276,9 @@ def seen_by_pixels(fine: Array) -> Array:
 
 
 def seen_through_water(floor: Array, view: View) -> Array:
-    """What a camera straight above the pool sees of the floor's radiance `floor` (cells): refracted, less what is reflected."""
+    """What a camera straight above the pool sees of the floor's radiance `floor` (cells):
+    refracted, less what is reflected.
+    """
     cells = PIXELS * FINE
     y, x = (np.mgrid[:cells, :cells] + 0.5) / cells * view.size - view.size / 2
     slope_x, slope_y = Pool.slope(x, y)
@@ -219,19 +289,33 @@ def seen_through_water(floor: Array, view: View) -> Array:
     down = np.array([0.0, 0.0, -1.0]) / Pool.IOR + (cosine / Pool.IOR - inner)[..., None] * normal
     reach = Pool.height(x, y) / -down[..., 2]
     to_x, to_y = x + reach * down[..., 0], y + reach * down[..., 1]
-    column, row = (np.clip(((to + view.size / 2) / view.size * cells).astype(int), 0, cells - 1) for to in (to_x, to_y))
+    column, row = (
+        np.clip(((to + view.size / 2) / view.size * cells).astype(int), 0, cells - 1)
+        for to in (to_x, to_y)
+    )
     return floor[row, column] * (1 - reflectance)[..., None]
 
 
 def make(name: str) -> None:
     view = VIEWS[name]
-    fine = [irradiance(view, view.millions * 500_000, seed) * np.asarray(view.albedo) / np.pi for seed in (1, 2)]
+    fine = [
+        irradiance(view, view.millions * 500_000, seed) * np.asarray(view.albedo) / np.pi
+        for seed in (1, 2)
+    ]
     FOLDER.mkdir(exist_ok=True)
     halves = [seen_by_pixels(cells) for cells in fine]
-    np.savez_compressed(FOLDER / f"{name}.npz", half_1=halves[0].astype(np.float16), half_2=halves[1].astype(np.float16))
+    np.savez_compressed(
+        FOLDER / f"{name}.npz",
+        half_1=halves[0].astype(np.float16),
+        half_2=halves[1].astype(np.float16),
+    )
     if name == "pool":
         halves = [seen_by_pixels(seen_through_water(cells, view)) for cells in fine]
-        np.savez_compressed(FOLDER / "pool_from_above.npz", half_1=halves[0].astype(np.float16), half_2=halves[1].astype(np.float16))
+        np.savez_compressed(
+            FOLDER / "pool_from_above.npz",
+            half_1=halves[0].astype(np.float16),
+            half_2=halves[1].astype(np.float16),
+        )
 
 
 def load(name: str) -> Array:
@@ -246,7 +330,12 @@ def main(names: list[str]) -> int:
         make(name)
         halves = load(name)
         noise = np.abs(halves[0] - halves[1]).mean() / halves.mean()
-        print(f"{name:12} {time.monotonic() - started:6.1f} s  mean {halves.mean():.4f}  noise {noise:.3f}", file=sys.stderr, flush=True)
+        print(
+            f"{name:12} {time.monotonic() - started:6.1f} s  mean {halves.mean():.4f}  noise "
+            f"{noise:.3f}",
+            file=sys.stderr,
+            flush=True,
+        )
     return 0
 
 

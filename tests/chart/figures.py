@@ -1,4 +1,6 @@
-"""Figures of renders against the truth, and what follows from them: slopes, and how much faster equal errors are reached."""
+"""Figures of renders against the truth, and what follows from them: slopes, and how much faster
+equal errors are reached.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +19,9 @@ Array = np.ndarray
 
 @dataclass(frozen=True)
 class Point:
-    """One budget of one method: medians over seeds, and the 10 to 90 % band of the RMSE. flip: NaN without the package."""
+    """One budget of one method: medians over seeds, and the 10 to 90 % band of the RMSE. flip: NaN
+    without the package.
+    """
 
     budget: float
     seconds: float
@@ -31,7 +35,9 @@ class Point:
 
 
 def flip(picture: Array, truth: Array) -> float:
-    """Mean HDR-FLIP (Andersson et al. 2021), by its authors' package `flip_evaluator` if that is installed; else NaN."""
+    """Mean HDR-FLIP (Andersson et al. 2021), by its authors' package `flip_evaluator` if that is
+    installed; else NaN.
+    """
     try:
         import flip_evaluator
     except ImportError:
@@ -40,7 +46,9 @@ def flip(picture: Array, truth: Array) -> float:
     return float(flip_evaluator.evaluate(*pictures, "HDR", applyMagma=False)[1])
 
 
-def point(budget: float, pictures: list[Array], seconds: list[float], halves: tuple[Array, Array]) -> Point:
+def point(
+    budget: float, pictures: list[Array], seconds: list[float], halves: tuple[Array, Array]
+) -> Point:
     truth = (halves[0] + halves[1]) / 2
     wide = [picture.astype(np.float64) for picture in pictures]
     errors = [rmse_two_halves(picture, *halves) for picture in wide]
@@ -61,12 +69,15 @@ def slope(points: list[Point]) -> float:
     """Of log RMSE against log seconds."""
     if len(points) < 2:
         return float("nan")
-    return float(np.polyfit(np.log([p.seconds for p in points]), np.log([p.rmse for p in points]), 1)[0])
+    return float(
+        np.polyfit(np.log([p.seconds for p in points]), np.log([p.rmse for p in points]), 1)[0]
+    )
 
 
 def seconds_to(points: list[Point], error: float) -> float:
-    """When a method reaches an RMSE, from the lines between its points in the log-log chart; beyond the last along error ~ t^(-1/2),
-    before the first NaN, since start-up is no power law."""
+    """When a method reaches an RMSE, from the lines between its points in the log-log chart; beyond
+    the last along error ~ t^(-1/2), before the first NaN, since start-up is no power law.
+    """
     if not points or error > points[0].rmse:
         return float("nan")
     for before, after in pairwise(points):
@@ -77,7 +88,17 @@ def seconds_to(points: list[Point], error: float) -> float:
 
 
 def rel_mse_at(points: list[Point], seconds: float) -> float:
-    """From the lines between a method's points; before the first one infinite, after the last one as that."""
+    """From the lines between a method's points; before the first one infinite, after the last one
+    as that.
+    """
     if seconds < points[0].seconds:
         return float("inf")
-    return float(np.exp(np.interp(np.log(seconds), np.log([p.seconds for p in points]), np.log([max(p.rel_mse, 1e-12) for p in points]))))
+    return float(
+        np.exp(
+            np.interp(
+                np.log(seconds),
+                np.log([p.seconds for p in points]),
+                np.log([max(p.rel_mse, 1e-12) for p in points]),
+            )
+        )
+    )

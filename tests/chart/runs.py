@@ -1,4 +1,6 @@
-"""Renders for the charts, each in a process of its own, kept in build/chart by what they depend on: a run goes on where one stopped."""
+"""Renders for the charts, each in a process of its own, kept in build/chart by what they depend on:
+a run goes on where one stopped.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +30,9 @@ class Shot:
 
 
 def version(method: str) -> str:
-    """Of the engine that makes the picture: Blender's, or the native module's and the add-on's contents."""
+    """Of the engine that makes the picture: Blender's, or the native module's and the add-on's
+    contents.
+    """
     import bpy
 
     if not method.startswith(("Photon", "truth-photons")):
@@ -44,10 +48,14 @@ def version(method: str) -> str:
 def path_of(case: Case, method: Method | str, seconds: float, seed: int) -> Path:
     """Where the cache has the render, or will have it."""
     if method in RIVALS:
-        made_by, asked = driver.version(str(method)), pickle.dumps(driver.description(case, str(method)))
+        made_by, asked = (
+            driver.version(str(method)),
+            pickle.dumps(driver.description(case, str(method))),
+        )
     else:
         made_by, asked = version(str(method)), _blend(case).read_bytes()
-    what = f"{method}|{made_by}|{hashlib.sha256(asked).hexdigest()}|{case.width}x{case.height}|{seconds:g}|{seed}"
+    scene = hashlib.sha256(asked).hexdigest()
+    what = f"{method}|{made_by}|{scene}|{case.width}x{case.height}|{seconds:g}|{seed}"
     return CACHE / f"{case.scene}_{hashlib.sha256(what.encode()).hexdigest()[:20]}.npz"
 
 
@@ -73,7 +81,17 @@ def _render(method: str, case: Case, seconds: float, seed: int, path: Path) -> N
             said = driver.render(case, method, seconds, seed, output)
         else:
             size = (str(case.width), str(case.height))
-            shot_of = [sys.executable, "-m", "tests.chart.shot", method, str(_blend(case)), *size, str(seconds), str(seed), str(output)]
+            shot_of = [
+                sys.executable,
+                "-m",
+                "tests.chart.shot",
+                method,
+                str(_blend(case)),
+                *size,
+                str(seconds),
+                str(seed),
+                str(output),
+            ]
             if seconds >= LONG:
                 shot_of.append(str(path.with_suffix("")))
             said = driver.run(shot_of, seconds)
@@ -84,5 +102,8 @@ def _render(method: str, case: Case, seconds: float, seed: int, path: Path) -> N
 
 def truth(case: Case) -> tuple[Array, Array]:
     """Two independent halves, (height, width, 3) float64."""
-    halves = [shot(case, f"truth-{case.truth}", case.truth_seconds, seed).picture.astype(np.float64) for seed in (901, 902)]
+    halves = [
+        shot(case, f"truth-{case.truth}", case.truth_seconds, seed).picture.astype(np.float64)
+        for seed in (901, 902)
+    ]
     return halves[0], halves[1]

@@ -1,8 +1,11 @@
-"""The seed's comparison: photons looked up for each point (direct) against photons splatted (dual). `python -m tests.chart.seed_comparison`
+"""The seed's comparison: photons looked up for each point (direct) against photons splatted (dual).
+`python -m tests.chart.seed_comparison`
 
-The same photons of cornell_box at 512x512 and the same points, one per pixel. Direct: a k-d tree over the photons (scipy's, in C++), the
-k nearest of each point, on all cores; the tree's making counts. Dual: this engine's splatter, with discs that hold k photons; once for a
-point per pixel, once for the sparse points that renders use. Writes seed_comparison.png and .csv beside this file. Needs bpy.
+The same photons of cornell_box at 512x512 and the same points, one per pixel. Direct: a k-d tree
+over the photons (scipy's, in C++), the k nearest of each point, on all cores; the tree's making
+counts. Dual: this engine's splatter, with discs that hold k photons; once for a point per pixel,
+once for the sparse points that renders use. Writes seed_comparison.png and .csv beside this file.
+Needs bpy.
 """
 
 from __future__ import annotations
@@ -36,10 +39,18 @@ BATCH = 1 << 17
 REPEATS = 3
 
 
-def dual(scene: Scene, photons: int, k: int, spacing: float) -> tuple[float, dict[str, np.ndarray], dict[str, np.ndarray]]:
-    """Seconds of the splatter (least of several passes), then points and photons of the last one."""
+def dual(
+    scene: Scene, photons: int, k: int, spacing: float
+) -> tuple[float, dict[str, np.ndarray], dict[str, np.ndarray]]:
+    """Seconds of the splatter (least of several passes), then points and photons of the last
+    one.
+    """
     settings = RenderSettings(
-        photons_per_pass=photons, radius_scale=(k / PER_DISC) ** 0.5, point_spacing=spacing, caustics=False, adaptive_samples=False
+        photons_per_pass=photons,
+        radius_scale=(k / PER_DISC) ** 0.5,
+        point_spacing=spacing,
+        caustics=False,
+        adaptive_samples=False,
     )
     seconds, kept = [], []
     for repeat in range(REPEATS):
@@ -56,19 +67,30 @@ def dual(scene: Scene, photons: int, k: int, spacing: float) -> tuple[float, dic
             if repeat + 1 == REPEATS:
                 kept.append(renderer.photons())
         seconds.append(renderer.statistics()["seconds"]["splat"] - before)
-    together = {name: np.concatenate([batch[name] for batch in kept]) for name in ("position", "power", "normal")}
+    together = {
+        name: np.concatenate([batch[name] for batch in kept])
+        for name in ("position", "power", "normal")
+    }
     return min(seconds), renderer.points(), together
 
 
-def direct(points: dict[str, np.ndarray], photons: dict[str, np.ndarray], k: int) -> tuple[float, np.ndarray]:
-    """Seconds, and mean irradiance (N,) of the k nearest photons of each point that face its way, by the seed's kernel estimate."""
+def direct(
+    points: dict[str, np.ndarray], photons: dict[str, np.ndarray], k: int
+) -> tuple[float, np.ndarray]:
+    """Seconds, and mean irradiance (N,) of the k nearest photons of each point that face its way,
+    by the seed's kernel estimate.
+    """
     power = photons["power"].mean(-1)
     began = time.monotonic()
     tree = cKDTree(photons["position"])
     distance, index = tree.query(points["position"], k, workers=os.cpu_count() or 1)
     facing = np.einsum("nkc,nc->nk", photons["normal"][index], points["normal"]) > 0
     reach = distance[:, -1:]
-    irradiance = (power[index] * facing * (1 - (distance / reach) ** 2)).sum(1) * 2 / (np.pi * reach[:, 0] ** 2)
+    irradiance = (
+        (power[index] * facing * (1 - (distance / reach) ** 2)).sum(1)
+        * 2
+        / (np.pi * reach[:, 0] ** 2)
+    )
     return time.monotonic() - began, irradiance
 
 
@@ -82,7 +104,12 @@ def main() -> int:
             looked_up, irradiance = direct(points, photons, k)
             inner = points["mass"] > 0.999  # where no edge cuts the disc, both estimate the same
             agreement = float(irradiance[inner].sum() / points["irradiance"][inner].mean(-1).sum())
-            row = {"k": k, "photons": len(photons["power"]), "points": len(points["mass"]), "sparse_points": len(few["mass"])}
+            row = {
+                "k": k,
+                "photons": len(photons["power"]),
+                "points": len(points["mass"]),
+                "sparse_points": len(few["mass"]),
+            }
             row |= {
                 "direct_seconds": looked_up,
                 "splat_seconds": splat,
@@ -94,7 +121,13 @@ def main() -> int:
     with (HERE / "seed_comparison.csv").open("w", newline="") as file:
         writer = csv.DictWriter(file, list(rows[0]))
         writer.writeheader()
-        writer.writerows({name: f"{value:.4g}" if isinstance(value, float) else value for name, value in row.items()} for row in rows)
+        writer.writerows(
+            {
+                name: f"{value:.4g}" if isinstance(value, float) else value
+                for name, value in row.items()
+            }
+            for row in rows
+        )
     draw(rows)
     return 0
 
@@ -109,7 +142,15 @@ def draw(rows: list[dict[str, float]]) -> None:
     for axis, k in zip(axes, NEAREST, strict=True):
         mine = [row for row in rows if row["k"] == k]
         for name, (label, color, line) in lines.items():
-            axis.loglog([row["photons"] for row in mine], [row[name] for row in mine], line, color=color, marker="o", ms=4, label=label)
+            axis.loglog(
+                [row["photons"] for row in mine],
+                [row[name] for row in mine],
+                line,
+                color=color,
+                marker="o",
+                ms=4,
+                label=label,
+            )
         axis.set(xlabel="photons", title=f"{k} photons per estimate, {mine[0]['points']:,} points")
         axis.grid(which="both", alpha=0.25)
     axes[0].set_ylabel("seconds")

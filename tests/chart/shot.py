@@ -1,8 +1,10 @@
-"""One render in a process of its own: `python -m tests.chart.shot METHOD SCENE.blend WIDTH HEIGHT SECONDS SEED OUT.npz [PARTS]`.
+"""One render in a process of its own: `python -m tests.chart.shot METHOD SCENE.blend WIDTH HEIGHT
+SECONDS SEED OUT.npz [PARTS]`.
 
-METHOD is a Method or "truth-paths" / "truth-photons". Writes pictures (height, width, 3) float32 with the seconds of each: the
-render call alone, as Blender's user waits for it, export, start-up and denoising included; not Blender's own start. PARTS: folder for
-the parts of a long render (plan.LONG).
+METHOD is a Method or "truth-paths" / "truth-photons". Writes pictures (height, width, 3) float32
+with the seconds of each: the render call alone, as Blender's user waits for it, export, start-up
+and denoising included; not Blender's own start. PARTS: folder for the parts of a long render
+(plan.LONG).
 """
 
 from __future__ import annotations
@@ -31,7 +33,11 @@ def main(arguments: list[str]) -> None:
     method, blend, width, height, seconds, seed, output = arguments[:7]
     bpy.ops.wm.open_mainfile(filepath=blend)
     scene = bpy.context.scene
-    scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = int(width), int(height), 100
+    scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = (
+        int(width),
+        int(height),
+        100,
+    )
     scene.render.use_border = False
     if method in (Method.SPLAT, Method.SPLAT_DENOISED, "truth-paths", "truth-photons"):
         found = _photon_splat(method, float(seconds), int(seed))
@@ -51,7 +57,14 @@ def _photon_splat(method: str, seconds: float, seed: int) -> dict[str, object]:
     scene.render.engine = "PHOTON_SPLAT"
 
     def settings(own: RenderSettings) -> RenderSettings:
-        given = replace(own, passes=ENDLESS, time_limit=seconds, error_threshold=0.0, seed=seed, denoise=method == Method.SPLAT_DENOISED)
+        given = replace(
+            own,
+            passes=ENDLESS,
+            time_limit=seconds,
+            error_threshold=0.0,
+            seed=seed,
+            denoise=method == Method.SPLAT_DENOISED,
+        )
         if method == "truth-paths":
             return replace(given, integrator=Integrator.REFERENCE, max_bounces=64)
         return replace(given, final_gather=FinalGather.ON) if method == "truth-photons" else given
@@ -91,8 +104,9 @@ def _cycles(method: Method, seconds: float, seed: int, parts: Path) -> dict[str,
 
 
 def _long(seconds: float, folder: Path) -> dict[str, object]:
-    """One long render in ranges of its samples, each kept in `folder`: it goes on where it was stopped. Seconds: processor time over
-    threads."""
+    """One long render in ranges of its samples, each kept in `folder`: it goes on where it was
+    stopped. Seconds: processor time over threads.
+    """
     cycles = bpy.context.scene.cycles
     folder.mkdir(parents=True, exist_ok=True)
     count = folder / "samples"
@@ -132,7 +146,9 @@ def _shown() -> np.ndarray:
 
 
 def _samples_in(seconds: float) -> int:
-    """As many as Cycles makes in that time with the machine to itself, from the processor time of two trials of some seconds."""
+    """As many as Cycles makes in that time with the machine to itself, from the processor time of
+    two trials of some seconds.
+    """
     cycles = bpy.context.scene.cycles
     spent = []
     for samples in TRIALS:

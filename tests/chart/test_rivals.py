@@ -23,7 +23,9 @@ TABLE = lambert((0.5, 0.4, 0.3))
 
 def square(size: float = 0.2, **settings: object) -> Light:
     """12 W, from a metre above the camera down to the table; the camera does not see it."""
-    return lamp(LightKind.AREA, 12.0, (0.0, -3.0, 2.0), (0.0, 0.0, 0.0), size=(size, size), **settings)
+    return lamp(
+        LightKind.AREA, 12.0, (0.0, -3.0, 2.0), (0.0, 0.0, 0.0), size=(size, size), **settings
+    )
 
 
 def glass_scene(*lights: Light) -> Scene:
@@ -35,7 +37,11 @@ def glass_scene(*lights: Light) -> Scene:
 
 def test_surfaces_and_normals() -> None:
     table, ball, _ = exact(glass_scene()).parts
-    assert (table.surface.kind, table.surface.color, table.normals) == ("diffuse", (0.5, 0.4, 0.3), None)
+    assert (table.surface.kind, table.surface.color, table.normals) == (
+        "diffuse",
+        (0.5, 0.4, 0.3),
+        None,
+    )
     assert ball.surface.kind == "glass"
     assert ball.surface.ior == 1.5
     np.testing.assert_allclose(ball.surface.color, (0.9, 1.0, 0.8), rtol=1e-6)
@@ -53,7 +59,9 @@ def test_a_mirrored_instance_keeps_its_front_and_normals() -> None:
     assert (np.einsum("ij,ij->i", outwards, a) > 0).all()
     assert ball.normals is not None
     gradient = ball.positions / np.square([1.0, 2.0, 1.0])
-    np.testing.assert_allclose(ball.normals, gradient / np.linalg.norm(gradient, axis=1, keepdims=True), atol=1e-5)
+    np.testing.assert_allclose(
+        ball.normals, gradient / np.linalg.norm(gradient, axis=1, keepdims=True), atol=1e-5
+    )
 
 
 @pytest.mark.parametrize("mirrored", [False, True])
@@ -85,8 +93,12 @@ def test_what_has_no_counterpart_is_named() -> None:
     assert "Wood" in reason(textured)
     assert "world" in reason(replace(glass_scene(), world=(0.1, 0.1, 0.1)))
     assert "in the picture" in reason(glass_scene(lamp(LightKind.AREA, 1.0, (0.0, 0.0, 0.8))))
-    assert "behind" in reason(glass_scene(lamp(LightKind.AREA, 1.0, (0.0, -3.0, 2.0), (0.0, -3.0, 3.0))))
-    assert "rectangle" in reason(glass_scene(lamp(LightKind.POINT, 1.0, (0.0, -3.0, 2.0), radius=0.1)))
+    assert "behind" in reason(
+        glass_scene(lamp(LightKind.AREA, 1.0, (0.0, -3.0, 2.0), (0.0, -3.0, 3.0)))
+    )
+    assert "rectangle" in reason(
+        glass_scene(lamp(LightKind.POINT, 1.0, (0.0, -3.0, 2.0), radius=0.1))
+    )
 
 
 def test_a_sun_becomes_a_disc_of_its_irradiance() -> None:
@@ -117,8 +129,15 @@ def test_mitsuba() -> None:
 
 def test_the_gaussian_has_the_variance_of_our_filter() -> None:
     x = np.linspace(-1, 1, 20001)
-    window = 0.35875 + 0.48829 * np.cos(np.pi * x) + 0.14128 * np.cos(2 * np.pi * x) + 0.01168 * np.cos(3 * np.pi * x)
-    assert pytest.approx(np.sqrt((window * x**2).sum() / window.sum()), rel=1e-3) == mitsuba3.GAUSSIAN
+    window = (
+        0.35875
+        + 0.48829 * np.cos(np.pi * x)
+        + 0.14128 * np.cos(2 * np.pi * x)
+        + 0.01168 * np.cos(3 * np.pi * x)
+    )
+    assert (
+        pytest.approx(np.sqrt((window * x**2).sum() / window.sum()), rel=1e-3) == mitsuba3.GAUSSIAN
+    )
 
 
 def test_luxcore() -> None:
@@ -126,7 +145,9 @@ def test_luxcore() -> None:
     properties, config = said["scene"], said["config"]
     assert properties["scene.materials.material_1.type"] == "glass"
     assert properties["scene.materials.material_1.interiorior"] == 1.5
-    np.testing.assert_allclose(properties["scene.materials.material_2.emission"], 12 / np.pi / 0.04, rtol=1e-6)
+    np.testing.assert_allclose(
+        properties["scene.materials.material_2.emission"], 12 / np.pi / 0.04, rtol=1e-6
+    )
     left, right, bottom, top = properties["scene.camera.screenwindow"]
     assert (right - left, top - bottom) == pytest.approx((2 * np.tan(0.4), 1.5 * np.tan(0.4)))
     assert config["path.pathdepth.total"] == 64
@@ -135,15 +156,24 @@ def test_luxcore() -> None:
     assert [len(mesh["triangles"]) for mesh in said["meshes"]] == [2, 32, 2]
     plain = luxcore.describe(exact(glass_scene()), "LuxCore", 64)["config"]
     assert not any("photongi" in key for key in plain)
-    assert luxcore.describe(exact(glass_scene()), "LuxCore, bidirectional", 64)["config"]["renderengine.type"] == "BIDIRCPU"
+    assert (
+        luxcore.describe(exact(glass_scene()), "LuxCore, bidirectional", 64)["config"][
+            "renderengine.type"
+        ]
+        == "BIDIRCPU"
+    )
 
 
 def test_every_rival_is_described_or_left_out_with_a_reason() -> None:
     said = described(glass_scene())
     assert set(said) == set(RIVALS) == set(CHARTED)
-    assert [method for method, what in said.items() if isinstance(what, str)] == ["Mitsuba, particle tracer"]
+    assert [method for method, what in said.items() if isinstance(what, str)] == [
+        "Mitsuba, particle tracer"
+    ]
     assert pickle.loads(pickle.dumps(said)).keys() == said.keys()
-    assert set(described(replace(glass_scene(), world=(1.0, 1.0, 1.0))).values()) == {"the world shines"}
+    assert set(described(replace(glass_scene(), world=(1.0, 1.0, 1.0))).values()) == {
+        "the world shines"
+    }
     sunny: Exact = exact(glass_scene(lamp(LightKind.SUN, 3.0, angle=0.01)))
     with pytest.raises(NoCounterpartError, match="sun"):
         luxcore.describe(sunny, "LuxCore", 64)

@@ -1,4 +1,6 @@
-"""Irradiance of a horizontal floor by formula. Positions in metres, radiance W/m^2/sr, power W; z of the floor is 0."""
+"""Irradiance of a horizontal floor by formula. Positions in metres, radiance W/m^2/sr, power W; z
+of the floor is 0.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +13,8 @@ Array = np.ndarray
 
 
 def polygon(corners: Sequence[Sequence[float]], radiance: float, x: Array, y: Array) -> Array:
-    """Lambert's formula: E = L/2 * sum over edges of (angle the edge subtends) * (normal of the plane through it and the point) . n.
+    """Lambert's formula: E = L/2 * sum over edges of (angle the edge subtends) * (normal of the
+    plane through it and the point) . n.
 
     The polygon lies wholly above the floor; its orientation does not matter.
     """
@@ -39,7 +42,9 @@ def sphere(power: float, radius: float, height: float, x: Array, y: Array) -> Ar
 
 
 def spot(power: float, size: float, blend: float, height: float, x: Array, y: Array) -> Array:
-    """A point lamp times smoothstep((cos t - c)/((1 - c) blend)), t from straight down, c = cos(size/2)."""
+    """A point lamp times smoothstep((cos t - c)/((1 - c) blend)), t from straight down, c =
+    cos(size/2).
+    """
     cosine = height / np.sqrt(x**2 + y**2 + height**2)
     edge = cos(size / 2)
     if blend == 0.0:
@@ -51,7 +56,9 @@ def spot(power: float, size: float, blend: float, height: float, x: Array, y: Ar
 
 
 def tilted_sun(irradiance: float, angle: float, tilt: float) -> float:
-    """A sun whose disc is wholly above the horizon: E cos(tilt) for every angular size, by definition of its strength."""
+    """A sun whose disc is wholly above the horizon: E cos(tilt) for every angular size, by
+    definition of its strength.
+    """
     assert tilt + angle / 2 < pi / 2
     return irradiance * cos(tilt)
 
@@ -67,12 +74,16 @@ def facing_disk_on_axis(power: float, radius: float, height: float) -> float:
 
 
 def spread_beam(power: float, area: float) -> float:
-    """Where the floor sees the whole cone of an area lamp's spread inside the lamp's outline, E = P/A."""
+    """Where the floor sees the whole cone of an area lamp's spread inside the lamp's outline, E =
+    P/A.
+    """
     return power / area
 
 
 def spread_disk_on_axis(power: float, radius: float, height: float, spread: float) -> float:
-    """Disk of radiance P/(pi A) (tan h - tan t)/(tan h - h), h = spread/2: E = integral of L cos t over the disk's cone, by quadrature."""
+    """Disk of radiance P/(pi A) (tan h - tan t)/(tan h - h), h = spread/2: E = integral of L cos t
+    over the disk's cone, by quadrature.
+    """
     half, steps = spread / 2, 200_000
     end = min(half, atan(radius / height))
     t = (np.arange(steps) + 0.5) / steps * end
@@ -80,7 +91,14 @@ def spread_disk_on_axis(power: float, radius: float, height: float, spread: floa
     return float((radiance * np.cos(t) * np.sin(t)).mean() * end * 2 * pi)
 
 
-def rectangle_corners(size_x: float, size_y: float, height: float, turn: float = 0.0) -> list[tuple[float, float, float]]:
+def rectangle_corners(
+    size_x: float, size_y: float, height: float, turn: float = 0.0
+) -> list[tuple[float, float, float]]:
     c, s = cos(turn), sin(turn)
-    half = ((-size_x / 2, -size_y / 2), (size_x / 2, -size_y / 2), (size_x / 2, size_y / 2), (-size_x / 2, size_y / 2))
+    half = (
+        (-size_x / 2, -size_y / 2),
+        (size_x / 2, -size_y / 2),
+        (size_x / 2, size_y / 2),
+        (-size_x / 2, size_y / 2),
+    )
     return [(c * x - s * y, s * x + c * y, height) for x, y in half]

@@ -1,8 +1,9 @@
 """Closures that lose no light, in rooms of uniform light: whatever stands there must vanish in it.
 
-In a closed room whose walls emit e = 1 - albedo the radiance is 1 everywhere and in every direction. Photons that are
-refracted, reflected or scattered by what stands in the room must keep it so: the flux adjoint of every closure, the split
-between caustic and indirect photons, and the camera's paths through the closure are all in this one number.
+In a closed room whose walls emit e = 1 - albedo the radiance is 1 everywhere and in every
+direction. Photons that are refracted, reflected or scattered by what stands in the room must keep
+it so: the flux adjoint of every closure, the split between caustic and indirect photons, and the
+camera's paths through the closure are all in this one number.
 """
 
 from __future__ import annotations
@@ -23,7 +24,10 @@ LOSSLESS: dict[str, tuple[str, dict[str, Any]]] = {
     "gloss": ("Glossy", {"color": WHITE, "roughness": 0.3, "distribution": "MULTI_GGX"}),
     "rough gloss": ("Glossy", {"color": WHITE, "roughness": 0.9, "distribution": "MULTI_GGX"}),
     "glass": ("Glass", {"color": WHITE, "roughness": 0.0, "ior": 1.5, "distribution": "GGX"}),
-    "rough glass": ("Glass", {"color": WHITE, "roughness": 0.35, "ior": 1.5, "distribution": "MULTI_GGX"}),
+    "rough glass": (
+        "Glass",
+        {"color": WHITE, "roughness": 0.35, "ior": 1.5, "distribution": "MULTI_GGX"},
+    ),
     "diamond": ("Glass", {"color": WHITE, "roughness": 0.0, "ior": 2.4, "distribution": "GGX"}),
     "diffuse": ("Diffuse", {"color": WHITE, "roughness": 0.0}),
     "rough diffuse": ("Diffuse", {"color": WHITE, "roughness": 1.0}),
@@ -50,7 +54,11 @@ def room(kind: str) -> Scene:
 @pytest.mark.parametrize("kind", LOSSLESS)
 @pytest.mark.parametrize("integrator", [Integrator.SPLAT, Integrator.REFERENCE])
 def test_it_vanishes(kind: str, integrator: Integrator) -> None:
-    settings = {"passes": 24, "photons_per_pass": 120_000} if integrator is Integrator.SPLAT else {"passes": 96}
+    settings = (
+        {"passes": 24, "photons_per_pass": 120_000}
+        if integrator is Integrator.SPLAT
+        else {"passes": 96}
+    )
     picture = c.picture(room(kind), integrator, max_bounces=256, **settings)
     assert np.isfinite(picture).all()
     assert picture.mean() == pytest.approx(1.0, abs=0.01)

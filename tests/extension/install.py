@@ -1,7 +1,8 @@
-"""Installs the built extension in a clean Blender, renders, disables and enables it: install.py ARCHIVE FOLDER.
+"""Installs the built extension in a clean Blender, renders, disables and enables it: install.py
+ARCHIVE FOLDER.
 
-Runs in a process of its own whose Blender user folder is FOLDER/blender and that can import bpy and numpy only. Prints one
-JSON object: what was found.
+Runs in a process of its own whose Blender user folder is FOLDER/blender and that can import bpy and
+numpy only. Prints one JSON object: what was found.
 """
 
 from __future__ import annotations
@@ -22,7 +23,9 @@ def main(archive: str, folder: str) -> dict[str, Any]:
 
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     found: dict[str, Any] = {"before": traces()}
-    result = bpy.ops.extensions.package_install_files(filepath=archive, repo="user_default", enable_on_install=True)
+    result = bpy.ops.extensions.package_install_files(
+        filepath=archive, repo="user_default", enable_on_install=True
+    )
     found["installed"] = sorted(result)
     found["package"] = sys.modules[MODULE].__file__
     found["enabled"] = traces()
@@ -47,7 +50,11 @@ def render(path: str) -> None:
     scene.render.engine = "PHOTON_SPLAT"
     scene.render.resolution_x = scene.render.resolution_y = 64
     scene.render.resolution_percentage = 100
-    scene.photon_splat.passes, scene.photon_splat.time_limit, scene.photon_splat.backend = 2, 0.0, "CPU"
+    scene.photon_splat.passes, scene.photon_splat.time_limit, scene.photon_splat.backend = (
+        2,
+        0.0,
+        "CPU",
+    )
     scene.render.filepath = path + ".exr"
     if hasattr(scene.render.image_settings, "media_type"):
         scene.render.image_settings.media_type = "IMAGE"
@@ -62,23 +69,46 @@ def render(path: str) -> None:
 
 
 def traces() -> list[str]:
-    """What of the extension Blender and this process know: classes, properties, engines of panels, handlers, timers, threads."""
+    """What of the extension Blender and this process know: classes, properties, engines of panels,
+    handlers, timers, threads.
+    """
     import bpy
 
     found = [f"class {name}" for name in dir(bpy.types) if name.startswith(TRACES)]
     for cls in bpy.types.bpy_struct.__subclasses__():
         properties = cls.bl_rna.properties.keys()
-        found += [f"property {cls.__name__}.{name}" for name in properties if name.startswith(TRACES)]
-    for kind in (bpy.types.Panel, bpy.types.Operator, bpy.types.Menu, bpy.types.UIList, bpy.types.PropertyGroup, bpy.types.RenderEngine):
-        found += [f"{kind.__name__} {cls.__name__}" for cls in kind.__subclasses__() if MODULE in cls.__module__ and cls.is_registered]
+        found += [
+            f"property {cls.__name__}.{name}" for name in properties if name.startswith(TRACES)
+        ]
+    for kind in (
+        bpy.types.Panel,
+        bpy.types.Operator,
+        bpy.types.Menu,
+        bpy.types.UIList,
+        bpy.types.PropertyGroup,
+        bpy.types.RenderEngine,
+    ):
+        found += [
+            f"{kind.__name__} {cls.__name__}"
+            for cls in kind.__subclasses__()
+            if MODULE in cls.__module__ and cls.is_registered
+        ]
     for panel in bpy.types.Panel.__subclasses__():
-        if MODULE not in panel.__module__ and "PHOTON_SPLAT" in getattr(panel, "COMPAT_ENGINES", ()):
+        if MODULE not in panel.__module__ and "PHOTON_SPLAT" in getattr(
+            panel, "COMPAT_ENGINES", ()
+        ):
             found.append(f"engine of {panel.__name__}")
     for name in dir(bpy.app.handlers):
         handlers = getattr(bpy.app.handlers, name)
         if isinstance(handlers, list):
-            found += [f"handler {name}" for handler in handlers if MODULE in getattr(handler, "__module__", "")]
-    return found + [f"thread {thread.name}" for thread in threading.enumerate() if "Photon Splat" in thread.name]
+            found += [
+                f"handler {name}"
+                for handler in handlers
+                if MODULE in getattr(handler, "__module__", "")
+            ]
+    return found + [
+        f"thread {thread.name}" for thread in threading.enumerate() if "Photon Splat" in thread.name
+    ]
 
 
 def find(name: str) -> str | None:

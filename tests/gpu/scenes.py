@@ -20,7 +20,13 @@ def room(pixels: int = 48) -> Scene:
 
 
 def floor(pixels: int = 32) -> Scene:
-    """A floor and a wall, one lamp: points of few blocks, most of them dark but for the light between the two."""
+    """A floor and a wall, one lamp: points of few blocks, most of them dark but for the light
+    between the two.
+    """
     wall = c.mesh([(-1, 1, 0), (1, 1, 0), (1, 1, 1), (-1, 1, 1)], [(0, 1, 2, 3)])
     things = [(c.quad(1.0), c.lambert(0.8)), (wall, c.lambert((0.9, 0.2, 0.1)))]
-    return c.scene(c.perspective((0, -2, 1), (0, 0.5, 0.2), pixels, pixels), things, [c.lamp(LightKind.POINT, 30.0, (0, 0, 1.2))])
+    return c.scene(
+        c.perspective((0, -2, 1), (0, 0.5, 0.2), pixels, pixels),
+        things,
+        [c.lamp(LightKind.POINT, 30.0, (0, 0, 1.2))],
+    )

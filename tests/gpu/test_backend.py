@@ -54,7 +54,9 @@ def test_no_context_is_made_without_need(backend: str, monkeypatch: pytest.Monke
 
 @pytest.mark.usefixtures("opengl")
 @pytest.mark.parametrize(("renderer", "backend"), [("llvmpipe", "CPU"), (CARD, "GPU")])
-def test_auto_takes_hardware_only(renderer: str, backend: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_auto_takes_hardware_only(
+    renderer: str, backend: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     real = context.submit(context.graphics).result()
     fake = replace(real, renderer=renderer)
     monkeypatch.setattr(context, "may_have_hardware", lambda: True)
@@ -91,7 +93,11 @@ def no_context(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_no_context() -> None:
     pytest.importorskip("moderngl")
     assert shoot(backend="AUTO")["backend"] == "CPU"
-    with pytest.raises(ValueError, match=r"^the GPU splatter needs OpenGL 3\.3, and no context could be made \(eglInitialize failed"):
+    with pytest.raises(
+        ValueError,
+        match=r"^the GPU splatter needs OpenGL 3\.3, and no context could be made \(eglInitialize "
+        r"failed",
+    ):
         shoot(backend="GPU")
 
 
@@ -100,7 +106,10 @@ def test_no_context() -> None:
 def test_package_not_installed(package: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, package, None)
     assert shoot(backend="AUTO")["backend"] == "CPU"
-    with pytest.raises(ValueError, match=rf"^the GPU splatter needs the Python package {package}, which is not installed$"):
+    with pytest.raises(
+        ValueError,
+        match=rf"^the GPU splatter needs the Python package {package}, which is not installed$",
+    ):
         shoot(backend="GPU")
 
 
@@ -110,15 +119,24 @@ def test_set_up_fails(monkeypatch: pytest.MonkeyPatch) -> None:
     real = context.submit(context.graphics).result()
     monkeypatch.setattr(context, "may_have_hardware", lambda: True)
     monkeypatch.setattr(context, "graphics", lambda: SimpleNamespace(gl=real.gl, hardware=True))
-    monkeypatch.setattr(splatter, "Painter", lambda *_: (_ for _ in ()).throw(RuntimeError("GLSL Compiler failed")))
+    monkeypatch.setattr(
+        splatter, "Painter", lambda *_: (_ for _ in ()).throw(RuntimeError("GLSL Compiler failed"))
+    )
     statistics = shoot(backend="AUTO")
     assert statistics["backend"] == "CPU"
-    assert statistics["warnings"] == ["The GPU splatter could not be set up (GLSL Compiler failed); the CPU splatter has been used."]
-    with pytest.raises(ValueError, match=r"^the GPU splatter could not be set up: GLSL Compiler failed$"):
+    assert statistics["warnings"] == [
+        "The GPU splatter could not be set up (GLSL Compiler failed); the CPU splatter has been "
+        "used."
+    ]
+    with pytest.raises(
+        ValueError, match=r"^the GPU splatter could not be set up: GLSL Compiler failed$"
+    ):
         shoot(backend="GPU")
 
 
 def test_reference_integrator_says_so() -> None:
     statistics = shoot(backend="GPU", integrator=Integrator.REFERENCE)
     assert statistics["backend"] == "CPU"
-    assert statistics["warnings"] == ["The reference integrator has been used: it runs on the CPU only."]
+    assert statistics["warnings"] == [
+        "The reference integrator has been used: it runs on the CPU only."
+    ]

@@ -25,8 +25,12 @@ pytestmark = pytest.mark.usefixtures("opengl")
 SETTINGS = {"passes": 3, "photons_per_pass": 40_000, "seed": 1, "adaptive_samples": False}
 
 
-def fail_at_call(monkeypatch: pytest.MonkeyPatch, method: str, number: int, error: Exception) -> None:
-    """Lets call `number` of a method of the painter do its work and then fail, and all after it fail at once."""
+def fail_at_call(
+    monkeypatch: pytest.MonkeyPatch, method: str, number: int, error: Exception
+) -> None:
+    """Lets call `number` of a method of the painter do its work and then fail, and all after it
+    fail at once.
+    """
     calls = []
     real = getattr(painter.Painter, method)
 
@@ -44,17 +48,30 @@ def fail_at_call(monkeypatch: pytest.MonkeyPatch, method: str, number: int, erro
 
 @pytest.mark.parametrize(
     ("method", "call", "failed_pass"),
-    [("begin", 1, 1), ("begin", 2, 2), ("splat", 1, 1), ("splat", 5, 2), ("sums", 1, 1), ("sums", 3, 3)],
+    [
+        ("begin", 1, 1),
+        ("begin", 2, 2),
+        ("splat", 1, 1),
+        ("splat", 5, 2),
+        ("sums", 1, 1),
+        ("sums", 3, 3),
+    ],
 )
-@pytest.mark.parametrize("error", [moderngl.Error("context lost"), MemoryError(), RuntimeError("OpenGL says GL_OUT_OF_MEMORY")])
-def test_failure_keeps_the_picture(method: str, call: int, failed_pass: int, error: Exception, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(
+    "error",
+    [moderngl.Error("context lost"), MemoryError(), RuntimeError("OpenGL says GL_OUT_OF_MEMORY")],
+)
+def test_failure_keeps_the_picture(
+    method: str, call: int, failed_pass: int, error: Exception, monkeypatch: pytest.MonkeyPatch
+) -> None:
     want = c.picture(scenes.room(16), backend="CPU", **SETTINGS)
     with monkeypatch.context() as patch:
         fail_at_call(patch, method, call, error)
         result = c.shoot(scenes.room(16), backend="GPU", **SETTINGS)
     reason = str(error) or "MemoryError"
     assert result.statistics["warnings"] == [
-        f"The GPU splatter failed in pass {failed_pass} ({reason}); the CPU splatter has done the rest."
+        f"The GPU splatter failed in pass {failed_pass} ({reason}); the CPU splatter has done the "
+        "rest."
     ]
     assert result.statistics["backend"] == "CPU"
     assert result.statistics["passes"] == SETTINGS["passes"]
@@ -68,11 +85,19 @@ def test_a_method_that_fails_keeps_the_picture(monkeypatch: pytest.MonkeyPatch) 
     """Compute shaders that give out while the rule tries them."""
     need_method("gather")
     monkeypatch.setattr(context.submit(context.graphics).result().rule, "_seconds", {})
-    monkeypatch.setattr(methods.Gather, "add", lambda *_: (_ for _ in ()).throw(moderngl.Error("cannot run the shader")))
+    monkeypatch.setattr(
+        methods.Gather,
+        "add",
+        lambda *_: (_ for _ in ()).throw(moderngl.Error("cannot run the shader")),
+    )
     want = c.picture(scenes.room(16), backend="CPU", **SETTINGS)
     result = c.shoot(scenes.room(16), backend="GPU", **SETTINGS)
     (said,) = result.statistics["warnings"]
-    assert re.fullmatch(r"The GPU splatter failed in pass \d \(cannot run the shader\); the CPU splatter has done the rest.", said)
+    assert re.fullmatch(
+        r"The GPU splatter failed in pass \d \(cannot run the shader\); the CPU splatter has done "
+        r"the rest.",
+        said,
+    )
     assert np.abs(result.passes["Combined"][..., :3] - want).max() <= 1e-4 * want.mean()
 
 
@@ -97,7 +122,10 @@ def live_objects() -> dict[str, int]:
     assert library
     gl = ctypes.CDLL(library)
     kinds = ("Texture", "Buffer", "Framebuffer", "VertexArray", "Program", "Shader")
-    return {kind: sum(bool(getattr(gl, f"glIs{kind}")(name) & 0xFF) for name in range(1, 5000)) for kind in kinds}
+    return {
+        kind: sum(bool(getattr(gl, f"glIs{kind}")(name) & 0xFF) for name in range(1, 5000))
+        for kind in kinds
+    }
 
 
 def resident_bytes() -> int:
@@ -111,12 +139,18 @@ def test_fifty_renders_leave_nothing(method: str, monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr(choice, "GpuSplatter", partial(GpuSplatter, method=method))
 
     def once() -> None:
-        statistics = c.shoot(scenes.floor(16), backend="GPU", passes=2, photons_per_pass=2000, fallback=False).statistics
+        statistics = c.shoot(
+            scenes.floor(16), backend="GPU", passes=2, photons_per_pass=2000, fallback=False
+        ).statistics
         assert statistics["gpu"]["methods"][method] >= 2
 
     for _ in range(10):
         once()
-    gl, objects, memory = context.submit(context.graphics).result().gl, context.submit(live_objects).result(), resident_bytes()
+    gl, objects, memory = (
+        context.submit(context.graphics).result().gl,
+        context.submit(live_objects).result(),
+        resident_bytes(),
+    )
     assert objects["Texture"] >= 1, "not even the one that stays has been found"
     for _ in range(50):
         once()
@@ -126,8 +160,13 @@ def test_fifty_renders_leave_nothing(method: str, monkeypatch: pytest.MonkeyPatc
 
 
 def test_cancel_within_a_fifth_of_a_second() -> None:
-    """At several moments: while tracing, drawing, handing over. The best of three, for others use the machine too."""
-    scene, settings = scenes.room(96), RenderSettings(passes=1000, photons_per_pass=1_000_000, radius_scale=3.0, backend="GPU")
+    """At several moments: while tracing, drawing, handing over. The best of three, for others use
+    the machine too.
+    """
+    scene, settings = (
+        scenes.room(96),
+        RenderSettings(passes=1000, photons_per_pass=1_000_000, radius_scale=3.0, backend="GPU"),
+    )
 
     def seconds_to_cancel(after: float) -> float:
         began = time.monotonic()
@@ -151,7 +190,12 @@ def test_cancel_within_a_fifth_of_a_second() -> None:
 def test_renders_from_several_threads() -> None:
     want = c.picture(scenes.floor(16), backend="GPU", **SETTINGS)
     got: list[np.ndarray] = []
-    threads = [threading.Thread(target=lambda: got.append(c.picture(scenes.floor(16), backend="GPU", **SETTINGS))) for _ in range(3)]
+    threads = [
+        threading.Thread(
+            target=lambda: got.append(c.picture(scenes.floor(16), backend="GPU", **SETTINGS))
+        )
+        for _ in range(3)
+    ]
     for thread in threads:
         thread.start()
     for thread in threads:
@@ -162,7 +206,11 @@ def test_renders_from_several_threads() -> None:
 
 def test_a_context_of_the_callers_stays_current() -> None:
     """As Blender has one on its own thread."""
-    if not context.submit(lambda: context.graphics().gl.info["GL_RENDERER"]).result().startswith("llvmpipe"):
+    if (
+        not context.submit(lambda: context.graphics().gl.info["GL_RENDERER"])
+        .result()
+        .startswith("llvmpipe")
+    ):
         pytest.skip("two contexts on one thread are tried with llvmpipe only")
     own = moderngl.create_context(standalone=True, backend="egl")
     frame = own.framebuffer([own.texture((2, 2), 4)])

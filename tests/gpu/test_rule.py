@@ -1,4 +1,6 @@
-"""The rule that chooses between the ways to splat, with made-up timings, and what it leaves in the statistics."""
+"""The rule that chooses between the ways to splat, with made-up timings, and what it leaves in the
+statistics.
+"""
 
 from __future__ import annotations
 
@@ -33,10 +35,15 @@ def test_each_kind_has_a_choice_of_its_own() -> None:
     few, many = {"quads": 1.0, "gather": 2.0}, {"quads": 2.0, "gather": 1.0}
     for kind, seconds, faster in ((FEW, few, "quads"), (MANY, many, "gather")):
         taken = splat(rule, kind, seconds, 20)
-        assert {name: taken[: 2 * TRIALS].count(name) for name in BOTH} == {"quads": TRIALS, "gather": TRIALS}
+        assert {name: taken[: 2 * TRIALS].count(name) for name in BOTH} == {
+            "quads": TRIALS,
+            "gather": TRIALS,
+        }
         assert set(taken[2 * TRIALS :]) == {faster}
     assert rule.choices() == {"quads": 1, "gather": 1}
-    assert rule.choose(FEW, BOTH) == "quads", "what was learnt last has not changed what was learnt first"
+    assert rule.choose(FEW, BOTH) == "quads", (
+        "what was learnt last has not changed what was learnt first"
+    )
 
 
 def test_one_slow_batch_does_not_decide() -> None:
@@ -70,7 +77,10 @@ def test_kinds() -> None:
 
 
 def test_merged_runs() -> None:
-    runs = np.array([(3, 0, 128), (3, 128, 128), (3, 256, 7), (5, 263, 1), (6, 264, 128), (6, 392, 2)], np.uint32)
+    runs = np.array(
+        [(3, 0, 128), (3, 128, 128), (3, 256, 7), (5, 263, 1), (6, 264, 128), (6, 392, 2)],
+        np.uint32,
+    )
     assert np.array_equal(merged(runs), [(3, 0, 263), (5, 263, 1), (6, 264, 130)])
     assert np.array_equal(merged(runs[1:2]), runs[1:2])
     assert np.array_equal(merged(np.array([(0, 0, 4)], np.uint32)), [(0, 0, 4)])
@@ -82,10 +92,18 @@ def test_a_render_keeps_to_the_faster(faster: str, monkeypatch: pytest.MonkeyPat
     need_method("gather")
     rule = Rule()
     record = rule.record
-    monkeypatch.setattr(rule, "record", lambda kind, name, pairs, _: record(kind, name, pairs, pairs * (1.0 if name == faster else 2.0)))
+    monkeypatch.setattr(
+        rule,
+        "record",
+        lambda kind, name, pairs, _: record(
+            kind, name, pairs, pairs * (1.0 if name == faster else 2.0)
+        ),
+    )
     graphics = replace(context.submit(context.graphics).result(), rule=rule)
     monkeypatch.setattr(context, "graphics", lambda: graphics)
-    gpu = c.shoot(scenes.room(16), backend="GPU", passes=8, photons_per_pass=50_000, adaptive_samples=False).statistics["gpu"]
+    gpu = c.shoot(
+        scenes.room(16), backend="GPU", passes=8, photons_per_pass=50_000, adaptive_samples=False
+    ).statistics["gpu"]
     used = gpu["methods"]
     assert sum(used.values()) == gpu["batches"] > 25
     assert used[faster] > 2 * min(used.values()) > 0

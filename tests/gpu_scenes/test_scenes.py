@@ -11,7 +11,9 @@ from photon_splat.export import export_scene
 
 from tests.opengl import compare, need_opengl
 
-SCENES = sorted(path for path in (Path(__file__).resolve().parents[2] / "blend_scenes").glob("*.blend"))
+SCENES = sorted(
+    path for path in (Path(__file__).resolve().parents[2] / "blend_scenes").glob("*.blend")
+)
 
 
 @pytest.fixture(scope="module", autouse=True)

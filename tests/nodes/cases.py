@@ -1,7 +1,9 @@
-"""Node trees whose output Photon Splat and Cycles must agree on: one small tree per case, made by script.
+"""Node trees whose output Photon Splat and Cycles must agree on: one small tree per case, made by
+script.
 
-Most inputs are swept over the cell: sources "x" and "y" run from -2 to 2 across it, "u" and "v" from 0 to 1, "uv" is the UV
-coordinate, "p" the vector (x, y, x - y), "c" the colour (u, v, 1 - u), "s" and "t" are p and y in steps, "h" is about v.
+Most inputs are swept over the cell: sources "x" and "y" run from -2 to 2 across it, "u" and "v"
+from 0 to 1, "uv" is the UV coordinate, "p" the vector (x, y, x - y), "c" the colour (u, v, 1 - u),
+"s" and "t" are p and y in steps, "h" is about v.
 """
 
 from __future__ import annotations
@@ -15,7 +17,9 @@ Setup = Callable[[Any], None]
 
 @dataclass
 class Case:
-    """One tree: `node` with properties and inputs (numbers, tuples, or names of sources), read at `output`."""
+    """One tree: `node` with properties and inputs (numbers, tuples, or names of sources), read at
+    `output`.
+    """
 
     name: str
     node: str
@@ -106,7 +110,9 @@ class Sources:
         return node.outputs[0]
 
     def _p(self) -> Any:
-        return self._combined(self.get("x"), self.get("y"), self._math("SUBTRACT", self.get("x"), self.get("y")))
+        return self._combined(
+            self.get("x"), self.get("y"), self._math("SUBTRACT", self.get("x"), self.get("y"))
+        )
 
     def _s(self) -> Any:
         node = self.tree.nodes.new("ShaderNodeVectorMath")
@@ -122,10 +128,14 @@ class Sources:
         return self._combined(self.get("y"), self.get("v"), self.get("x"))
 
     def _c(self) -> Any:
-        return self._combined(self.get("u"), self.get("v"), self._math("SUBTRACT", 1.0, self.get("u")))
+        return self._combined(
+            self.get("u"), self.get("v"), self._math("SUBTRACT", 1.0, self.get("u"))
+        )
 
     def _d(self) -> Any:
-        return self._combined(self.get("v"), self._math("MULTIPLY", self.get("u"), self.get("v")), self.get("u"))
+        return self._combined(
+            self.get("v"), self._math("MULTIPLY", self.get("u"), self.get("v")), self.get("u")
+        )
 
 
 def enum(node: str, name: str) -> list[str]:
@@ -133,7 +143,11 @@ def enum(node: str, name: str) -> list[str]:
     import bpy
 
     kind = getattr(bpy.types, node, None)
-    return [item.identifier for item in kind.bl_rna.properties[name].enum_items] if kind is not None else []
+    return (
+        [item.identifier for item in kind.bl_rna.properties[name].enum_items]
+        if kind is not None
+        else []
+    )
 
 
 def exists(node: str) -> bool:
@@ -154,7 +168,11 @@ def all_cases() -> list[Case]:
     return found
 
 
-def swept(name: str, node: str, output: str, sweeps: list[dict[str, Any]], **common: Any) -> Iterator[Case]:
+def swept(
+    name: str, node: str, output: str, sweeps: list[dict[str, Any]], **common: Any
+) -> Iterator[Case]:
     """A case per set of inputs."""
     for k, inputs in enumerate(sweeps):
-        yield Case(f"{name} {k}" if len(sweeps) > 1 else name, node, output, inputs=inputs, **common)
+        yield Case(
+            f"{name} {k}" if len(sweeps) > 1 else name, node, output, inputs=inputs, **common
+        )

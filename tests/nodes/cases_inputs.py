@@ -1,4 +1,6 @@
-"""Cases of what a hit knows, of normals and tangents, and of the ways in which trees are put together."""
+"""Cases of what a hit knows, of normals and tangents, and of the ways in which trees are put
+together.
+"""
 
 from __future__ import annotations
 
@@ -15,49 +17,156 @@ def cases() -> list[Case]:
     return [*_hits(), *_attributes(), *_normals(), *_trees(), *_conversions()]
 
 
-def _outputs(node: str, outputs: tuple[str, ...], things: tuple[str, ...] = THINGS, **given: Any) -> list[Case]:
+def _outputs(
+    node: str, outputs: tuple[str, ...], things: tuple[str, ...] = THINGS, **given: Any
+) -> list[Case]:
     name = node.removeprefix("ShaderNode")
-    return [Case(f"{name} {output} {thing}", node, output, thing=thing, **given) for output in outputs for thing in things]
+    return [
+        Case(f"{name} {output} {thing}", node, output, thing=thing, **given)
+        for output in outputs
+        for thing in things
+    ]
 
 
 def _hits() -> list[Case]:
-    found = _outputs("ShaderNodeTexCoord", ("Generated", "Normal", "UV", "Object", "Camera", "Window", "Reflection"))
+    found = _outputs(
+        "ShaderNodeTexCoord",
+        ("Generated", "Normal", "UV", "Object", "Camera", "Window", "Reflection"),
+    )
     found += _outputs(
         "ShaderNodeNewGeometry",
-        ("Position", "Normal", "Tangent", "True Normal", "Incoming", "Parametric", "Backfacing", "Random Per Island"),
+        (
+            "Position",
+            "Normal",
+            "Tangent",
+            "True Normal",
+            "Incoming",
+            "Parametric",
+            "Backfacing",
+            "Random Per Island",
+        ),
     )
     found += _outputs("ShaderNodeNewGeometry", ("Pointiness",), (*THINGS, "bumps"))
-    found += _outputs("ShaderNodeObjectInfo", ("Location", "Color", "Alpha", "Object Index", "Material Index", "Random"))
+    found += _outputs(
+        "ShaderNodeObjectInfo",
+        ("Location", "Color", "Alpha", "Object Index", "Material Index", "Random"),
+    )
     found += _outputs("ShaderNodeCameraData", ("View Vector", "View Z Depth", "View Distance"))
-    path = ("Is Camera Ray", "Is Shadow Ray", "Is Diffuse Ray", "Is Glossy Ray", "Is Singular Ray", "Is Reflection Ray")
-    path += ("Is Transmission Ray", "Is Volume Scatter Ray", "Ray Depth", "Diffuse Depth", "Glossy Depth", "Transparent Depth")
+    path = (
+        "Is Camera Ray",
+        "Is Shadow Ray",
+        "Is Diffuse Ray",
+        "Is Glossy Ray",
+        "Is Singular Ray",
+        "Is Reflection Ray",
+    )
+    path += (
+        "Is Transmission Ray",
+        "Is Volume Scatter Ray",
+        "Ray Depth",
+        "Diffuse Depth",
+        "Glossy Depth",
+        "Transparent Depth",
+    )
     found += _outputs("ShaderNodeLightPath", (*path, "Transmission Depth"), ("plane",))
-    found += _outputs("ShaderNodeHairInfo", ("Is Strand", "Intercept", "Length", "Random"), ("plane",))
-    found += _outputs("ShaderNodeParticleInfo", ("Index", "Random", "Age", "Location", "Size", "Velocity"), ("plane",))
+    found += _outputs(
+        "ShaderNodeHairInfo", ("Is Strand", "Intercept", "Length", "Random"), ("plane",)
+    )
+    found += _outputs(
+        "ShaderNodeParticleInfo",
+        ("Index", "Random", "Age", "Location", "Size", "Velocity"),
+        ("plane",),
+    )
     for thing in THINGS:
-        found.append(Case(f"uv map {thing}", "ShaderNodeUVMap", "UV", {"uv_map": "Second"}, thing=thing))
-        found.append(Case(f"uv map first {thing}", "ShaderNodeUVMap", "UV", {"uv_map": "First"}, thing=thing))
-        found.append(Case(f"uv map absent {thing}", "ShaderNodeUVMap", "UV", {"uv_map": "No such"}, thing=thing))
+        found.append(
+            Case(f"uv map {thing}", "ShaderNodeUVMap", "UV", {"uv_map": "Second"}, thing=thing)
+        )
+        found.append(
+            Case(f"uv map first {thing}", "ShaderNodeUVMap", "UV", {"uv_map": "First"}, thing=thing)
+        )
+        found.append(
+            Case(
+                f"uv map absent {thing}",
+                "ShaderNodeUVMap",
+                "UV",
+                {"uv_map": "No such"},
+                thing=thing,
+            )
+        )
         for k, blend in enumerate((0.5, 0.2, 0.8, "u")):
             for output in ("Fresnel", "Facing"):
                 found.append(
-                    Case(f"layer weight {output} {k} {thing}", "ShaderNodeLayerWeight", output, inputs={"Blend": blend}, thing=thing)
+                    Case(
+                        f"layer weight {output} {k} {thing}",
+                        "ShaderNodeLayerWeight",
+                        output,
+                        inputs={"Blend": blend},
+                        thing=thing,
+                    )
                 )
         for k, ior in enumerate((1.5, 0.7, "y")):
-            found.append(Case(f"fresnel {k} {thing}", "ShaderNodeFresnel", "Fac", inputs={"IOR": ior}, thing=thing))
+            found.append(
+                Case(
+                    f"fresnel {k} {thing}",
+                    "ShaderNodeFresnel",
+                    "Fac",
+                    inputs={"IOR": ior},
+                    thing=thing,
+                )
+            )
         for axis in "XYZ" if thing == "sphere" else "Z":  # around X and Y a plane has no direction
             properties = {"direction_type": "RADIAL", "axis": axis}
-            found.append(Case(f"tangent {axis} {thing}", "ShaderNodeTangent", "Tangent", properties, thing=thing))
+            found.append(
+                Case(
+                    f"tangent {axis} {thing}",
+                    "ShaderNodeTangent",
+                    "Tangent",
+                    properties,
+                    thing=thing,
+                )
+            )
         for uv_map in ("", "Second"):
             properties = {"direction_type": "UV_MAP", "uv_map": uv_map}
-            found.append(Case(f"tangent uv {uv_map} {thing}", "ShaderNodeTangent", "Tangent", properties, thing=thing))
-        found.append(Case(f"wireframe {thing}", "ShaderNodeWireframe", "Fac", inputs={"Size": 0.05}, thing=thing))
-    found.append(Case("wireframe pixels", "ShaderNodeWireframe", "Fac", {"use_pixel_size": True}, {"Size": 3.0}))
+            found.append(
+                Case(
+                    f"tangent uv {uv_map} {thing}",
+                    "ShaderNodeTangent",
+                    "Tangent",
+                    properties,
+                    thing=thing,
+                )
+            )
+        found.append(
+            Case(
+                f"wireframe {thing}",
+                "ShaderNodeWireframe",
+                "Fac",
+                inputs={"Size": 0.05},
+                thing=thing,
+            )
+        )
+    found.append(
+        Case(
+            "wireframe pixels",
+            "ShaderNodeWireframe",
+            "Fac",
+            {"use_pixel_size": True},
+            {"Size": 3.0},
+        )
+    )
     normal = {"Normal": "p"}
     found.append(Case("fresnel of a normal", "ShaderNodeFresnel", "Fac", inputs=normal))
     found.append(Case("layer weight of a normal", "ShaderNodeLayerWeight", "Facing", inputs=normal))
     for output in ("Normal", "Dot"):
-        found.append(Case(f"normal node {output}", "ShaderNodeNormal", output, inputs={"Normal": "p"}, setup=_turn))
+        found.append(
+            Case(
+                f"normal node {output}",
+                "ShaderNodeNormal",
+                output,
+                inputs={"Normal": "p"},
+                setup=_turn,
+            )
+        )
     return found
 
 
@@ -67,16 +176,48 @@ def _turn(node: Any) -> None:
 
 def _attributes() -> list[Case]:
     found = []
-    for name in ("Number", "Where", "Whole", "Flag", "Pair", "Edge", "Bytes", "Floats", "First", "No such", "position"):
+    for name in (
+        "Number",
+        "Where",
+        "Whole",
+        "Flag",
+        "Pair",
+        "Edge",
+        "Bytes",
+        "Floats",
+        "First",
+        "No such",
+        "position",
+    ):
         outputs: tuple[str, ...] = ("Color", "Vector", "Fac", "Alpha")
-        found += [Case(f"attribute {name} {o}", "ShaderNodeAttribute", o, {"attribute_name": name}) for o in outputs]
+        found += [
+            Case(f"attribute {name} {o}", "ShaderNodeAttribute", o, {"attribute_name": name})
+            for o in outputs
+        ]
     for name in ("Bytes", "Floats", ""):
         outputs = ("Color", "Alpha")
-        found += [Case(f"color attribute {name} {o}", "ShaderNodeVertexColor", o, {"layer_name": name}, thing="sphere") for o in outputs]
-    for kind, name in (("OBJECT", "own"), ("OBJECT", "own_vector"), ("OBJECT", "color"), ("OBJECT", "missing"), ("INSTANCER", "own")):
+        found += [
+            Case(
+                f"color attribute {name} {o}",
+                "ShaderNodeVertexColor",
+                o,
+                {"layer_name": name},
+                thing="sphere",
+            )
+            for o in outputs
+        ]
+    for kind, name in (
+        ("OBJECT", "own"),
+        ("OBJECT", "own_vector"),
+        ("OBJECT", "color"),
+        ("OBJECT", "missing"),
+        ("INSTANCER", "own"),
+    ):
         for output in ("Color", "Fac", "Alpha"):
             properties = {"attribute_type": kind, "attribute_name": name}
-            found.append(Case(f"attribute {kind} {name} {output}", "ShaderNodeAttribute", output, properties))
+            found.append(
+                Case(f"attribute {kind} {name} {output}", "ShaderNodeAttribute", output, properties)
+            )
     properties = {"attribute_type": "VIEW_LAYER", "attribute_name": "frame_current"}
     found.append(Case("attribute of the view layer", "ShaderNodeAttribute", "Fac", properties))
     return found
@@ -87,18 +228,54 @@ def _normals() -> list[Case]:
     for space in enum("ShaderNodeNormalMap", "space"):
         for thing in THINGS:
             for k, strength in enumerate((1.0, 0.4, 2.0)):
-                properties = {"space": space, "uv_map": "Second" if k == 1 and space == "TANGENT" else ""}
+                properties = {
+                    "space": space,
+                    "uv_map": "Second" if k == 1 and space == "TANGENT" else "",
+                }
                 inputs: dict[str, Any] = {"Color": "c", "Strength": strength}
-                found.append(Case(f"normal map {space} {thing} {k}", "ShaderNodeNormalMap", "Normal", properties, inputs, thing=thing))
-    for convention in enum("ShaderNodeNormalMap", "convention") if "convention" in _properties("ShaderNodeNormalMap") else []:
+                found.append(
+                    Case(
+                        f"normal map {space} {thing} {k}",
+                        "ShaderNodeNormalMap",
+                        "Normal",
+                        properties,
+                        inputs,
+                        thing=thing,
+                    )
+                )
+    for convention in (
+        enum("ShaderNodeNormalMap", "convention")
+        if "convention" in _properties("ShaderNodeNormalMap")
+        else []
+    ):
         properties = {"convention": convention}
-        found.append(Case(f"normal map {convention}", "ShaderNodeNormalMap", "Normal", properties, {"Color": "c"}, thing="sphere"))
+        found.append(
+            Case(
+                f"normal map {convention}",
+                "ShaderNodeNormalMap",
+                "Normal",
+                properties,
+                {"Color": "c"},
+                thing="sphere",
+            )
+        )
     for thing in THINGS:
         for invert in (False, True):
             inputs = {"Strength": 0.7, "Distance": 0.3, "Height": "waves"}
-            found.append(Case(f"bump {thing} {invert}", "", "", thing=thing, build=_bump(invert, **inputs)))
+            found.append(
+                Case(f"bump {thing} {invert}", "", "", thing=thing, build=_bump(invert, **inputs))
+            )
         found.append(Case(f"bump twice {thing}", "", "", thing=thing, build=_bump_twice))
-        found.append(Case(f"bump of noise {thing}", "", "", thing=thing, build=_bump(False, Height="noise", Distance=0.1), noise=True))
+        found.append(
+            Case(
+                f"bump of noise {thing}",
+                "",
+                "",
+                thing=thing,
+                build=_bump(False, Height="noise", Distance=0.1),
+                noise=True,
+            )
+        )
         found.append(Case(f"bump without height {thing}", "", "", thing=thing, build=_bump(False)))
     return found
 
@@ -129,7 +306,9 @@ def _bump(invert: bool, **inputs: Any) -> Callable[[Any], Any]:
         bump.invert = invert
         for name, value in inputs.items():
             if isinstance(value, str):
-                tree.links.new(_waves(tree) if value == "waves" else _noise(tree), input_of(bump, name))
+                tree.links.new(
+                    _waves(tree) if value == "waves" else _noise(tree), input_of(bump, name)
+                )
             else:
                 input_of(bump, name).default_value = value
         return bump.outputs[0]
@@ -138,7 +317,9 @@ def _bump(invert: bool, **inputs: Any) -> Callable[[Any], Any]:
 
 
 def _bump_twice(tree: Any) -> Any:
-    first, second = (_bump(False, Height=height, Distance=0.2)(tree) for height in ("waves", "noise"))
+    first, second = (
+        _bump(False, Height=height, Distance=0.2)(tree) for height in ("waves", "noise")
+    )
     tree.links.new(first, input_of(second.node, "Normal"))
     return second
 
@@ -158,7 +339,10 @@ def _group(depth: int) -> Callable[[Any], Any]:
             group.interface.new_socket("Tone", in_out="INPUT", socket_type="NodeSocketColor")
             group.interface.new_socket("More", in_out="INPUT", socket_type="NodeSocketVector")
             group.interface.new_socket("Result", in_out="OUTPUT", socket_type="NodeSocketVector")
-            start, sum_of, ending = (group.nodes.new(kind) for kind in ("NodeGroupInput", "ShaderNodeVectorMath", "NodeGroupOutput"))
+            start, sum_of, ending = (
+                group.nodes.new(kind)
+                for kind in ("NodeGroupInput", "ShaderNodeVectorMath", "NodeGroupOutput")
+            )
             value = start.outputs[0]
             if inner is not None:
                 used = group.nodes.new("ShaderNodeGroup")
@@ -194,7 +378,9 @@ def _number_group(tree: Any) -> Any:
     mixed.data_type = "RGBA"
     tree.links.new(Sources(tree).get("p"), input_of(mixed, "A_Color"))
     input_of(mixed, "Factor_Float").default_value = 0.0
-    tree.links.new(next(s for s in mixed.outputs if s.identifier == "Result_Color"), outer.inputs[0])
+    tree.links.new(
+        next(s for s in mixed.outputs if s.identifier == "Result_Color"), outer.inputs[0]
+    )
     return outer.outputs[0]
 
 
@@ -250,7 +436,9 @@ def _whole_group(tree: Any) -> Any:
     group.interface.new_socket("Count", in_out="INPUT", socket_type="NodeSocketInt")
     group.interface.new_socket("Switch", in_out="INPUT", socket_type="NodeSocketBool")
     group.interface.new_socket("Result", in_out="OUTPUT", socket_type="NodeSocketFloat")
-    start, ending, sum_of = (group.nodes.new(kind) for kind in ("NodeGroupInput", "NodeGroupOutput", "ShaderNodeMath"))
+    start, ending, sum_of = (
+        group.nodes.new(kind) for kind in ("NodeGroupInput", "NodeGroupOutput", "ShaderNodeMath")
+    )
     for k in range(2):
         group.links.new(start.outputs[k], sum_of.inputs[k])
     group.links.new(sum_of.outputs[0], ending.inputs[0])
@@ -276,7 +464,11 @@ def _texture_mapping(kind: str) -> Callable[[Any], Any]:
         image.image = picture("opaque", alpha=False)
         mapping = image.texture_mapping
         mapping.vector_type = kind
-        mapping.translation, mapping.rotation, mapping.scale = (0.1, 0.2, 0.3), (0.1, 0.2, 0.5), (1.5, 0.8, 2.0)
+        mapping.translation, mapping.rotation, mapping.scale = (
+            (0.1, 0.2, 0.3),
+            (0.1, 0.2, 0.5),
+            (1.5, 0.8, 2.0),
+        )
         mapping.mapping_x, mapping.mapping_y = "Y", "X"
         tree.links.new(Sources(tree).get("p"), image.inputs[0])
         return image.outputs[0]
@@ -299,8 +491,15 @@ def _object_coordinates(tree: Any) -> Any:
 
 
 def _trees() -> list[Case]:
-    made: dict[str, Callable[[Any], Any]] = {f"{depth} groups": _group(depth) for depth in (1, 2, 8)}
-    made |= {"number group": _number_group, "muted": _muted(True), "muted unlinked": _muted(False), "muted link": _muted_link}
+    made: dict[str, Callable[[Any], Any]] = {
+        f"{depth} groups": _group(depth) for depth in (1, 2, 8)
+    }
+    made |= {
+        "number group": _number_group,
+        "muted": _muted(True),
+        "muted unlinked": _muted(False),
+        "muted link": _muted_link,
+    }
     made |= {
         "muted without way": _muted_without_way,
         "reroutes": _reroutes,
@@ -308,7 +507,10 @@ def _trees() -> list[Case]:
         "object coordinates": _object_coordinates,
     }
     made |= {"muted group": _muted_group, "whole group": _whole_group}
-    made |= {f"texture mapping {kind}": _texture_mapping(kind) for kind in ("POINT", "TEXTURE", "VECTOR", "NORMAL")}
+    made |= {
+        f"texture mapping {kind}": _texture_mapping(kind)
+        for kind in ("POINT", "TEXTURE", "VECTOR", "NORMAL")
+    }
     return [Case(name, "", "", build=build) for name, build in made.items()]
 
 
@@ -317,7 +519,11 @@ def _conversions() -> list[Case]:
 
     def build(source: str, target: str) -> Callable[[Any], Any]:
         def made(tree: Any) -> Any:
-            node = {"float": "ShaderNodeMath", "vector": "ShaderNodeVectorMath", "color": "ShaderNodeGamma"}[target]
+            node = {
+                "float": "ShaderNodeMath",
+                "vector": "ShaderNodeVectorMath",
+                "color": "ShaderNodeGamma",
+            }[target]
             used = tree.nodes.new(node)
             values = {"float": "x", "vector": "p"}
             if source == "color":
@@ -332,4 +538,8 @@ def _conversions() -> list[Case]:
         return made
 
     kinds = ("float", "vector", "color")
-    return [Case(f"{source} to {target}", "", "", build=build(source, target)) for source in kinds for target in kinds]
+    return [
+        Case(f"{source} to {target}", "", "", build=build(source, target))
+        for source in kinds
+        for target in kinds
+    ]

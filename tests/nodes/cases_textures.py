@@ -12,7 +12,10 @@ from tests.nodes.cases import Case, Sources, enum, exists
 
 def cases() -> list[Case]:
     found = [*_noises(), *_voronois(), *_waves(), *_patterns(), *_images(), *_environments()]
-    found += [Case(f"image tiles {thing}", "ShaderNodeTexImage", "Color", build=_tiled, thing=thing) for thing in ("plane", "sphere")]
+    found += [
+        Case(f"image tiles {thing}", "ShaderNodeTexImage", "Color", build=_tiled, thing=thing)
+        for thing in ("plane", "sphere")
+    ]
     return found + (_gabors() if exists("ShaderNodeTexGabor") else [])
 
 
@@ -20,12 +23,39 @@ def _noises() -> list[Case]:
     found = []
     for dimensions in ("1D", "2D", "3D", "4D"):
         for kind in enum("ShaderNodeTexNoise", "noise_type"):
-            inputs = {"Vector": "p", "W": "y", "Scale": 1.7, "Detail": 2.4, "Roughness": 0.6, "Lacunarity": 2.1, "Offset": 0.6, "Gain": 1.4}
+            inputs = {
+                "Vector": "p",
+                "W": "y",
+                "Scale": 1.7,
+                "Detail": 2.4,
+                "Roughness": 0.6,
+                "Lacunarity": 2.1,
+                "Offset": 0.6,
+                "Gain": 1.4,
+            }
             properties = {"noise_dimensions": dimensions, "noise_type": kind}
-            found.append(Case(f"noise {dimensions} {kind}", "ShaderNodeTexNoise", "Fac", properties, inputs, noise=True))
+            found.append(
+                Case(
+                    f"noise {dimensions} {kind}",
+                    "ShaderNodeTexNoise",
+                    "Fac",
+                    properties,
+                    inputs,
+                    noise=True,
+                )
+            )
         inputs = {"Vector": "p", "W": "x", "Scale": 1.3, "Detail": 3.0, "Distortion": 0.8}
         properties = {"noise_dimensions": dimensions, "normalize": False}
-        found.append(Case(f"noise {dimensions} color", "ShaderNodeTexNoise", "Color", properties, inputs, noise=True))
+        found.append(
+            Case(
+                f"noise {dimensions} color",
+                "ShaderNodeTexNoise",
+                "Color",
+                properties,
+                inputs,
+                noise=True,
+            )
+        )
     sweeps: list[dict[str, Any]] = [
         {"Detail": 0.0},
         {"Detail": "u", "Roughness": "v"},
@@ -36,8 +66,25 @@ def _noises() -> list[Case]:
         {"Distortion": "x"},
     ]
     for k, inputs in enumerate(sweeps):
-        found.append(Case(f"noise sweep {k}", "ShaderNodeTexNoise", "Fac", inputs={"Vector": "p", "Scale": 1.5} | inputs, noise=True))
-    found.append(Case("noise on a sphere", "ShaderNodeTexNoise", "Color", inputs={"Scale": 3.0}, thing="sphere", noise=True))
+        found.append(
+            Case(
+                f"noise sweep {k}",
+                "ShaderNodeTexNoise",
+                "Fac",
+                inputs={"Vector": "p", "Scale": 1.5} | inputs,
+                noise=True,
+            )
+        )
+    found.append(
+        Case(
+            "noise on a sphere",
+            "ShaderNodeTexNoise",
+            "Color",
+            inputs={"Scale": 3.0},
+            thing="sphere",
+            noise=True,
+        )
+    )
     for dimensions in ("1D", "2D", "3D", "4D"):
         inputs = {"Vector": "s", "W": "t"}
         found += [
@@ -58,25 +105,86 @@ def _noises() -> list[Case]:
 def _voronois() -> list[Case]:
     found = []
     node = "ShaderNodeTexVoronoi"
-    base = {"Vector": "p", "W": "y", "Scale": 1.6, "Randomness": 0.9, "Smoothness": 0.5, "Exponent": 1.5}
+    base = {
+        "Vector": "p",
+        "W": "y",
+        "Scale": 1.6,
+        "Randomness": 0.9,
+        "Smoothness": 0.5,
+        "Exponent": 1.5,
+    }
     for dimensions in ("1D", "2D", "3D", "4D"):
         for feature in enum(node, "feature"):
-            metrics = ("EUCLIDEAN",) if feature in {"DISTANCE_TO_EDGE", "N_SPHERE_RADIUS"} else tuple(enum(node, "distance"))
+            metrics = (
+                ("EUCLIDEAN",)
+                if feature in {"DISTANCE_TO_EDGE", "N_SPHERE_RADIUS"}
+                else tuple(enum(node, "distance"))
+            )
             for metric in metrics if dimensions in {"2D", "3D"} else metrics[:1]:
-                properties = {"voronoi_dimensions": dimensions, "feature": feature, "distance": metric}
+                properties = {
+                    "voronoi_dimensions": dimensions,
+                    "feature": feature,
+                    "distance": metric,
+                }
                 output = "Radius" if feature == "N_SPHERE_RADIUS" else "Distance"
-                found.append(Case(f"voronoi {dimensions} {feature} {metric}", node, output, properties, base, noise=True))
+                found.append(
+                    Case(
+                        f"voronoi {dimensions} {feature} {metric}",
+                        node,
+                        output,
+                        properties,
+                        base,
+                        noise=True,
+                    )
+                )
             if feature in {"F1", "F2", "SMOOTH_F1"}:
                 properties = {"voronoi_dimensions": dimensions, "feature": feature}
-                outputs = ["Color"] + (["Position"] if dimensions != "1D" else []) + (["W"] if dimensions in {"1D", "4D"} else [])
-                found += [Case(f"voronoi {dimensions} {feature} {o}", node, o, properties, base, noise=True) for o in outputs]
-            if feature not in {"DISTANCE_TO_EDGE", "N_SPHERE_RADIUS"} or (feature == "DISTANCE_TO_EDGE"):
-                properties = {"voronoi_dimensions": dimensions, "feature": feature, "normalize": True}
+                outputs = (
+                    ["Color"]
+                    + (["Position"] if dimensions != "1D" else [])
+                    + (["W"] if dimensions in {"1D", "4D"} else [])
+                )
+                found += [
+                    Case(
+                        f"voronoi {dimensions} {feature} {o}", node, o, properties, base, noise=True
+                    )
+                    for o in outputs
+                ]
+            if feature not in {"DISTANCE_TO_EDGE", "N_SPHERE_RADIUS"} or (
+                feature == "DISTANCE_TO_EDGE"
+            ):
+                properties = {
+                    "voronoi_dimensions": dimensions,
+                    "feature": feature,
+                    "normalize": True,
+                }
                 inputs = base | {"Detail": 2.5, "Roughness": 0.4, "Lacunarity": 2.2}
-                found.append(Case(f"voronoi {dimensions} {feature} fractal", node, "Distance", properties, inputs, noise=True))
-    for k, inputs in enumerate(({"Randomness": "u"}, {"Smoothness": "v"}, {"Exponent": "y"}, {"Randomness": 0.0}, {"Scale": "x"})):
-        properties = {"feature": "SMOOTH_F1" if k == 1 else "F1", "distance": "MINKOWSKI" if k == 2 else "EUCLIDEAN"}
-        found.append(Case(f"voronoi sweep {k}", node, "Distance", properties, base | inputs, noise=True))
+                found.append(
+                    Case(
+                        f"voronoi {dimensions} {feature} fractal",
+                        node,
+                        "Distance",
+                        properties,
+                        inputs,
+                        noise=True,
+                    )
+                )
+    for k, inputs in enumerate(
+        (
+            {"Randomness": "u"},
+            {"Smoothness": "v"},
+            {"Exponent": "y"},
+            {"Randomness": 0.0},
+            {"Scale": "x"},
+        )
+    ):
+        properties = {
+            "feature": "SMOOTH_F1" if k == 1 else "F1",
+            "distance": "MINKOWSKI" if k == 2 else "EUCLIDEAN",
+        }
+        found.append(
+            Case(f"voronoi sweep {k}", node, "Distance", properties, base | inputs, noise=True)
+        )
     return found
 
 
@@ -88,47 +196,141 @@ def _waves() -> list[Case]:
             for direction in enum(node, name):
                 properties = {"wave_type": kind, name: direction, "wave_profile": profile}
                 inputs = {"Vector": "p", "Scale": 1.3, "Phase Offset": 0.7}
-                found.append(Case(f"wave {profile} {kind} {direction}", node, "Fac", properties, inputs))
-    inputs = {"Vector": "p", "Distortion": 2.0, "Detail": 2.5, "Detail Scale": 1.5, "Detail Roughness": 0.6}
+                found.append(
+                    Case(f"wave {profile} {kind} {direction}", node, "Fac", properties, inputs)
+                )
+    inputs = {
+        "Vector": "p",
+        "Distortion": 2.0,
+        "Detail": 2.5,
+        "Detail Scale": 1.5,
+        "Detail Roughness": 0.6,
+    }
     found.append(Case("wave distorted", node, "Color", inputs=inputs | {"Scale": 1.0}, noise=True))
-    found.append(Case("wave swept", node, "Color", inputs=inputs | {"Scale": "u", "Phase Offset": "y"}, noise=True))
+    found.append(
+        Case(
+            "wave swept",
+            node,
+            "Color",
+            inputs=inputs | {"Scale": "u", "Phase Offset": "y"},
+            noise=True,
+        )
+    )
     return found
 
 
 def _patterns() -> list[Case]:
     kinds = enum("ShaderNodeTexGradient", "gradient_type")
-    found = [Case(f"gradient {kind}", "ShaderNodeTexGradient", "Fac", {"gradient_type": kind}, {"Vector": "p"}) for kind in kinds]
+    found = [
+        Case(
+            f"gradient {kind}",
+            "ShaderNodeTexGradient",
+            "Fac",
+            {"gradient_type": kind},
+            {"Vector": "p"},
+        )
+        for kind in kinds
+    ]
     found.append(Case("gradient generated", "ShaderNodeTexGradient", "Color", thing="sphere"))
     for depth in range(11):
         properties = {"turbulence_depth": depth}
-        found.append(Case(f"magic {depth}", "ShaderNodeTexMagic", "Color", properties, {"Vector": "p", "Scale": 1.7, "Distortion": 1.3}))
-    found.append(Case("magic fac", "ShaderNodeTexMagic", "Fac", inputs={"Vector": "p", "Scale": "x", "Distortion": "y"}))
+        found.append(
+            Case(
+                f"magic {depth}",
+                "ShaderNodeTexMagic",
+                "Color",
+                properties,
+                {"Vector": "p", "Scale": 1.7, "Distortion": 1.3},
+            )
+        )
+    found.append(
+        Case(
+            "magic fac",
+            "ShaderNodeTexMagic",
+            "Fac",
+            inputs={"Vector": "p", "Scale": "x", "Distortion": "y"},
+        )
+    )
     colors = {"Color1": "c", "Color2": (0.9, 0.1, 0.3, 1.0)}
     for output in ("Color", "Fac"):
-        found.append(Case(f"checker {output}", "ShaderNodeTexChecker", output, inputs={"Vector": "p", "Scale": 1.7} | colors))
-        sizes = {"Scale": 1.3, "Mortar Size": 0.05, "Mortar Smooth": 0.6, "Bias": 0.2, "Brick Width": 0.6, "Row Height": 0.3}
+        found.append(
+            Case(
+                f"checker {output}",
+                "ShaderNodeTexChecker",
+                output,
+                inputs={"Vector": "p", "Scale": 1.7} | colors,
+            )
+        )
+        sizes = {
+            "Scale": 1.3,
+            "Mortar Size": 0.05,
+            "Mortar Smooth": 0.6,
+            "Bias": 0.2,
+            "Brick Width": 0.6,
+            "Row Height": 0.3,
+        }
         inputs = {"Vector": "p", "Mortar": (0.1, 0.2, 0.3, 1.0)} | colors | sizes
-        properties: dict[str, Any] = {"offset": 0.3, "squash": 1.4, "offset_frequency": 3, "squash_frequency": 2}
+        properties: dict[str, Any] = {
+            "offset": 0.3,
+            "squash": 1.4,
+            "offset_frequency": 3,
+            "squash_frequency": 2,
+        }
         found.append(Case(f"brick {output}", "ShaderNodeTexBrick", output, properties, inputs))
-        found.append(Case(f"brick plain {output}", "ShaderNodeTexBrick", output, inputs={"Vector": "p"}))
+        found.append(
+            Case(f"brick plain {output}", "ShaderNodeTexBrick", output, inputs={"Vector": "p"})
+        )
     found.append(
-        Case("brick swept", "ShaderNodeTexBrick", "Color", inputs={"Vector": "p", "Bias": "x", "Mortar Smooth": "v", "Mortar Size": 0.1})
+        Case(
+            "brick swept",
+            "ShaderNodeTexBrick",
+            "Color",
+            inputs={"Vector": "p", "Bias": "x", "Mortar Smooth": "v", "Mortar Size": 0.1},
+        )
     )
     return found
 
 
 def _gabors() -> list[Case]:
     found = []
-    for kind, orientation in (("2D", {"Orientation 2D": "x"}), ("3D", {"Orientation 3D": (0.3, 0.7, 0.5)})):
+    for kind, orientation in (
+        ("2D", {"Orientation 2D": "x"}),
+        ("3D", {"Orientation 3D": (0.3, 0.7, 0.5)}),
+    ):
         for output in ("Value", "Phase", "Intensity"):
-            inputs = {"Vector": "p", "Scale": 1.4, "Frequency": 2.3, "Anisotropy": 0.7} | orientation
-            found.append(Case(f"gabor {kind} {output}", "ShaderNodeTexGabor", output, {"gabor_type": kind}, inputs, noise=True))
+            inputs = {
+                "Vector": "p",
+                "Scale": 1.4,
+                "Frequency": 2.3,
+                "Anisotropy": 0.7,
+            } | orientation
+            found.append(
+                Case(
+                    f"gabor {kind} {output}",
+                    "ShaderNodeTexGabor",
+                    output,
+                    {"gabor_type": kind},
+                    inputs,
+                    noise=True,
+                )
+            )
         inputs = {"Vector": "p", "Scale": 1.1, "Frequency": "v", "Anisotropy": "u"}
-        found.append(Case(f"gabor {kind} swept", "ShaderNodeTexGabor", "Value", {"gabor_type": kind}, inputs, noise=True))
+        found.append(
+            Case(
+                f"gabor {kind} swept",
+                "ShaderNodeTexGabor",
+                "Value",
+                {"gabor_type": kind},
+                inputs,
+                noise=True,
+            )
+        )
     return found
 
 
-def picture(name: str, floats: bool = False, alpha: bool = True, space: str = "", mode: str = "") -> Any:
+def picture(
+    name: str, floats: bool = False, alpha: bool = True, space: str = "", mode: str = ""
+) -> Any:
     """A small coloured image, 12 x 8, that is like no turned or mirrored copy of itself."""
     import bpy
 
@@ -165,15 +367,56 @@ def _images() -> list[Case]:
     for projection in enum(node, "projection"):
         for extension in enum(node, "extension"):
             properties = {"projection": projection, "extension": extension}
-            found.append(Case(f"image {projection} {extension}", node, "Color", properties, {"Vector": "p"}, setup=_image()))
+            found.append(
+                Case(
+                    f"image {projection} {extension}",
+                    node,
+                    "Color",
+                    properties,
+                    {"Vector": "p"},
+                    setup=_image(),
+                )
+            )
         properties = {"projection": projection, "projection_blend": 0.4}
-        found.append(Case(f"image {projection} on a sphere", node, "Color", properties, setup=_image(), thing="sphere"))
-        generated: dict[str, Any] = {"projection": projection, "projection_blend": 0.7, "interpolation": "Closest"}
-        found.append(Case(f"image {projection} closest", node, "Color", generated, {"Vector": "q"}, setup=_image(), thing="sphere"))
+        found.append(
+            Case(
+                f"image {projection} on a sphere",
+                node,
+                "Color",
+                properties,
+                setup=_image(),
+                thing="sphere",
+            )
+        )
+        generated: dict[str, Any] = {
+            "projection": projection,
+            "projection_blend": 0.7,
+            "interpolation": "Closest",
+        }
+        found.append(
+            Case(
+                f"image {projection} closest",
+                node,
+                "Color",
+                generated,
+                {"Vector": "q"},
+                setup=_image(),
+                thing="sphere",
+            )
+        )
     for interpolation in enum(node, "interpolation"):
         for extension in enum(node, "extension"):
             properties = {"interpolation": interpolation, "extension": extension}
-            found.append(Case(f"image {interpolation} {extension}", node, "Color", properties, {"Vector": "p"}, setup=_image()))
+            found.append(
+                Case(
+                    f"image {interpolation} {extension}",
+                    node,
+                    "Color",
+                    properties,
+                    {"Vector": "p"},
+                    setup=_image(),
+                )
+            )
     variants: dict[str, dict[str, Any]] = {
         "straight": {"alpha": True},
         "packed": {"mode": "CHANNEL_PACKED"},
@@ -191,7 +434,9 @@ def _images() -> list[Case]:
         setup = _image(name=name, **given)
         found.append(Case(f"image of {name}", node, "Color", inputs={"Vector": "uv"}, setup=setup))
         found.append(Case(f"alpha of {name}", node, "Alpha", inputs={"Vector": "uv"}, setup=setup))
-        found.append(Case(f"both of {name}", "", "", build=lambda tree, setup=setup: _both(tree, setup)))
+        found.append(
+            Case(f"both of {name}", "", "", build=lambda tree, setup=setup: _both(tree, setup))
+        )
     return found
 
 
@@ -212,7 +457,17 @@ def _environments() -> list[Case]:
             for interpolation in ("Linear", "Closest", "Cubic"):
                 properties = {"projection": projection, "interpolation": interpolation}
                 name = f"environment {projection} {thing} {interpolation}"
-                found.append(Case(name, node, "Color", properties, vector, setup=_image(name="opaque", alpha=False), thing=thing))
+                found.append(
+                    Case(
+                        name,
+                        node,
+                        "Color",
+                        properties,
+                        vector,
+                        setup=_image(name="opaque", alpha=False),
+                        thing=thing,
+                    )
+                )
     return found
 
 
@@ -225,7 +480,9 @@ def _tiled(tree: Any) -> Any:
     for number in (1001, 1002, 1011):
         one = bpy.data.images.new("tile", 8, 8)
         one.pixels.foreach_set(
-            np.stack([columns, rows, np.full((8, 8), (number % 7) / 7.0), np.ones((8, 8))], -1).astype(np.float32).ravel()
+            np.stack([columns, rows, np.full((8, 8), (number % 7) / 7.0), np.ones((8, 8))], -1)
+            .astype(np.float32)
+            .ravel()
         )
         one.filepath_raw, one.file_format = f"{folder}/tile.{number}.png", "PNG"
         one.save()

@@ -1,6 +1,8 @@
-"""Our programs against Cycles' shaders: `python -m tests.nodes.oracle [--every N] [--json FILE] [NAME ...]`.
+"""Our programs against Cycles' shaders: `python -m tests.nodes.oracle [--every N] [--json FILE]
+[NAME ...]`.
 
-Prints passed/total and every case that fails. NAME: only cases whose name contains it. --every N: each Nth case.
+Prints passed/total and every case that fails. NAME: only cases whose name contains it. --every N:
+each Nth case.
 """
 
 from __future__ import annotations
@@ -18,16 +20,22 @@ import numpy as np
 from tests.nodes.stage import SHIFT
 
 EXACT, NOISE = 1.0 / 255.0, 0.005
-# A pixel's centre may lie on a jump of the function by rounding: so many pixels of a cell may differ.
+# A pixel's centre may lie on a jump of the function by rounding: so many pixels of a cell may
+# differ.
 STRAY = 0.006
-# Neither side goes on below what is shifted to black; beyond this no picture has a use for a number.
+# Neither side goes on below what is shifted to black; beyond this no picture has a use for a
+# number.
 LARGEST = 1e6
 
 
 def worst(case: Any, ours: np.ndarray, truth: np.ndarray) -> tuple[float, float]:
-    """(share of pixels that differ, largest difference among the rest) of a case; differences are relative above 1."""
+    """(share of pixels that differ, largest difference among the rest) of a case; differences are
+    relative above 1.
+    """
     allowed = NOISE if case.noise else EXACT
-    ours, truth = (np.clip(np.nan_to_num(picture, nan=0.0), -SHIFT, LARGEST) for picture in (ours, truth))
+    ours, truth = (
+        np.clip(np.nan_to_num(picture, nan=0.0), -SHIFT, LARGEST) for picture in (ours, truth)
+    )
     difference = (np.abs(ours - truth) / np.maximum(1.0, np.abs(truth))).max(axis=-1)
     off = difference > allowed
     return float(off.mean()), float(difference[~off].max(initial=0.0))
@@ -41,7 +49,9 @@ def compare(names: list[str], every: int, dump: Path | None = None) -> dict[str,
     from tests.nodes.cases import all_cases
 
     photon_splat.register()
-    cases = [case for case in all_cases() if not names or any(name in case.name for name in names)][::every]
+    cases = [case for case in all_cases() if not names or any(name in case.name for name in names)][
+        ::every
+    ]
     stage.build(cases)
     started = time.monotonic()
     truth, positions = stage.cycles()
@@ -55,12 +65,25 @@ def compare(names: list[str], every: int, dump: Path | None = None) -> dict[str,
     seconds = {"cycles": rendered - started, "ours": time.monotonic() - rendered}
     if dump is not None:
         cells = {
-            case.name: (stage.cell(ours, k), stage.cell(truth, k)) for k, case in enumerate(cases) if case.name in failed or len(cases) < 40
+            case.name: (stage.cell(ours, k), stage.cell(truth, k))
+            for k, case in enumerate(cases)
+            if case.name in failed or len(cases) < 40
         }
         np.savez(
-            dump, **{f"{name}/{who}": cell for name, both in cells.items() for who, cell in zip(("ours", "cycles"), both, strict=True)}
+            dump,
+            **{
+                f"{name}/{who}": cell
+                for name, both in cells.items()
+                for who, cell in zip(("ours", "cycles"), both, strict=True)
+            },
         )
-    return {"total": len(cases), "passed": len(cases) - len(failed), "failed": failed, "warnings": warnings, "seconds": seconds}
+    return {
+        "total": len(cases),
+        "passed": len(cases) - len(failed),
+        "failed": failed,
+        "warnings": warnings,
+        "seconds": seconds,
+    }
 
 
 def main(arguments: list[str]) -> int:
@@ -68,7 +91,9 @@ def main(arguments: list[str]) -> int:
     parser.add_argument("names", nargs="*")
     parser.add_argument("--every", type=int, default=1)
     parser.add_argument("--json", type=Path)
-    parser.add_argument("--dump", type=Path, help="writes the cells of what fails to this .npz file")
+    parser.add_argument(
+        "--dump", type=Path, help="writes the cells of what fails to this .npz file"
+    )
     options = parser.parse_args(arguments)
     said = os.fdopen(os.dup(1), "w")
     os.dup2(2, 1)  # Blender prints to stdout
@@ -78,7 +103,11 @@ def main(arguments: list[str]) -> int:
     for warning in result["warnings"]:
         print(f"  warned: {warning}", file=said)
     times = ", ".join(f"{name} {seconds:.1f} s" for name, seconds in result["seconds"].items())
-    print(f"nodes: {result['passed']} of {result['total']} cases agree with Cycles ({times})", file=said, flush=True)
+    print(
+        f"nodes: {result['passed']} of {result['total']} cases agree with Cycles ({times})",
+        file=said,
+        flush=True,
+    )
     if options.json:
         options.json.write_text(json.dumps(result))
     return 0

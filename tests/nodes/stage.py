@@ -1,7 +1,9 @@
-"""A board of small things, each with its own material, seen from above: what many node trees give, in one picture.
+"""A board of small things, each with its own material, seen from above: what many node trees give,
+in one picture.
 
-Runs inside Blender. Every case has a cell of the board of 1 m and PIXELS x PIXELS pixels, with a plane or a sphere on it whose
-colour is emitted. Cycles renders it with one sample in the middle of every pixel; our programs run at the same points.
+Runs inside Blender. Every case has a cell of the board of 1 m and PIXELS x PIXELS pixels, with a
+plane or a sphere on it whose colour is emitted. Cycles renders it with one sample in the middle of
+every pixel; our programs run at the same points.
 """
 
 from __future__ import annotations
@@ -64,9 +66,17 @@ def _plane() -> Any:
 
     # Three by five pieces: no diagonal runs through pixels' centres all along.
     columns, rows = 3, 5
-    vertices = [(i / columns - 0.5, j / rows - 0.5, 0.0) for j in range(rows + 1) for i in range(columns + 1)]
+    vertices = [
+        (i / columns - 0.5, j / rows - 0.5, 0.0)
+        for j in range(rows + 1)
+        for i in range(columns + 1)
+    ]
     first = [j * (columns + 1) + i for j in range(rows) for i in range(columns)]
-    faces = [face for a in first for face in ((a, a + 1, a + columns + 2), (a, a + columns + 2, a + columns + 1))]
+    faces = [
+        face
+        for a in first
+        for face in ((a, a + 1, a + columns + 2), (a, a + columns + 2, a + columns + 1))
+    ]
     mesh = bpy.data.meshes.new("Plane")
     mesh.from_pydata(vertices, [], faces)
     _layers(mesh, lambda v: (v.co.x + 0.5, v.co.y + 0.5))
@@ -74,7 +84,9 @@ def _plane() -> Any:
 
 
 def _bumps() -> Any:
-    """Ridges and grooves of two sheets that share the places of a row of vertices, without being joined there."""
+    """Ridges and grooves of two sheets that share the places of a row of vertices, without being
+    joined there.
+    """
     import bpy
 
     vertices: list[tuple[float, float, float]] = []
@@ -82,7 +94,10 @@ def _bumps() -> Any:
     for first in (0, 4):
         start = len(vertices)
         places = [(i, j) for j in range(9) for i in range(first, first + 5)]
-        vertices += [(i / 8 - 0.5, j / 8 - 0.5, 0.2 * math.sin(2.1 * i) * math.cos(1.3 * j)) for i, j in places]
+        vertices += [
+            (i / 8 - 0.5, j / 8 - 0.5, 0.2 * math.sin(2.1 * i) * math.cos(1.3 * j))
+            for i, j in places
+        ]
         corners = [start + 5 * j + i for j in range(8) for i in range(4)]
         faces += [(a, a + 1, a + 6, a + 5) for a in corners]
     mesh = bpy.data.meshes.new("Bumps")
@@ -112,7 +127,12 @@ def _layers(mesh: Any, uv: Any) -> None:
         mesh.uv_layers.new(name=name)
     mesh.color_attributes.new("Bytes", "BYTE_COLOR", "CORNER")
     mesh.color_attributes.new("Floats", "FLOAT_COLOR", "POINT")
-    kinds = {"Number": ("FLOAT", "POINT"), "Where": ("FLOAT_VECTOR", "CORNER"), "Whole": ("INT", "FACE"), "Edge": ("FLOAT", "EDGE")}
+    kinds = {
+        "Number": ("FLOAT", "POINT"),
+        "Where": ("FLOAT_VECTOR", "CORNER"),
+        "Whole": ("INT", "FACE"),
+        "Edge": ("FLOAT", "EDGE"),
+    }
     kinds |= {"Flag": ("BOOLEAN", "FACE"), "Pair": ("FLOAT2", "POINT")}
     for name, (kind, domain) in kinds.items():
         mesh.attributes.new(name, kind, domain)
@@ -125,7 +145,12 @@ def _layers(mesh: Any, uv: Any) -> None:
         x, y = uv(v)
         first.uv[loop.index].vector = (x, y)
         second.uv[loop.index].vector = (y * 0.9 + 0.05, 1.0 - x)
-        corners.data[loop.index].color = (abs(x) % 1.0, abs(y) % 1.0, 0.3, 0.5 + 0.4 * (loop.index % 2))
+        corners.data[loop.index].color = (
+            abs(x) % 1.0,
+            abs(y) % 1.0,
+            0.3,
+            0.5 + 0.4 * (loop.index % 2),
+        )
         where.data[loop.index].vector = (x, x * y, -y)
     for v in mesh.vertices:
         x, y = uv(v)
@@ -149,7 +174,10 @@ def _material(case: Case) -> Any:
         made.use_nodes = True
     tree = made.node_tree
     tree.nodes.clear()
-    output, emission = tree.nodes.new("ShaderNodeOutputMaterial"), tree.nodes.new("ShaderNodeEmission")
+    output, emission = (
+        tree.nodes.new("ShaderNodeOutputMaterial"),
+        tree.nodes.new("ShaderNodeEmission"),
+    )
     shifted = tree.nodes.new("ShaderNodeVectorMath")
     shifted.inputs[1].default_value = (SHIFT, SHIFT, SHIFT)
     tree.links.new(shifted.outputs[0], emission.inputs["Color"])
@@ -159,7 +187,9 @@ def _material(case: Case) -> Any:
 
 
 def cycles() -> tuple[np.ndarray, np.ndarray]:
-    """The board as Cycles renders it, without the shift, and where its samples hit: (height, width, 3) each, row 0 at the bottom."""
+    """The board as Cycles renders it, without the shift, and where its samples hit: (height, width,
+    3) each, row 0 at the bottom.
+    """
     import bpy
 
     scene = bpy.context.scene
@@ -176,7 +206,10 @@ def cycles() -> tuple[np.ndarray, np.ndarray]:
         where.use_nodes = True
     tree = where.node_tree
     tree.nodes.clear()
-    output, emission, geometry = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("OutputMaterial", "Emission", "NewGeometry"))
+    output, emission, geometry = (
+        tree.nodes.new(f"ShaderNode{kind}")
+        for kind in ("OutputMaterial", "Emission", "NewGeometry")
+    )
     tree.links.new(geometry.outputs["Position"], emission.inputs["Color"])
     tree.links.new(emission.outputs[0], output.inputs["Surface"])
     layer = scene.view_layers[0]
@@ -207,7 +240,9 @@ def _rendered() -> np.ndarray:
 
 
 def ours(positions: np.ndarray) -> tuple[np.ndarray, list[str]]:
-    """What our programs emit at `positions` (black where there is nothing), and the exporter's warnings."""
+    """What our programs emit at `positions` (black where there is nothing), and the exporter's
+    warnings.
+    """
     import bpy
     from photon_splat.core import native
     from photon_splat.core.native_scene import fill_renderer, world_bounds
@@ -230,7 +265,9 @@ def ours(positions: np.ndarray) -> tuple[np.ndarray, list[str]]:
     points[:, 2] = scene.camera.matrix[2, 3]
     down = np.tile(np.array([[0.0, 0.0, -1.0]], np.float32), (len(points), 1))
     left, right, *_ = scene.camera.screen
-    found = renderer.shade_rays((points - origin).astype(np.float32), down, footprint=(right - left) / width)
+    found = renderer.shade_rays(
+        (points - origin).astype(np.float32), down, footprint=(right - left) / width
+    )
     picture = found["emission"].astype(np.float64) - SHIFT
     picture[nothing | ~found["hit"].astype(bool)] = -SHIFT
     return picture.reshape(height, width, 3), list(scene.warnings)

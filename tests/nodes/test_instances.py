@@ -11,35 +11,51 @@ from tests.addon.blender import in_blender
 from tests.nodes import stage
 
 
-def _instances(tree: Any, points: tuple[int, float], instance: Any, stored: str, divisor: float) -> Any:
+def _instances(
+    tree: Any, points: tuple[int, float], instance: Any, stored: str, divisor: float
+) -> Any:
     """A row of instances, each with its number by `divisor` as the attribute `stored`."""
     add, link = tree.nodes.new, tree.links.new
     row, onto, store, index, divide = (
         add(kind)
         for kind in (
-            *("GeometryNodeMeshLine", "GeometryNodeInstanceOnPoints", "GeometryNodeStoreNamedAttribute"),
+            *(
+                "GeometryNodeMeshLine",
+                "GeometryNodeInstanceOnPoints",
+                "GeometryNodeStoreNamedAttribute",
+            ),
             *("GeometryNodeInputIndex", "ShaderNodeMath"),
         )
     )
-    row.inputs["Count"].default_value, row.inputs["Offset"].default_value = points[0], (points[1], 0.0, 0.0)
+    row.inputs["Count"].default_value, row.inputs["Offset"].default_value = (
+        points[0],
+        (points[1], 0.0, 0.0),
+    )
     store.domain, store.data_type, divide.operation = "INSTANCE", "FLOAT", "DIVIDE"
     store.inputs["Name"].default_value, divide.inputs[1].default_value = stored, divisor
     link(row.outputs["Mesh"], onto.inputs["Points"])
     link(instance, onto.inputs["Instance"])
     link(onto.outputs[0], store.inputs["Geometry"])
     link(index.outputs[0], divide.inputs[0])
-    link(divide.outputs[0], next(socket for socket in store.inputs if socket.name == "Value" and socket.enabled))
+    link(
+        divide.outputs[0],
+        next(socket for socket in store.inputs if socket.name == "Value" and socket.enabled),
+    )
     return store.outputs[0]
 
 
 @in_blender
 def test_attributes_that_geometry_nodes_give_to_instances() -> None:
-    """Red is stored with the inner of two levels of instances, green with the outer, blue is a property of the object that has them."""
+    """Red is stored with the inner of two levels of instances, green with the outer, blue is a
+    property of the object that has them.
+    """
     import bpy
 
     stage.build([])
     made, tree = board.empty_material("Tinted")
-    joined, emission, shifted = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("CombineXYZ", "Emission", "VectorMath"))
+    joined, emission, shifted = (
+        tree.nodes.new(f"ShaderNode{kind}") for kind in ("CombineXYZ", "Emission", "VectorMath")
+    )
     shifted.inputs[1].default_value = (stage.SHIFT,) * 3
     for k, name in enumerate(("inner", "outer", "own")):
         asked = tree.nodes.new("ShaderNodeAttribute")
@@ -51,7 +67,10 @@ def test_attributes_that_geometry_nodes_give_to_instances() -> None:
 
     nodes = bpy.data.node_groups.new("Rows", "GeometryNodeTree")
     nodes.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
-    cube, colored, output = (nodes.nodes.new(kind) for kind in ("GeometryNodeMeshCube", "GeometryNodeSetMaterial", "NodeGroupOutput"))
+    cube, colored, output = (
+        nodes.nodes.new(kind)
+        for kind in ("GeometryNodeMeshCube", "GeometryNodeSetMaterial", "NodeGroupOutput")
+    )
     cube.inputs["Size"].default_value = (0.8, 0.8, 0.1)
     colored.inputs["Material"].default_value = made
     nodes.links.new(cube.outputs["Mesh"], colored.inputs["Geometry"])

@@ -1,4 +1,6 @@
-"""Node trees against Cycles: the number of cases that agree must not fall, and what cannot be compiled is named."""
+"""Node trees against Cycles: the number of cases that agree must not fall, and what cannot be
+compiled is named.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +25,9 @@ def test_every_node_agrees_with_cycles(tmp_path: Path) -> None:
         path = os.pathsep.join([str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])])
         environment = os.environ | {"BLENDER_USER_RESOURCES": home, "PYTHONPATH": path}
         command = [sys.executable, "-m", "tests.nodes.oracle", "--json", str(found)]
-        subprocess.run(command, cwd=ROOT, env=environment, check=True, timeout=SECONDS, capture_output=True)
+        subprocess.run(
+            command, cwd=ROOT, env=environment, check=True, timeout=SECONDS, capture_output=True
+        )
     result = json.loads(found.read_text())
     print(f"{result['passed']} of {result['total']} cases of nodes agree with Cycles")
     assert result["failed"] == {}
@@ -34,6 +38,8 @@ def test_every_node_agrees_with_cycles(tmp_path: Path) -> None:
 def test_the_readme_has_the_list_of_nodes() -> None:
     """`make node-list` prints it anew."""
     command = [sys.executable, "-m", "photon_splat.export.compile.table"]
-    made = subprocess.run(command, cwd=ROOT, check=True, timeout=SECONDS, capture_output=True, text=True).stdout
+    made = subprocess.run(
+        command, cwd=ROOT, check=True, timeout=SECONDS, capture_output=True, text=True
+    ).stdout
     table = made[made.index("| nodes |") :].strip()
     assert table in (ROOT / "README.md").read_text()

@@ -1,4 +1,6 @@
-"""Trees as files in the wild have them: loops, groups without output, unknown nodes, ten thousand nodes."""
+"""Trees as files in the wild have them: loops, groups without output, unknown nodes, ten thousand
+nodes.
+"""
 
 from __future__ import annotations
 
@@ -37,7 +39,11 @@ def test_a_loop_of_values_is_named() -> None:
     tree.links.new(second.outputs[0], first.inputs[0])
     tree.links.new(second.outputs[0], shader.inputs["Strength"])
     said = stage.the_one_warning(stage.exported())
-    assert said == "Material 'Made', node 'Chicken': its links run in a circle; one of them counts as not there"
+    assert (
+        said
+        == "Material 'Made', node 'Chicken': its links run in a circle; one of them counts as not "
+        "there"
+    )
 
 
 @in_blender
@@ -102,14 +108,19 @@ def test_a_node_of_a_later_blender_version_is_named(tmp_path: str) -> None:
 @in_blender
 def test_nodes_that_are_not_supported_are_named() -> None:
     tree, shader = _emitting()
-    script, occlusion = tree.nodes.new("ShaderNodeScript"), tree.nodes.new("ShaderNodeAmbientOcclusion")
+    script, occlusion = (
+        tree.nodes.new("ShaderNodeScript"),
+        tree.nodes.new("ShaderNodeAmbientOcclusion"),
+    )
     script.mode = "INTERNAL"
     occlusion.label = "Dirt"
     occlusion.inputs["Color"].default_value = (0.25, 0.5, 1.0, 1.0)
     tree.links.new(occlusion.outputs["Color"], shader.inputs["Color"])
     what = stage.exported()
     assert what.materials[0].front.emission == (0.25, 0.5, 1)
-    assert what.warnings == ["Material 'Made', node 'Dirt': Ambient Occlusion is not supported; taken as not occluded"]
+    assert what.warnings == [
+        "Material 'Made', node 'Dirt': Ambient Occlusion is not supported; taken as not occluded"
+    ]
 
 
 @in_blender
@@ -169,7 +180,10 @@ def test_ten_thousand_nodes_in_a_row() -> None:
         return node
 
     tree, shader = _emitting()
-    values, shaders = _in_a_row("Values", moved, 90, "NodeSocketVector"), _in_a_row("Shaders", mixed, 10, "NodeSocketShader")
+    values, shaders = (
+        _in_a_row("Values", moved, 90, "NodeSocketVector"),
+        _in_a_row("Shaders", mixed, 10, "NodeSocketShader"),
+    )
     for level in range(2):
         values = _in_a_row(f"Values {level}", _group_of(values), 10, "NodeSocketVector")
         shaders = _in_a_row(f"Shaders {level}", _group_of(shaders), 10, "NodeSocketShader")
@@ -278,7 +292,9 @@ def test_noise_is_computed_together_where_none_needs_another() -> None:
 @in_blender
 def test_a_branch_of_weight_zero_is_dropped() -> None:
     made, tree = stage.empty_material("Half")
-    mix, kept, dropped = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("MixShader", "Emission", "BsdfHair"))
+    mix, kept, dropped = (
+        tree.nodes.new(f"ShaderNode{kind}") for kind in ("MixShader", "Emission", "BsdfHair")
+    )
     mix.inputs[0].default_value = 0.0
     tree.links.new(kept.outputs[0], mix.inputs[1])
     tree.links.new(dropped.outputs[0], mix.inputs[2])
@@ -297,7 +313,9 @@ def test_a_uv_map_without_area_does_no_harm() -> None:
     from photon_splat.core.settings import RenderSettings
 
     made, tree = stage.empty_material("Flat")
-    shader, normal, tangent = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("BsdfPrincipled", "NormalMap", "Tangent"))
+    shader, normal, tangent = (
+        tree.nodes.new(f"ShaderNode{kind}") for kind in ("BsdfPrincipled", "NormalMap", "Tangent")
+    )
     normal.uv_map = tangent.uv_map = "Nowhere"
     tangent.direction_type = "UV_MAP"
     input_of(normal, "Color").default_value = (0.9, 0.2, 0.7, 1.0)
@@ -311,7 +329,10 @@ def test_a_uv_map_without_area_does_no_harm() -> None:
     layer.uv.foreach_set("vector", np.full(8, 0.5, np.float32))
     what = stage.exported()
     for said in what.warnings:
-        assert re.match(r"Material 'Flat', node '.+': no face of the UV map 'Nowhere' has an area, .+ 'Flat'$", said), said
+        assert re.match(
+            r"Material 'Flat', node '.+': no face of the UV map 'Nowhere' has an area, .+ 'Flat'$",
+            said,
+        ), said
     assert {said.split("'")[3] for said in what.warnings} == {"Tangent", "Normal Map"}
     renderer = native.load().Renderer(1)
     fill_renderer(renderer, what, RenderSettings())
@@ -329,7 +350,9 @@ def test_a_uv_map_without_area_does_no_harm() -> None:
 @in_blender
 def test_displacement_bends_normals() -> None:
     made, tree = stage.empty_material("Rough")
-    shader, noise, displacement = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("BsdfDiffuse", "TexNoise", "Displacement"))
+    shader, noise, displacement = (
+        tree.nodes.new(f"ShaderNode{kind}") for kind in ("BsdfDiffuse", "TexNoise", "Displacement")
+    )
     tree.links.new(noise.outputs[0], displacement.inputs["Height"])
     output = next(node for node in tree.nodes if node.type == "OUTPUT_MATERIAL")
     tree.links.new(displacement.outputs[0], output.inputs["Displacement"])

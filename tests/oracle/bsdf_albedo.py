@@ -1,8 +1,10 @@
-"""Light that single surfaces scatter, as Cycles has it: the fixture of native/tests/test_bsdf_albedo.cpp.
+"""Light that single surfaces scatter, as Cycles has it: the fixture of
+native/tests/test_bsdf_albedo.cpp.
 
-`python -m tests.oracle.bsdf_albedo` writes native/tests/bsdf_albedo.inc anew (some minutes; Blender 5.x).
-Each case is a plane under a world of radiance (1, lobe about +Z, lobe about LEAN): an orthographic camera that sees nothing else
-measures the integral of f |cos| times the world for one direction, in three shapes at once. Coloured cases have a white world.
+`python -m tests.oracle.bsdf_albedo` writes native/tests/bsdf_albedo.inc anew (some minutes; Blender
+5.x). Each case is a plane under a world of radiance (1, lobe about +Z, lobe about LEAN): an
+orthographic camera that sees nothing else measures the integral of f |cos| times the world for one
+direction, in three shapes at once. Coloured cases have a white world.
 """
 
 from __future__ import annotations
@@ -26,13 +28,16 @@ SPOT = (0.5, 0.0, 0.0)  # what the camera looks at: here the default tangent (ra
 
 DISTRIBUTIONS = {"GGX": "kGgx", "MULTI_GGX": "kMultiGgx", "BECKMANN": "kBeckmann"}
 PRINCIPLED = {  # socket: field of PrincipledInputs
-    "Base Color": "base_color", "Metallic": "metallic", "Roughness": "roughness", "IOR": "ior", "Alpha": "alpha",
-    "Diffuse Roughness": "diffuse_roughness", "Specular IOR Level": "specular_level", "Specular Tint": "specular_tint",
-    "Anisotropic": "anisotropic", "Anisotropic Rotation": "anisotropic_rotation", "Transmission Weight": "transmission_weight",
-    "Coat Weight": "coat_weight", "Coat Roughness": "coat_roughness", "Coat IOR": "coat_ior", "Coat Tint": "coat_tint",
-    "Sheen Weight": "sheen_weight", "Sheen Roughness": "sheen_roughness", "Sheen Tint": "sheen_tint",
-    "Emission Color": "emission_color", "Emission Strength": "emission_strength",
-    "Thin Film Thickness": "thin_film_thickness", "Thin Film IOR": "thin_film_ior",
+    "Base Color": "base_color", "Metallic": "metallic", "Roughness": "roughness", "IOR": "ior",
+    "Alpha": "alpha", "Diffuse Roughness": "diffuse_roughness",
+    "Specular IOR Level": "specular_level", "Specular Tint": "specular_tint",
+    "Anisotropic": "anisotropic", "Anisotropic Rotation": "anisotropic_rotation",
+    "Transmission Weight": "transmission_weight", "Coat Weight": "coat_weight",
+    "Coat Roughness": "coat_roughness", "Coat IOR": "coat_ior", "Coat Tint": "coat_tint",
+    "Sheen Weight": "sheen_weight", "Sheen Roughness": "sheen_roughness",
+    "Sheen Tint": "sheen_tint", "Emission Color": "emission_color",
+    "Emission Strength": "emission_strength", "Thin Film Thickness": "thin_film_thickness",
+    "Thin Film IOR": "thin_film_ior",
 }  # fmt: skip
 GREY, GOLD = (0.8, 0.8, 0.8), (0.9, 0.5, 0.2)
 
@@ -53,7 +58,8 @@ PRINCIPLED_CHANGES: list[dict[str, Any]] = [
     {"Thin Film Thickness": 400.0, "Metallic": 1.0, "Base Color": GOLD},
 ]
 
-Case = tuple[str, dict[str, Any]]  # node type without "ShaderNode", its properties (lower case) and sockets
+# node type without "ShaderNode", its properties (lower case) and sockets
+Case = tuple[str, dict[str, Any]]
 
 
 def cases() -> Iterator[Case]:
@@ -63,15 +69,42 @@ def cases() -> Iterator[Case]:
     yield "BsdfTranslucent", {"Color": GREY}
     for roughness in (0.3, 0.7, 1.0):
         for distribution in DISTRIBUTIONS:
-            yield "BsdfAnisotropic", {"distribution": distribution, "Color": GREY, "Roughness": roughness}
-            yield "BsdfGlass", {"distribution": distribution, "Color": GREY, "Roughness": roughness, "IOR": 1.5}
-        yield "BsdfAnisotropic", {"distribution": "MULTI_GGX", "Color": GREY, "Roughness": roughness, "Anisotropy": 0.6, "Rotation": 0.15}
-        yield "BsdfGlass", {"distribution": "MULTI_GGX", "Color": GOLD, "Roughness": roughness, "IOR": 0.7}
-        yield "BsdfRefraction", {"distribution": "GGX", "Color": GREY, "Roughness": roughness, "IOR": 1.3}
+            yield (
+                "BsdfAnisotropic",
+                {"distribution": distribution, "Color": GREY, "Roughness": roughness},
+            )
+            yield (
+                "BsdfGlass",
+                {"distribution": distribution, "Color": GREY, "Roughness": roughness, "IOR": 1.5},
+            )
+        yield (
+            "BsdfAnisotropic",
+            {
+                "distribution": "MULTI_GGX",
+                "Color": GREY,
+                "Roughness": roughness,
+                "Anisotropy": 0.6,
+                "Rotation": 0.15,
+            },
+        )
+        yield (
+            "BsdfGlass",
+            {"distribution": "MULTI_GGX", "Color": GOLD, "Roughness": roughness, "IOR": 0.7},
+        )
+        yield (
+            "BsdfRefraction",
+            {"distribution": "GGX", "Color": GREY, "Roughness": roughness, "IOR": 1.3},
+        )
         yield "BsdfSheen", {"distribution": "MICROFIBER", "Color": GREY, "Roughness": roughness}
         yield (
             "BsdfMetallic",
-            {"distribution": "MULTI_GGX", "fresnel_type": "F82", "Base Color": GOLD, "Edge Tint": (0.4, 0.9, 1.0), "Roughness": roughness},
+            {
+                "distribution": "MULTI_GGX",
+                "fresnel_type": "F82",
+                "Base Color": GOLD,
+                "Edge Tint": (0.4, 0.9, 1.0),
+                "Roughness": roughness,
+            },
         )
         yield (
             "BsdfMetallic",
@@ -84,7 +117,16 @@ def cases() -> Iterator[Case]:
             },
         )
         for change in PRINCIPLED_CHANGES:
-            yield "BsdfPrincipled", {"Base Color": GREY, "Roughness": roughness, "IOR": 1.5, "Emission Strength": 0.0, **change}
+            yield (
+                "BsdfPrincipled",
+                {
+                    "Base Color": GREY,
+                    "Roughness": roughness,
+                    "IOR": 1.5,
+                    "Emission Strength": 0.0,
+                    **change,
+                },
+            )
     yield "BsdfSheen", {"distribution": "ASHIKHMIN", "Color": GREY, "Roughness": 0.6}
     yield "BsdfToon", {"component": "DIFFUSE", "Color": GREY, "Size": 0.3, "Smooth": 0.3}
     yield "BsdfToon", {"component": "GLOSSY", "Color": GREY, "Size": 0.5, "Smooth": 0.1}
@@ -96,12 +138,20 @@ def views(case: Case) -> list[tuple[float, float, float]]:
     if "Glass" in case[0] or case[1].get("Transmission Weight"):
         angles += [150.0, 110.0]
     return [
-        (math.sin(math.radians(a)) * math.cos(0.5), math.sin(math.radians(a)) * math.sin(0.5), math.cos(math.radians(a))) for a in angles
+        (
+            math.sin(math.radians(a)) * math.cos(0.5),
+            math.sin(math.radians(a)) * math.sin(0.5),
+            math.cos(math.radians(a)),
+        )
+        for a in angles
     ]
 
 
 def is_grey(case: Case) -> bool:
-    return all(len(set(v)) == 1 for v in case[1].values() if isinstance(v, tuple)) and "Thin Film Thickness" not in case[1]
+    return (
+        all(len(set(v)) == 1 for v in case[1].values() if isinstance(v, tuple))
+        and "Thin Film Thickness" not in case[1]
+    )
 
 
 def cpp(value: Any) -> str:
@@ -113,7 +163,9 @@ def cpp(value: Any) -> str:
 
 
 def cpp_call(case: Case) -> str:
-    """The case as a call of native/src/bsdf/bsdf.h on `b`; the normal is kUp, the tangent kTangent."""
+    """The case as a call of native/src/bsdf/bsdf.h on `b`; the normal is kUp, the tangent
+    kTangent.
+    """
     kind, p = case
     d = "Distribution::" + DISTRIBUTIONS.get(p.get("distribution", ""), "kGgx")
     get = lambda name, default=0.0: cpp(p.get(name, default))  # noqa: E731
@@ -123,25 +175,43 @@ def cpp_call(case: Case) -> str:
         case "Translucent":
             return f"b.add_translucent({get('Color')}, kUp)"
         case "Anisotropic":
-            return f"b.add_glossy({get('Color')}, kUp, {d}, {get('Roughness')}, {get('Anisotropy')}, {get('Rotation')}, kTangent)"
+            return (
+                f"b.add_glossy({get('Color')}, kUp, {d}, {get('Roughness')}, "
+                f"{get('Anisotropy')}, {get('Rotation')}, kTangent)"
+            )
         case "Glass":
-            return f"b.add_glass({get('Color')}, kUp, {d}, {get('Roughness')}, {get('IOR')}, 0, 1.33f)"
+            return (
+                f"b.add_glass({get('Color')}, kUp, {d}, {get('Roughness')}, {get('IOR')}, 0, 1.33f)"
+            )
         case "Refraction":
             return f"b.add_refraction({get('Color')}, kUp, {d}, {get('Roughness')}, {get('IOR')})"
         case "Sheen":
-            return f"b.add_sheen({get('Color')}, kUp, {get('Roughness')}, {str(p['distribution'] == 'ASHIKHMIN').lower()})"
+            return (
+                f"b.add_sheen({get('Color')}, kUp, {get('Roughness')}, "
+                f"{str(p['distribution'] == 'ASHIKHMIN').lower()})"
+            )
         case "Toon":
-            return f"b.add_toon({get('Color')}, kUp, {str(p['component'] == 'GLOSSY').lower()}, {get('Size')}, {get('Smooth')})"
+            return (
+                f"b.add_toon({get('Color')}, kUp, {str(p['component'] == 'GLOSSY').lower()}, "
+                f"{get('Size')}, {get('Smooth')})"
+            )
         case "Metallic":
             colors = (
                 "true, " + get("IOR") + ", " + get("Extinction")
                 if p["fresnel_type"] == "PHYSICAL_CONDUCTOR"
                 else "false, " + get("Base Color") + ", " + get("Edge Tint")
             )
-            return f"b.add_metallic(kWhite, kUp, {d}, {get('Roughness')}, 0, 0, kTangent, {colors}, 0, 1.33f)"
+            return (
+                f"b.add_metallic(kWhite, kUp, {d}, {get('Roughness')}, 0, 0, kTangent, "
+                f"{colors}, 0, 1.33f)"
+            )
         case "Principled":
             fields = " ".join(f"in.{PRINCIPLED[name]} = {cpp(value)};" for name, value in p.items())
-            return "b.add_principled(kWhite, principled_inputs([](auto& in) { in.tangent = kTangent; " + fields + " }))"
+            return (
+                "b.add_principled(kWhite, principled_inputs([](auto& in) { in.tangent = kTangent; "
+                + fields
+                + " }))"
+            )
     raise ValueError(kind)
 
 
@@ -186,7 +256,11 @@ class Lab:
         direction, combined = new("ShaderNodeTexCoord"), new("ShaderNodeCombineXYZ")
         combined.inputs[0].default_value = 1
         for channel, axis in ((1, (0.0, 0.0, 1.0)), (2, LEAN)):
-            dot, half, power = new("ShaderNodeVectorMath"), new("ShaderNodeMath"), new("ShaderNodeMath")
+            dot, half, power = (
+                new("ShaderNodeVectorMath"),
+                new("ShaderNodeMath"),
+                new("ShaderNodeMath"),
+            )
             dot.operation, half.operation, power.operation = "DOT_PRODUCT", "MULTIPLY_ADD", "POWER"
             dot.inputs[1].default_value = Vector(axis).normalized()
             half.inputs[1].default_value = half.inputs[2].default_value = 0.5
@@ -201,7 +275,10 @@ class Lab:
     def set_surface(self, case: Case) -> None:
         tree = self.material.node_tree
         tree.nodes.clear()
-        node, output = tree.nodes.new("ShaderNode" + case[0]), tree.nodes.new("ShaderNodeOutputMaterial")
+        node, output = (
+            tree.nodes.new("ShaderNode" + case[0]),
+            tree.nodes.new("ShaderNodeOutputMaterial"),
+        )
         for name, value in case[1].items():
             if name.islower():
                 setattr(node, name, value)
@@ -227,14 +304,22 @@ class Lab:
 
 def main() -> None:
     lab = Lab()
-    lines = [f"// Generated by tests/oracle/bsdf_albedo.py with Cycles of Blender {bpy.app.version_string}."]
+    lines = [
+        "// Generated by tests/oracle/bsdf_albedo.py with Cycles of Blender "
+        f"{bpy.app.version_string}."
+    ]
     for case in cases():
         lab.set_surface(case)
         lab.set_world(lobes=is_grey(case))
         rows = [(wo, lab.measure(wo)) for wo in views(case)]
         lines += ["{[](Bsdf& b) { " + cpp_call(case) + f"; }}, {str(is_grey(case)).lower()}, {{"]
         lines += [
-            "   {{" + ", ".join(f"{x:.7f}f" for x in wo) + "}, {" + ", ".join(f"{x:.5f}f" for x in light) + "}}," for wo, light in rows
+            "   {{"
+            + ", ".join(f"{x:.7f}f" for x in wo)
+            + "}, {"
+            + ", ".join(f"{x:.5f}f" for x in light)
+            + "}},"
+            for wo, light in rows
         ]
         lines += [" }},"]
     TARGET.write_text("\n".join(lines) + "\n")

@@ -1,8 +1,9 @@
-"""The gallery: one small case per BSDF and parameter step. Cases like those of cases.py, built by gallery_stage.py.
+"""The gallery: one small case per BSDF and parameter step. Cases like those of cases.py, built by
+gallery_stage.py.
 
-A material is written as a tree of `node(...)`: plain dicts, so that a case travels as JSON. Every case shows it on a smooth
-ball and on a second thing (`second`) that stands slanted on a diffuse floor before a diffuse wall, under a large area lamp and a
-dim constant world.
+A material is written as a tree of `node(...)`: plain dicts, so that a case travels as JSON. Every
+case shows it on a smooth ball and on a second thing (`second`) that stands slanted on a diffuse
+floor before a diffuse wall, under a large area lamp and a dim constant world.
 """
 
 from __future__ import annotations
@@ -31,23 +32,45 @@ def diffuse(color: Any = ORANGE, **more: Any) -> Spec:
 
 
 def glossy(distribution: str, roughness: float, color: Any = STEEL, **more: Any) -> Spec:
-    return node("BsdfAnisotropic", modes={"distribution": distribution}, Color=color, Roughness=roughness, **more)
+    return node(
+        "BsdfAnisotropic",
+        modes={"distribution": distribution},
+        Color=color,
+        Roughness=roughness,
+        **more,
+    )
 
 
-def glass(distribution: str, roughness: float, ior: float = 1.5, color: Any = (1.0, 1.0, 1.0)) -> Spec:
-    return node("BsdfGlass", modes={"distribution": distribution}, Color=color, Roughness=roughness, IOR=ior)
+def glass(
+    distribution: str, roughness: float, ior: float = 1.5, color: Any = (1.0, 1.0, 1.0)
+) -> Spec:
+    return node(
+        "BsdfGlass", modes={"distribution": distribution}, Color=color, Roughness=roughness, IOR=ior
+    )
 
 
 def refraction(distribution: str, roughness: float, ior: float) -> Spec:
-    return node("BsdfRefraction", modes={"distribution": distribution}, Roughness=roughness, IOR=ior)
+    return node(
+        "BsdfRefraction", modes={"distribution": distribution}, Roughness=roughness, IOR=ior
+    )
 
 
 def metallic(kind: str, roughness: float, **more: Any) -> Spec:
-    return node("BsdfMetallic", modes={"fresnel_type": kind, "distribution": "MULTI_GGX"}, Roughness=roughness, **more)
+    return node(
+        "BsdfMetallic",
+        modes={"fresnel_type": kind, "distribution": "MULTI_GGX"},
+        Roughness=roughness,
+        **more,
+    )
 
 
 def sheen(distribution: str, roughness: float) -> Spec:
-    return node("BsdfSheen", modes={"distribution": distribution}, Color=(0.8, 0.5, 0.6), Roughness=roughness)
+    return node(
+        "BsdfSheen",
+        modes={"distribution": distribution},
+        Color=(0.8, 0.5, 0.6),
+        Roughness=roughness,
+    )
 
 
 def toon(component: str) -> Spec:
@@ -59,7 +82,9 @@ def transparent(color: Any = (1.0, 1.0, 1.0)) -> Spec:
 
 
 def principled(color: Any = ORANGE, **inputs: Any) -> Spec:
-    return node("BsdfPrincipled", modes={"distribution": "MULTI_GGX"}, **({"Base_Color": color} | inputs))
+    return node(
+        "BsdfPrincipled", modes={"distribution": "MULTI_GGX"}, **({"Base_Color": color} | inputs)
+    )
 
 
 def light_path(output: str) -> Spec:
@@ -76,7 +101,8 @@ GOLD = {"IOR": (0.17, 0.42, 1.37), "Extinction": (3.1, 2.35, 1.77)}
 _HILLS = node("TexNoise", "Factor", Vector=node("TexCoord", "Object"), Scale=4.0, Detail=0.0)
 WAVES = node("Bump", Strength=0.7, Distance=0.1, Height=_HILLS)
 _GRAIN = node("TexNoise", "Factor", Vector=node("TexCoord", "Object"), Scale=400.0, Detail=0.0)
-GRAINY = node("Bump", Strength=0.7, Distance=0.005, Height=_GRAIN)  # finer than a pixel: what it finds depends on how far apart it looks
+# finer than a pixel: what it finds depends on how far apart it looks
+GRAINY = node("Bump", Strength=0.7, Distance=0.005, Height=_GRAIN)
 CARVED = node("NormalMap", Strength=1.0, Color=node("TexImage", "Color", {"image": "normals"}))
 UV_TANGENT = node("Tangent", modes={"direction_type": "UV_MAP"})
 
@@ -95,7 +121,9 @@ def _bsdfs() -> dict[str, Spec]:
         "anisotropic_negative": glossy("GGX", 0.4, Anisotropy=-0.6),
         "anisotropic_uv": glossy("GGX", 0.4, Anisotropy=0.8, Tangent=UV_TANGENT),
     }
-    cases |= {f"glass_sharp_ior_{ior:g}": glass("GGX", 0.0, ior) for ior in (1.0, 1.1, 1.33, 1.5, 2.4)}
+    cases |= {
+        f"glass_sharp_ior_{ior:g}": glass("GGX", 0.0, ior) for ior in (1.0, 1.1, 1.33, 1.5, 2.4)
+    }
     cases |= {f"glass_rough_ior_{ior:g}": glass("GGX", 0.3, ior) for ior in (1.0, 1.1, 1.33, 2.4)}
     cases |= {
         "glass_sharp_coloured": glass("GGX", 0.0, 1.5, GREENISH),
@@ -106,7 +134,9 @@ def _bsdfs() -> dict[str, Spec]:
         "refraction_0.6_ior_1.1": refraction("GGX", 0.6, 1.1),
         "metallic_f82_0.1": metallic("F82", 0.1),
         "metallic_f82_0.5": metallic("F82", 0.5),
-        "metallic_edge_tint": metallic("F82", 0.3, Base_Color=(0.9, 0.6, 0.3), Edge_Tint=(0.2, 0.4, 0.9)),
+        "metallic_edge_tint": metallic(
+            "F82", 0.3, Base_Color=(0.9, 0.6, 0.3), Edge_Tint=(0.2, 0.4, 0.9)
+        ),
         "metallic_gold_0.2": metallic("PHYSICAL_CONDUCTOR", 0.2, **GOLD),
         "metallic_gold_0.6": metallic("PHYSICAL_CONDUCTOR", 0.6, **GOLD),
         "metallic_anisotropic": metallic("F82", 0.4, Anisotropy=0.8),
@@ -120,10 +150,18 @@ def _bsdfs() -> dict[str, Spec]:
         "toon_glossy": toon("GLOSSY"),
         "emission": node("Emission", Color=ORANGE, Strength=0.8),
         "mix_diffuse_glossy": mix(0.4, diffuse(), glossy("GGX", 0.2)),
-        "mix_fresnel": mix(node("Fresnel", "Factor", IOR=1.6), diffuse(), glossy("GGX", 0.1, (1.0, 1.0, 1.0))),
-        "mix_facing": mix(node("LayerWeight", "Facing", Blend=0.3), diffuse(), glossy("GGX", 0.3, (1.0, 1.0, 1.0))),
+        "mix_fresnel": mix(
+            node("Fresnel", "Factor", IOR=1.6), diffuse(), glossy("GGX", 0.1, (1.0, 1.0, 1.0))
+        ),
+        "mix_facing": mix(
+            node("LayerWeight", "Facing", Blend=0.3), diffuse(), glossy("GGX", 0.3, (1.0, 1.0, 1.0))
+        ),
         "mix_glass_diffuse": mix(0.5, glass("GGX", 0.0), diffuse()),
-        "mix_nested": mix(0.3, mix(0.5, diffuse(), glossy("BECKMANN", 0.2)), mix(0.6, transparent(), diffuse((0.2, 0.4, 0.7)))),
+        "mix_nested": mix(
+            0.3,
+            mix(0.5, diffuse(), glossy("BECKMANN", 0.2)),
+            mix(0.6, transparent(), diffuse((0.2, 0.4, 0.7))),
+        ),
         "add_diffuse_glossy": add(diffuse((0.4, 0.3, 0.2)), glossy("GGX", 0.2, (0.4, 0.4, 0.4))),
         "add_emission": add(diffuse(), node("Emission", Color=(0.2, 0.4, 1.0), Strength=0.3)),
     }
@@ -133,49 +171,95 @@ def _bsdfs() -> dict[str, Spec]:
 def _light_paths() -> dict[str, Spec]:
     red, blue = diffuse((0.8, 0.1, 0.1)), diffuse((0.1, 0.2, 0.8))
     return {
-        "path_shadow": mix(light_path("Is Shadow Ray"), glass("GGX", 0.0), transparent((0.9, 0.9, 0.9))),
+        "path_shadow": mix(
+            light_path("Is Shadow Ray"), glass("GGX", 0.0), transparent((0.9, 0.9, 0.9))
+        ),
         "path_camera": mix(light_path("Is Camera Ray"), blue, red),
         "path_diffuse": mix(light_path("Is Diffuse Ray"), red, diffuse((0.8, 0.8, 0.8))),
         "path_glossy": mix(light_path("Is Glossy Ray"), glossy("GGX", 0.1), blue),
         "path_transmission": mix(light_path("Is Transmission Ray"), glass("GGX", 0.0), blue),
-        "path_reflection": mix(light_path("Is Reflection Ray"), glossy("GGX", 0.1), transparent((0.8, 0.6, 0.4))),
-        "path_emission": mix(light_path("Is Camera Ray"), node("Emission", Strength=2.0), node("Emission", Color=ORANGE, Strength=0.3)),
+        "path_reflection": mix(
+            light_path("Is Reflection Ray"), glossy("GGX", 0.1), transparent((0.8, 0.6, 0.4))
+        ),
+        "path_emission": mix(
+            light_path("Is Camera Ray"),
+            node("Emission", Strength=2.0),
+            node("Emission", Color=ORANGE, Strength=0.3),
+        ),
     }
 
 
 def _principled() -> dict[str, Spec]:
-    cases = {f"principled_metallic_{x:g}": principled(Metallic=x, Roughness=0.3) for x in (0.0, 0.5, 1.0)}
-    cases |= {f"principled_roughness_{r:g}": principled(Roughness=r) for r in (0.0, 0.25, 0.5, 0.75, 1.0)}
-    cases |= {f"principled_metal_roughness_{r:g}": principled(Metallic=1.0, Roughness=r) for r in (0.0, 0.25, 0.5, 0.75, 1.0)}
-    cases |= {f"principled_ior_{ior:g}": principled(IOR=ior, Roughness=0.2) for ior in (1.0, 1.2, 2.0)}
-    cases |= {f"principled_specular_{level:g}": principled(Specular_IOR_Level=level, Roughness=0.2) for level in (0.0, 1.0)}
+    cases = {
+        f"principled_metallic_{x:g}": principled(Metallic=x, Roughness=0.3) for x in (0.0, 0.5, 1.0)
+    }
+    cases |= {
+        f"principled_roughness_{r:g}": principled(Roughness=r) for r in (0.0, 0.25, 0.5, 0.75, 1.0)
+    }
+    cases |= {
+        f"principled_metal_roughness_{r:g}": principled(Metallic=1.0, Roughness=r)
+        for r in (0.0, 0.25, 0.5, 0.75, 1.0)
+    }
+    cases |= {
+        f"principled_ior_{ior:g}": principled(IOR=ior, Roughness=0.2) for ior in (1.0, 1.2, 2.0)
+    }
+    cases |= {
+        f"principled_specular_{level:g}": principled(Specular_IOR_Level=level, Roughness=0.2)
+        for level in (0.0, 1.0)
+    }
     for name, roughness in (("smooth", 0.0), ("rough", 0.4)):
         cases |= {
-            f"principled_transmission_{x:g}_{name}": principled((1.0, 1.0, 1.0), Transmission_Weight=x, Roughness=roughness)
+            f"principled_transmission_{x:g}_{name}": principled(
+                (1.0, 1.0, 1.0), Transmission_Weight=x, Roughness=roughness
+            )
             for x in (0.5, 1.0)
         }
     cases |= {
-        "principled_transmission_coloured": principled(GREENISH, Transmission_Weight=1.0, Roughness=0.0, IOR=1.33),
-        "principled_specular_tint": principled(Specular_Tint=(0.2, 0.5, 1.0), Roughness=0.1, IOR=2.0),
-        "principled_metal_tint": principled(Metallic=1.0, Specular_Tint=(0.2, 0.5, 1.0), Roughness=0.2),
+        "principled_transmission_coloured": principled(
+            GREENISH, Transmission_Weight=1.0, Roughness=0.0, IOR=1.33
+        ),
+        "principled_specular_tint": principled(
+            Specular_Tint=(0.2, 0.5, 1.0), Roughness=0.1, IOR=2.0
+        ),
+        "principled_metal_tint": principled(
+            Metallic=1.0, Specular_Tint=(0.2, 0.5, 1.0), Roughness=0.2
+        ),
         "principled_anisotropic": principled(Metallic=1.0, Roughness=0.4, Anisotropic=0.8),
-        "principled_anisotropic_turned": principled(Metallic=1.0, Roughness=0.4, Anisotropic=0.8, Anisotropic_Rotation=0.25),
+        "principled_anisotropic_turned": principled(
+            Metallic=1.0, Roughness=0.4, Anisotropic=0.8, Anisotropic_Rotation=0.25
+        ),
         "principled_diffuse_roughness": principled(Diffuse_Roughness=1.0, Roughness=0.6),
         "principled_coat_0.5": principled(Coat_Weight=0.5, Roughness=0.6),
         "principled_coat_rough": principled(Coat_Weight=1.0, Coat_Roughness=0.4, Roughness=0.8),
-        "principled_coat_tint": principled((0.8, 0.8, 0.8), Coat_Weight=1.0, Coat_Tint=(0.9, 0.4, 0.2), Roughness=0.5),
+        "principled_coat_tint": principled(
+            (0.8, 0.8, 0.8), Coat_Weight=1.0, Coat_Tint=(0.9, 0.4, 0.2), Roughness=0.5
+        ),
         "principled_coat_ior_2": principled(Coat_Weight=1.0, Coat_IOR=2.0, Roughness=0.5),
-        "principled_coat_metal": principled(Coat_Weight=1.0, Coat_Roughness=0.0, Metallic=1.0, Roughness=0.5),
+        "principled_coat_metal": principled(
+            Coat_Weight=1.0, Coat_Roughness=0.0, Metallic=1.0, Roughness=0.5
+        ),
         "principled_sheen": principled(Sheen_Weight=1.0, Roughness=0.8),
-        "principled_sheen_tint": principled(Sheen_Weight=1.0, Sheen_Roughness=0.2, Sheen_Tint=(0.3, 0.6, 1.0), Roughness=0.8),
+        "principled_sheen_tint": principled(
+            Sheen_Weight=1.0, Sheen_Roughness=0.2, Sheen_Tint=(0.3, 0.6, 1.0), Roughness=0.8
+        ),
         "principled_emission": principled(Emission_Color=(0.2, 0.5, 1.0), Emission_Strength=0.5),
         "principled_film": principled(Thin_Film_Thickness=400.0, Thin_Film_IOR=1.6, Roughness=0.15),
-        "principled_film_metal": principled(Metallic=1.0, Thin_Film_Thickness=350.0, Thin_Film_IOR=1.4, Roughness=0.2),
-        "principled_film_glass": principled((1.0, 1.0, 1.0), Transmission_Weight=1.0, Thin_Film_Thickness=500.0, Roughness=0.1),
+        "principled_film_metal": principled(
+            Metallic=1.0, Thin_Film_Thickness=350.0, Thin_Film_IOR=1.4, Roughness=0.2
+        ),
+        "principled_film_glass": principled(
+            (1.0, 1.0, 1.0), Transmission_Weight=1.0, Thin_Film_Thickness=500.0, Roughness=0.1
+        ),
         "principled_alpha_0.5": principled(Alpha=0.5),
         "principled_alpha_image": principled(Alpha=painted("Alpha"), Base_Color=painted()),
         "principled_everything": principled(
-            Metallic=0.3, Transmission_Weight=0.3, Coat_Weight=0.5, Sheen_Weight=0.5, Alpha=0.8, Emission_Strength=0.1, Roughness=0.3
+            Metallic=0.3,
+            Transmission_Weight=0.3,
+            Coat_Weight=0.5,
+            Sheen_Weight=0.5,
+            Alpha=0.8,
+            Emission_Strength=0.1,
+            Roughness=0.3,
         ),
         "principled_normal_map": principled(Normal=CARVED, Roughness=0.3),
         "principled_bump": principled(Normal=WAVES, Roughness=0.3),
@@ -205,17 +289,40 @@ ROUGH_GLASS = (
 _SUBSURFACE = {"mean_tolerance": 0.06, "block_bias": 0.15, "reference_bias": 0.15}
 
 
-def _case(name: str, material: Spec, *, second: str = "slab", segments: int = 96, **more: Any) -> Case:
+def _case(
+    name: str, material: Spec, *, second: str = "slab", segments: int = 96, **more: Any
+) -> Case:
     options = {"material": material, "second": second, "segments": segments}
-    clear = any(word in name for word in ("glass", "transmission", "dielectric", "bubble", "refraction", "metal", "glossy"))
-    usual = {"width": WIDTH, "height": HEIGHT, "block_bias": 0.04, "samples": 1024 if clear else 384, "photons_per_pass": 10_000}
+    clear = any(
+        word in name
+        for word in (
+            "glass",
+            "transmission",
+            "dielectric",
+            "bubble",
+            "refraction",
+            "metal",
+            "glossy",
+        )
+    )
+    usual = {
+        "width": WIDTH,
+        "height": HEIGHT,
+        "block_bias": 0.04,
+        "samples": 1024 if clear else 384,
+        "photons_per_pass": 10_000,
+    }
     if name in ROUGH_GLASS:
         usual |= {"samples": 4096, "light_samples": False}
     return Case(name, "material_case", options, **(usual | more))
 
 
 def _cases() -> tuple[Case, ...]:
-    cases = [_case(name, material) for part in (_bsdfs(), _light_paths(), _principled(), _normals()) for name, material in part.items()]
+    cases = [
+        _case(name, material)
+        for part in (_bsdfs(), _light_paths(), _principled(), _normals())
+        for name, material in part.items()
+    ]
     alpha_mix = mix(painted("Alpha"), transparent(), diffuse(painted()))
     sided = mix(BACKFACING, diffuse((0.8, 0.1, 0.1)), diffuse((0.1, 0.2, 0.8)))
     sided_gloss = mix(BACKFACING, diffuse(), glossy("GGX", 0.2))
@@ -228,9 +335,17 @@ def _cases() -> tuple[Case, ...]:
         _case("sheet_backfacing_glossy", sided_gloss, second="turned_sheet"),
         _case("sheet_diffuse", diffuse(), second="sheet"),
         _case("sheet_principled", principled(Roughness=0.2), second="sheet"),
-        _case("sheet_principled_back", principled(Roughness=0.2, Coat_Weight=0.5), second="turned_sheet"),
+        _case(
+            "sheet_principled_back",
+            principled(Roughness=0.2, Coat_Weight=0.5),
+            second="turned_sheet",
+        ),
         _case("sheet_glossy_back", glossy("GGX", 0.2), second="turned_sheet"),
-        _case("sheet_mix_translucent", mix(0.5, diffuse(), node("BsdfTranslucent", Color=(0.7, 0.8, 0.5))), second="sheet"),
+        _case(
+            "sheet_mix_translucent",
+            mix(0.5, diffuse(), node("BsdfTranslucent", Color=(0.7, 0.8, 0.5))),
+            second="sheet",
+        ),
         _case("coarse_diffuse", diffuse(), segments=12),
         _case("coarse_glossy", glossy("GGX", 0.2), segments=12),
         _case("coarse_metal_sharp", principled(Metallic=1.0, Roughness=0.0), segments=12),
@@ -241,9 +356,18 @@ def _cases() -> tuple[Case, ...]:
         _case("dielectric_on_diffuse", glass("GGX", 0.0, 1.5), second="filled"),
         _case("holdout", node("Holdout"), alpha=True),
         _case("holdout_mix", mix(0.5, node("Holdout"), diffuse()), alpha=True),
-        # Scattering under the surface is rendered as diffuse, and said so; these two may differ by more.
-        _case("subsurface_thin", principled(Subsurface_Weight=1.0, Subsurface_Scale=0.01), **_SUBSURFACE),
-        _case("subsurface_half", principled(Subsurface_Weight=0.5, Subsurface_Scale=0.05), **_SUBSURFACE),
+        # Scattering under the surface is rendered as diffuse, and said so; these two may differ by
+        # more.
+        _case(
+            "subsurface_thin",
+            principled(Subsurface_Weight=1.0, Subsurface_Scale=0.01),
+            **_SUBSURFACE,
+        ),
+        _case(
+            "subsurface_half",
+            principled(Subsurface_Weight=0.5, Subsurface_Scale=0.05),
+            **_SUBSURFACE,
+        ),
     ]
     return tuple(cases)
 
@@ -263,7 +387,11 @@ def sweep_case(kind: str, roughness: float) -> Case:
         "glass": glass("MULTI_GGX", roughness),
         "metal": principled(STEEL, Metallic=1.0, Roughness=roughness),
     }[kind]
-    rough_glass = {"samples": 3072, "light_samples": False} if kind == "glass" and roughness > 0 else {"samples": 512}
+    rough_glass = (
+        {"samples": 3072, "light_samples": False}
+        if kind == "glass" and roughness > 0
+        else {"samples": 512}
+    )
     case = _case(f"sweep_{kind}_{roughness:.2f}", material, **rough_glass)
     if kind == "floor":
         case.options["second"] = "floor"

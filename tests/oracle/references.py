@@ -1,12 +1,15 @@
-"""Makes the Cycles references anew: `python -m tests.oracle.references [NAME ...]` (all cases without names).
+"""Makes the Cycles references anew: `python -m tests.oracle.references [NAME ...]` (all cases
+without names).
 
-Two independent halves of each picture go to tests/oracle/references/NAME.npz as float16 (rounding of 0.05 % a pixel,
-far below the noise): half_1 and half_2, (height, width, 4) RGBA, row 0 at the bottom, only the border where there is one. Alpha is
-left out of the gallery's pictures that are opaque.
+Two independent halves of each picture go to tests/oracle/references/NAME.npz as float16 (rounding
+of 0.05 % a pixel, far below the noise): half_1 and half_2, (height, width, 4) RGBA, row 0 at the
+bottom, only the border where there is one. Alpha is left out of the gallery's pictures that are
+opaque.
 
-Rough glass is rendered without light samples (Case.light_samples), its lamp as a plane that rays find by chance: where Cycles
-samples a light through a rough refractive surface, it also counts pairs of directions that no facet can refract into each other,
-and so gets more light than by its own rays: `python -m tests.oracle.rough_glass` shows it.
+Rough glass is rendered without light samples (Case.light_samples), its lamp as a plane that rays
+find by chance: where Cycles samples a light through a rough refractive surface, it also counts
+pairs of directions that no facet can refract into each other, and so gets more light than by its
+own rays: `python -m tests.oracle.rough_glass` shows it.
 """
 
 from __future__ import annotations
@@ -26,7 +29,9 @@ FOLDER = Path(__file__).resolve().parent / "references"
 
 
 def cycles_settings(samples: int, seed: int) -> None:
-    """Tell Cycles to solve the rendering equation, nothing less: no clamp, no blur, no denoiser, no early end of a path."""
+    """Tell Cycles to solve the rendering equation, nothing less: no clamp, no blur, no denoiser, no
+    early end of a path.
+    """
     import bpy
 
     scene = bpy.context.scene
@@ -39,9 +44,12 @@ def cycles_settings(samples: int, seed: int) -> None:
     cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0.0
     cycles.blur_glossy = cycles.light_sampling_threshold = 0.0
     cycles.caustics_reflective = cycles.caustics_refractive = True
-    cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = cycles.transmission_bounces = 64
+    cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = (
+        cycles.transmission_bounces
+    ) = 64
     cycles.transparent_max_bounces = 64
-    # The default arranges noise so that it cancels between neighbours; the block tests need independent pixels.
+    # The default arranges noise so that it cancels between neighbours; the block tests need
+    # independent pixels.
     cycles.sampling_pattern = "TABULATED_SOBOL"
     cycles.pixel_filter_type, cycles.filter_width = "BLACKMAN_HARRIS", scene.render.filter_size
     cycles.use_light_tree = True
@@ -49,7 +57,9 @@ def cycles_settings(samples: int, seed: int) -> None:
 
 
 def render_with_cycles(samples: int, seed: int, light_group: str = "") -> np.ndarray:
-    """The current scene as (height, width, 4) float32, row 0 at the bottom; of a border only its inside. RGB of a light group's pass."""
+    """The current scene as (height, width, 4) float32, row 0 at the bottom; of a border only its
+    inside. RGB of a light group's pass.
+    """
     import bpy
 
     cycles_settings(samples, seed)
@@ -86,7 +96,10 @@ def _pass_of_cycles(name: str) -> np.ndarray:
     render = bpy.context.scene.render
     if hasattr(render.image_settings, "media_type"):
         render.image_settings.media_type = "MULTI_LAYER_IMAGE"
-    render.image_settings.file_format, render.image_settings.color_depth = "OPEN_EXR_MULTILAYER", "32"
+    render.image_settings.file_format, render.image_settings.color_depth = (
+        "OPEN_EXR_MULTILAYER",
+        "32",
+    )
     with tempfile.TemporaryDirectory() as folder:
         render.filepath = str(Path(folder, "half.exr"))
         bpy.ops.render.render(write_still=True)
@@ -102,7 +115,9 @@ def _pass_of_cycles(name: str) -> np.ndarray:
 
 
 def without_light_samples() -> None:
-    """Makes every rectangular area lamp of the scene a plane that emits the same and hides nothing, found by scattered rays alone."""
+    """Makes every rectangular area lamp of the scene a plane that emits the same and hides nothing,
+    found by scattered rays alone.
+    """
     import bpy
     from mathutils import Vector
 
@@ -117,11 +132,22 @@ def without_light_samples() -> None:
         if data.type != "AREA" or data.shape != "RECTANGLE" or data.spread < 3.14:
             raise ValueError(f"the lamp {lamp.name!r} has no plane that emits the same")
         half_x, half_y = data.size / 2, data.size_y / 2
-        corners = [Vector((x, y, 0)) for x, y in ((-half_x, half_y), (half_x, half_y), (half_x, -half_y), (-half_x, -half_y))]
-        front = node("Emission", Color=tuple(data.color), Strength=data.energy / (math.pi * data.size * data.size_y))
-        glow = build_material("Glow", add(mix(BACKFACING, front, node("Emission", Strength=0.0)), transparent()))
+        corners = [
+            Vector((x, y, 0))
+            for x, y in ((-half_x, half_y), (half_x, half_y), (half_x, -half_y), (-half_x, -half_y))
+        ]
+        front = node(
+            "Emission",
+            Color=tuple(data.color),
+            Strength=data.energy / (math.pi * data.size * data.size_y),
+        )
+        glow = build_material(
+            "Glow", add(mix(BACKFACING, front, node("Emission", Strength=0.0)), transparent())
+        )
         glow.cycles.emission_sampling = "NONE"
-        plane = m.add_mesh("Plane", [tuple(lamp.matrix_world @ corner) for corner in corners], [(0, 1, 2, 3)], glow)
+        plane = m.add_mesh(
+            "Plane", [tuple(lamp.matrix_world @ corner) for corner in corners], [(0, 1, 2, 3)], glow
+        )
         plane.visible_camera, plane.visible_shadow = lamp.visible_camera, False
         bpy.data.objects.remove(lamp)
 
@@ -137,7 +163,11 @@ def make(case: Case) -> None:
         picture = render_with_cycles(case.samples, seed, case.light_group)
         halves.append(picture if case.alpha or case in CASES else picture[..., :3])
     FOLDER.mkdir(exist_ok=True)
-    np.savez_compressed(FOLDER / f"{case.name}.npz", half_1=halves[0].astype(np.float16), half_2=halves[1].astype(np.float16))
+    np.savez_compressed(
+        FOLDER / f"{case.name}.npz",
+        half_1=halves[0].astype(np.float16),
+        half_2=halves[1].astype(np.float16),
+    )
 
 
 def load(case: Case) -> np.ndarray:
@@ -149,15 +179,25 @@ def load(case: Case) -> np.ndarray:
 def main(names: list[str]) -> int:
     unknown = [name for name in names if name not in BY_NAME]
     if unknown:
-        print(f"no such case: {', '.join(unknown)}; there are {', '.join(BY_NAME)}", file=sys.stderr)
+        print(
+            f"no such case: {', '.join(unknown)}; there are {', '.join(BY_NAME)}", file=sys.stderr
+        )
         return 2
     for name in names or [case.name for case in ALL if not case.reference]:
         started = time.monotonic()
         make(BY_NAME[name])
         halves = load(BY_NAME[name])
-        difference = float(np.abs(halves[0, ..., :3] - halves[1, ..., :3]).mean() / max(halves[..., :3].mean(), 1e-9))
+        difference = float(
+            np.abs(halves[0, ..., :3] - halves[1, ..., :3]).mean()
+            / max(halves[..., :3].mean(), 1e-9)
+        )
         seconds = time.monotonic() - started
-        print(f"{name:28} {seconds:6.1f} s  mean {halves[..., :3].mean():.4f}  noise {difference:.3f}", file=sys.stderr, flush=True)
+        print(
+            f"{name:28} {seconds:6.1f} s  mean {halves[..., :3].mean():.4f}  noise "
+            f"{difference:.3f}",
+            file=sys.stderr,
+            flush=True,
+        )
     return 0
 
 

@@ -1,8 +1,10 @@
-"""Renders every case with both integrators, compares with Cycles and writes out/oracle/index.html, worst first.
+"""Renders every case with both integrators, compares with Cycles and writes out/oracle/index.html,
+worst first.
 
-`python -m tests.oracle.report [--resume] [NAME ...]`. Prints how many pass; the status is 1 if fewer than PASSING do (a case
-passes if both integrators agree with Cycles). --resume goes on where a run was stopped: out/oracle/rows.jsonl. A file's own
-Cycles bounce limits and clamps are not honoured: Cycles was told to solve the rendering equation, see references.py.
+`python -m tests.oracle.report [--resume] [NAME ...]`. Prints how many pass; the status is 1 if
+fewer than PASSING do (a case passes if both integrators agree with Cycles). --resume goes on where
+a run was stopped: out/oracle/rows.jsonl. A file's own Cycles bounce limits and clamps are not
+honoured: Cycles was told to solve the rendering equation, see references.py.
 """
 
 from __future__ import annotations
@@ -30,7 +32,9 @@ from tests.oracle.verdict import INTEGRATORS, Verdict, judge, render
 from tests.oracle.worker import Worker
 
 PASSING = 337
-"""How many of all cases and sweeps passed when this was last raised. Never lower it to let a change through."""
+"""How many of all cases and sweeps passed when this was last raised. Never lower it to let a change
+through.
+"""
 OUT = Path(__file__).resolve().parents[2] / "out" / "oracle"
 ROWS = OUT / "rows.jsonl"
 
@@ -82,22 +86,34 @@ def case_row(worker: Worker, case: Case, integrator: str) -> Row:
 
 def sweep_row(worker: Worker, kind: str, integrator: str) -> Row:
     try:
-        ratios, failures = sweep.compare(kind, sweep.measure(worker, kind, integrator), sweep.load()[kind])
+        ratios, failures = sweep.compare(
+            kind, sweep.measure(worker, kind, integrator), sweep.load()[kind]
+        )
     except (RuntimeError, OSError) as error:
         return Row(f"sweep_{kind}", integrator, float("inf"), "", [str(error)])
     worst = max(abs(ratio - 1) for ratio in ratios)
-    said = "middle at roughness " + ", ".join(f"{r:g}: {ratio:.3f}" for r, ratio in zip(STEPS, ratios, strict=True))
+    said = "middle at roughness " + ", ".join(
+        f"{r:g}: {ratio:.3f}" for r, ratio in zip(STEPS, ratios, strict=True)
+    )
     return Row(f"sweep_{kind}", integrator, worst / sweep.TOLERANCE, said, failures)
 
 
 def finished_rows() -> list[Row]:
-    """What an earlier run left; a row that ended without a picture, as when it was stopped, is to be done again."""
-    rows = [Row(**json.loads(line)) for line in ROWS.read_text().splitlines()] if ROWS.is_file() else []
+    """What an earlier run left; a row that ended without a picture, as when it was stopped, is to
+    be done again.
+    """
+    rows = (
+        [Row(**json.loads(line)) for line in ROWS.read_text().splitlines()]
+        if ROWS.is_file()
+        else []
+    )
     return [row for row in rows if row.said]
 
 
 def render_all(tasks: list[Task], jobs: int) -> list[Row]:
-    """Small pictures gain little from threads: each of `jobs` Blender processes renders with one."""
+    """Small pictures gain little from threads: each of `jobs` Blender processes renders with
+    one.
+    """
     workers: queue.SimpleQueue[Worker] = queue.SimpleQueue()
     writing = threading.Lock()
 
@@ -111,7 +127,10 @@ def render_all(tasks: list[Task], jobs: int) -> list[Row]:
         with writing, ROWS.open("a") as file:
             file.write(json.dumps(asdict(row)) + "\n")
         state = "FAILED" if row.failures else "ok"
-        print(f"{state:7}{row.name:36}{row.integrator:10} {row.said[:200]} {'; '.join(row.failures)}", flush=True)
+        print(
+            f"{state:7}{row.name:36}{row.integrator:10} {row.said[:200]} {'; '.join(row.failures)}",
+            flush=True,
+        )
         return row
 
     with tempfile.TemporaryDirectory(prefix="photon_splat_oracle_") as scratch:
@@ -129,17 +148,23 @@ def render_all(tasks: list[Task], jobs: int) -> list[Row]:
 def page(rows: list[Row], summary: str) -> str:
     parts = [
         "<!doctype html><meta charset=utf-8><title>Photon Splat and Cycles</title>",
-        "<style>body{font:14px sans-serif;background:#222;color:#ddd}img{width:240px;image-rendering:pixelated}"
+        "<style>body{font:14px "
+        "sans-serif;background:#222;color:#ddd}img{width:240px;image-rendering:pixelated}"
         "td{vertical-align:top;padding:4px}.bad{color:#f88}.good{color:#8d8}</style>",
-        f"<h1>{html.escape(summary)}</h1><p>Worst first. Per case: Photon Splat, Cycles, and five times the difference "
-        "(red: brighter than Cycles, blue: darker). The files' own bounce limits and clamps are not honoured.</p><table>",
+        f"<h1>{html.escape(summary)}</h1><p>Worst first. Per case: Photon Splat, Cycles, and five "
+        "times the difference "
+        "(red: brighter than Cycles, blue: darker). The files' own bounce limits and clamps are "
+        "not honoured.</p><table>",
     ]
     for row in sorted(rows, key=lambda row: -row.excess):
         kind = "bad" if row.failures else "good"
         said = "<br>".join(html.escape(text) for text in [row.said, *row.failures] if text)
         parts.append(f"<tr><td><b class={kind}>{row.name}</b><br>{row.integrator}<br>{said}</td>")
         if row.pictures:
-            parts += [f"<td><img src='{row.name}.{row.integrator}.{kind}.png'></td>" for kind in ("ours", "reference", "difference")]
+            parts += [
+                f"<td><img src='{row.name}.{row.integrator}.{kind}.png'></td>"
+                for kind in ("ours", "reference", "difference")
+            ]
         parts.append("</tr>")
     return "\n".join([*parts, "</table>"])
 
@@ -151,8 +176,15 @@ def _name(task: Task) -> str:
 def main() -> int:
     parser = argparse.ArgumentParser(description="Compare with Cycles' pictures.")
     parser.add_argument("names", nargs="*", help="cases and sweeps (default: all)")
-    parser.add_argument("--resume", action="store_true", help="keep what an interrupted run has done")
-    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="Blender processes at a time (default: one per core)")
+    parser.add_argument(
+        "--resume", action="store_true", help="keep what an interrupted run has done"
+    )
+    parser.add_argument(
+        "--jobs",
+        type=int,
+        default=os.cpu_count() or 1,
+        help="Blender processes at a time (default: one per core)",
+    )
     options = parser.parse_args()
     sweep_names = {f"sweep_{kind}": kind for kind in SWEEPS}
     unknown = [name for name in options.names if name not in BY_NAME and name not in sweep_names]
@@ -163,7 +195,11 @@ def main() -> int:
     sweeps = [sweep_names[name] for name in names if name in sweep_names]
     OUT.mkdir(parents=True, exist_ok=True)
     started = time.monotonic()
-    tasks: list[Task] = [(case_row, case, by) for case in cases for by in (INTEGRATORS if case.splat else INTEGRATORS[-1:])]
+    tasks: list[Task] = [
+        (case_row, case, by)
+        for case in cases
+        for by in (INTEGRATORS if case.splat else INTEGRATORS[-1:])
+    ]
     tasks += [(sweep_row, kind, by) for kind in sweeps for by in INTEGRATORS]
     rows = [row for row in finished_rows() if row.name in names] if options.resume else []
     if not options.resume:
@@ -175,7 +211,11 @@ def main() -> int:
     (OUT / "index.html").write_text(page(rows, summary))
     print(f"{summary} ({time.monotonic() - started:.0f} s). Pictures: out/oracle/index.html")
     if not options.names and len(passed) < PASSING:
-        print(f"That is fewer than the {PASSING} that passed before: {', '.join(sorted(set(names) - passed))}", file=sys.stderr)
+        print(
+            f"That is fewer than the {PASSING} that passed before: "
+            f"{', '.join(sorted(set(names) - passed))}",
+            file=sys.stderr,
+        )
         return 1
     return 0
 

@@ -1,8 +1,10 @@
-"""Cycles against itself on rough glass: `python -m tests.oracle.rough_glass [ROUGHNESS]` prints its mean with and without light samples.
+"""Cycles against itself on rough glass: `python -m tests.oracle.rough_glass [ROUGHNESS]` prints its
+mean with and without light samples.
 
-Both ways solve the same equation, and on any other material they agree. The lamp is the gallery's. What light samples add is light
-that would have to be refracted by more than a facet can: the half vector of the two directions lies on the wrong side of one of them.
-Photon Splat counts those pairs as dark, and agrees with Cycles' own rays.
+Both ways solve the same equation, and on any other material they agree. The lamp is the gallery's.
+What light samples add is light that would have to be refracted by more than a facet can: the half
+vector of the two directions lies on the wrong side of one of them. Photon Splat counts those pairs
+as dark, and agrees with Cycles' own rays.
 """
 
 from __future__ import annotations
@@ -26,9 +28,16 @@ def means(case: Case, samples: int = 1024) -> tuple[float, float]:
 
 def main() -> int:
     roughness = float(sys.argv[1]) if len(sys.argv) > 1 else 1.0
-    for name, case in (("diffuse", BY_NAME["diffuse_0"]), (f"glass, roughness {roughness:g}", sweep_case("glass", roughness))):
+    for name, case in (
+        ("diffuse", BY_NAME["diffuse_0"]),
+        (f"glass, roughness {roughness:g}", sweep_case("glass", roughness)),
+    ):
         sampled, scattered = means(case)
-        print(f"{name:24} with light samples {sampled:.4f}, by scattered rays alone {scattered:.4f}: {sampled / scattered:.4f}", flush=True)
+        print(
+            f"{name:24} with light samples {sampled:.4f}, by scattered rays alone "
+            f"{scattered:.4f}: {sampled / scattered:.4f}",
+            flush=True,
+        )
     return 0
 
 

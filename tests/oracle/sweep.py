@@ -1,7 +1,8 @@
 """Roughness from 0 to 1 in 21 steps on a floor, on glass and on metal: brightness against Cycles'.
 
-`python -m tests.oracle.sweep [KIND ...]` makes the Cycles means anew: sweep.json, [mean of the picture, of its middle, and the
-standard errors of both] per step. The middle is where the ball and the second thing are.
+`python -m tests.oracle.sweep [KIND ...]` makes the Cycles means anew: sweep.json, [mean of the
+picture, of its middle, and the standard errors of both] per step. The middle is where the ball and
+the second thing are.
 """
 
 from __future__ import annotations
@@ -22,24 +23,36 @@ TOLERANCE = 0.02
 
 
 def means(pictures: np.ndarray) -> list[float]:
-    """Of (K, height, width, >= 3) pictures: mean of everything, of the middle, and their standard errors."""
+    """Of (K, height, width, >= 3) pictures: mean of everything, of the middle, and their standard
+    errors.
+    """
     parts = (pictures[..., :3], pictures[:, MIDDLE[0], MIDDLE[1], :3])
     each = [part.mean((1, 2, 3)) for part in parts]
     return [float(x.mean()) for x in each] + [float(x.std(ddof=1) / len(x) ** 0.5) for x in each]
 
 
-def compare(kind: str, ours: list[list[float]], cycles: list[list[float]]) -> tuple[list[float], list[str]]:
-    """The 21 ratios in the middle, and what is wrong with them: beyond 2 %, or a jump between neighbours that Cycles lacks."""
+def compare(
+    kind: str, ours: list[list[float]], cycles: list[list[float]]
+) -> tuple[list[float], list[str]]:
+    """The 21 ratios in the middle, and what is wrong with them: beyond 2 %, or a jump between
+    neighbours that Cycles lacks.
+    """
     failures = []
     a, b = np.array(ours), np.array(cycles)
     ratio = a[:, :2] / b[:, :2]
     noise = 3 * np.sqrt((a[:, 2:] / a[:, :2]) ** 2 + (b[:, 2:] / b[:, :2]) ** 2)
     for step, ((whole, middle), allowed) in enumerate(zip(ratio, TOLERANCE + noise, strict=True)):
         if abs(whole - 1) > allowed[0] or abs(middle - 1) > allowed[1]:
-            failures.append(f"{kind} at roughness {STEPS[step]:.2f}: {whole:.4f} of Cycles', {middle:.4f} in the middle")
+            failures.append(
+                f"{kind} at roughness {STEPS[step]:.2f}: {whole:.4f} of Cycles', {middle:.4f} in "
+                "the middle"
+            )
     for step, jump in enumerate(np.diff(ratio[:, 1])):
         if abs(jump) > TOLERANCE + noise[step, 1]:
-            failures.append(f"{kind} jumps by {jump:+.4f} from roughness {STEPS[step]:.2f} to {STEPS[step + 1]:.2f}")
+            failures.append(
+                f"{kind} jumps by {jump:+.4f} from roughness {STEPS[step]:.2f} to "
+                f"{STEPS[step + 1]:.2f}"
+            )
     return [float(x) for x in ratio[:, 1]], failures
 
 
@@ -51,7 +64,13 @@ def measure(worker: Worker, kind: str, integrator: str) -> list[list[float]]:
         settings = {"passes": passes, "photons_per_pass": 20_000, "max_bounces": 64, "threads": 1}
         if integrator == "gather":
             settings["final_gather"] = FinalGather.ON
-        steps.append(means(worker.render(case, "reference" if integrator == "reference" else "splat", seeds, **settings)[0]))
+        steps.append(
+            means(
+                worker.render(
+                    case, "reference" if integrator == "reference" else "splat", seeds, **settings
+                )[0]
+            )
+        )
     return steps
 
 
@@ -76,7 +95,13 @@ def main() -> int:
                 halves.append(render_with_cycles(case.samples, seed))
             said[kind].append([round(x, 6) for x in means(np.stack(halves))])
             print(case.name, said[kind][-1], file=sys.stderr, flush=True)
-        FILE.write_text("{\n" + ",\n".join(f' "{k}": [\n  ' + ",\n  ".join(map(str, v)) + "\n ]" for k, v in said.items()) + "\n}\n")
+        FILE.write_text(
+            "{\n"
+            + ",\n".join(
+                f' "{k}": [\n  ' + ",\n  ".join(map(str, v)) + "\n ]" for k, v in said.items()
+            )
+            + "\n}\n"
+        )
     return 0
 
 

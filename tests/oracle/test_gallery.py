@@ -1,4 +1,6 @@
-"""A telling part of the gallery, one case per family, the integrators in turn. `make oracle` renders it whole, by both."""
+"""A telling part of the gallery, one case per family, the integrators in turn. `make oracle`
+renders it whole, by both.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +14,9 @@ from tests.oracle.verdict import INTEGRATORS, render
 from tests.oracle.worker import Worker
 
 
-@pytest.mark.parametrize(("name", "integrator"), [(name, INTEGRATORS[k % 2]) for k, name in enumerate(TELLING)])
+@pytest.mark.parametrize(
+    ("name", "integrator"), [(name, INTEGRATORS[k % 2]) for k, name in enumerate(TELLING)]
+)
 def test_material(worker: Worker, name: str, integrator: str) -> None:
     case = BY_NAME[name]
     compare(case, integrator, render(worker, case, integrator))

@@ -1,10 +1,14 @@
-"""The splat against our own path tracer: same scene, same shading, so that only the estimator can differ.
+"""The splat against our own path tracer: same scene, same shading, so that only the estimator can
+differ.
 
 Where the splat is biased, and why:
-- blocks where things stand on or lean against a surface: the disc reaches under them, where no photon can land, and the
+- blocks where things stand on or lean against a surface: the disc reaches under them, where no
+photon can land, and the
   kernel mass does not know it (darker there, by 10 % of the indirect light at worst);
-- corners and contact shadows of indirect light narrower than the disc: blurred (both signs, no loss);
-- folds and narrow bevels: few photons within the disc, so rare bright pixels (noise with a heavy tail, no bias).
+- corners and contact shadows of indirect light narrower than the disc: blurred (both signs, no
+loss);
+- folds and narrow bevels: few photons within the disc, so rare bright pixels (noise with a heavy
+tail, no bias).
 """
 
 from __future__ import annotations
@@ -21,7 +25,9 @@ from tests.oracle.test_oracle import FAILURES
 from tests.oracle.verdict import DARK
 from tests.oracle.worker import Worker
 
-SHARED = Path(os.environ.get("PHOTON_SPLAT_SCENES", Path(__file__).resolve().parents[3] / "shared" / "scenes"))
+SHARED = Path(
+    os.environ.get("PHOTON_SPLAT_SCENES", Path(__file__).resolve().parents[3] / "shared" / "scenes")
+)
 CORNELL_ORIGINAL = (0.1972, 0.1277, 0.0364)
 """Mean R, G, B of the whole picture, linear, on which three other renderers agree."""
 
@@ -29,7 +35,14 @@ CORNELL_ORIGINAL = (0.1972, 0.1277, 0.0364)
 @pytest.mark.parametrize("name", ["cornell_box_100k", "interior", "instances"])
 def test_splat_agrees_with_the_path_tracer(worker: Worker, name: str) -> None:
     case = CASE[name]
-    splat, _ = worker.render(case, "splat", list(range(6)), passes=case.passes, photons_per_pass=case.photons_per_pass, max_bounces=64)
+    splat, _ = worker.render(
+        case,
+        "splat",
+        list(range(6)),
+        passes=case.passes,
+        photons_per_pass=case.photons_per_pass,
+        max_bounces=64,
+    )
     truth, _ = worker.render(case, "reference", [21, 22], passes=200, max_bounces=64)
     splat, truth = splat[..., :3], truth[..., :3]
     ratio, error = mean_ratio(splat, truth)
@@ -44,7 +57,8 @@ def test_splat_agrees_with_the_path_tracer(worker: Worker, name: str) -> None:
     if abs(ratio - 1) > 0.01 or not (result.passed or known):
         save_pictures(FAILURES, f"{name}.integrators", splat.mean(0), truth.mean(0))
         pytest.fail(
-            f"{name}: mean {ratio:.4f} +- {error:.4f} of the path tracer's; {result}. Pictures: out/failures/{name}.integrators.*.png"
+            f"{name}: mean {ratio:.4f} +- {error:.4f} of the path tracer's; {result}. Pictures: "
+            f"out/failures/{name}.integrators.*.png"
         )
 
 
@@ -54,5 +68,7 @@ def test_cornell_original_has_its_known_mean(worker: Worker, integrator: str) ->
     if not path.is_file():
         pytest.skip(f"{path} is not there (set PHOTON_SPLAT_SCENES to the folder that holds it)")
     case = Case("cornell_original", "open_file", {"path": str(path)}, 128, 128)
-    pictures, _ = worker.render(case, integrator, [1, 2], passes=128, photons_per_pass=50_000, max_bounces=64)
+    pictures, _ = worker.render(
+        case, integrator, [1, 2], passes=128, photons_per_pass=50_000, max_bounces=64
+    )
     assert pictures[..., :3].mean((0, 1, 2)) == pytest.approx(np.array(CORNELL_ORIGINAL), rel=0.01)

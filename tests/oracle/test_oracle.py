@@ -1,4 +1,6 @@
-"""Photon Splat against Cycles on some cases of cases.py, by verdict.py's rules. `make oracle` renders them all."""
+"""Photon Splat against Cycles on some cases of cases.py, by verdict.py's rules. `make oracle`
+renders them all.
+"""
 
 from __future__ import annotations
 
@@ -15,12 +17,33 @@ from tests.oracle.verdict import judge, render
 from tests.oracle.worker import Worker
 
 SHARE = 24
-"""Of the cases that are no scenes of their own, one of so many; which ones differs between the integrators."""
-SPLAT_SCENES, REFERENCE_SCENES = {"cornell_box", "interior", "light_types"}, {"cornell_box", "interior", "instances"}
-QUICK_SPLAT = [case for k, case in enumerate(SPLAT_CASES) if case.name in SPLAT_SCENES or (case.name not in SCENES and k % SHARE == 0)]
-QUICK_SPLAT += [case for case in LAMP_TREES if case.name in {"lamp_area_checker", "lamp_point_linear", "lamp_spot_ies"}]
-QUICK_GATHER = [case for k, case in enumerate(SPLAT_CASES) if case.name in {"cornell_box", "interior"} or k % (2 * SHARE) == 2]
-QUICK_REFERENCE = [case for k, case in enumerate(CASES) if case.name in REFERENCE_SCENES or (case.name not in SCENES and k % SHARE == 1)]
+"""Of the cases that are no scenes of their own, one of so many; which ones differs between the
+integrators.
+"""
+SPLAT_SCENES, REFERENCE_SCENES = (
+    {"cornell_box", "interior", "light_types"},
+    {"cornell_box", "interior", "instances"},
+)
+QUICK_SPLAT = [
+    case
+    for k, case in enumerate(SPLAT_CASES)
+    if case.name in SPLAT_SCENES or (case.name not in SCENES and k % SHARE == 0)
+]
+QUICK_SPLAT += [
+    case
+    for case in LAMP_TREES
+    if case.name in {"lamp_area_checker", "lamp_point_linear", "lamp_spot_ies"}
+]
+QUICK_GATHER = [
+    case
+    for k, case in enumerate(SPLAT_CASES)
+    if case.name in {"cornell_box", "interior"} or k % (2 * SHARE) == 2
+]
+QUICK_REFERENCE = [
+    case
+    for k, case in enumerate(CASES)
+    if case.name in REFERENCE_SCENES or (case.name not in SCENES and k % SHARE == 1)
+]
 
 FAILURES = Path(__file__).resolve().parents[2] / "out" / "failures"
 
@@ -30,7 +53,10 @@ def compare(case: Case, integrator: str, ours: np.ndarray) -> None:
     if verdict.failures:
         save_pictures(FAILURES, f"{case.name}.{integrator}", verdict.ours, verdict.reference)
         said = "; ".join(verdict.failures)
-        pytest.fail(f"{case.name}, {integrator}: {said}. Pictures: out/failures/{case.name}.{integrator}.*.png")
+        pytest.fail(
+            f"{case.name}, {integrator}: {said}. Pictures: "
+            f"out/failures/{case.name}.{integrator}.*.png"
+        )
 
 
 @pytest.mark.parametrize("case", QUICK_SPLAT, ids=lambda case: case.name)
@@ -59,9 +85,13 @@ def test_the_comparison_can_fail(worker: Worker) -> None:
 
 
 def test_statistics_say_what_was_done(worker: Worker) -> None:
-    _, statistics = worker.render(CASE["cornell_box"], "splat", [0], passes=2, photons_per_pass=5000)
+    _, statistics = worker.render(
+        CASE["cornell_box"], "splat", [0], passes=2, photons_per_pass=5000
+    )
     said: dict[str, Any] = statistics[0]
-    assert {"export", "acceleration", "camera", "photons", "splat", "boundary", "total"} <= said["seconds"].keys()
+    assert {"export", "acceleration", "camera", "photons", "splat", "boundary", "total"} <= said[
+        "seconds"
+    ].keys()
     assert said["photons"]["traced"] >= 10_000
     assert said["passes"] == 2
     assert said["peak_memory_bytes"] > 1e6

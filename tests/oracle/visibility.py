@@ -1,4 +1,6 @@
-"""Cases like those of cases.py: what some kinds of ray do not see, lamps without shadow, and other things that are said of lamps."""
+"""Cases like those of cases.py: what some kinds of ray do not see, lamps without shadow, and other
+things that are said of lamps.
+"""
 
 from __future__ import annotations
 
@@ -13,15 +15,29 @@ ALL_BUT_CAMERA = ("diffuse", "glossy", "transmission", "shadow")
 def _hidden(name: str, on: str, *off: str, **more: Any) -> Case:
     alpha = bool(more.get("transparent"))
     dark = name == "lamp_diffuse"  # nothing but caustics is left, which Cycles hardly knows
-    splat = on != "world"  # its light comes through the gaps under things, which photons blur, all flags on as well
+    # its light comes through the gaps under things, which photons blur, all flags on as well
+    splat = on != "world"
     made = {"on": on, "off": list(off), **more}
     tolerance = 0.1 if dark else 0.02
-    return Case(f"rays_{name}", "ray_visibility", made, alpha=alpha, reference_bias=0.01, mean_tolerance=tolerance, splat=splat)
+    return Case(
+        f"rays_{name}",
+        "ray_visibility",
+        made,
+        alpha=alpha,
+        reference_bias=0.01,
+        mean_tolerance=tolerance,
+        splat=splat,
+    )
 
 
 def _shadowless(kind: str, energy: float, **options: Any) -> Case:
     name = f"shadowless_{kind.lower()}"
-    return Case(name, "lamp_without_shadow", {"kind": kind, "energy": energy, **options}, reference_bias=0.006)
+    return Case(
+        name,
+        "lamp_without_shadow",
+        {"kind": kind, "energy": energy, **options},
+        reference_bias=0.006,
+    )
 
 
 def _squeezed(name: str, kind: str, energy: float, **options: Any) -> Case:
@@ -37,7 +53,10 @@ VISIBILITY = (
     _hidden("instance_diffuse_shadow", "instance", "diffuse", "shadow"),
     _hidden("collection_indirect", "collection", "indirect_only"),
     _hidden("collection_holdout", "collection", "holdout", transparent=True),
-    *(_hidden(f"emitter_{kind}", "emitter", kind) for kind in ("camera", "diffuse", "glossy", "shadow")),
+    *(
+        _hidden(f"emitter_{kind}", "emitter", kind)
+        for kind in ("camera", "diffuse", "glossy", "shadow")
+    ),
     *(_hidden(f"lamp_{kind}", "lamp", kind) for kind in ("diffuse", "glossy", "transmission")),
     *(_hidden(f"world_{kind}", "world", kind) for kind in ("camera", "diffuse", "glossy")),
     _shadowless("POINT", 30.0, shadow_soft_size=0.05),

@@ -1,8 +1,10 @@
-"""A Blender process that renders cases with Photon Splat on request, so that a crash takes only its own test along.
+"""A Blender process that renders cases with Photon Splat on request, so that a crash takes only its
+own test along.
 
-Reads one JSON object per line from stdin: case (fields of Case), integrator, seeds, output, and overrides of RenderSettings. Writes the
-pictures (seeds, height, width, 4) to `output` (.npy) and answers with one JSON line: {"ok": true, "statistics": [...]}
-or {"ok": false, "error": "..."}. What Blender prints goes to stderr.
+Reads one JSON object per line from stdin: case (fields of Case), integrator, seeds, output, and
+overrides of RenderSettings. Writes the pictures (seeds, height, width, 4) to `output` (.npy) and
+answers with one JSON line: {"ok": true, "statistics": [...]} or {"ok": false, "error": "..."}. What
+Blender prints goes to stderr.
 """
 
 from __future__ import annotations
@@ -32,8 +34,11 @@ class Worker:
         self.process: subprocess.Popen[str] | None = None
         self.done: dict[str, tuple[np.ndarray, list[dict[str, Any]]]] = {}
 
-    def render(self, case: Case, integrator: str, seeds: list[int], **settings: Any) -> tuple[np.ndarray, list[dict[str, Any]]]:
-        """(K, height, width, 4) pictures, one per seed, and their statistics. RuntimeError if the process fails or hangs.
+    def render(
+        self, case: Case, integrator: str, seeds: list[int], **settings: Any
+    ) -> tuple[np.ndarray, list[dict[str, Any]]]:
+        """(K, height, width, 4) pictures, one per seed, and their statistics. RuntimeError if the
+        process fails or hangs.
 
         The same request a second time gets the same answer without rendering again.
         """
@@ -42,7 +47,9 @@ class Worker:
             self.done[key] = self._render(case, integrator, seeds, settings)
         return self.done[key]
 
-    def _render(self, case: Case, integrator: str, seeds: list[int], settings: dict[str, Any]) -> tuple[np.ndarray, list[dict[str, Any]]]:
+    def _render(
+        self, case: Case, integrator: str, seeds: list[int], settings: dict[str, Any]
+    ) -> tuple[np.ndarray, list[dict[str, Any]]]:
         if self.process is None or self.process.poll() is not None:
             self._start()
         process = self.process
@@ -50,7 +57,13 @@ class Worker:
         assert process.stdin is not None
         assert process.stdout is not None
         output = self.scratch / f"{case.name}.{integrator}.npy"
-        request = {"case": asdict(case), "integrator": integrator, "seeds": seeds, "output": str(output), "settings": settings}
+        request = {
+            "case": asdict(case),
+            "integrator": integrator,
+            "seeds": seeds,
+            "output": str(output),
+            "settings": settings,
+        }
         process.stdin.write(json.dumps(request) + "\n")
         process.stdin.flush()
         watch = threading.Timer(SECONDS, process.kill)
@@ -58,7 +71,9 @@ class Worker:
         answer = process.stdout.readline()
         watch.cancel()
         if not answer:
-            raise RuntimeError(f"Blender ended with status {process.wait()} while it rendered {case.name}")
+            raise RuntimeError(
+                f"Blender ended with status {process.wait()} while it rendered {case.name}"
+            )
         said = json.loads(answer)
         if not said["ok"]:
             raise RuntimeError(said["error"])
@@ -66,9 +81,19 @@ class Worker:
 
     def _start(self) -> None:
         path = os.pathsep.join([str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])])
-        environment = os.environ | {"BLENDER_USER_RESOURCES": str(self.scratch / "blender"), "PYTHONPATH": path}
+        environment = os.environ | {
+            "BLENDER_USER_RESOURCES": str(self.scratch / "blender"),
+            "PYTHONPATH": path,
+        }
         command = [sys.executable, "-m", "tests.oracle.worker"]
-        self.process = subprocess.Popen(command, cwd=ROOT, env=environment, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        self.process = subprocess.Popen(
+            command,
+            cwd=ROOT,
+            env=environment,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
 
     def stop(self) -> None:
         if self.process is not None:
@@ -91,8 +116,12 @@ def _serve() -> None:
         answers.flush()
 
 
-def _render(case: dict[str, Any], integrator: str, seeds: list[int], output: str, settings: dict[str, Any]) -> list[dict[str, Any]]:
-    """Through Blender's render operator, as a user would: export, engine and settings are the real ones."""
+def _render(
+    case: dict[str, Any], integrator: str, seeds: list[int], output: str, settings: dict[str, Any]
+) -> list[dict[str, Any]]:
+    """Through Blender's render operator, as a user would: export, engine and settings are the real
+    ones.
+    """
     import bpy
     from photon_splat.core.settings import Integrator
     from photon_splat.job import observer
@@ -110,7 +139,9 @@ def _render(case: dict[str, Any], integrator: str, seeds: list[int], output: str
 
     observer.on_result, observer.on_error = keep, errors.append
     for seed in seeds:
-        observer.settings = lambda plain, seed=seed: replace(plain, integrator=Integrator(integrator), seed=seed, **settings)
+        observer.settings = lambda plain, seed=seed: replace(
+            plain, integrator=Integrator(integrator), seed=seed, **settings
+        )
         bpy.ops.render.render()
     if errors:
         raise errors[0]

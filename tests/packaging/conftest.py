@@ -1,4 +1,6 @@
-"""Helpers for tests that look at the native module from outside: each check runs in a Python process of its own."""
+"""Helpers for tests that look at the native module from outside: each check runs in a Python
+process of its own.
+"""
 
 from __future__ import annotations
 
@@ -34,7 +36,9 @@ def bpy_lib() -> Path:
 
 @pytest.fixture
 def run_python(tmp_path: Path) -> RunPython:
-    """run_python(code, **environment) runs the code in a new process, with a clean Blender user folder."""
+    """run_python(code, **environment) runs the code in a new process, with a clean Blender user
+    folder.
+    """
 
     def run(code: str, **environment: str) -> subprocess.CompletedProcess[str]:
         clean = {key: value for key, value in os.environ.items() if not key.startswith("LD_")}

@@ -1,4 +1,6 @@
-"""The Python package: the core stands without Blender, and the wheel holds addon/ and shaders/ and nothing else."""
+"""The Python package: the core stands without Blender, and the wheel holds addon/ and shaders/ and
+nothing else.
+"""
 
 from __future__ import annotations
 
@@ -20,17 +22,26 @@ MODULES = sorted(path.relative_to(ROOT / "addon") for path in (ROOT / "addon").r
 IMPORT_CORE = """
 import importlib, pkgutil, sys
 import photon_splat.core
-names = [module.name for module in pkgutil.walk_packages(photon_splat.core.__path__, "photon_splat.core.")]
+modules = pkgutil.walk_packages(photon_splat.core.__path__, "photon_splat.core.")
+names = [module.name for module in modules]
 for name in names:
     importlib.import_module(name)
-print(len(names), sorted(name for name in sys.modules if name.split(".")[0] in ("bpy", "mathutils", "_bpy")))
+blender = ("bpy", "mathutils", "_bpy")
+print(len(names), sorted(name for name in sys.modules if name.split(".")[0] in blender))
 """
 
 
 def test_the_version_is_stated_once() -> None:
     """By the extension's manifest; everything else reads it there."""
     stated = tomllib.loads((ROOT / "addon/blender_manifest.toml").read_text())["version"]
-    for path in ("pyproject.toml", "setup.py", "native/pyproject.toml", "native/CMakeLists.txt", "README.md", "Makefile"):
+    for path in (
+        "pyproject.toml",
+        "setup.py",
+        "native/pyproject.toml",
+        "native/CMakeLists.txt",
+        "README.md",
+        "Makefile",
+    ):
         assert stated not in (ROOT / path).read_text(), path
     assert version("photon_splat_native") == version("photon-splat") == stated
 
@@ -48,10 +59,22 @@ def test_the_wheel_holds_every_module_the_shaders_and_the_manifest(tmp_path: Pat
         shutil.copytree(ROOT / name, source / name, ignore=shutil.ignore_patterns("__pycache__"))
     for name in ("pyproject.toml", "setup.py", "LICENSE"):
         shutil.copy(ROOT / name, source)
-    command = [sys.executable, "-m", "pip", "wheel", "-q", "--no-build-isolation", "--no-deps", "--disable-pip-version-check"]
+    command = [
+        sys.executable,
+        "-m",
+        "pip",
+        "wheel",
+        "-q",
+        "--no-build-isolation",
+        "--no-deps",
+        "--disable-pip-version-check",
+    ]
     subprocess.run([*command, "-w", tmp_path, source], check=True, timeout=120)
     (wheel,) = tmp_path.glob("photon_splat-*-py3-none-any.whl")
     names = zipfile.ZipFile(wheel).namelist()
     payload = {name for name in names if ".dist-info/" not in name}
     shaders = [path.relative_to(ROOT) for path in (ROOT / "shaders").iterdir()]
-    assert payload == {f"photon_splat/{path.as_posix()}" for path in [*MODULES, *shaders, Path("blender_manifest.toml")]}
+    assert payload == {
+        f"photon_splat/{path.as_posix()}"
+        for path in [*MODULES, *shaders, Path("blender_manifest.toml")]
+    }

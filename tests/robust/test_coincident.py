@@ -13,7 +13,9 @@ RED, GREEN = (0.8, 0.05, 0.05), (0.05, 0.8, 0.05)
 
 
 @pytest.mark.parametrize("integrator", c.BOTH)
-@pytest.mark.parametrize("thing", [c.box((-0.5,) * 3, (0.5,) * 3), c.globe(0.6, 3)], ids=["box", "globe"])
+@pytest.mark.parametrize(
+    "thing", [c.box((-0.5,) * 3, (0.5,) * 3), c.globe(0.6, 3)], ids=["box", "globe"]
+)
 def test_the_last_of_two_twins_is_seen(thing: c.Mesh, integrator: Integrator) -> None:
     view = c.perspective((2.0, -2.0, 2.0), (0.0, 0.0, 0.0), 24, 24, 0.4)
     lamp = c.lamp(LightKind.POINT, 300.0, (1.0, -1.0, 3.0))

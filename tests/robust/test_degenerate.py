@@ -1,4 +1,6 @@
-"""Scenes and settings at the edge of sense: a correct picture or one clear sentence, never NaN, infinity or a crash."""
+"""Scenes and settings at the edge of sense: a correct picture or one clear sentence, never NaN,
+infinity or a crash.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +25,9 @@ def room(
     pixels: int = 16,
     emission: float = 0.0,
 ) -> Scene:
-    """A closed box of half width `size` about `centre`, a block in it, the camera inside, a small lamp near the ceiling."""
+    """A closed box of half width `size` about `centre`, a block in it, the camera inside, a small
+    lamp near the ceiling.
+    """
     x, y, z = centre
     eye = (x - 0.8 * size, y - 0.8 * size, z)
     view = c.perspective(eye, (x, y, z - 0.2 * size), pixels, pixels, 1.2)
@@ -32,11 +36,20 @@ def room(
     block = c.box((x, y, z - 0.999 * size), (x + 0.4 * size, y + 0.4 * size, z))
     things = [(walls, c.lambert(0.6, emission)), (block, c.lambert((0.7, 0.3, 0.2)))]
     if lights is None:
-        lights = [c.lamp(LightKind.POINT, 100.0 * size**2, (x - 0.2 * size, y + 0.1 * size, z + 0.8 * size), radius=0.05 * size)]
+        lights = [
+            c.lamp(
+                LightKind.POINT,
+                100.0 * size**2,
+                (x - 0.2 * size, y + 0.1 * size, z + 0.8 * size),
+                radius=0.05 * size,
+            )
+        ]
     return c.scene(view, things, lights)
 
 
-def finite(what: Scene, integrator: Integrator = Integrator.SPLAT, **settings: object) -> np.ndarray:
+def finite(
+    what: Scene, integrator: Integrator = Integrator.SPLAT, **settings: object
+) -> np.ndarray:
     """Render; every pass must be finite."""
     result = c.shoot(what, integrator, **(SMALL | settings))
     for name, values in result.passes.items():
@@ -76,17 +89,26 @@ def test_area_lamp_without_size_is_black(integrator: Integrator) -> None:
 @integrators
 def test_sun_outside_of_a_closed_room(integrator: Integrator) -> None:
     """No photon gets in; nothing is seen."""
-    picture = finite(room(lights=[c.lamp(LightKind.SUN, 5.0, (0.0, 0.0, 9.0), angle=0.1)]), integrator)
+    picture = finite(
+        room(lights=[c.lamp(LightKind.SUN, 5.0, (0.0, 0.0, 9.0), angle=0.1)]), integrator
+    )
     assert picture[..., :3].max() < 1e-6
 
 
 @integrators
 def test_lamp_on_a_surface(integrator: Integrator) -> None:
     finite(
-        room(lights=[c.lamp(LightKind.POINT, 10.0, (0.0, 0.0, 1.0)), c.lamp(LightKind.POINT, 10.0, (0.2, 0.2, 0.0), radius=0.1)]),
+        room(
+            lights=[
+                c.lamp(LightKind.POINT, 10.0, (0.0, 0.0, 1.0)),
+                c.lamp(LightKind.POINT, 10.0, (0.2, 0.2, 0.0), radius=0.1),
+            ]
+        ),
         integrator,
     )
-    finite(room(lights=[c.lamp(LightKind.AREA, 10.0, (0.0, 0.0, 1.0), size=(0.5, 0.5))]), integrator)
+    finite(
+        room(lights=[c.lamp(LightKind.AREA, 10.0, (0.0, 0.0, 1.0), size=(0.5, 0.5))]), integrator
+    )
 
 
 @integrators
@@ -123,22 +145,32 @@ def test_huge_picture_of_few_photons() -> None:
 def test_scale(integrator: Integrator, scale: float) -> None:
     """A scene scaled together with its lamps' power (by the square) is the same picture."""
     settings = {"passes": 32, "photons_per_pass": 10_000, "seed": 5}
-    plain, scaled = finite(room(), integrator, **settings), finite(room(scale), integrator, **settings)
+    plain, scaled = (
+        finite(room(), integrator, **settings),
+        finite(room(scale), integrator, **settings),
+    )
     assert scaled.mean() == pytest.approx(plain.mean(), rel=0.01)
     assert np.abs(scaled - plain).mean() < 0.03 * plain.mean()
 
 
 @integrators
 def test_far_from_the_origin(integrator: Integrator) -> None:
-    """1 km away a metre still has eight thousand float32 steps; what is left of the error is the vertices' rounding."""
+    """1 km away a metre still has eight thousand float32 steps; what is left of the error is the
+    vertices' rounding.
+    """
     settings = {"passes": 32, "photons_per_pass": 10_000, "seed": 5}
-    plain, far = finite(room(), integrator, **settings), finite(room(centre=(1e3, -2e3, 500.0)), integrator, **settings)
+    plain, far = (
+        finite(room(), integrator, **settings),
+        finite(room(centre=(1e3, -2e3, 500.0)), integrator, **settings),
+    )
     assert far.mean() == pytest.approx(plain.mean(), rel=0.02)
 
 
 @integrators
 def test_far_from_the_origin_by_matrix(integrator: Integrator) -> None:
-    """Matrices are float64: instances, camera and lamp moved 100 km away together give the same picture."""
+    """Matrices are float64: instances, camera and lamp moved 100 km away together give the same
+    picture.
+    """
     settings = {"passes": 32, "photons_per_pass": 10_000, "seed": 5}
     plain = finite(room(), integrator, **settings)
     what = room()
@@ -170,7 +202,9 @@ def _finite_or_refused(what: Scene, integrator: Integrator = Integrator.SPLAT) -
 @integrators
 @pytest.mark.parametrize("bad", [np.nan, np.inf])
 def test_vertices_that_are_not_finite(integrator: Integrator, bad: float) -> None:
-    """The exporter drops them; the core must refuse them in a sentence or leave them out, but not spread them."""
+    """The exporter drops them; the core must refuse them in a sentence or leave them out, but not
+    spread them.
+    """
     what = room()
     what.meshes[1].positions[2, 1] = bad
     _finite_or_refused(what, integrator)
@@ -199,7 +233,15 @@ def test_numbers_that_are_not_finite_elsewhere(bad: float) -> None:
     def spoil_world(what: Scene) -> None:
         what.world = (bad, 0.0, 0.0)
 
-    for spoil in (spoil_light, spoil_light_matrix, spoil_instance, spoil_material, spoil_emission, spoil_camera, spoil_world):
+    for spoil in (
+        spoil_light,
+        spoil_light_matrix,
+        spoil_instance,
+        spoil_material,
+        spoil_emission,
+        spoil_camera,
+        spoil_world,
+    ):
         what = room()
         spoil(what)
         _finite_or_refused(what)
@@ -222,7 +264,15 @@ def test_texture_with_nan_never_reaches_the_film(integrator: Integrator) -> None
 def test_slivers_and_degenerate_triangles(integrator: Integrator) -> None:
     what = room()
     sliver = c.mesh(
-        [(0, 0, 0.2), (0.5, 0, 0.2), (0.25, 1e-9, 0.2), (0.1, 0.1, 0.3), (0.1, 0.1, 0.3), (0.2, 0.1, 0.3)], [(0, 1, 2), (3, 4, 5)]
+        [
+            (0, 0, 0.2),
+            (0.5, 0, 0.2),
+            (0.25, 1e-9, 0.2),
+            (0.1, 0.1, 0.3),
+            (0.1, 0.1, 0.3),
+            (0.2, 0.1, 0.3),
+        ],
+        [(0, 1, 2), (3, 4, 5)],
     )
     what.meshes[1] = sliver
     finite(what, integrator)
@@ -262,7 +312,11 @@ def test_sheets_thinner_than_a_kernel_do_not_leak() -> None:
     upper = c.box((-1, -1, 0.001), (1, 1, 1), inwards=True)
     lower = c.box((-1, -1, -1), (1, 1, -0.001), inwards=True)
     lamp = c.lamp(LightKind.POINT, 100.0, (0.0, 0.0, 0.5))
-    picture = finite(c.scene(view, [(upper, c.lambert(0.7)), (lower, c.lambert(0.7))], [lamp]), passes=16, photons_per_pass=20_000)
+    picture = finite(
+        c.scene(view, [(upper, c.lambert(0.7)), (lower, c.lambert(0.7))], [lamp]),
+        passes=16,
+        photons_per_pass=20_000,
+    )
     assert not picture[..., :3].any()
 
 
@@ -287,7 +341,9 @@ def test_settings_that_make_no_sense_are_named(setting: str, value: float | str)
         RenderSettings(**{setting: value})
 
 
-@pytest.mark.parametrize("spoil", ["mesh index", "material set", "material", "triangle", "texture", "uv shape"])
+@pytest.mark.parametrize(
+    "spoil", ["mesh index", "material set", "material", "triangle", "texture", "uv shape"]
+)
 def test_indices_out_of_range_are_refused(spoil: str) -> None:
     what = room()
     if spoil == "mesh index":
@@ -322,7 +378,9 @@ def test_transparent_film_has_no_sky() -> None:
 
 
 def test_units_of_the_camera_visible_lamp() -> None:
-    """An area lamp of 1 m^2 and pi W that the camera may see has radiance 1; what is behind it shines through."""
+    """An area lamp of 1 m^2 and pi W that the camera may see has radiance 1; what is behind it
+    shines through.
+    """
     lamp = c.lamp(LightKind.AREA, pi, (0.0, 0.0, 0.0), (0.0, 0.0, 1.0), camera_visible=True)
     view = c.perspective((0, 0, 2), (0, 0, 0), 8, 8, 0.2)
     assert finite(c.scene(view, [], [lamp]))[..., :3] == pytest.approx(1.0, rel=1e-4)

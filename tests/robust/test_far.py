@@ -45,8 +45,13 @@ def picture(scene: Scene, integrator: Integrator) -> np.ndarray:
 @pytest.mark.parametrize("integrator", c.BOTH)
 @pytest.mark.parametrize("sun", [False, True], ids=["lamp", "sun"])
 @pytest.mark.parametrize("distance", [1e4, 1e6])
-def test_an_object_far_away_changes_nothing(integrator: Integrator, sun: bool, distance: float) -> None:
-    alone, beside = picture(stage(sun=sun), integrator), picture(stage(far_box(distance), sun=sun), integrator)
+def test_an_object_far_away_changes_nothing(
+    integrator: Integrator, sun: bool, distance: float
+) -> None:
+    alone, beside = (
+        picture(stage(sun=sun), integrator),
+        picture(stage(far_box(distance), sun=sun), integrator),
+    )
     assert beside.mean() == pytest.approx(alone.mean(), rel=0.015)
     assert np.abs(beside - alone).mean() < 0.06 * alone.mean()
 

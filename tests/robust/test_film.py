@@ -25,7 +25,10 @@ def test_arrays_by_name_are_those_of_the_whole_film() -> None:
         renderer.splat()
         renderer.resolve()
         film = renderer.film()
-        parts = [film[f"{kind}_{way}"] for kind in LIGHT for way in ("direct", "indirect")] + [film["emission"], film["environment"]]
+        parts = [film[f"{kind}_{way}"] for kind in LIGHT for way in ("direct", "indirect")] + [
+            film["emission"],
+            film["environment"],
+        ]
         assert np.allclose(film["combined"][..., :3], sum(parts), rtol=1e-6)
         assert np.array_equal(film["combined"][..., 3:], film["alpha"])
         assert film["diffuse_indirect"].any()

@@ -24,13 +24,18 @@ def test_a_pass_is_cut_where_its_time_ends() -> None:
     cut = c.shoot(room(pixels=32), passes=4, photons_per_pass=1 << 34, time_limit=1.0)
     assert cut.statistics["passes"] == 1
     assert cut.statistics["photons"]["traced"] < 1 << 30
-    assert cut.passes["Combined"][..., :3].mean() == pytest.approx(few.passes["Combined"][..., :3].mean(), rel=0.05)
+    assert cut.passes["Combined"][..., :3].mean() == pytest.approx(
+        few.passes["Combined"][..., :3].mean(), rel=0.05
+    )
 
 
 def test_photons_that_are_left_out_are_made_up_for() -> None:
     means = []
     for part in (1, 4):
-        what, settings = room(pixels=32), RenderSettings(passes=1, photons_per_pass=400_000, fallback=False)
+        what, settings = (
+            room(pixels=32),
+            RenderSettings(passes=1, photons_per_pass=400_000, fallback=False),
+        )
         start = start_anew(what, settings)
         start.prepare()
         renderer = start.renderer
@@ -66,7 +71,9 @@ def test_denoising_is_foreseen(monkeypatch: pytest.MonkeyPatch) -> None:
     foreseen = Ending(960, 540)
     assert foreseen.seconds(1, 1.0) == 0.0
     foreseen.try_denoiser(0)
-    assert foreseen.seconds(1, 1.0) / ending.CAUTION == pytest.approx(0.1 + 1e-5 * 960 * 540, rel=0.05)
+    assert foreseen.seconds(1, 1.0) / ending.CAUTION == pytest.approx(
+        0.1 + 1e-5 * 960 * 540, rel=0.05
+    )
     runs = denoising_runs(apart=True, noisy_features=True)
     assert foreseen.seconds(1, runs) == pytest.approx(runs * foreseen.seconds(1, 1.0))
     assert foreseen.seconds(1, 0.0) == 0.0
@@ -74,23 +81,33 @@ def test_denoising_is_foreseen(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_passes_leave_time_for_denoising(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(ending, "_denoise_seconds", lambda side, threads: 10.0 * side**2)
-    result = c.shoot(room(pixels=32), passes=100, photons_per_pass=1000, time_limit=1000.0, denoise=True)
+    result = c.shoot(
+        room(pixels=32), passes=100, photons_per_pass=1000, time_limit=1000.0, denoise=True
+    )
     assert result.statistics["passes"] == 1
 
 
 # --- memory ---
 
 
-def test_a_picture_that_does_not_fit_is_refused_before_the_render(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_picture_that_does_not_fit_is_refused_before_the_render(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     monkeypatch.setattr(memory, "free_memory_bytes", lambda: 200_000)
-    with pytest.raises(MemoryError, match=r"a picture of 32 x 32 pixels takes 0.0 GB at the least, and 0.0 GB are free; render it smaller"):
+    with pytest.raises(
+        MemoryError,
+        match=r"a picture of 32 x 32 pixels takes 0.0 GB at the least, and 0.0 GB are free; "
+        r"render it smaller",
+    ):
         c.shoot(room(pixels=32), passes=1, photons_per_pass=100)
     monkeypatch.setattr(memory, "free_memory_bytes", lambda: None)
     c.shoot(room(pixels=32), passes=1, photons_per_pass=100)
 
 
 def test_free_memory_is_that_of_the_container(tmp_path: Path) -> None:
-    (tmp_path / "meminfo").write_text("MemTotal: 900 kB\nMemAvailable:  300 kB\nSwapFree: 50 kB\nHugePages_Total: 0\n")
+    (tmp_path / "meminfo").write_text(
+        "MemTotal: 900 kB\nMemAvailable:  300 kB\nSwapFree: 50 kB\nHugePages_Total: 0\n"
+    )
     assert memory._linux_free(tmp_path / "meminfo") == 350 * 1024
     assert memory._linux_free(tmp_path / "none") is None
     assert list(memory._group_free(tmp_path)) == [None, None]
@@ -105,7 +122,10 @@ def test_free_memory_is_that_of_the_container(tmp_path: Path) -> None:
 
 def test_the_film_takes_150_bytes_a_pixel_at_most() -> None:
     start = start_anew(room(pixels=512), RenderSettings(passes=3, photons_per_pass=1000))
-    for arrays, most in ((final_arrays({"Combined"}, RenderSettings()), 100), (final_arrays(None, RenderSettings(denoise=True)), 150)):
+    for arrays, most in (
+        (final_arrays({"Combined"}, RenderSettings()), 100),
+        (final_arrays(None, RenderSettings(denoise=True)), 150),
+    ):
         start.renderer.keep_film(arrays)
         start.prepare()
         for number in range(3):

@@ -1,4 +1,6 @@
-"""Light that reaches the camera's room only through a small hole: guided emission must find it and stay unbiased."""
+"""Light that reaches the camera's room only through a small hole: guided emission must find it and
+stay unbiased.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,9 @@ HOLE = 0.08
 
 
 def keyhole(world: float, sun: float) -> Scene:
-    """A grey room of 2 m under a roof with a hole of 0.16 m, on a plane of 8 m that takes most of the photons."""
+    """A grey room of 2 m under a roof with a hole of 0.16 m, on a plane of 8 m that takes most of
+    the photons.
+    """
     a, h = 1.0, HOLE
     outer = [(-a, -a, a), (a, -a, a), (a, a, a), (-a, a, a)]
     inner = [(-h, -h, a), (h, -h, a), (h, h, a), (-h, h, a)]
@@ -26,17 +30,25 @@ def keyhole(world: float, sun: float) -> Scene:
         "walls",
     )
     grey = c.lambert(0.6)
-    lights = [c.lamp(LightKind.SUN, sun, (0.0, 0.0, 5.0), (0.6, 0.2, 0.0), angle=0.05)] if sun else []
+    lights = (
+        [c.lamp(LightKind.SUN, sun, (0.0, 0.0, 5.0), (0.6, 0.2, 0.0), angle=0.05)] if sun else []
+    )
     view = c.perspective((0.0, -0.9, 0.0), (0.0, 1.0, -0.1), 32, 32, 1.4)
     return c.scene(view, [(roof, grey), (walls, grey), (c.quad(4.0, -1.01), grey)], lights, world)
 
 
-def indirect(what: Scene, integrator: Integrator, seeds: int, **settings: float) -> tuple[float, float, bool]:
-    """Mean indirect radiance of the picture, its standard error over seeds, and whether emission was guided."""
+def indirect(
+    what: Scene, integrator: Integrator, seeds: int, **settings: float
+) -> tuple[float, float, bool]:
+    """Mean indirect radiance of the picture, its standard error over seeds, and whether emission
+    was guided.
+    """
     means, guided = [], False
     for seed in range(seeds):
         result = c.shoot(what, integrator, seed=seed, **settings)
-        means.append(float((result.passes["Diffuse Indirect"] * result.passes["Diffuse Color"]).mean()))
+        means.append(
+            float((result.passes["Diffuse Indirect"] * result.passes["Diffuse Color"]).mean())
+        )
         guided = result.statistics["photons"]["indirect"]["guided"]
     return float(np.mean(means)), float(np.std(means, ddof=1) / np.sqrt(seeds)), guided
 
@@ -44,15 +56,26 @@ def indirect(what: Scene, integrator: Integrator, seeds: int, **settings: float)
 @pytest.mark.parametrize(("world", "sun"), [(0.0, 20.0), (pi, 0.0)], ids=["sun", "world"])
 def test_guided_photons_are_unbiased(world: float, sun: float) -> None:
     truth, noise, _ = indirect(keyhole(world, sun), Integrator.REFERENCE, 4, passes=256)
-    ours, error, guided = indirect(keyhole(world, sun), Integrator.SPLAT, 6, passes=16, photons_per_pass=100_000, radius_scale=0.4)
-    assert guided  # and with a narrow kernel: the automatic one blurs light about the spot, 2 % of the mean here
+    ours, error, guided = indirect(
+        keyhole(world, sun),
+        Integrator.SPLAT,
+        6,
+        passes=16,
+        photons_per_pass=100_000,
+        radius_scale=0.4,
+    )
+    # and with a narrow kernel: the automatic one blurs light about the spot, 2 % of the mean here
+    assert guided
     assert truth > 0
     assert ours == pytest.approx(truth, abs=4 * np.hypot(noise, error) + 0.01 * truth)
 
 
 def test_an_open_box_is_left_unguided() -> None:
     what = c.scene(
-        c.perspective((0.0, -0.95, 0.0), (0.0, 1.0, 0.0), 32, 32, 2.2), [(c.box((-1, -1, -1), (1, 1, 1), inwards=True), c.lambert(0.9))]
+        c.perspective((0.0, -0.95, 0.0), (0.0, 1.0, 0.0), 32, 32, 2.2),
+        [(c.box((-1, -1, -1), (1, 1, 1), inwards=True), c.lambert(0.9))],
     )
     what.lights = [c.lamp(LightKind.POINT, 10.0, (0.0, 0.0, 0.5))]
-    assert not c.shoot(what, passes=1, photons_per_pass=20_000).statistics["photons"]["indirect"]["guided"]
+    assert not c.shoot(what, passes=1, photons_per_pass=20_000).statistics["photons"]["indirect"][
+        "guided"
+    ]

@@ -1,4 +1,6 @@
-"""Area lamps in the plane of a surface: one answer of all estimators, and a warning that names both."""
+"""Area lamps in the plane of a surface: one answer of all estimators, and a warning that names
+both.
+"""
 
 from __future__ import annotations
 
@@ -20,13 +22,19 @@ def room(below: float) -> Scene:
     return c.scene(view, [(walls, c.lambert(0.6))], [lamp])
 
 
-def shoot(below: float, integrator: Integrator, gather: FinalGather = FinalGather.OFF) -> RenderResult:
+def shoot(
+    below: float, integrator: Integrator, gather: FinalGather = FinalGather.OFF
+) -> RenderResult:
     return c.shoot(room(below), integrator, passes=32, photons_per_pass=20_000, final_gather=gather)
 
 
 def means(below: float) -> list[float]:
     """Of splats without and with final gathering, and of the path tracer."""
-    ways = ((Integrator.SPLAT, FinalGather.OFF), (Integrator.SPLAT, FinalGather.ON), (Integrator.REFERENCE, FinalGather.OFF))
+    ways = (
+        (Integrator.SPLAT, FinalGather.OFF),
+        (Integrator.SPLAT, FinalGather.ON),
+        (Integrator.REFERENCE, FinalGather.OFF),
+    )
     return [float(shoot(below, *way).passes["Combined"][..., :3].mean()) for way in ways]
 
 

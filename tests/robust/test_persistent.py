@@ -1,4 +1,6 @@
-"""Renders one after the other that keep their photons: nothing flickers, and memory stays within its budget."""
+"""Renders one after the other that keep their photons: nothing flickers, and memory stays within
+its budget.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +18,9 @@ SIZE, PIXELS, SHIFT = 1.0, 64, 8
 
 
 def room(shift: int = 0) -> Scene:
-    """The floor of a closed grey room, seen from above by a camera that is `shift` pixels to the right."""
+    """The floor of a closed grey room, seen from above by a camera that is `shift` pixels to the
+    right.
+    """
     view = c.ortho_down(0.9, SIZE, PIXELS, (shift * SIZE / PIXELS, 0.0))
     lamp = c.lamp(LightKind.POINT, 10.0, (0.3, 0.2, 0.8), radius=0.05)
     return c.scene(view, [(c.box((-1, -1, 0), (1, 1, 1), inwards=True), c.lambert(0.6))], [lamp])
@@ -47,7 +51,12 @@ def test_photons_beyond_the_budget_are_traced_again_to_the_same_effect() -> None
     little, much = Persistent(budget), Persistent()
     for shift in (0, SHIFT):
         some, every = shoot(room(shift), little), shoot(room(shift), much)
-        assert 0 < some.statistics["photons"]["kept_bytes"] <= budget < every.statistics["photons"]["kept_bytes"]
+        assert (
+            0
+            < some.statistics["photons"]["kept_bytes"]
+            <= budget
+            < every.statistics["photons"]["kept_bytes"]
+        )
         assert np.std(indirect(some) - indirect(every)) < 0.01 * np.mean(indirect(every))
     assert 0 < some.statistics["photons"]["traced"] < 4 * 20_000
     assert some.statistics["reused"]["photons"] < every.statistics["reused"]["photons"]
@@ -58,7 +67,9 @@ def test_a_render_with_more_passes_takes_up_where_photons_end() -> None:
     shoot(room(), persistent, passes=2)
     more = shoot(room(), persistent, passes=5)
     assert more.statistics["photons"]["traced"] == 3 * 20_000
-    assert np.array_equal(more.passes["Combined"], shoot(room(), Persistent(), passes=5).passes["Combined"])
+    assert np.array_equal(
+        more.passes["Combined"], shoot(room(), Persistent(), passes=5).passes["Combined"]
+    )
 
 
 def test_another_seed_has_other_photons() -> None:
@@ -66,4 +77,6 @@ def test_another_seed_has_other_photons() -> None:
     shoot(room(), persistent)
     other = shoot(room(), persistent, seed=1)
     assert other.statistics["reused"] == {"geometry": False, "photons": 0}
-    assert np.array_equal(other.passes["Combined"], shoot(room(), Persistent(), seed=1).passes["Combined"])
+    assert np.array_equal(
+        other.passes["Combined"], shoot(room(), Persistent(), seed=1).passes["Combined"]
+    )

@@ -1,4 +1,6 @@
-"""The scene plan: it says what a scene lacks, leaves out nothing that is there, and what it leaves out costs nothing."""
+"""The scene plan: it says what a scene lacks, leaves out nothing that is there, and what it leaves
+out costs nothing.
+"""
 
 from __future__ import annotations
 
@@ -12,9 +14,13 @@ from tests import corescene as c
 from tests.robust.test_degenerate import room
 
 
-def floor(albedo: float = 0.5, emission: float = 0.0, world: float = 0.0, lamp: float = 0.0) -> Scene:
+def floor(
+    albedo: float = 0.5, emission: float = 0.0, world: float = 0.0, lamp: float = 0.0
+) -> Scene:
     lights = [c.lamp(LightKind.POINT, lamp)] if lamp else []
-    return c.scene(c.ortho_down(2.0, 1.0, 8), [(c.quad(), c.lambert(albedo, emission))], lights, world)
+    return c.scene(
+        c.ortho_down(2.0, 1.0, 8), [(c.quad(), c.lambert(albedo, emission))], lights, world
+    )
 
 
 @pytest.mark.parametrize(
@@ -52,7 +58,8 @@ def test_words_and_flags() -> None:
     assert "Surface edges cut" in text
     assert "Things or walls stand in" in text
     assert plan["flags"] == {
-        "photons": True, "world": False, "textures": False, "boundary": True, "occlusion": True, "adaptive_radius": True,
+        "photons": True, "world": False, "textures": False,
+        "boundary": True, "occlusion": True, "adaptive_radius": True,
         "adaptive_samples": True, "fallback": True, "final_gather": False,
     }  # fmt: skip
 
@@ -64,18 +71,29 @@ def test_components_can_be_forced_off() -> None:
         without = c.shoot(what, passes=12, photons_per_pass=20_000, **{name: False})
         assert not np.array_equal(plain.passes["Combined"], without.passes["Combined"]), name
         assert len(without.statistics["plan"]["sentences"]) > 0
-    assert c.shoot(what, passes=2, photons_per_pass=20_000, occlusion=False).statistics["discs"]["obstructed"] == 0
+    assert (
+        c.shoot(what, passes=2, photons_per_pass=20_000, occlusion=False).statistics["discs"][
+            "obstructed"
+        ]
+        == 0
+    )
 
 
 def test_components_can_be_forced_on() -> None:
     """What the plan leaves out would have cost something and brought nothing."""
     what = room(pixels=24)
     plain = c.shoot(what, passes=6, photons_per_pass=20_000, adaptive_samples=False)
-    forced = c.shoot(what, passes=6, photons_per_pass=20_000, adaptive_samples=False, force=("caustics",))
+    forced = c.shoot(
+        what, passes=6, photons_per_pass=20_000, adaptive_samples=False, force=("caustics",)
+    )
     assert forced.statistics["photons"]["traced"] == 2 * plain.statistics["photons"]["traced"]
     assert forced.statistics["photons"]["caustic"]["stored"] == 0
     assert "Forced on: caustics." in forced.statistics["plan"]["sentences"]
-    assert forced.passes["Combined"].mean() == pytest.approx(plain.passes["Combined"].mean(), rel=0.02)
-    assert c.shoot(floor(), passes=2, photons_per_pass=1000, force=("photons",)).statistics["plan"]["flags"]["photons"]
+    assert forced.passes["Combined"].mean() == pytest.approx(
+        plain.passes["Combined"].mean(), rel=0.02
+    )
+    assert c.shoot(floor(), passes=2, photons_per_pass=1000, force=("photons",)).statistics["plan"][
+        "flags"
+    ]["photons"]
     with pytest.raises(ValueError, match="'bloom' is no component that can be forced"):
         RenderSettings(force=("bloom",))

@@ -32,7 +32,12 @@ print(result.statistics["peak_memory_bytes"], result.statistics["photons"]["trac
 @integrators
 def test_any_number_of_threads_gives_the_same_bits(integrator: Integrator) -> None:
     """The photon's and the sample's index decide its random numbers."""
-    pictures = [c.shoot(room(pixels=48), integrator, passes=3, photons_per_pass=150_000, threads=n, seed=9).passes for n in (1, 2, 5)]
+    pictures = [
+        c.shoot(
+            room(pixels=48), integrator, passes=3, photons_per_pass=150_000, threads=n, seed=9
+        ).passes
+        for n in (1, 2, 5)
+    ]
     for other in pictures[1:]:
         for name, values in pictures[0].items():
             assert np.array_equal(values, other[name]), name
@@ -40,13 +45,23 @@ def test_any_number_of_threads_gives_the_same_bits(integrator: Integrator) -> No
 
 @integrators
 def test_another_seed_is_another_picture_of_the_same_thing(integrator: Integrator) -> None:
-    one, two = (c.picture(room(pixels=32), integrator, passes=32, photons_per_pass=10_000, seed=s) for s in (1, 2))
+    one, two = (
+        c.picture(room(pixels=32), integrator, passes=32, photons_per_pass=10_000, seed=s)
+        for s in (1, 2)
+    )
     assert not np.array_equal(one, two)
     assert one.mean() == pytest.approx(two.mean(), rel=0.02)
 
 
 def _peak(photons: int) -> int:
-    done = subprocess.run([sys.executable, "-c", PEAK, str(photons)], cwd=ROOT, capture_output=True, text=True, timeout=120, check=True)
+    done = subprocess.run(
+        [sys.executable, "-c", PEAK, str(photons)],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=True,
+    )
     peak, traced = (int(word) for word in done.stdout.split())
     assert traced == photons
     return peak
@@ -54,7 +69,9 @@ def _peak(photons: int) -> int:
 
 def test_memory_does_not_grow_with_photons() -> None:
     few, many = _peak(10_000), _peak(3_000_000)
-    assert many < 1.1 * few, f"{few / 1e6:.0f} MB for 10,000 photons, {many / 1e6:.0f} MB for 3 million"
+    assert many < 1.1 * few, (
+        f"{few / 1e6:.0f} MB for 10,000 photons, {many / 1e6:.0f} MB for 3 million"
+    )
 
 
 def test_passes_add_up() -> None:
@@ -68,17 +85,25 @@ def test_passes_add_up() -> None:
 
 
 def test_the_last_pass_gets_what_fits() -> None:
-    seconds, last = PassSize(2.0, 0.5), PassSize(4.0, 1.0)  # of the last pass, which took half a second for the rest
+    # of the last pass, which took half a second for the rest
+    seconds, last = PassSize(2.0, 0.5), PassSize(4.0, 1.0)
     fits = pass_that_fits
     assert fits(3.0, 3.0, seconds, last, last) == last
-    assert fits(1.75, 3.0, seconds, last, last) == PassSize(2.125, 0.375)  # the same part of samples beyond the first, and of photons
-    assert fits(3.0, 3.0, seconds, last, PassSize(8.0, 2.0)) == PassSize(pytest.approx(1 + 7 * 4 / 9), pytest.approx(2 * 4 / 9))
-    assert fits(1.25, 3.0, seconds, last, last) == PassSize(pytest.approx(1.25), 0.25)  # a quarter of the photons first
+    # the same part of samples beyond the first, and of photons
+    assert fits(1.75, 3.0, seconds, last, last) == PassSize(2.125, 0.375)
+    assert fits(3.0, 3.0, seconds, last, PassSize(8.0, 2.0)) == PassSize(
+        pytest.approx(1 + 7 * 4 / 9), pytest.approx(2 * 4 / 9)
+    )
+    # a quarter of the photons first
+    assert fits(1.25, 3.0, seconds, last, last) == PassSize(pytest.approx(1.25), 0.25)
     assert fits(1.2, 3.0, seconds, last, PassSize(1.0, 1.0)) == PassSize(1.0, pytest.approx(0.4))
     assert fits(1.1, 3.0, seconds, last, PassSize(1.0, 1.0)) is None  # too few photons
     assert fits(0.4, 3.0, seconds, last, last) is None  # the rest alone takes longer
     assert fits(-1.0, 3.0, PassSize(0.0, 0.0), last, last) is None
-    assert fits(2.0, 3.0, PassSize(2.5, 0.0), last, last) == PassSize(pytest.approx(2.4), pytest.approx(7 / 15))  # photons cost nothing
+    # photons cost nothing
+    assert fits(2.0, 3.0, PassSize(2.5, 0.0), last, last) == PassSize(
+        pytest.approx(2.4), pytest.approx(7 / 15)
+    )
 
 
 def test_time_limit_is_kept() -> None:
@@ -90,7 +115,9 @@ def test_time_limit_is_kept() -> None:
     assert not result.cancelled
 
 
-def cancelled_render(what: Scene, settings: RenderSettings, after: float = 0.0) -> tuple[RenderResult, float]:
+def cancelled_render(
+    what: Scene, settings: RenderSettings, after: float = 0.0
+) -> tuple[RenderResult, float]:
     """Cancels `after` seconds into a render; its result, and how long it then went on."""
     began = time.monotonic()
     asked: list[float] = []
@@ -110,10 +137,14 @@ def cancelled_render(what: Scene, settings: RenderSettings, after: float = 0.0) 
 @pytest.mark.parametrize("after", [0.0, 0.5])
 def test_cancel_within_a_fifth_of_a_second(integrator: Integrator, after: float) -> None:
     settings = RenderSettings(passes=1000, photons_per_pass=5_000_000, integrator=integrator)
-    results, took = zip(*(cancelled_render(room(pixels=800), settings, after) for _ in range(3)), strict=True)
+    results, took = zip(
+        *(cancelled_render(room(pixels=800), settings, after) for _ in range(3)), strict=True
+    )
     assert sorted(took)[0] < 0.2  # the best of three: other programs may hold up one
     for result in results:
-        assert all(np.isfinite(values).all() for name, values in result.passes.items() if name != "Depth")
+        assert all(
+            np.isfinite(values).all() for name, values in result.passes.items() if name != "Depth"
+        )
 
 
 def test_cancel_while_embree_builds() -> None:
@@ -125,7 +156,12 @@ def test_cancel_while_embree_builds() -> None:
 def test_progress_rises_to_one() -> None:
     seen: list[float] = []
     settings = RenderSettings(passes=12, photons_per_pass=200_000)
-    render(room(pixels=128), settings, started=time.monotonic(), on_progress=lambda progress: seen.append(progress.fraction))
+    render(
+        room(pixels=128),
+        settings,
+        started=time.monotonic(),
+        on_progress=lambda progress: seen.append(progress.fraction),
+    )
     assert len(seen) > 3
     assert seen == sorted(seen)
     assert 0.0 <= seen[0] <= seen[-1] <= 1.0
@@ -136,4 +172,9 @@ def test_an_error_in_a_callback_reaches_the_caller() -> None:
         raise ZeroDivisionError("on purpose")
 
     with pytest.raises(ZeroDivisionError, match="on purpose"):
-        render(room(pixels=64), RenderSettings(passes=1000), started=time.monotonic(), on_progress=broken)
+        render(
+            room(pixels=64),
+            RenderSettings(passes=1000),
+            started=time.monotonic(),
+            on_progress=broken,
+        )

@@ -22,7 +22,9 @@ def papered(pixels: np.ndarray, readings: int = 1) -> Scene:
     material.front.base_color_texture = 0
     what = c.scene(c.ortho_down(2.0, 1.0, 8), [(c.quad(), material)])
     ways = [Interpolation.LINEAR, Interpolation.CLOSEST, Interpolation.CUBIC]
-    what.textures = [Texture("image", pixels, True, ways[k], Extension.REPEAT) for k in range(readings)]
+    what.textures = [
+        Texture("image", pixels, True, ways[k], Extension.REPEAT) for k in range(readings)
+    ]
     return what
 
 
@@ -31,7 +33,12 @@ def test_an_eight_bit_image_is_kept_once_in_eight_bits() -> None:
     alive = weakref.ref(pixels)
     what = papered(pixels, 3)
     del pixels
-    result = render(what, RenderSettings(passes=1, photons_per_pass=0), started=time.monotonic(), release_textures=True)
+    result = render(
+        what,
+        RenderSettings(passes=1, photons_per_pass=0),
+        started=time.monotonic(),
+        release_textures=True,
+    )
     assert STORED <= result.statistics["texture_bytes"] <= 1.1 * STORED
     assert alive() is None  # no second copy in Python
 

@@ -1,9 +1,11 @@
-"""The failures of photon density estimation that are known, each as a tiny scene with its right answer.
+"""The failures of photon density estimation that are known, each as a tiny scene with its right
+answer.
 
-What is compared is light that has bounced (and emission with it, in the furnace); numbers are those of the project's list of
-failures. `truth` is a number where the answer is known exactly; elsewhere truth.npz holds a path-traced one, made by
-`python -m tests.stability.run --truth`. `tolerance` bounds the error of means over 4x4 pixels, relative to the truth's mean
-(to `unit` where that mean is 0).
+What is compared is light that has bounced (and emission with it, in the furnace); numbers are those
+of the project's list of failures. `truth` is a number where the answer is known exactly; elsewhere
+truth.npz holds a path-traced one, made by `python -m tests.stability.run --truth`. `tolerance`
+bounds the error of means over 4x4 pixels, relative to the truth's mean (to `unit` where that mean
+is 0).
 """
 
 from __future__ import annotations
@@ -52,18 +54,28 @@ def free_edge() -> Scene:
     """A table over a bright wall's foot: the light on it falls off towards its free edges."""
     table = c.mesh([(-0.5, -0.5, 0), (0.5, -0.5, 0), (0.5, 0.5, 0), (-0.5, 0.5, 0)], [(0, 1, 2, 3)])
     wall = c.mesh([(-1, 0.7, -0.2), (1, 0.7, -0.2), (1, 0.7, 1.2), (-1, 0.7, 1.2)], [(0, 1, 2, 3)])
-    lamp = c.lamp(LightKind.SPOT, 100.0, (0.0, -0.5, 1.2), (0.0, 0.7, 0.5), spot_size=0.7, spot_blend=1.0)
-    return c.scene(c.ortho_down(2.0, 1.1, PIXELS), [(table, c.lambert(0.7)), (wall, c.lambert(0.8))], [lamp])
+    lamp = c.lamp(
+        LightKind.SPOT, 100.0, (0.0, -0.5, 1.2), (0.0, 0.7, 0.5), spot_size=0.7, spot_blend=1.0
+    )
+    return c.scene(
+        c.ortho_down(2.0, 1.1, PIXELS), [(table, c.lambert(0.7)), (wall, c.lambert(0.8))], [lamp]
+    )
 
 
 def unequal_corner() -> Scene:
     """A floor and a wall that meet; the wall gets much more bounced light than the floor."""
     floor = c.mesh([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)], [(0, 1, 2, 3)])
     wall = c.mesh([(-1, 1, 0), (1, 1, 0), (1, 1, 2), (-1, 1, 2)], [(0, 1, 2, 3)])
-    facing = c.mesh([(-1, -0.3, 1.0), (1, -0.3, 1.0), (1, -0.3, 2.0), (-1, -0.3, 2.0)], [(0, 1, 2, 3)])
-    lamp = c.lamp(LightKind.SPOT, 100.0, (0.0, 0.8, 1.6), (0.0, -0.3, 1.5), spot_size=1.0, spot_blend=0.5)
+    facing = c.mesh(
+        [(-1, -0.3, 1.0), (1, -0.3, 1.0), (1, -0.3, 2.0), (-1, -0.3, 2.0)], [(0, 1, 2, 3)]
+    )
+    lamp = c.lamp(
+        LightKind.SPOT, 100.0, (0.0, 0.8, 1.6), (0.0, -0.3, 1.5), spot_size=1.0, spot_blend=0.5
+    )
     return c.scene(
-        _view((0.0, -2.0, 0.8), (0.0, 1.0, 0.4)), [(floor, c.lambert(0.5)), (wall, c.lambert(0.5)), (facing, c.lambert(0.8))], [lamp]
+        _view((0.0, -2.0, 0.8), (0.0, 1.0, 0.4)),
+        [(floor, c.lambert(0.5)), (wall, c.lambert(0.5)), (facing, c.lambert(0.8))],
+        [lamp],
     )
 
 
@@ -77,7 +89,9 @@ def _two_rooms(floor_of_one_piece: bool) -> Scene:
     else:  # two boxes, back to back, their walls a millimetre apart
         parts.append((c.box((-2, -1, 0), (-0.0005, 1, 2), inwards=True), grey))
         parts.append((c.box((0.0005, -1, 0), (2, 1, 2), inwards=True), grey))
-    return c.scene(_view((1.9, -0.9, 1.8), (0.0, 0.2, 0.2), 1.2), parts, [_area(60.0, (-1.0, 0.0, 1.9))])
+    return c.scene(
+        _view((1.9, -0.9, 1.8), (0.0, 0.2, 0.2), 1.2), parts, [_area(60.0, (-1.0, 0.0, 1.9))]
+    )
 
 
 def thin_wall() -> Scene:
@@ -89,24 +103,39 @@ def floor_under_wall() -> Scene:
 
 
 def box_on_floor() -> Scene:
-    room, block = c.box((-1, -1, 0), (1, 1, 2), inwards=True), c.box((-0.3, -0.3, 0.0), (0.3, 0.3, 0.5))
+    room, block = (
+        c.box((-1, -1, 0), (1, 1, 2), inwards=True),
+        c.box((-0.3, -0.3, 0.0), (0.3, 0.3, 0.5)),
+    )
     return c.scene(
-        _view((0.0, -0.95, 0.9), (0.0, 0.0, 0.1), 1.0), [(room, c.lambert(0.7)), (block, c.lambert(0.3))], [_area(40.0, (0, 0, 1.95))]
+        _view((0.0, -0.95, 0.9), (0.0, 0.0, 0.1), 1.0),
+        [(room, c.lambert(0.7)), (block, c.lambert(0.3))],
+        [_area(40.0, (0, 0, 1.95))],
     )
 
 
 def dark_side() -> Scene:
-    """The underside of a sheet: lit by the floor alone, while the upper side gets far more photons."""
+    """The underside of a sheet: lit by the floor alone, while the upper side gets far more
+    photons.
+    """
     room = c.box((-1, -1, 0), (1, 1, 2), inwards=True)
-    sheet = c.mesh([(-0.6, -0.6, 1.2), (0.6, -0.6, 1.2), (0.6, 0.6, 1.2), (-0.6, 0.6, 1.2)], [(0, 1, 2, 3)])
+    sheet = c.mesh(
+        [(-0.6, -0.6, 1.2), (0.6, -0.6, 1.2), (0.6, 0.6, 1.2), (-0.6, 0.6, 1.2)], [(0, 1, 2, 3)]
+    )
     return c.scene(
-        _view((0.0, -0.9, 0.3), (0.0, 0.2, 1.2), 1.0), [(room, c.lambert(0.7)), (sheet, c.lambert(0.7))], [_area(40.0, (0, 0, 1.95))]
+        _view((0.0, -0.9, 0.3), (0.0, 0.2, 1.2), 1.0),
+        [(room, c.lambert(0.7)), (sheet, c.lambert(0.7))],
+        [_area(40.0, (0, 0, 1.95))],
     )
 
 
 def globe() -> Scene:
     wall = c.globe(1.5, 5, inwards=True, smooth=True)
-    return c.scene(_view((0.3, -0.9, 0.2), (0.0, 1.0, 0.0), 1.2), [(wall, c.lambert(0.5))], [c.lamp(LightKind.POINT, 50.0, (0, 0, 0))])
+    return c.scene(
+        _view((0.3, -0.9, 0.2), (0.0, 1.0, 0.0), 1.2),
+        [(wall, c.lambert(0.5))],
+        [c.lamp(LightKind.POINT, 50.0, (0, 0, 0))],
+    )
 
 
 def cylinder() -> Scene:
@@ -124,7 +153,11 @@ def cylinder() -> Scene:
 def low_poly_sphere() -> Scene:
     room = c.box((-1, -1, -1), (1, 1, 1), inwards=True)
     ball = c.globe(0.5, 2, smooth=True)
-    return c.scene(_view((0.0, -0.95, 0.2), (0, 0, 0), 0.9), [(room, c.lambert(0.7)), (ball, c.lambert(0.7))], [_area(40.0, (0, 0, 0.95))])
+    return c.scene(
+        _view((0.0, -0.95, 0.2), (0, 0, 0), 0.9),
+        [(room, c.lambert(0.7)), (ball, c.lambert(0.7))],
+        [_area(40.0, (0, 0, 0.95))],
+    )
 
 
 def leaves() -> Scene:
@@ -132,26 +165,43 @@ def leaves() -> Scene:
     random = np.random.default_rng(3)
     middles = random.uniform((-0.6, -0.4, 0.4), (0.6, 0.6, 1.2), (400, 3))
     corners = middles[:, None] + random.normal(0, 0.03, (400, 3, 3))
-    leaf = Mesh("leaves", corners.reshape(-1, 3).astype(np.float32), np.arange(1200, dtype=np.uint32).reshape(-1, 3))
+    leaf = Mesh(
+        "leaves",
+        corners.reshape(-1, 3).astype(np.float32),
+        np.arange(1200, dtype=np.uint32).reshape(-1, 3),
+    )
     room = c.box((-1, -1, 0), (1, 1, 2), inwards=True)
     return c.scene(
-        _view((0.0, -0.95, 0.8), (0.0, 0.0, 0.8), 1.0), [(room, c.lambert(0.7)), (leaf, c.lambert(0.6))], [_area(40.0, (0, 0, 1.95))]
+        _view((0.0, -0.95, 0.8), (0.0, 0.0, 0.8), 1.0),
+        [(room, c.lambert(0.7)), (leaf, c.lambert(0.6))],
+        [_area(40.0, (0, 0, 1.95))],
     )
 
 
 def many_lamps() -> Scene:
     """Fifty lamps in a closed room beside a dim one; seen is the dim one."""
-    lit, dim = c.box((2, -1, 0), (4, 1, 2), inwards=True), c.box((-1, -1, 0), (1, 1, 2), inwards=True)
-    lamps = [c.lamp(LightKind.POINT, 50.0, (2.1 + 1.8 * ((7 * k) % 50) / 50, -0.9 + 1.8 * k / 50, 1.0)) for k in range(50)]
+    lit, dim = (
+        c.box((2, -1, 0), (4, 1, 2), inwards=True),
+        c.box((-1, -1, 0), (1, 1, 2), inwards=True),
+    )
+    lamps = [
+        c.lamp(LightKind.POINT, 50.0, (2.1 + 1.8 * ((7 * k) % 50) / 50, -0.9 + 1.8 * k / 50, 1.0))
+        for k in range(50)
+    ]
     return c.scene(
-        _view((0.0, -0.95, 1.0), (0.0, 0.5, 0.4), 1.2), [(lit, c.lambert(0.5)), (dim, c.lambert(0.5))], [*lamps, _area(4.0, (0, 0, 1.95))]
+        _view((0.0, -0.95, 1.0), (0.0, 0.5, 0.4), 1.2),
+        [(lit, c.lambert(0.5)), (dim, c.lambert(0.5))],
+        [*lamps, _area(4.0, (0, 0, 1.95))],
     )
 
 
 def sunny_plane(half: float) -> Scene:
     """A block of a metre under the sun on a large plane."""
     sun = c.lamp(LightKind.SUN, 5.0, (1.0, -0.8, 1.5), (0.0, 0.0, 0.0), angle=0.01)
-    things = [(c.quad(half), c.lambert(0.5)), (c.box((-0.5, -0.5, 0.0), (0.5, 0.5, 1.0)), c.lambert(0.7))]
+    things = [
+        (c.quad(half), c.lambert(0.5)),
+        (c.box((-0.5, -0.5, 0.0), (0.5, 0.5, 1.0)), c.lambert(0.7)),
+    ]
     return c.scene(_view((1.5, -3.0, 1.5), (0.0, 0.0, 0.4), 0.8), things, [sun])
 
 
@@ -161,8 +211,14 @@ def two_sides() -> Scene:
     angles = np.linspace(-0.6, 0.6, 13)
     vertices = [(x, 0.7 * np.sin(a), 1.0 + 0.5 * np.cos(a)) for x in (-0.7, 0.7) for a in angles]
     sheet = c.mesh(vertices, [(k, k + 1, 14 + k, 13 + k) for k in range(12)])
-    spot = c.lamp(LightKind.SPOT, 100.0, (0.0, 0.0, 1.8), (0.0, 0.9, 1.9), spot_size=1.2, spot_blend=1.0)
-    return c.scene(_view((0.0, -0.95, 1.2), (0.0, 0.2, 1.25), 1.2), [(room, c.lambert(0.6)), (sheet, c.lambert(0.7))], [spot])
+    spot = c.lamp(
+        LightKind.SPOT, 100.0, (0.0, 0.0, 1.8), (0.0, 0.9, 1.9), spot_size=1.2, spot_blend=1.0
+    )
+    return c.scene(
+        _view((0.0, -0.95, 1.2), (0.0, 0.2, 1.25), 1.2),
+        [(room, c.lambert(0.6)), (sheet, c.lambert(0.7))],
+        [spot],
+    )
 
 
 def _with_program(things: list, view: tuple, lamps: list, name: str, **inputs: object) -> Scene:
@@ -174,7 +230,9 @@ def _with_program(things: list, view: tuple, lamps: list, name: str, **inputs: o
 
 
 def _ball(mirror: bool) -> Scene:
-    """A glass ball over a floor, under a lamp wide enough for a path tracer; the caustic seen directly or in a mirror."""
+    """A glass ball over a floor, under a lamp wide enough for a path tracer; the caustic seen
+    directly or in a mirror.
+    """
     lamps = [c.lamp(LightKind.AREA, 30.0, (0.0, 0.0, 2.2), size=(0.5, 0.5))]
     view = _view((0.0, -1.6, 1.3), (0.0, 0.0, 0.1), 0.6)
     things: list = [(c.quad(1.5), c.lambert(0.7))]
@@ -182,7 +240,9 @@ def _ball(mirror: bool) -> Scene:
     balls[0].positions[:, 2] += 0.5
     if mirror:
         view = _view((0.0, -0.8, 0.9), (0.0, 1.2, 0.95), 0.7)
-        glass = c.mesh([(-1.0, 1.2, 0.05), (1.0, 1.2, 0.05), (1.0, 1.2, 1.6), (-1.0, 1.2, 1.6)], [(0, 1, 2, 3)])
+        glass = c.mesh(
+            [(-1.0, 1.2, 0.05), (1.0, 1.2, 0.05), (1.0, 1.2, 1.6), (-1.0, 1.2, 1.6)], [(0, 1, 2, 3)]
+        )
         metal = Material("mirror", Side(), Side(), program=1)
         things.append((glass, metal))
     what = _with_program([*things, balls[0]], view, lamps, "Glass", color=1.0, ior=1.5)
@@ -204,7 +264,9 @@ def glossy(roughness: float) -> Scene:
     wall = c.mesh([(-1, 1, 0), (1, 1, 0), (1, 1, 1.5), (-1, 1, 1.5)], [(0, 1, 2, 3)])
     lamps = [_area(40.0, (0.0, -0.3, 1.8), 0.8)]
     view = _view((0.0, -1.8, 1.2), (0.0, 0.6, 0.3), 0.9)
-    return _with_program([(c.quad(1.0), c.lambert(0.7)), wall], view, lamps, "Glossy", color=0.9, roughness=roughness)
+    return _with_program(
+        [(c.quad(1.0), c.lambert(0.7)), wall], view, lamps, "Glossy", color=0.9, roughness=roughness
+    )
 
 
 def curtain() -> Scene:
@@ -212,12 +274,23 @@ def curtain() -> Scene:
     room = c.box((-1, -1, 0), (1, 1, 2), inwards=True)
     cloth = c.mesh([(-1, 0.5, 0.06), (1, 0.5, 0.06), (1, 0.5, 2), (-1, 0.5, 2)], [(0, 1, 2, 3)])
     lamps = [c.lamp(LightKind.POINT, 300.0, (0.0, 0.8, 1.0))]
-    return c.scene(_view((0.0, -0.95, 1.0), (0.0, 0.5, 0.4), 1.2), [(room, c.lambert(0.7)), (cloth, c.lambert(0.5))], lamps)
+    return c.scene(
+        _view((0.0, -0.95, 1.0), (0.0, 0.5, 0.4), 1.2),
+        [(room, c.lambert(0.7)), (cloth, c.lambert(0.5))],
+        lamps,
+    )
 
 
 def hidden_light() -> Scene:
-    things = [(c.box((-1, -1, 0), (1, 1, 2), inwards=True), c.lambert(0.7)), (c.box((0.2, 0.2, 0.5), (0.6, 0.6, 0.9)), c.lambert(0.7))]
-    return c.scene(_view((0.0, -0.9, 1.0), (0.0, 0.3, 0.6)), things, [c.lamp(LightKind.POINT, 50.0, (0.4, 0.4, 0.7))])
+    things = [
+        (c.box((-1, -1, 0), (1, 1, 2), inwards=True), c.lambert(0.7)),
+        (c.box((0.2, 0.2, 0.5), (0.6, 0.6, 0.9)), c.lambert(0.7)),
+    ]
+    return c.scene(
+        _view((0.0, -0.9, 1.0), (0.0, 0.3, 0.6)),
+        things,
+        [c.lamp(LightKind.POINT, 50.0, (0.4, 0.4, 0.7))],
+    )
 
 
 CASES = (
@@ -228,7 +301,8 @@ CASES = (
     Case("floor_under_wall", 5, floor_under_wall, 0.05, truth=0.0),
     Case("box_on_floor", 5, box_on_floor, 0.10),
     Case("dark_side", 6, dark_side, 0.10),
-    Case("globe", 8, globe, 0.06, truth=50.0 / (4 * np.pi * 1.5**2) * 0.5 / np.pi),  # E a/(1 - a) a/pi of the bounced light
+    # E a/(1 - a) a/pi of the bounced light
+    Case("globe", 8, globe, 0.06, truth=50.0 / (4 * np.pi * 1.5**2) * 0.5 / np.pi),
     Case("cylinder", 8, cylinder, 0.10),
     Case("low_poly_sphere", 10, low_poly_sphere, 0.12),
     Case("leaves", 11, leaves, 0.30),
@@ -242,6 +316,8 @@ CASES = (
     Case("glossy_40", 13, lambda: glossy(0.4), 0.15, whole=True),
     Case("glossy_60", 13, lambda: glossy(0.6), 0.15, whole=True),
     Case("curtain", 16, curtain, 0.5, passes=48),
-    Case("mirror_sees_caustic", 20, mirror_sees_caustic, 0.5, passes=48, whole=True, samples=20_000),
+    Case(
+        "mirror_sees_caustic", 20, mirror_sees_caustic, 0.5, passes=48, whole=True, samples=20_000
+    ),
     Case("hidden_light", 22, hidden_light, 1e-6, truth=0.0),
 )

@@ -1,8 +1,10 @@
-"""Plain photon maps on the same failures, in numpy: `python -m tests.stability.run` writes methods.md and methods.png beside this file.
+"""Plain photon maps on the same failures, in numpy: `python -m tests.stability.run` writes
+methods.md and methods.png beside this file.
 
-All get photons of the product's tracer, on all surfaces whether in view or not, and estimate irradiance at 2x2 places per
-pixel, with discs that hold 200 photons on median and with such of 800: the better one counts. "Seed's method": Lavignotte and Paulin
-2003, each photon's power over the area of its own surface within its disc.
+All get photons of the product's tracer, on all surfaces whether in view or not, and estimate
+irradiance at 2x2 places per pixel, with discs that hold 200 photons on median and with such of 800:
+the better one counts. "Seed's method": Lavignotte and Paulin 2003, each photon's power over the
+area of its own surface within its disc.
 """
 
 from __future__ import annotations
@@ -48,7 +50,9 @@ CREASE = np.cos(np.radians(25))
 
 @dataclass
 class Places:
-    """Where light is wanted: positions (N, 3), normals (N, 3), the tracer's keys of surface and side (N,), albedo / pi (N,)."""
+    """Where light is wanted: positions (N, 3), normals (N, 3), the tracer's keys of surface and
+    side (N,), albedo / pi (N,).
+    """
 
     position: np.ndarray
     normal: np.ndarray
@@ -65,9 +69,19 @@ class Photons:
 
 
 def places_of(scene: Scene) -> Places:
-    fine = replace(scene.frame, width=PIXELS * FINE, height=PIXELS * FINE, pixel_filter=PixelFilter.BOX, filter_width=1e-3)
+    fine = replace(
+        scene.frame,
+        width=PIXELS * FINE,
+        height=PIXELS * FINE,
+        pixel_filter=PixelFilter.BOX,
+        filter_width=1e-3,
+    )
     scene = replace(scene, frame=fine)
-    passes = render(scene, RenderSettings(passes=1, photons_per_pass=1, fallback=False), started=time.monotonic()).passes
+    passes = render(
+        scene,
+        RenderSettings(passes=1, photons_per_pass=1, fallback=False),
+        started=time.monotonic(),
+    ).passes
     n = PIXELS * FINE
     at = (np.arange(n) + 0.5) / n
     left, right, bottom, top = scene.camera.screen
@@ -78,9 +92,13 @@ def places_of(scene: Scene) -> Places:
     seen = (depth < 1e9).ravel()
     weight = passes["Diffuse Color"].mean(-1).ravel() / np.pi * seen
     position = (local @ scene.camera.matrix.T)[:, :3] * seen[:, None]
-    points = renderer_after_camera(scene, RenderSettings(passes=1, photons_per_pass=1, point_spacing=0.0, fallback=False)).points()
+    points = renderer_after_camera(
+        scene, RenderSettings(passes=1, photons_per_pass=1, point_spacing=0.0, fallback=False)
+    ).points()
     _, nearest = cKDTree(points["position"] + world_bounds(scene).mean(0)).query(position)
-    return Places(position, passes["Normal"].reshape(-1, 3).astype(float), points["key"][nearest], weight)
+    return Places(
+        position, passes["Normal"].reshape(-1, 3).astype(float), points["key"][nearest], weight
+    )
 
 
 def renderer_after_camera(scene: Scene, settings: RenderSettings) -> Renderer:
@@ -95,12 +113,16 @@ def renderer_after_camera(scene: Scene, settings: RenderSettings) -> Renderer:
 
 
 def photons_of(scene: Scene, paths: int) -> Photons:
-    settings = RenderSettings(passes=1, photons_per_pass=paths, max_bounces=64, caustics=False, fallback=False)
+    settings = RenderSettings(
+        passes=1, photons_per_pass=paths, max_bounces=64, caustics=False, fallback=False
+    )
     renderer = renderer_after_camera(scene, settings)
     renderer.trace_photons(0, paths)
     got = renderer.photons()
     position = got["position"] + world_bounds(scene).mean(0)
-    return Photons(position, got["normal"].astype(float), got["key"], got["power"].mean(-1).astype(float))
+    return Photons(
+        position, got["normal"].astype(float), got["key"], got["power"].mean(-1).astype(float)
+    )
 
 
 @dataclass(frozen=True)
@@ -110,7 +132,9 @@ class Disc:
 
 
 class Surfaces:
-    """Points spread over all meshes; patch: triangles joined across edges flatter than 25 degrees."""
+    """Points spread over all meshes; patch: triangles joined across edges flatter than 25
+    degrees.
+    """
 
     def __init__(self, meshes: list[Mesh]) -> None:
         corners, patches, first = [], [], 0
@@ -120,7 +144,9 @@ class Surfaces:
             normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
             normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
             ids = same.reshape(-1)[mesh.triangles]
-            edges = np.sort(np.concatenate([ids[:, [0, 1]], ids[:, [1, 2]], ids[:, [2, 0]]]), axis=1)
+            edges = np.sort(
+                np.concatenate([ids[:, [0, 1]], ids[:, [1, 2]], ids[:, [2, 0]]]), axis=1
+            )
             owner = np.tile(np.arange(len(triangles)), 3)
             order = np.lexsort(edges.T)
             twin = (edges[order][1:] == edges[order][:-1]).all(1)
@@ -132,7 +158,12 @@ class Surfaces:
             patches.append(patch + first)
             first += count
         triangle, patch = np.concatenate(corners), np.concatenate(patches)
-        area = np.linalg.norm(np.cross(triangle[:, 1] - triangle[:, 0], triangle[:, 2] - triangle[:, 0]), axis=1) / 2
+        area = (
+            np.linalg.norm(
+                np.cross(triangle[:, 1] - triangle[:, 0], triangle[:, 2] - triangle[:, 0]), axis=1
+            )
+            / 2
+        )
         random = np.random.default_rng(1)
         pick = random.choice(len(area), SAMPLES, p=area / area.sum())
         u, v = random.random((2, SAMPLES))
@@ -148,13 +179,17 @@ class Surfaces:
 
     def patch_of(self, position: np.ndarray, normal: np.ndarray) -> np.ndarray:
         """Of each place, on whichever side."""
-        places = (np.concatenate([position, 0.01 * self.far * side * normal], axis=1) for side in (1, -1))
+        places = (
+            np.concatenate([position, 0.01 * self.far * side * normal], axis=1) for side in (1, -1)
+        )
         (near, front), (_, behind) = (self.tree.query(place, workers=-1) for place in places)
         return self.patch[np.where(near > 0.005 * self.far, behind, front)]
 
     def area_within(self, position: np.ndarray, patch: np.ndarray, radius: float) -> np.ndarray:
         spread = cKDTree(np.column_stack([self.point, self.far * self.patch]))
-        counts = spread.query_ball_point(np.column_stack([position, self.far * patch]), radius, return_length=True, workers=-1)
+        counts = spread.query_ball_point(
+            np.column_stack([position, self.far * patch]), radius, return_length=True, workers=-1
+        )
         return np.minimum(np.maximum(counts, 1) * self.area, self.patch_area[patch])
 
 
@@ -165,7 +200,9 @@ def _within(tree: cKDTree, places: Places, radius: float, values: np.ndarray) ->
 
 
 def fixed_radius(places: Places, photons: Photons, disc: Disc, _: Surfaces) -> np.ndarray:
-    return _within(cKDTree(photons.position), places, disc.radius, photons.power) / (np.pi * disc.radius**2)
+    return _within(cKDTree(photons.position), places, disc.radius, photons.power) / (
+        np.pi * disc.radius**2
+    )
 
 
 def nearest(places: Places, photons: Photons, disc: Disc, _: Surfaces) -> np.ndarray:
@@ -183,7 +220,9 @@ def progressive(places: Places, photons: Photons, disc: Disc, _: Surfaces) -> np
     for i in range(PASSES):
         mine = turn == i
         r = 2 * disc.radius * (i + 1) ** (-1 / 6)
-        total += _within(cKDTree(photons.position[mine]), places, r, photons.power[mine]) / (np.pi * r**2)
+        total += _within(cKDTree(photons.position[mine]), places, r, photons.power[mine]) / (
+            np.pi * r**2
+        )
     return total
 
 
@@ -191,10 +230,14 @@ def seeds(places: Places, photons: Photons, disc: Disc, surfaces: Surfaces) -> n
     _, key = np.unique(np.concatenate([photons.key, places.key]), return_inverse=True)
     key, own = key[: len(photons.key)], key[len(photons.key) :]
     near = surfaces.patch_of(photons.position, photons.normal)
-    patch = np.array([np.bincount(near[key == k], minlength=1).argmax() for k in range(key.max() + 1)])[key]
+    patch = np.array(
+        [np.bincount(near[key == k], minlength=1).argmax() for k in range(key.max() + 1)]
+    )[key]
     density = photons.power / surfaces.area_within(photons.position, patch, disc.radius)
     tree = cKDTree(np.column_stack([photons.position, surfaces.far * key]))
-    lists = tree.query_ball_point(np.column_stack([places.position, surfaces.far * own]), disc.radius, workers=-1)
+    lists = tree.query_ball_point(
+        np.column_stack([places.position, surfaces.far * own]), disc.radius, workers=-1
+    )
     return np.array([density[found].sum() for found in lists])
 
 
@@ -218,7 +261,9 @@ def _bounced_truth(case: Case, passes: Passes) -> tuple[np.ndarray, np.ndarray]:
 
 
 def errors_of(case: Case) -> dict[str, float]:
-    """Worst block of the bounced light by each method, relative to the truth's mean (or the case's unit)."""
+    """Worst block of the bounced light by each method, relative to the truth's mean (or the case's
+    unit).
+    """
     scene = case.make()
     settings = RenderSettings(passes=case.passes, photons_per_pass=case.photons, max_bounces=64)
     passes = render(scene, settings, started=time.monotonic()).passes
@@ -227,7 +272,9 @@ def errors_of(case: Case) -> dict[str, float]:
     unit = mean if mean > 0 else case.unit
 
     def worst(picture: np.ndarray) -> float:
-        return float(np.abs(block_means(((picture - truth) * known)[..., None], BLOCK)).max() / unit)
+        return float(
+            np.abs(block_means(((picture - truth) * known)[..., None], BLOCK)).max() / unit
+        )
 
     out = {"Photon Splat": worst(bounced(passes))}
     places, photons = places_of(scene), photons_of(scene, case.passes * case.photons)
@@ -236,15 +283,27 @@ def errors_of(case: Case) -> dict[str, float]:
     if len(photons.power) > MOST_PHOTONS:
         kept = np.random.default_rng(2).choice(len(photons.power), MOST_PHOTONS, replace=False)
         share = len(photons.power) / MOST_PHOTONS
-        photons = Photons(photons.position[kept], photons.normal[kept], photons.key[kept], photons.power[kept] * share)
+        photons = Photons(
+            photons.position[kept],
+            photons.normal[kept],
+            photons.key[kept],
+            photons.power[kept] * share,
+        )
     seen, surfaces = places.weight > 0, Surfaces(scene.meshes)
     out |= dict.fromkeys(METHODS, np.inf)
     for count in PER_DISC:
         distance, _ = cKDTree(photons.position).query(places.position[seen], [count], workers=-1)
         finite = distance[np.isfinite(distance)]
-        disc = Disc(count, float(np.median(finite)) if len(finite) else float(np.ptp(photons.position, axis=0).max()))
+        disc = Disc(
+            count,
+            float(np.median(finite))
+            if len(finite)
+            else float(np.ptp(photons.position, axis=0).max()),
+        )
         for name, method in METHODS.items():
-            light = (method(places, photons, disc, surfaces) * places.weight).reshape(PIXELS, FINE, PIXELS, FINE)
+            light = (method(places, photons, disc, surfaces) * places.weight).reshape(
+                PIXELS, FINE, PIXELS, FINE
+            )
             out[name] = min(out[name], worst(light.mean((1, 3))))
     return out
 
@@ -255,17 +314,25 @@ def table(rows: dict[str, dict[str, float]]) -> str:
     lines = [
         "# Where photon density estimation fails, by method",
         "",
-        "Error of the worst block of 4x4 pixels, relative to the mean of the bounced light; bold where the case's tolerance is exceeded.",
-        f"The plain methods get at most {MOST_PHOTONS:,} of the product's photons and show the better of two sizes of discs. Those photons",
-        "are on all surfaces (the product traces on for what is in view). Made by `make stability`.",
+        "Error of the worst block of 4x4 pixels, relative to the mean of the bounced light; bold "
+        "where the case's tolerance is exceeded.",
+        f"The plain methods get at most {MOST_PHOTONS:,} of the product's photons and show the "
+        "better of two sizes of discs. Those photons",
+        "are on all surfaces (the product traces on for what is in view). Made by `make "
+        "stability`.",
         "",
         "| case | tolerance | " + " | ".join(names) + " |",
         "|---|---|" + "---|" * len(names),
     ]
     for case, errors in rows.items():
-        cells = [f"{errors[name]:.3f}" if errors[name] <= tolerances[case] else f"**{errors[name]:.3f}**" for name in names]
+        cells = [
+            f"{errors[name]:.3f}" if errors[name] <= tolerances[case] else f"**{errors[name]:.3f}**"
+            for name in names
+        ]
         lines.append(f"| {case} | {tolerances[case]:g} | " + " | ".join(cells) + " |")
-    broken = [sum(errors[name] > tolerances[case] for case, errors in rows.items()) for name in names]
+    broken = [
+        sum(errors[name] > tolerances[case] for case, errors in rows.items()) for name in names
+    ]
     lines.append(f"| broken of {len(rows)} | | " + " | ".join(map(str, broken)) + " |")
     return "\n".join(lines) + "\n"
 
@@ -284,7 +351,9 @@ def chart(rows: dict[str, dict[str, float]], path: Path) -> None:
     for i, case in enumerate(rows):
         for j, name in enumerate(names):
             axis.text(j, i, f"{rows[case][name]:.2g}", ha="center", va="center", fontsize=8)
-    axis.set_xticks(range(len(names)), labels=[name.replace(" ", "\n", 1) for name in names], fontsize=8)
+    axis.set_xticks(
+        range(len(names)), labels=[name.replace(" ", "\n", 1) for name in names], fontsize=8
+    )
     axis.set_yticks(range(len(rows)), labels=list(rows), fontsize=8)
     axis.set_title("error of the worst block; green: within the tolerance", fontsize=9)
     figure.tight_layout()
@@ -300,7 +369,9 @@ def compare(names: list[str]) -> dict[str, dict[str, float]]:
         began = time.monotonic()
         rows[case.name] = errors_of(case)
         errors = ", ".join(f"{name} {error:.3f}" for name, error in rows[case.name].items())
-        print(f"{case.name}: {errors} ({time.monotonic() - began:.0f} s)", file=sys.stderr, flush=True)
+        print(
+            f"{case.name}: {errors} ({time.monotonic() - began:.0f} s)", file=sys.stderr, flush=True
+        )
     return rows
 
 

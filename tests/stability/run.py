@@ -1,4 +1,5 @@
-"""`python -m tests.stability.run [CASE ...]` compares the product with plain methods: methods.md and methods.png.
+"""`python -m tests.stability.run [CASE ...]` compares the product with plain methods: methods.md
+and methods.png.
 
 `--truth [CASE ...]` path-traces what test_stability.py compares with.
 """

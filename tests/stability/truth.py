@@ -19,13 +19,17 @@ BLOCK = 4
 
 
 def bounced(passes: Passes) -> np.ndarray:
-    """(H, W) mean of the channels: light that has bounced; with what the surface emits where that is part of the case."""
+    """(H, W) mean of the channels: light that has bounced; with what the surface emits where that
+    is part of the case.
+    """
     light = passes["Diffuse Indirect"] * passes["Diffuse Color"]
     return light.mean(-1).astype(np.float64)
 
 
 def picture(case: Case, passes: Passes) -> np.ndarray:
-    return passes["Combined"][..., :3].mean(-1).astype(np.float64) if case.whole else bounced(passes)
+    return (
+        passes["Combined"][..., :3].mean(-1).astype(np.float64) if case.whole else bounced(passes)
+    )
 
 
 def shoot(case: Case, **settings: object) -> np.ndarray:
@@ -41,7 +45,9 @@ def make(names: list[str]) -> None:
     kept = {case.name: kept[case.name] for case in wanted if case.name in kept}
     for case in wanted:
         if not names or case.name in names:
-            kept[case.name] = shoot(case, integrator=Integrator.REFERENCE, passes=case.samples).astype(np.float32)
+            kept[case.name] = shoot(
+                case, integrator=Integrator.REFERENCE, passes=case.samples
+            ).astype(np.float32)
             print(case.name, flush=True)
     np.savez_compressed(FILE, **kept)
 
@@ -53,11 +59,17 @@ def _file() -> dict[str, np.ndarray]:
 
 
 def truth_of(case: Case) -> np.ndarray:
-    return _file()[case.name].astype(np.float64) if case.truth is None else np.full((PIXELS, PIXELS), case.truth)
+    return (
+        _file()[case.name].astype(np.float64)
+        if case.truth is None
+        else np.full((PIXELS, PIXELS), case.truth)
+    )
 
 
 def worst_block(case: Case, values: np.ndarray) -> float:
-    """Largest deviation of a 4x4 block's mean, relative to the truth's mean (or to the case's unit)."""
+    """Largest deviation of a 4x4 block's mean, relative to the truth's mean (or to the case's
+    unit).
+    """
     truth = truth_of(case)
     difference = block_means((values - truth)[..., None], BLOCK)
     return float(np.abs(difference).max() / (truth.mean() if truth.mean() > 0 else case.unit))

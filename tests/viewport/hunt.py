@@ -15,7 +15,9 @@ from tests.viewport.window import viewport
 
 
 def hunt(seed: int, edits: int) -> Counter[str]:
-    """How often each kind of edit was done. AssertionError where the viewport's scene is not the one there is."""
+    """How often each kind of edit was done. AssertionError where the viewport's scene is not the
+    one there is.
+    """
     import bpy
     from photon_splat.core.scene import Frame, same_geometry, same_shading
     from photon_splat.export import export_contents
@@ -70,13 +72,19 @@ def _scale(chance: random.Random) -> None:
 def _vertex(chance: random.Random) -> None:
     mesh = _pick(chance).data
     if len(mesh.vertices):
-        mesh.vertices[chance.randrange(len(mesh.vertices))].co = [chance.uniform(-1, 1) for _ in range(3)]
+        mesh.vertices[chance.randrange(len(mesh.vertices))].co = [
+            chance.uniform(-1, 1) for _ in range(3)
+        ]
         mesh.update()
 
 
 def _add(chance: random.Random) -> None:
     if len(_meshes()) < 8:
-        stage.plane(f"Added{chance.randrange(100)}", chance.uniform(0.1, 1), location=[chance.uniform(-1, 1) for _ in range(3)])
+        stage.plane(
+            f"Added{chance.randrange(100)}",
+            chance.uniform(0.1, 1),
+            location=[chance.uniform(-1, 1) for _ in range(3)],
+        )
 
 
 def _remove(chance: random.Random) -> None:
@@ -124,7 +132,9 @@ def _color(chance: random.Random) -> None:
 
 def _assign(chance: random.Random) -> None:
     mesh = _pick(chance).data
-    mesh.materials.append(stage.material(f"New{chance.randrange(100)}", [chance.random() for _ in range(3)]))
+    mesh.materials.append(
+        stage.material(f"New{chance.randrange(100)}", [chance.random() for _ in range(3)])
+    )
 
 
 def _shine(chance: random.Random) -> None:
@@ -147,7 +157,11 @@ def _lamp(chance: random.Random) -> None:
     if len(lamps) > 3:
         bpy.data.objects.remove(lamps[0])
     else:
-        stage.lamp(chance.choice(("POINT", "SUN", "SPOT", "AREA")), chance.uniform(1, 50), [chance.uniform(-1, 2) for _ in range(3)])
+        stage.lamp(
+            chance.choice(("POINT", "SUN", "SPOT", "AREA")),
+            chance.uniform(1, 50),
+            [chance.uniform(-1, 2) for _ in range(3)],
+        )
 
 
 def _world(chance: random.Random) -> None:

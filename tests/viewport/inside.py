@@ -1,4 +1,5 @@
-"""Runs inside a Blender with a window: works in Rendered shading as a user does, and writes down what happened.
+"""Runs inside a Blender with a window: works in Rendered shading as a user does, and writes down
+what happened.
 
 blender --python inside.py -- ARCHIVE_MODULE SCENE OTHER_SCENE OUTPUT_FOLDER EDITS HUNT
 Writes OUTPUT_FOLDER/result.json and pictures; ends Blender. No test framework is here.
@@ -40,7 +41,11 @@ def live() -> Any:
 
 
 def area() -> Any:
-    return next(area for area in bpy.context.window_manager.windows[0].screen.areas if area.type == "VIEW_3D")
+    return next(
+        area
+        for area in bpy.context.window_manager.windows[0].screen.areas
+        if area.type == "VIEW_3D"
+    )
 
 
 def space() -> Any:
@@ -72,14 +77,21 @@ def until(condition: Callable[[], bool], what: str) -> Iterator[float]:
     deadline = time.monotonic() + LONGEST_WAIT
     while not condition():
         if time.monotonic() > deadline:
-            state = [(each.controller.status(), each.error, each.controller.counts) for each in lives()]
+            state = [
+                (each.controller.status(), each.error, each.controller.counts) for each in lives()
+            ]
             raise AssertionError(f"not within {LONGEST_WAIT} s: {what}; {state}")
         yield TICK
 
 
 def settled() -> bool:
     """The last picture of what there is has been drawn."""
-    return bool(lives()) and live().controller.idle and number() > 0 and live().canvas.number == number()
+    return (
+        bool(lives())
+        and live().controller.idle
+        and number() > 0
+        and live().canvas.number == number()
+    )
 
 
 def number() -> int:
@@ -124,7 +136,9 @@ def same_as_a_render() -> Iterator[float]:
     scene = bpy.context.scene
     scene.photon_splat.viewport_passes = 32
     scene.camera.data.passepartout_alpha = 0.0
-    yield from until(lambda: bool(lives()) and live().controller.picture() is not None, "the first picture")
+    yield from until(
+        lambda: bool(lives()) and live().controller.picture() is not None, "the first picture"
+    )
     yield 0.3
     yield from until(settled, "the refined picture")
     yield 0.5
@@ -135,14 +149,32 @@ def same_as_a_render() -> Iterator[float]:
     render = scene.render
     # The same view as a render: the camera's frame is made the region's.
     result["region"] = [region.x, region.y, region.width, region.height]
-    kept = (render.resolution_x, render.resolution_y, scene.camera.data.lens, scene.camera.data.sensor_fit)
-    render.resolution_x, render.resolution_y, render.resolution_percentage = region.width, region.height, 100
+    kept = (
+        render.resolution_x,
+        render.resolution_y,
+        scene.camera.data.lens,
+        scene.camera.data.sensor_fit,
+    )
+    render.resolution_x, render.resolution_y, render.resolution_percentage = (
+        region.width,
+        region.height,
+        100,
+    )
     scene.camera.data.sensor_fit = "HORIZONTAL"
     scene.camera.data.lens = scene.camera.data.sensor_width / (right - left)
-    scene.photon_splat.passes, scene.photon_splat.photons_per_pass, scene.photon_splat.time_limit = 32, 100_000, 0.0
+    (
+        scene.photon_splat.passes,
+        scene.photon_splat.photons_per_pass,
+        scene.photon_splat.time_limit,
+    ) = 32, 100_000, 0.0
     render.filepath = f"{FOLDER}/render.png"
     bpy.ops.render.render(write_still=True)
-    render.resolution_x, render.resolution_y, scene.camera.data.lens, scene.camera.data.sensor_fit = kept
+    (
+        render.resolution_x,
+        render.resolution_y,
+        scene.camera.data.lens,
+        scene.camera.data.sensor_fit,
+    ) = kept
     scene.photon_splat.viewport_passes = 4
     space().region_3d.view_perspective = "PERSP"
     yield 0.1
@@ -151,7 +183,10 @@ def same_as_a_render() -> Iterator[float]:
 def orbit() -> Iterator[float]:
     """Turns the view; counts pictures and photons."""
     view = space().region_3d
-    view.view_distance, view.view_location = 3.2, (0.0, 0.0, 1.0) if "cornell" in SCENE else (0.0, 0.0, 0.0)
+    view.view_distance, view.view_location = (
+        3.2,
+        (0.0, 0.0, 1.0) if "cornell" in SCENE else (0.0, 0.0, 0.0),
+    )
     yield 1.0
     yield from until(settled, "the refined picture")
     yield 0.2
@@ -178,7 +213,9 @@ def orbit() -> Iterator[float]:
 
 
 def others_orbit() -> Iterator[float]:
-    """The same turns without this engine: what the window itself costs on this machine, and with Cycles."""
+    """The same turns without this engine: what the window itself costs on this machine, and with
+    Cycles.
+    """
     from mathutils import Euler
 
     view, scene = space().region_3d, bpy.context.scene
@@ -190,18 +227,25 @@ def others_orbit() -> Iterator[float]:
             scene.render.engine, space().shading.type = name, "RENDERED"
         yield 1.0
         drawn: list[float] = []
-        handler = bpy.types.SpaceView3D.draw_handler_add(lambda times: times.append(time.monotonic()), (drawn,), "WINDOW", "POST_PIXEL")
+        handler = bpy.types.SpaceView3D.draw_handler_add(
+            lambda times: times.append(time.monotonic()), (drawn,), "WINDOW", "POST_PIXEL"
+        )
         stalls, began, angle = [], time.monotonic(), 0.0
         last = began
         while time.monotonic() - began < 3.0:
             angle += 0.02
-            view.view_rotation = Euler((math.radians(80), 0.0, 0.3 * math.sin(angle))).to_quaternion()
+            view.view_rotation = Euler(
+                (math.radians(80), 0.0, 0.3 * math.sin(angle))
+            ).to_quaternion()
             yield TICK
             now = time.monotonic()
             stalls.append(now - last - TICK)
             last = now
         bpy.types.SpaceView3D.draw_handler_remove(handler, "WINDOW")
-        result["others"][name] = {"redraws per second": len(drawn) / 3.0, "stall": sorted(stalls)[len(stalls) // 2]}
+        result["others"][name] = {
+            "redraws per second": len(drawn) / 3.0,
+            "stall": sorted(stalls)[len(stalls) // 2],
+        }
     scene.render.engine, space().shading.type = "PHOTON_SPLAT", "RENDERED"
     yield from until(settled, "the picture after other engines")
 
@@ -248,10 +292,16 @@ def edits() -> Iterator[float]:
             memory.append(resident())
         yield chance.choice((TICK, 0.05, 0.2))
     if EDITS:
-        result["edits"] = {kind: sorted(values)[len(values) // 2] for kind, values in times.items() if values}
+        result["edits"] = {
+            kind: sorted(values)[len(values) // 2] for kind, values in times.items() if values
+        }
         result["seen by Blender's thread"] = sorted(seen)[len(seen) // 2]
         result["export"] = sorted(exports)[len(exports) // 2]
-        result["stall"] = {"median": sorted(stalls)[len(stalls) // 2], "95 %": sorted(stalls)[int(0.95 * len(stalls))], "most": max(stalls)}
+        result["stall"] = {
+            "median": sorted(stalls)[len(stalls) // 2],
+            "95 %": sorted(stalls)[int(0.95 * len(stalls))],
+            "most": max(stalls),
+        }
         result["memory"] = [memory[len(memory) // 4], memory[-1]]
     screenshot("edited")
     yield 0.1
@@ -277,7 +327,9 @@ def undo() -> Iterator[float]:
 
 
 def other_states() -> Iterator[float]:
-    """Modes, shadings, engines, local view, border, orthographic and axis views, while it renders."""
+    """Modes, shadings, engines, local view, border, orthographic and axis views, while it
+    renders.
+    """
     ob = next(ob for ob in bpy.context.scene.objects if ob.type == "MESH")
     bpy.context.view_layer.objects.active = ob
     ob.select_set(True)
@@ -289,13 +341,17 @@ def other_states() -> Iterator[float]:
             space().shading.type = shading
             yield random.Random(1).choice((TICK, 0.03))
     space().shading.type = "SOLID"
-    yield from until(lambda: not lives() and not photon_threads(), "the end of the threads after Solid shading")
+    yield from until(
+        lambda: not lives() and not photon_threads(), "the end of the threads after Solid shading"
+    )
     space().shading.type = "RENDERED"
     yield from until(settled, "the picture after Solid shading")
     for engine in ("BLENDER_WORKBENCH", "PHOTON_SPLAT", "CYCLES", "PHOTON_SPLAT"):
         bpy.context.scene.render.engine = engine
         yield 0.2
-    yield from until(lambda: len(lives()) == 1 and settled(), "the picture after the engine was changed")
+    yield from until(
+        lambda: len(lives()) == 1 and settled(), "the picture after the engine was changed"
+    )
     in_window(bpy.ops.view3d.localview)
     yield from until(settled, "the picture of a local view")
     screenshot("local_view")
@@ -333,7 +389,9 @@ def render_and_cancel() -> Iterator[float]:
     for _ in range(10):
         if not bpy.app.is_job_running("RENDER"):
             break
-        found = subprocess.run(["xdotool", "search", "--class", "blender"], capture_output=True, text=True, check=False).stdout.split()
+        found = subprocess.run(
+            ["xdotool", "search", "--class", "blender"], capture_output=True, text=True, check=False
+        ).stdout.split()
         for window in found:
             subprocess.run(["xdotool", "key", "--window", window, "Escape"], check=False)
         yield 0.5
@@ -353,16 +411,26 @@ def render_and_cancel() -> Iterator[float]:
 def two_viewports() -> Iterator[float]:
     in_window(bpy.ops.screen.area_split, direction="VERTICAL", factor=0.5)
     yield 0.3
-    areas = [area for area in bpy.context.window_manager.windows[0].screen.areas if area.type == "VIEW_3D"]
+    areas = [
+        area
+        for area in bpy.context.window_manager.windows[0].screen.areas
+        if area.type == "VIEW_3D"
+    ]
     for each in areas:
         each.spaces.active.shading.type = "RENDERED"
     yield 0.3
-    yield from until(lambda: len(lives()) == len(areas) and all(each.controller.idle for each in lives()), "two viewports")
+    yield from until(
+        lambda: len(lives()) == len(areas) and all(each.controller.idle for each in lives()),
+        "two viewports",
+    )
     screenshot("two_viewports")
     window = bpy.context.window_manager.windows[0]
     with bpy.context.temp_override(window=window, screen=window.screen, area=areas[-1]):
         bpy.ops.screen.area_close()
-    yield from until(lambda: len(lives()) == 1 and len(photon_threads()) == 1, "the end of the closed viewport's thread")
+    yield from until(
+        lambda: len(lives()) == 1 and len(photon_threads()) == 1,
+        "the end of the closed viewport's thread",
+    )
 
 
 def extension() -> Iterator[float]:
@@ -387,7 +455,21 @@ def hunt() -> Iterator[float]:
     for _ in range(HUNT):
         meshes = [ob for ob in bpy.context.scene.objects if ob.type == "MESH"]
         name = chance.choice(
-            ("move", "vertex", "add", "remove", "color", "light", "view", "shading", "undo", "mode", "hide", "modifier", "frame")
+            (
+                "move",
+                "vertex",
+                "add",
+                "remove",
+                "color",
+                "light",
+                "view",
+                "shading",
+                "undo",
+                "mode",
+                "hide",
+                "modifier",
+                "frame",
+            )
         )
         counts[name] = counts.get(name, 0) + 1
         ob = chance.choice(meshes) if meshes else None
@@ -397,7 +479,11 @@ def hunt() -> Iterator[float]:
             ob.data.vertices[0].co = [chance.uniform(-1, 1) for _ in range(3)]
             ob.data.update()
         elif name == "add" and len(meshes) < 12:
-            in_window(bpy.ops.mesh.primitive_cube_add, size=0.3, location=[chance.uniform(-1, 1) for _ in range(3)])
+            in_window(
+                bpy.ops.mesh.primitive_cube_add,
+                size=0.3,
+                location=[chance.uniform(-1, 1) for _ in range(3)],
+            )
         elif name == "remove" and len(meshes) > 3:
             bpy.data.objects.remove(ob)
         elif name == "color":
@@ -405,7 +491,10 @@ def hunt() -> Iterator[float]:
                 material.diffuse_color = [chance.random() for _ in range(4)]
                 for node in material.node_tree.nodes if material.node_tree else ():
                     if node.type == "BSDF_DIFFUSE":
-                        node.inputs["Color"].default_value = (*(chance.random() for _ in range(3)), 1.0)
+                        node.inputs["Color"].default_value = (
+                            *(chance.random() for _ in range(3)),
+                            1.0,
+                        )
         elif name == "light":
             for light in bpy.data.lights:
                 light.energy = chance.uniform(0, 30)
@@ -435,7 +524,11 @@ def hunt() -> Iterator[float]:
     space().shading.type = "RENDERED"
     yield 0.2
     yield from until(settled, "the picture after the hunt")
-    result["hunt"] = {"edits": HUNT, "threads": len(photon_threads()), "memory": [before, resident()]} | {"kinds": counts}
+    result["hunt"] = {
+        "edits": HUNT,
+        "threads": len(photon_threads()),
+        "memory": [before, resident()],
+    } | {"kinds": counts}
     screenshot("hunted")
 
 

@@ -1,4 +1,6 @@
-"""The thread behind a viewport: what it builds, traces and shows when scenes and views change. No Blender, no window."""
+"""The thread behind a viewport: what it builds, traces and shows when scenes and views change. No
+Blender, no window.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +30,9 @@ def room(strength: float = 100.0, albedo: float = 0.5, moved: float = 0.0) -> Sc
         (corescene.box((-2, -2, 0), (2, 2, 2), inwards=True), corescene.lambert(albedo)),
         (corescene.box((moved, 0, 0), (moved + 0.5, 0.5, 0.5)), corescene.lambert((0.8, 0.2, 0.2))),
     ]
-    return corescene.scene(eye, things, [corescene.lamp(LightKind.POINT, strength, (0.5, -0.5, 1.8))])
+    return corescene.scene(
+        eye, things, [corescene.lamp(LightKind.POINT, strength, (0.5, -0.5, 1.8))]
+    )
 
 
 def view(x: float = -1.5, width: int = 64, height: int = 36, **frame: object) -> View:
@@ -52,7 +56,9 @@ def wait(controller: Controller, until: Callable[[Picture], bool]) -> Picture:
             return picture
         assert not controller.status()[2], controller.status()[2]
         time.sleep(0.001)
-    raise AssertionError(f"no such picture within {SECONDS} s: {controller.status()}, {controller.picture()}")
+    raise AssertionError(
+        f"no such picture within {SECONDS} s: {controller.status()}, {controller.picture()}"
+    )
 
 
 def settle(controller: Controller, wanted: View) -> Picture:
@@ -84,7 +90,11 @@ def test_pictures_come_coarse_then_full_then_refined() -> None:
     recorder.set_scene(room(), replace(SETTINGS, passes=2))
     wait(recorder, lambda p: p.samples == 2)
     recorder.close()
-    assert [(p.step, p.samples, p.moving) for p in recorder.seen] == [(2, 1, True), (1, 1, False), (1, 2, False)]
+    assert [(p.step, p.samples, p.moving) for p in recorder.seen] == [
+        (2, 1, True),
+        (1, 1, False),
+        (1, 2, False),
+    ]
     assert [p.number for p in recorder.seen] == [1, 2, 3]
     for picture in recorder.seen:
         height, width = picture.pixels.shape[:2]
@@ -106,7 +116,9 @@ def test_the_refined_picture_is_that_of_a_render(controller: Controller) -> None
     assert picture.pixels == pytest.approx(passes["Combined"], rel=1e-5, abs=1e-7)
 
 
-def test_moving_traces_no_photon_and_a_view_that_comes_again_is_the_same(controller: Controller) -> None:
+def test_moving_traces_no_photon_and_a_view_that_comes_again_is_the_same(
+    controller: Controller,
+) -> None:
     controller.set_scene(room(), SETTINGS)
     controller.set_view(view())
     settle(controller, view())
@@ -128,9 +140,14 @@ def show(controller: Controller, wanted: View) -> View:
 
 
 def test_indirect_light_does_not_flicker_while_moving() -> None:
-    """Seen from all around, the light on a white floor that only the ceiling lights is the same to a fraction of its noise."""
+    """Seen from all around, the light on a white floor that only the ceiling lights is the same to
+    a fraction of its noise.
+    """
     floor = (corescene.quad(1.0), corescene.lambert(0.8))
-    ceiling = (corescene.mesh([(-1, -1, 1), (-1, 1, 1), (1, 1, 1), (1, -1, 1)], [(0, 1, 2, 3)]), corescene.lambert(0.8))
+    ceiling = (
+        corescene.mesh([(-1, -1, 1), (-1, 1, 1), (1, 1, 1), (1, -1, 1)], [(0, 1, 2, 3)]),
+        corescene.lambert(0.8),
+    )
     lamp = corescene.lamp(LightKind.SPOT, 50.0, (0, 0, 0.5), (0, 0, 1), spot_size=1.5)
     scene = corescene.scene(corescene.ortho_down(0.9, 0.2, 8), [floor, ceiling], [lamp])
     controller = Controller(step=1)
@@ -163,7 +180,10 @@ def test_edits_build_only_what_they_change(controller: Controller) -> None:
         number = controller.picture().number  # type: ignore[union-attr]
         controller.set_scene(edited, SETTINGS)
         if edited is not scene:
-            wait(controller, lambda p, number=number: p.number > number and p.samples == SETTINGS.passes)  # type: ignore[misc]
+            wait(
+                controller,
+                lambda p, number=number: p.number > number and p.samples == SETTINGS.passes,
+            )  # type: ignore[misc]
         done.append((controller.counts.builds, controller.counts.relights))
     assert done == [(1, 0), (1, 1), (1, 2), (2, 2)]
     assert not np.array_equal(controller.picture().pixels, before)  # type: ignore[union-attr]
@@ -193,7 +213,9 @@ def test_scenes_and_views_that_follow_fast_end_with_the_last(controller: Control
     again.close()
 
 
-def test_a_scene_that_cannot_be_rendered_says_so_and_the_next_one_is(controller: Controller) -> None:
+def test_a_scene_that_cannot_be_rendered_says_so_and_the_next_one_is(
+    controller: Controller,
+) -> None:
     broken = room()
     broken.meshes[1].positions[0, 0] = np.nan
     controller.set_view(view())
@@ -240,7 +262,9 @@ def test_nothing_lit_and_nothing_there_are_black(controller: Controller) -> None
         controller.set_view(view())
         controller.set_scene(scene, SETTINGS)
         number = controller.picture().number if controller.picture() else 0  # type: ignore[union-attr]
-        picture = wait(controller, lambda p, number=number: p.number > number and p.samples == SETTINGS.passes)  # type: ignore[misc]
+        picture = wait(
+            controller, lambda p, number=number: p.number > number and p.samples == SETTINGS.passes
+        )  # type: ignore[misc]
         assert picture.pixels[..., :3].max() == 0
 
 
@@ -268,16 +292,25 @@ def test_wide_pixels_keep_the_view(step: int) -> None:
     assert frame.region == (x // step, y // step, width // step, height // step)
     # A pixel of the screen stands for the same direction.
     left, right, bottom, top = wanted.camera.screen
-    assert (camera.screen[1] - camera.screen[0]) / (frame.width * step) == pytest.approx((right - left) / 101)
-    assert (camera.screen[3] - camera.screen[2]) / (frame.height * step) == pytest.approx((top - bottom) / 57)
+    assert (camera.screen[1] - camera.screen[0]) / (frame.width * step) == pytest.approx(
+        (right - left) / 101
+    )
+    assert (camera.screen[3] - camera.screen[2]) / (frame.height * step) == pytest.approx(
+        (top - bottom) / 57
+    )
     assert camera.screen[::2] == (left, bottom)
 
 
 @pytest.mark.parametrize(
-    ("fixed", "per_pixel", "expected"), [(0.0, 1e-7, 1), (0.03, 1e-7, 3), (0.05, 1e-7, 4), (0.0, 1e-5, 8), (0.2, 0.0, 8)]
+    ("fixed", "per_pixel", "expected"),
+    [(0.0, 1e-7, 1), (0.03, 1e-7, 3), (0.05, 1e-7, 4), (0.0, 1e-5, 8), (0.2, 0.0, 8)],
 )
-def test_the_width_of_pixels_follows_the_time_they_take(fixed: float, per_pixel: float, expected: int) -> None:
-    """Pictures take less than a fifteenth of a second where that can be had, with as many pixels as that allows."""
+def test_the_width_of_pixels_follows_the_time_they_take(
+    fixed: float, per_pixel: float, expected: int
+) -> None:
+    """Pictures take less than a fifteenth of a second where that can be had, with as many pixels as
+    that allows.
+    """
     pace = Pace()
     late = 0
     steps = []

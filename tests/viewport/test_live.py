@@ -1,4 +1,6 @@
-"""Rendered viewport shading inside Blender: what an edit exports, what a viewport shows, and that nothing is left behind."""
+"""Rendered viewport shading inside Blender: what an edit exports, what a viewport shows, and that
+nothing is left behind.
+"""
 
 from __future__ import annotations
 
@@ -29,7 +31,14 @@ def _room() -> Any:
 
 def _cube(half: float) -> tuple[list[tuple[float, ...]], list[tuple[int, ...]]]:
     corners = [(x, y, z) for z in (-half, half) for y in (-half, half) for x in (-half, half)]
-    return corners, [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
+    return corners, [
+        (0, 2, 3, 1),
+        (4, 5, 7, 6),
+        (0, 1, 5, 4),
+        (2, 6, 7, 3),
+        (0, 4, 6, 2),
+        (1, 3, 7, 5),
+    ]
 
 
 def _threads() -> list[str]:
@@ -60,7 +69,9 @@ def test_the_viewport_shows_what_a_render_of_it_shows() -> None:
     camera = scene.camera.data
     x = camera.sensor_width / camera.lens / 2 * camera.clip_start
     window = projection_matrix(-x, x, -x, x, camera.clip_start, camera.clip_end)
-    with viewport(width=scene.render.resolution_x, height=scene.render.resolution_y, window=window) as v:
+    with viewport(
+        width=scene.render.resolution_x, height=scene.render.resolution_y, window=window
+    ) as v:
         v.context.region_data.view_perspective = "CAMERA"
         picture = v.settle()
     assert picture.samples == 4
@@ -81,7 +92,9 @@ def test_each_edit_exports_and_builds_what_it_changes() -> None:
         assert _done(v) == (3, 1, 1), "light"
         refresh(lambda: setattr(lamp, "location", (0.5, 0, 2)))
         assert _done(v) == (3, 1, 2), "light moved"
-        node = next(node for node in cube.data.materials[0].node_tree.nodes if node.type == "BSDF_DIFFUSE")
+        node = next(
+            node for node in cube.data.materials[0].node_tree.nodes if node.type == "BSDF_DIFFUSE"
+        )
         refresh(lambda: setattr(node.inputs["Color"], "default_value", (1, 0, 0, 1)))
         made, builds, relights = _done(v)
         assert (builds, relights) == (1, 3), "material"
@@ -91,7 +104,9 @@ def test_each_edit_exports_and_builds_what_it_changes() -> None:
 
         refresh(lambda: setattr(cube, "location", (-0.6, 0, 0.3)))
         assert _done(v) == (made, 2, 4), "object moved"
-        refresh(lambda: (setattr(cube.data.vertices[0], "co", (-0.4, -0.4, -0.3)), cube.data.update()))
+        refresh(
+            lambda: (setattr(cube.data.vertices[0], "co", (-0.4, -0.4, -0.3)), cube.data.update())
+        )
         assert _done(v) == (made + 1, 3, 4), "mesh"
         refresh(lambda: setattr(cube, "hide_viewport", True))
         assert _done(v)[1:] == (4, 4), "hidden"
@@ -136,7 +151,9 @@ def test_two_viewports_and_two_views() -> None:
 
 @in_blender
 def test_a_viewport_whose_engine_is_gone_is_closed() -> None:
-    """Blender drops the engine when shading, engine, editor, window or file change, and does not always say so."""
+    """Blender drops the engine when shading, engine, editor, window or file change, and does not
+    always say so.
+    """
     import gc
 
     from photon_splat.viewport import live
@@ -180,7 +197,12 @@ def test_unregistering_closes_all() -> None:
         photon_splat.unregister()
         try:
             assert _threads() == []
-            assert not [h for name in ("load_pre", "undo_post") for h in getattr(bpy.app.handlers, name) if "photon_splat" in h.__module__]
+            assert not [
+                h
+                for name in ("load_pre", "undo_post")
+                for h in getattr(bpy.app.handlers, name)
+                if "photon_splat" in h.__module__
+            ]
         finally:
             photon_splat.register()
 
@@ -258,7 +280,9 @@ def test_a_scene_that_cannot_be_exported_says_so() -> None:
 @pytest.mark.parametrize("seed", [1])
 @in_blender
 def test_random_edits_end_where_a_fresh_export_ends(seed: int) -> None:
-    """What is kept from one export to the next never shows: after each edit the scene is that of an export without it."""
+    """What is kept from one export to the next never shows: after each edit the scene is that of an
+    export without it.
+    """
     from tests.viewport.hunt import hunt
 
     _room()

@@ -21,13 +21,17 @@ def _view(made: Any, pixel: int = 1, bounds: np.ndarray | None = None, local: An
 
 
 def _through_camera(width: int, height: int, zoom: float = 1.0) -> Any:
-    """A viewport of that size that looks through the scene's camera, whose frame fills 1 / zoom of it."""
+    """A viewport of that size that looks through the scene's camera, whose frame fills 1 / zoom of
+    it.
+    """
     import bpy
 
     graph = bpy.context.evaluated_depsgraph_get()
     ob = graph.scene_eval.camera
     render = bpy.context.scene.render
-    matrix = np.array(ob.calc_matrix_camera(graph, x=render.resolution_x, y=render.resolution_y), np.float64)
+    matrix = np.array(
+        ob.calc_matrix_camera(graph, x=render.resolution_x, y=render.resolution_y), np.float64
+    )
     matrix[0] /= zoom
     matrix[1] /= zoom
     made = context(width, height, np.array(ob.matrix_world), matrix)
@@ -42,7 +46,9 @@ def test_a_perspective_view(sides: list[float]) -> None:
     eye = np.eye(4)
     eye[:3, 3] = 1, 2, 3
     near = [side * 0.1 for side in sides]
-    view = _view(context(80, 60, eye, projection_matrix(*near, 0.1, 100), clip_start=0.2, clip_end=50))
+    view = _view(
+        context(80, 60, eye, projection_matrix(*near, 0.1, 100), clip_start=0.2, clip_end=50)
+    )
     assert view.camera.screen == pytest.approx(sides, abs=1e-6)
     assert np.allclose(view.camera.matrix, eye, atol=1e-6)
     assert (view.camera.clip_start, view.camera.clip_end) == pytest.approx((0.2, 50))
@@ -54,7 +60,9 @@ def test_a_perspective_view(sides: list[float]) -> None:
 def test_an_orthographic_view_begins_outside_of_the_scene() -> None:
     eye = np.eye(4)
     eye[:3, 3] = 1, 2, 3
-    made = context(80, 60, eye, projection_matrix(-4, 4, -3, 3, -100, 100, orthographic=True), clip_end=100)
+    made = context(
+        80, 60, eye, projection_matrix(-4, 4, -3, 3, -100, 100, orthographic=True), clip_end=100
+    )
     view = _view(made, bounds=np.array([[-1.0, -1, -1], [1, 1, 9]]))
     assert view.camera.orthographic
     assert view.camera.screen == pytest.approx((-4, 4, -3, 3), abs=1e-5)
@@ -96,7 +104,12 @@ def test_a_camera_view_is_the_rendered_one(name: str) -> None:
     bpy.context.view_layer.update()
     expected = stage.exported().camera
     matrix = np.array(
-        ob.calc_matrix_camera(bpy.context.evaluated_depsgraph_get(), x=width, y=height, scale_x=bpy.context.scene.render.pixel_aspect_x)
+        ob.calc_matrix_camera(
+            bpy.context.evaluated_depsgraph_get(),
+            x=width,
+            y=height,
+            scale_x=bpy.context.scene.render.pixel_aspect_x,
+        )
     )
     made = context(width, height, expected.matrix, matrix)
     made.region_data.view_perspective = "CAMERA"
@@ -125,10 +138,18 @@ def test_borders() -> None:
     assert _view(made).frame.border == (50, 25, 100, 50), "nothing is seen around the frame"
     render = bpy.context.scene.render
     render.use_border = True
-    render.border_min_x, render.border_max_x, render.border_min_y, render.border_max_y = 0.0, 0.5, 0.2, 0.6
+    render.border_min_x, render.border_max_x, render.border_min_y, render.border_max_y = (
+        0.0,
+        0.5,
+        0.2,
+        0.6,
+    )
     bpy.context.view_layer.update()
     assert _view(made).frame.border == (50, 35, 50, 20)
-    sides = {f"render_border_{side}": value for side, value in (("min_x", 0.1), ("max_x", 0.5), ("min_y", 0.0), ("max_y", 1.0))}
+    sides = {
+        f"render_border_{side}": value
+        for side, value in (("min_x", 0.1), ("max_x", 0.5), ("min_y", 0.0), ("max_y", 1.0))
+    }
     own = context(200, 100, use_render_border=True, **sides)
     assert _view(own).frame.border == (20, 0, 80, 100)
 
@@ -153,7 +174,9 @@ def test_depth_of_field_and_panoramas_come_through_the_camera() -> None:
     view = _view(made)
     assert view.camera.panorama is not None
     left, right, bottom, top = expected.screen
-    assert view.camera.screen == pytest.approx((left - 0.5, right + 0.5, bottom - 0.5, top + 0.5), abs=1e-4)
+    assert view.camera.screen == pytest.approx(
+        (left - 0.5, right + 0.5, bottom - 0.5, top + 0.5), abs=1e-4
+    )
     assert view.frame.border == (50, 25, 100, 50)
 
 

@@ -1,4 +1,6 @@
-"""What Blender hands to an engine that draws a viewport, without a window: the graph is Blender's, the rest is made up."""
+"""What Blender hands to an engine that draws a viewport, without a window: the graph is Blender's,
+the rest is made up.
+"""
 
 from __future__ import annotations
 
@@ -38,12 +40,22 @@ class Engine:
 
 
 def projection_matrix(
-    left: float, right: float, bottom: float, top: float, near: float, far: float, orthographic: bool = False
+    left: float,
+    right: float,
+    bottom: float,
+    top: float,
+    near: float,
+    far: float,
+    orthographic: bool = False,
 ) -> np.ndarray:
     """OpenGL's, as a 3D viewport of Blender has it; sides at the near plane for a perspective."""
     m = np.zeros((4, 4))
     m[0, 0], m[1, 1] = 2 / (right - left), 2 / (top - bottom)
-    x, y, z = (right + left) / (right - left), (top + bottom) / (top - bottom), (far + near) / (far - near)
+    x, y, z = (
+        (right + left) / (right - left),
+        (top + bottom) / (top - bottom),
+        (far + near) / (far - near),
+    )
     if orthographic:
         m[2, 2], m[3, 3] = -2 / (far - near), 1
         m[:3, 3] = -x, -y, -z
@@ -54,13 +66,21 @@ def projection_matrix(
     return m
 
 
-def context(width: int = 64, height: int = 36, eye: np.ndarray | None = None, window: np.ndarray | None = None, **space: Any) -> Any:
+def context(
+    width: int = 64,
+    height: int = 36,
+    eye: np.ndarray | None = None,
+    window: np.ndarray | None = None,
+    **space: Any,
+) -> Any:
     """A viewport that looks from `eye` (a matrix; default: from above)."""
     if eye is None:
         eye = np.eye(4)
         eye[2, 3] = 6.0
     if window is None:
-        window = projection_matrix(-0.05, 0.05, -0.05 * height / width, 0.05 * height / width, 0.1, 100)
+        window = projection_matrix(
+            -0.05, 0.05, -0.05 * height / width, 0.05 * height / width, 0.1, 100
+        )
     perspective = window[3, 3] == 0
     settings = {
         "clip_start": 0.1,

@@ -1,4 +1,6 @@
-"""Statements and the values that they read -> code: what is not read falls away, branches of weight 0 are jumped over."""
+"""Statements and the values that they read -> code: what is not read falls away, branches of weight
+0 are jumped over.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +12,19 @@ from typing import Any
 import numpy as np
 
 from ...core.shading import GENERATED, Feature, Program
-from .values import CONSTANT_BIT, HERE, NONE, TABLES, UNUSED, Graph, Instruction, Operation, Place, Value, operations
+from .values import (
+    CONSTANT_BIT,
+    HERE,
+    NONE,
+    TABLES,
+    UNUSED,
+    Graph,
+    Instruction,
+    Operation,
+    Place,
+    Value,
+    operations,
+)
 
 ROOT = -1
 MOST_TOGETHER = 1024  # of Together's count
@@ -22,7 +36,9 @@ Order = list[tuple[str, Any]]
 
 @dataclass(slots=True)
 class Statement:
-    """A closure: an instruction without results. `weight` not constant: everything that only it reads is jumped over where it is 0."""
+    """A closure: an instruction without results. `weight` not constant: everything that only it
+    reads is jumped over where it is 0.
+    """
 
     operation: Operation
     operands: tuple[Any, ...]
@@ -32,7 +48,9 @@ class Statement:
         return [v for v in self.operands if isinstance(v, Value)]
 
     def get(self, name: str) -> Any:
-        return self.operands[next(i for i, operand in enumerate(self.operation.operands) if operand.name == name)]
+        return self.operands[
+            next(i for i, operand in enumerate(self.operation.operands) if operand.name == name)
+        ]
 
 
 def statement(name: str, **given: Any) -> Statement:
@@ -71,13 +89,28 @@ def assemble(name: str, graph: Graph, statements: list[Statement], features: Fea
         if _uses_generated(instruction):
             wants.add(GENERATED)
         into = wants_instances if instruction.operation.name == "InstanceAttribute" else wants
-        for operand, value in zip(instruction.operation.operands, instruction.operands, strict=True):
+        for operand, value in zip(
+            instruction.operation.operands, instruction.operands, strict=True
+        ):
             if operand.kind == "a" and value != NONE:
                 into.add(value)
-    return Program(name, words, constants, code.registers, features, frozenset(wants), frozenset(wants_instances))
+    return Program(
+        name,
+        words,
+        constants,
+        code.registers,
+        features,
+        frozenset(wants),
+        frozenset(wants_instances),
+    )
 
 
-def _written(graph: Graph, statements: list[Statement], homes: dict[int, int], in_order: Callable[[Graph, list[int]], Order]) -> _Code:
+def _written(
+    graph: Graph,
+    statements: list[Statement],
+    homes: dict[int, int],
+    in_order: Callable[[Graph, list[int]], Order],
+) -> _Code:
     code = _Code(graph)
     blocks: dict[int, list[int]] = {}
     for index in sorted(homes):
@@ -98,12 +131,17 @@ def _written(graph: Graph, statements: list[Statement], homes: dict[int, int], i
 def _uses_generated(instruction: Instruction) -> bool:
     name = instruction.operation.name
     if name in {"TextureCoordinate", "Geometry"}:
-        return instruction.operation.operands[1].modes[instruction.operands[1]] in {"GENERATED", "TANGENT"}
+        return instruction.operation.operands[1].modes[instruction.operands[1]] in {
+            "GENERATED",
+            "TANGENT",
+        }
     return name == "TangentRadial"
 
 
 def _homes(graph: Graph, statements: list[Statement]) -> dict[int, int]:
-    """Where each needed instruction stands: with the only guarded statement that needs it, or at the beginning (ROOT)."""
+    """Where each needed instruction stands: with the only guarded statement that needs it, or at
+    the beginning (ROOT).
+    """
     homes: dict[int, int] = {}
 
     def need(value: Value, home: int) -> None:
@@ -130,9 +168,11 @@ def _as_they_are(_: Graph, block: list[int]) -> Order:
 
 
 def _in_steps(graph: Graph, block: list[int]) -> Order:
-    """A block's instructions in steps of what does not depend on one another, so that a processor can work at several of them.
+    """A block's instructions in steps of what does not depend on one another, so that a processor
+    can work at several of them.
 
-    The noise of textures that do not need one another's is computed together, after all else that can be done before it.
+    The noise of textures that do not need one another's is computed together, after all else that
+    can be done before it.
     """
     depth: dict[int, int] = {}  # noise textures that come one after another before it
     step: dict[int, int] = {}
@@ -140,14 +180,28 @@ def _in_steps(graph: Graph, block: list[int]) -> Order:
     places: dict[Place | None, int] = {None: 0, HERE: 1}
     for index in block:
         instruction = graph.instructions[index]
-        read = instruction.reads() + ([instruction.place.width] if instruction.place is not None else [])
+        read = instruction.reads() + (
+            [instruction.place.width] if instruction.place is not None else []
+        )
         before = [value.instruction for value in read if value.instruction in depth]
-        depth[index] = max((depth[one] + (dimensions_of_noise(graph.instructions[one]) > 0) for one in before), default=0)
+        depth[index] = max(
+            (depth[one] + (dimensions_of_noise(graph.instructions[one]) > 0) for one in before),
+            default=0,
+        )
         step[index] = max((step[one] + 1 for one in before), default=0)
         place = places.setdefault(instruction.place, len(places))
-        key[index] = depth[index], dimensions_of_noise(instruction), step[index], place, instruction.operation.opcode, index
+        key[index] = (
+            depth[index],
+            dimensions_of_noise(instruction),
+            step[index],
+            place,
+            instruction.operation.opcode,
+            index,
+        )
     order: Order = []
-    for (_, noisy), group in groupby(sorted(block, key=lambda index: key[index]), key=lambda index: key[index][:2]):
+    for (_, noisy), group in groupby(
+        sorted(block, key=lambda index: key[index]), key=lambda index: key[index][:2]
+    ):
         some = list(group)
         if noisy and 1 < len(some) <= MOST_TOGETHER:
             order.append(("together", len(some)))
@@ -211,7 +265,9 @@ class _Code:
         return np.array(self.words, np.uint32), np.array(self.constants or [0.0], np.float32)
 
     def _uses(self, order: Order) -> tuple[dict[tuple[int, int], int], set[tuple[int, int]]]:
-        """Position of the last use of every result (instruction, operand), and which are used at all."""
+        """Position of the last use of every result (instruction, operand), and which are used at
+        all.
+        """
         last: dict[tuple[int, int], int] = {}
         for position, (kind, what) in enumerate(order):
             reads: list[Value] = []
@@ -234,15 +290,27 @@ class _Code:
 
     def _offset(self, place: Place) -> Place:
         operation = operations()["Offset"]
-        self.words += [operation.opcode, operation.operands[0].modes.index(place.axis), self._read(place.width)]
+        self.words += [
+            operation.opcode,
+            operation.operands[0].modes.index(place.axis),
+            self._read(place.width),
+        ]
         return place
 
-    def _write(self, instruction: Instruction | Statement, index: int | None, wanted: set[tuple[int, int]]) -> None:
+    def _write(
+        self, instruction: Instruction | Statement, index: int | None, wanted: set[tuple[int, int]]
+    ) -> None:
         words = [instruction.operation.opcode]
-        for i, (operand, value) in enumerate(zip(instruction.operation.operands, instruction.operands, strict=True)):
+        for i, (operand, value) in enumerate(
+            zip(instruction.operation.operands, instruction.operands, strict=True)
+        ):
             if operand.kind in {"F", "V"}:
                 result = (-1 if index is None else index, i)
-                words.append(self._allocate(result, 3 if operand.kind == "V" else 1) if result in wanted else UNUSED)
+                words.append(
+                    self._allocate(result, 3 if operand.kind == "V" else 1)
+                    if result in wanted
+                    else UNUSED
+                )
             elif isinstance(value, Value):
                 words.append(self._read(value))
             elif operand.kind in TABLES:

@@ -52,7 +52,9 @@ class Compiled:
     def operations(self) -> set[str]:
         """Names of the operations that a program of it would have, closures included."""
         live = live_instructions(self.graph, self.statements)
-        return {self.graph.instructions[i].operation.name for i in live} | {made.operation.name for made in self.statements}
+        return {self.graph.instructions[i].operation.name for i in live} | {
+            made.operation.name for made in self.statements
+        }
 
 
 @dataclass(slots=True)
@@ -71,7 +73,9 @@ class Compiler:
     # --- surfaces ---
 
     def surface(self, socket: Any, displacement: Any = None, name: str = "") -> Compiled:
-        """Closures of what is linked to `socket` (an output node's Surface), with normals bent by `displacement` (its Displacement)."""
+        """Closures of what is linked to `socket` (an output node's Surface), with normals bent by
+        `displacement` (its Displacement).
+        """
         if displacement is not None:
             self.owner.normal = self._bent_normal(displacement)
         order, mixers, leaves, root = self._shaders(socket)
@@ -96,14 +100,21 @@ class Compiler:
             features |= produces
         lobes = sum(lobe_count(made) for made in statements)
         if lobes > MOST_LOBES:
-            said = f"its shaders may come to {lobes} lobes at one point; what is beyond {MOST_LOBES} there is left out"
+            said = (
+                f"its shaders may come to {lobes} lobes at one point; what is beyond "
+                f"{MOST_LOBES} there is left out"
+            )
             self.around.report.warn(f"{self.owner.name}: {said}")
         if not constant_emission:
             features &= ~Feature.CONSTANT_EMISSION
         return Compiled(self.graph, statements, features, empty)
 
-    def _shaders(self, socket: Any) -> tuple[list[ShaderKey], dict[ShaderKey, _Mixer], dict[ShaderKey, Feed], ShaderKey | None]:
-        """All shaders above `socket`, those that are mixed after the mixers: order, mixers, leaves and the first one's key."""
+    def _shaders(
+        self, socket: Any
+    ) -> tuple[list[ShaderKey], dict[ShaderKey, _Mixer], dict[ShaderKey, Feed], ShaderKey | None]:
+        """All shaders above `socket`, those that are mixed after the mixers: order, mixers, leaves
+        and the first one's key.
+        """
         root = self._shader_feed(socket, ())
         if root is None:
             return [], {}, {}, None
@@ -146,7 +157,11 @@ class Compiler:
             fraction = self.graph.one("ClampUnit", a=self.value(node.inputs[0], feed.groups))
             factors = [self.graph.one("OneMinus", a=fraction), fraction]
         sockets = (socket for socket in node.inputs if socket.type == "SHADER")
-        used = [(socket, factor) for socket, factor in zip(sockets, factors, strict=True) if factor != ZERO]
+        used = [
+            (socket, factor)
+            for socket, factor in zip(sockets, factors, strict=True)
+            if factor != ZERO
+        ]
         found = [(self._shader_feed(socket, feed.groups), factor) for socket, factor in used]
         return [(part, factor) for part, factor in found if part is not None]
 
@@ -184,25 +199,40 @@ class Compiler:
         return n
 
     def _bent_normal(self, socket: Any) -> Value | None:
-        """The shading normal bent by a displacement taken as bump; None where there is no displacement."""
+        """The shading normal bent by a displacement taken as bump; None where there is no
+        displacement.
+        """
         feed = self.around.trees.feed(socket, ())
         if feed is None or feed.node is None:
             return None
         entry = NODES.get(feed.node.type)
         if entry is not None and entry.compile is None:
-            self.around.report.warn(f"{self.owner.name}, node '{label(feed.node)}': {feed.node.bl_label} is not supported; {entry.instead}")
+            self.around.report.warn(
+                f"{self.owner.name}, node '{label(feed.node)}': {feed.node.bl_label} is not "
+                f"supported; {entry.instead}"
+            )
             return None
         normal = self.graph.one("Geometry", what="NORMAL")
         heights = []
         for place in (HERE, Place("DX", ONE), Place("DY", ONE)):
             self._evaluate(feed, place)
             moved = self._result(feed, "VECTOR", place)
-            product = self.graph.add("VectorMath", a=moved, b=normal, c=normal, scale=ONE, operation="DOT_PRODUCT")
+            product = self.graph.add(
+                "VectorMath", a=moved, b=normal, c=normal, scale=ONE, operation="DOT_PRODUCT"
+            )
             heights.append(product["value"])
         if all(height == heights[0] for height in heights):
             return None
-        fixed = {"strength": ONE, "distance": ONE, "width": ONE, "normal_in": normal, "invert": False}
-        return self.graph.one("Bump", height=heights[0], height_dx=heights[1], height_dy=heights[2], **fixed)
+        fixed = {
+            "strength": ONE,
+            "distance": ONE,
+            "width": ONE,
+            "normal_in": normal,
+            "invert": False,
+        }
+        return self.graph.one(
+            "Bump", height=heights[0], height_dx=heights[1], height_dy=heights[2], **fixed
+        )
 
     # --- values ---
 
@@ -274,7 +304,9 @@ class Compiler:
         visit.node.values[identifier] = self._result(feed, socket.type, place)
 
     def _needs(self, n: Node, place: Place) -> Iterator[tuple[str, Any, Feed, Place]]:
-        """Linked inputs of a node: the names under which their values go, the sockets, what feeds them and where it is asked."""
+        """Linked inputs of a node: the names under which their values go, the sockets, what feeds
+        them and where it is asked.
+        """
         later = None
         for socket in n.node.inputs:
             if not socket.is_linked or not socket.enabled or socket.type in {"SHADER", "CUSTOM"}:
@@ -294,7 +326,11 @@ class Compiler:
         if later is not None:
             socket, feed = later
             width = bump_width(n)
-            for suffix, at in (("", HERE), (".DX", Place("DX", width)), (".DY", Place("DY", width))):
+            for suffix, at in (
+                ("", HERE),
+                (".DX", Place("DX", width)),
+                (".DY", Place("DY", width)),
+            ):
                 yield f"Height{suffix}", socket, feed, at
 
     def _gives(self, feed: Feed) -> bool:
@@ -306,9 +342,15 @@ class Compiler:
             return False
         if entry is not None and entry.compile is not None and entry.kind != "shader":
             return True
-        what = entry.instead if entry is not None and entry.instead else "links from it count as not there"
+        what = (
+            entry.instead
+            if entry is not None and entry.instead
+            else "links from it count as not there"
+        )
         name = feed.node.bl_label or feed.node.bl_idname
-        self.around.report.warn(f"{self.owner.name}, node '{label(feed.node)}': {name} is not supported; {what}")
+        self.around.report.warn(
+            f"{self.owner.name}, node '{label(feed.node)}': {name} is not supported; {what}"
+        )
         return False
 
     def _outputs(self, n: Node) -> dict[str, Value]:
@@ -317,16 +359,25 @@ class Compiler:
         return compile_node(n)
 
     def _report_loop(self, node: Any) -> None:
-        self.around.report.warn(f"{self.owner.name}, node '{label(node)}': its links run in a circle; one of them counts as not there")
+        self.around.report.warn(
+            f"{self.owner.name}, node '{label(node)}': its links run in a circle; one of them "
+            "counts as not there"
+        )
 
 
 def _shines(feed: Feed) -> bool:
     """True for what gives nothing but light."""
-    return feed.node is None or feed.socket.type != "SHADER" or feed.node.type in {"EMISSION", "BACKGROUND"}
+    return (
+        feed.node is None
+        or feed.socket.type != "SHADER"
+        or feed.node.type in {"EMISSION", "BACKGROUND"}
+    )
 
 
 def _own_place(node: Any, place: Place) -> Place:
-    """A bump looks at its own height on its own; it counts as the same everywhere in another one's height."""
+    """A bump looks at its own height on its own; it counts as the same everywhere in another one's
+    height.
+    """
     return HERE if node.type == "BUMP" else place
 
 
@@ -335,5 +386,9 @@ def _key(node: Any, groups: Groups, place: Place) -> Key:
 
 
 def _shader_key(feed: Feed) -> ShaderKey:
-    pointer = feed.socket.as_pointer() if feed.node is None or feed.socket.type != "SHADER" else feed.node.as_pointer()
+    pointer = (
+        feed.socket.as_pointer()
+        if feed.node is None or feed.socket.type != "SHADER"
+        else feed.node.as_pointer()
+    )
     return pointer, tuple(group.as_pointer() for group in feed.groups)

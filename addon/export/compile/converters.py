@@ -16,12 +16,18 @@ TABLE_SIZE = 256  # entries of ramps and curves, as in Cycles
 
 def math(n: Node) -> Outputs:
     a, b, c = (n.number(name) for name in ("Value", "Value_001", "Value_002"))
-    return {"Value": n.graph.one("Math", a=a, b=b, c=c, operation=n.node.operation, use_clamp=n.node.use_clamp)}
+    return {
+        "Value": n.graph.one(
+            "Math", a=a, b=b, c=c, operation=n.node.operation, use_clamp=n.node.use_clamp
+        )
+    }
 
 
 def vector_math(n: Node) -> Outputs:
     a, b, c = (n.vector(name) for name in ("Vector", "Vector_001", "Vector_002"))
-    results = n.graph.add("VectorMath", a=a, b=b, c=c, scale=n.number("Scale", 1.0), operation=n.node.operation)
+    results = n.graph.add(
+        "VectorMath", a=a, b=b, c=c, scale=n.number("Scale", 1.0), operation=n.node.operation
+    )
     return {"Vector": results["vector"], "Value": results["value"]}
 
 
@@ -30,27 +36,53 @@ def mix(n: Node) -> Outputs:
     clamp = bool(node.clamp_factor)
     if kind == "FLOAT":
         factor, a, b = n.number("Factor_Float"), n.number("A_Float"), n.number("B_Float")
-        return {"Result_Float": n.graph.one("MixFloat", factor=factor, a=a, b=b, clamp_factor=clamp)}
+        return {
+            "Result_Float": n.graph.one("MixFloat", factor=factor, a=a, b=b, clamp_factor=clamp)
+        }
     if kind == "VECTOR":
         a, b = n.vector("A_Vector"), n.vector("B_Vector")
         if node.factor_mode == "UNIFORM":
-            return {"Result_Vector": n.graph.one("MixVector", factor=n.number("Factor_Float"), a=a, b=b, clamp_factor=clamp)}
+            return {
+                "Result_Vector": n.graph.one(
+                    "MixVector", factor=n.number("Factor_Float"), a=a, b=b, clamp_factor=clamp
+                )
+            }
         factor = n.vector("Factor_Vector")
-        return {"Result_Vector": n.graph.one("MixVectorNonUniform", factor=factor, a=a, b=b, clamp_factor=clamp)}
+        return {
+            "Result_Vector": n.graph.one(
+                "MixVectorNonUniform", factor=factor, a=a, b=b, clamp_factor=clamp
+            )
+        }
     if kind == "RGBA":
         a, b = n.color("A_Color"), n.color("B_Color")
-        return {"Result_Color": _mix_color(n, n.number("Factor_Float"), a, b, clamp, bool(node.clamp_result))}
+        return {
+            "Result_Color": _mix_color(
+                n, n.number("Factor_Float"), a, b, clamp, bool(node.clamp_result)
+            )
+        }
     n.unsupported(f"of {kind.lower()}s is not supported; A is taken")
     return {"Result_Rotation": n.vector("A_Rotation")}
 
 
 def mix_rgb(n: Node) -> Outputs:
-    return {"Color": _mix_color(n, n.number("Fac"), n.color("Color1"), n.color("Color2"), True, bool(n.node.use_clamp))}
+    return {
+        "Color": _mix_color(
+            n, n.number("Fac"), n.color("Color1"), n.color("Color2"), True, bool(n.node.use_clamp)
+        )
+    }
 
 
-def _mix_color(n: Node, factor: Value, a: Value, b: Value, clamp_factor: bool, clamp_result: bool) -> Value:
+def _mix_color(
+    n: Node, factor: Value, a: Value, b: Value, clamp_factor: bool, clamp_result: bool
+) -> Value:
     return n.graph.one(
-        "MixColor", factor=factor, a=a, b=b, blend_type=n.node.blend_type, clamp_factor=clamp_factor, clamp_result=clamp_result
+        "MixColor",
+        factor=factor,
+        a=a,
+        b=b,
+        blend_type=n.node.blend_type,
+        clamp_factor=clamp_factor,
+        clamp_result=clamp_result,
     )
 
 
@@ -62,15 +94,31 @@ def map_range(n: Node) -> Outputs:
         for end in ("From", "To"):
             for limit in ("Min", "Max"):
                 ends[f"{end}_{limit}".lower()] = n.number(f"{end} {limit}")
-        return {"Result": n.graph.one("MapRange", value=n.number("Value"), steps=n.number("Steps", 4.0), **ends, **modes)}
-    ends = {f"{end}_{m}": n.vector(f"{end.title()}_{m.title()}_FLOAT3") for end in ("from", "to") for m in ("min", "max")}
+        return {
+            "Result": n.graph.one(
+                "MapRange", value=n.number("Value"), steps=n.number("Steps", 4.0), **ends, **modes
+            )
+        }
+    ends = {
+        f"{end}_{m}": n.vector(f"{end.title()}_{m.title()}_FLOAT3")
+        for end in ("from", "to")
+        for m in ("min", "max")
+    }
     steps = n.vector("Steps_FLOAT3", (4.0, 4.0, 4.0))
-    return {"Vector": n.graph.one("MapRangeVector", value=n.vector("Vector"), steps=steps, **ends, **modes)}
+    return {
+        "Vector": n.graph.one(
+            "MapRangeVector", value=n.vector("Vector"), steps=steps, **ends, **modes
+        )
+    }
 
 
 def clamp(n: Node) -> Outputs:
     limits = {"min": n.number("Min"), "max": n.number("Max", 1.0)}
-    return {"Result": n.graph.one("Clamp", value=n.number("Value"), clamp_type=n.node.clamp_type, **limits)}
+    return {
+        "Result": n.graph.one(
+            "Clamp", value=n.number("Value"), clamp_type=n.node.clamp_type, **limits
+        )
+    }
 
 
 def color_ramp(n: Node) -> Outputs:
@@ -78,7 +126,12 @@ def color_ramp(n: Node) -> Outputs:
     table = [float(TABLE_SIZE)]
     for k in range(TABLE_SIZE):
         table.extend(ramp.evaluate(k / (TABLE_SIZE - 1)))
-    results = n.graph.add("ColorRamp", factor=n.number("Fac"), table=tuple(table), interpolate=ramp.interpolation != "CONSTANT")
+    results = n.graph.add(
+        "ColorRamp",
+        factor=n.number("Fac"),
+        table=tuple(table),
+        interpolate=ramp.interpolation != "CONSTANT",
+    )
     return {"Color": results["color"], "Alpha": results["alpha"]}
 
 
@@ -86,8 +139,16 @@ def float_curve(n: Node) -> Outputs:
     mapping = n.node.mapping
     sample, low, high = _curves(mapping, 1)
     table = _table(lambda t: [sample(0, t)], low, high)
-    limits = {"min_x": _number(low), "max_x": _number(high), "extrapolate": mapping.extend == "EXTRAPOLATED"}
-    return {"Value": n.graph.one("FloatCurve", factor=n.number("Factor"), value=n.number("Value"), table=table, **limits)}
+    limits = {
+        "min_x": _number(low),
+        "max_x": _number(high),
+        "extrapolate": mapping.extend == "EXTRAPOLATED",
+    }
+    return {
+        "Value": n.graph.one(
+            "FloatCurve", factor=n.number("Factor"), value=n.number("Value"), table=table, **limits
+        )
+    }
 
 
 def rgb_curves(n: Node) -> Outputs:
@@ -100,13 +161,25 @@ def rgb_curves(n: Node) -> Outputs:
 def vector_curves(n: Node) -> Outputs:
     mapping = n.node.mapping
     sample, low, high = _curves(mapping, 3)
-    return {"Vector": _three_curves(n, "Vector", _table(lambda t: [sample(k, t) for k in range(3)], low, high), low, high)}
+    return {
+        "Vector": _three_curves(
+            n, "Vector", _table(lambda t: [sample(k, t) for k in range(3)], low, high), low, high
+        )
+    }
 
 
 def _three_curves(n: Node, name: str, table: tuple[float, ...], low: float, high: float) -> Value:
     extrapolate = n.node.mapping.extend == "EXTRAPOLATED"
     value, factor = n.vector(name), n.number("Fac", 1.0)
-    return n.graph.one("Curves", factor=factor, value=value, table=table, min_x=_number(low), max_x=_number(high), extrapolate=extrapolate)
+    return n.graph.one(
+        "Curves",
+        factor=factor,
+        value=value,
+        table=table,
+        min_x=_number(low),
+        max_x=_number(high),
+        extrapolate=extrapolate,
+    )
 
 
 def _curves(mapping: Any, count: int) -> tuple[Callable[[int, float], float], float, float]:
@@ -130,12 +203,24 @@ def _number(value: float) -> Value:
 
 
 def hue_saturation(n: Node) -> Outputs:
-    inputs = {"hue": n.number("Hue"), "saturation": n.number("Saturation"), "value": n.number("Value"), "factor": n.number("Fac")}
+    inputs = {
+        "hue": n.number("Hue"),
+        "saturation": n.number("Saturation"),
+        "value": n.number("Value"),
+        "factor": n.number("Fac"),
+    }
     return {"Color": n.graph.one("HueSaturation", color=n.color("Color"), **inputs)}
 
 
 def bright_contrast(n: Node) -> Outputs:
-    return {"Color": n.graph.one("BrightContrast", color=n.color("Color"), bright=n.number("Bright"), contrast=n.number("Contrast"))}
+    return {
+        "Color": n.graph.one(
+            "BrightContrast",
+            color=n.color("Color"),
+            bright=n.number("Bright"),
+            contrast=n.number("Contrast"),
+        )
+    }
 
 
 def gamma(n: Node) -> Outputs:
@@ -184,7 +269,9 @@ def _separated(n: Node, color: Value, mode: str, names: tuple[str, str, str]) ->
 
 
 def combine_color(n: Node) -> Outputs:
-    return {"Color": _combined(n, n.node.mode, [n.number(name) for name in ("Red", "Green", "Blue")])}
+    return {
+        "Color": _combined(n, n.node.mode, [n.number(name) for name in ("Red", "Green", "Blue")])
+    }
 
 
 def combine_rgb(n: Node) -> Outputs:
@@ -205,7 +292,11 @@ def wavelength(n: Node) -> Outputs:
 
 def vector_transform(n: Node) -> Outputs:
     node = n.node
-    modes = {"vector_type": node.vector_type, "convert_from": node.convert_from, "convert_to": node.convert_to}
+    modes = {
+        "vector_type": node.vector_type,
+        "convert_from": node.convert_from,
+        "convert_to": node.convert_to,
+    }
     return {"Vector": n.graph.one("VectorTransform", vector=n.vector("Vector"), **modes)}
 
 
@@ -226,8 +317,12 @@ def mapping(n: Node) -> Outputs:
     return {"Vector": n.graph.one("Mapping", scale=scale, vector_type=kind, **inputs)}
 
 
-def mapping_matrix(kind: str, location: Sequence[float], rotation: Sequence[float], scale: Sequence[float]) -> tuple[float, ...] | None:
-    """3x4 matrix, in rows, of a Mapping node (radians); None where it is no affine map: normals, and textures of scale 0."""
+def mapping_matrix(
+    kind: str, location: Sequence[float], rotation: Sequence[float], scale: Sequence[float]
+) -> tuple[float, ...] | None:
+    """3x4 matrix, in rows, of a Mapping node (radians); None where it is no affine map: normals,
+    and textures of scale 0.
+    """
     if kind == "NORMAL" or (kind == "TEXTURE" and not all(scale)):
         return None
     (cx, cy, cz), (sx, sy, sz) = np.cos(rotation), np.sin(rotation)
@@ -249,10 +344,19 @@ def mapping_matrix(kind: str, location: Sequence[float], rotation: Sequence[floa
 
 def normal(n: Node) -> Outputs:
     def unit(v: Value) -> Value:
-        return n.graph.add("VectorMath", a=v, b=ORIGIN, c=ORIGIN, scale=ONE, operation="NORMALIZE")["vector"]
+        return n.graph.add("VectorMath", a=v, b=ORIGIN, c=ORIGIN, scale=ONE, operation="NORMALIZE")[
+            "vector"
+        ]
 
     own = unit(vector(n.node.outputs["Normal"].default_value))
-    product = n.graph.add("VectorMath", a=own, b=unit(n.vector("Normal")), c=ORIGIN, scale=ONE, operation="DOT_PRODUCT")
+    product = n.graph.add(
+        "VectorMath",
+        a=own,
+        b=unit(n.vector("Normal")),
+        c=ORIGIN,
+        scale=ONE,
+        operation="DOT_PRODUCT",
+    )
     return {"Normal": own, "Dot": product["value"]}
 
 

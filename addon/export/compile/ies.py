@@ -19,11 +19,14 @@ def read_profile(node: Any) -> tuple[float, ...]:
         return parse(node.ies.as_string())
     if not node.filepath:
         raise ValueError("no file")
-    return parse(Path(bpy.path.abspath(node.filepath, library=node.id_data.library)).read_text("latin-1"))
+    return parse(
+        Path(bpy.path.abspath(node.filepath, library=node.id_data.library)).read_text("latin-1")
+    )
 
 
 def parse(text: str) -> tuple[float, ...]:
-    """(h, v, h horizontal angles, v vertical ones, h * v intensities): radians, over the full turn of the type's symmetry.
+    """(h, v, h horizontal angles, v vertical ones, h * v intensities): radians, over the full turn
+    of the type's symmetry.
 
     Intensities are candela times WATTS_PER_CANDELA.
     """
@@ -51,7 +54,10 @@ def parse(text: str) -> tuple[float, ...]:
         next(words)  # watts
         vertical = [float(next(words)) for _ in range(vertical_count)]
         horizontal = [float(next(words)) for _ in range(horizontal_count)]
-        values = [[factor * float(next(words)) for _ in range(vertical_count)] for _ in range(horizontal_count)]
+        values = [
+            [factor * float(next(words)) for _ in range(vertical_count)]
+            for _ in range(horizontal_count)
+        ]
     except StopIteration:
         raise ValueError("it ends too early") from None
     if kind != 1:
@@ -61,7 +67,9 @@ def parse(text: str) -> tuple[float, ...]:
     return _table(*_full_turn(horizontal, values), vertical)
 
 
-def _full_turn(horizontal: list[float], values: list[list[float]]) -> tuple[list[float], list[list[float]]]:
+def _full_turn(
+    horizontal: list[float], values: list[list[float]]
+) -> tuple[list[float], list[list[float]]]:
     """Angles over 0..360 degrees, by the symmetry that the last one tells."""
     first = horizontal[0]
     angles = [angle - first for angle in horizontal]
@@ -79,7 +87,9 @@ def _full_turn(horizontal: list[float], values: list[list[float]]) -> tuple[list
     return angles, values
 
 
-def _table(horizontal: list[float], values: list[list[float]], vertical: list[float]) -> tuple[float, ...]:
+def _table(
+    horizontal: list[float], values: list[list[float]], vertical: list[float]
+) -> tuple[float, ...]:
     rows = [value * WATTS_PER_CANDELA for row in values for value in row]
     angles = [math.radians(a) for a in (*horizontal, *vertical)]
     return (float(len(horizontal)), float(len(vertical)), *angles, *rows)

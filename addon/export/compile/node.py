@@ -1,4 +1,6 @@
-"""What the compilation of one node gets to see: its inputs as values, its owner's names, the attributes it may ask for."""
+"""What the compilation of one node gets to see: its inputs as values, its owner's names, the
+attributes it may ask for.
+"""
 
 from __future__ import annotations
 
@@ -18,9 +20,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Want:
-    """Something that programs read. Of a mesh: kind "uv", "attribute", "color", "tangent", "island", "pointiness" or "generated", of
-    the layer `name` ("": the active one). Of instances: "object" or "instancer" for a property `name`, "particle" or "info" for what
-    nodes name.
+    """Something that programs read. Of a mesh: kind "uv", "attribute", "color", "tangent",
+    "island", "pointiness" or "generated", of the layer `name` ("": the active one). Of instances:
+    "object" or "instancer" for a property `name`, "particle" or "info" for what nodes name.
     """
 
     kind: str
@@ -32,7 +34,8 @@ class Wants:
 
     def __init__(self) -> None:
         self.ids: dict[Want, int] = {Want("generated"): GENERATED}
-        self.askers: dict[int, dict[tuple[str, str], None]] = {}  # of tangents: (owner, node) by how warnings name them
+        # of tangents: (owner, node) by how warnings name them
+        self.askers: dict[int, dict[tuple[str, str], None]] = {}
 
     def id(self, kind: str, name: str = "") -> int:
         return self.ids.setdefault(Want(kind, name), len(self.ids))
@@ -52,9 +55,11 @@ class Surroundings:
 
 @dataclass(slots=True)
 class Owner:
-    """The material, world or light whose tree is compiled. `name` is how warnings name it, `id` is Blender's data.
+    """The material, world or light whose tree is compiled. `name` is how warnings name it, `id` is
+    Blender's data.
 
-    `backfacing`: the side alone that is compiled, or None for both. `uv_map`: the render-active one of the object, if known.
+    `backfacing`: the side alone that is compiled, or None for both. `uv_map`: the render-active one
+    of the object, if known.
     """
 
     name: str
@@ -87,7 +92,9 @@ class Node:
         self.warn(f"{self.node.bl_label} {what}")
 
     def socket(self, identifier: str) -> Any:
-        """The input with that identifier, an enabled one first; None if this version of Blender has none."""
+        """The input with that identifier, an enabled one first; None if this version of Blender has
+        none.
+        """
         found = None
         for socket in self.node.inputs:
             if socket.identifier == identifier:
@@ -101,7 +108,9 @@ class Node:
 
     def wanted(self, identifier: str) -> bool:
         """True if an output leads anywhere."""
-        return any(socket.identifier == identifier and socket.is_linked for socket in self.node.outputs)
+        return any(
+            socket.identifier == identifier and socket.is_linked for socket in self.node.outputs
+        )
 
     def number(self, identifier: str, default: float = 0.0) -> Value:
         return self._get(identifier, number(default), 1)
@@ -121,7 +130,9 @@ class Node:
             self.warn(f"its {identifier} is {value.data[0]:g}, taken as {taken:g}")
         return value
 
-    def vector(self, identifier: str, default: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Value:
+    def vector(
+        self, identifier: str, default: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    ) -> Value:
         return self._get(identifier, vector(default), 3)
 
     color = vector
@@ -170,7 +181,11 @@ class Node:
     def tangent(self, anisotropy: Value, identifier: str = "Tangent") -> Value:
         if anisotropy == ZERO:
             return ORIGIN
-        return self.values[identifier] if self.linked(identifier) else self.graph.one("Geometry", what="TANGENT")
+        return (
+            self.values[identifier]
+            if self.linked(identifier)
+            else self.graph.one("Geometry", what="TANGENT")
+        )
 
     def generated(self) -> Value:
         return self.graph.one("TextureCoordinate", what="GENERATED")

@@ -1,4 +1,6 @@
-"""Programs that come to Lambert's law and emission with constants or one image: the renderer has a faster way for those."""
+"""Programs that come to Lambert's law and emission with constants or one image: the renderer has a
+faster way for those.
+"""
 
 from __future__ import annotations
 
@@ -110,7 +112,9 @@ def _linear(compiled: Compiled, value: Value, known: dict[Value, Linear | None])
 
 
 def _get(instruction: Instruction, name: str) -> Any:
-    return instruction.operands[next(i for i, operand in enumerate(instruction.operation.operands) if operand.name == name)]
+    return instruction.operands[
+        next(i for i, operand in enumerate(instruction.operation.operands) if operand.name == name)
+    ]
 
 
 def _mode(instruction: Instruction, name: str) -> str:
@@ -120,7 +124,11 @@ def _mode(instruction: Instruction, name: str) -> str:
 
 def _image(compiled: Compiled, instruction: Instruction) -> Linear | None:
     where = _get(instruction, "vector")
-    if where.is_constant or _mode(instruction, "projection") != "FLAT" or _mode(instruction, "unassociate") == "ON":
+    if (
+        where.is_constant
+        or _mode(instruction, "projection") != "FLAT"
+        or _mode(instruction, "unassociate") == "ON"
+    ):
         return None
     source = compiled.graph.instructions[where.instruction]
     if source.operation.name != "UvMap" or _get(source, "attribute") != NONE:
@@ -129,10 +137,16 @@ def _image(compiled: Compiled, instruction: Instruction) -> Linear | None:
 
 
 def _mix(instruction: Instruction, known: dict[Value, Linear | None]) -> Linear | None:
-    """Mix and Multiply of colours by a constant factor; the latter where one of the colours is constant."""
+    """Mix and Multiply of colours by a constant factor; the latter where one of the colours is
+    constant.
+    """
     factor = _get(instruction, "factor")
     kind = _mode(instruction, "blend_type")
-    if not factor.is_constant or _mode(instruction, "clamp_result") == "ON" or kind not in {"MIX", "MULTIPLY"}:
+    if (
+        not factor.is_constant
+        or _mode(instruction, "clamp_result") == "ON"
+        or kind not in {"MIX", "MULTIPLY"}
+    ):
         return None
     share = factor.data[0]
     if _mode(instruction, "clamp_factor") == "ON":

@@ -32,7 +32,10 @@ def lobe_count(made: Statement) -> int:
     if name != "Principled":
         return 0 if name in {"Emission", "Transparent", "Holdout"} else 1
     metallic, transmission = made.get("metallic"), made.get("transmission_weight")
-    lobes = sum(value != ZERO for value in (metallic, transmission, made.get("coat_weight"), made.get("sheen_weight")))
+    lobes = sum(
+        value != ZERO
+        for value in (metallic, transmission, made.get("coat_weight"), made.get("sheen_weight"))
+    )
     if ONE in (metallic, transmission):
         return lobes
     specular = made.get("specular_level") != ZERO or made.get("thin_film_thickness") != ZERO
@@ -50,11 +53,17 @@ def emitted(n: Node, weight: Value, color: Value) -> Made:
     if weight == ZERO or (color.is_constant and not any(color.data)):
         return [], Feature(0)
     constant = weight.is_constant and color.is_constant
-    return [statement("Emission", weight=weight, color=color)], Feature.EMITS | (Feature.CONSTANT_EMISSION if constant else Feature(0))
+    return [statement("Emission", weight=weight, color=color)], Feature.EMITS | (
+        Feature.CONSTANT_EMISSION if constant else Feature(0)
+    )
 
 
 def transparent(n: Node, weight: Value) -> Made:
-    return [statement("Transparent", weight=n.graph.multiply(weight, seen_through(n)), color=n.color("Color"))], Feature.TRANSPARENT
+    return [
+        statement(
+            "Transparent", weight=n.graph.multiply(weight, seen_through(n)), color=n.color("Color")
+        )
+    ], Feature.TRANSPARENT
 
 
 def seen_through(n: Node) -> Value:
@@ -70,17 +79,35 @@ def holdout(n: Node, weight: Value) -> Made:
 
 def diffuse(n: Node, weight: Value) -> Made:
     roughness = n.share("Roughness")
-    made = statement("Diffuse", weight=weight, color=n.color("Color"), normal=n.closure_normal(), roughness=roughness)
+    made = statement(
+        "Diffuse",
+        weight=weight,
+        color=n.color("Color"),
+        normal=n.closure_normal(),
+        roughness=roughness,
+    )
     return [made], Feature.GATHERS if roughness == ZERO else Feature.GATHERS | Feature.REST
 
 
 def translucent(n: Node, weight: Value) -> Made:
-    return [statement("Translucent", weight=weight, color=n.color("Color"), normal=n.closure_normal())], Feature.GATHERS | Feature.TRANSMITS
+    return [
+        statement("Translucent", weight=weight, color=n.color("Color"), normal=n.closure_normal())
+    ], Feature.GATHERS | Feature.TRANSMITS
 
 
 def subsurface(n: Node, weight: Value) -> Made:
-    n.around.report.warn("Subsurface Scattering is not supported yet; taken as diffuse: {}", f"{_short(n)}")
-    return [statement("Diffuse", weight=weight, color=n.color("Color"), normal=n.closure_normal(), roughness=ZERO)], Feature.GATHERS
+    n.around.report.warn(
+        "Subsurface Scattering is not supported yet; taken as diffuse: {}", f"{_short(n)}"
+    )
+    return [
+        statement(
+            "Diffuse",
+            weight=weight,
+            color=n.color("Color"),
+            normal=n.closure_normal(),
+            roughness=ZERO,
+        )
+    ], Feature.GATHERS
 
 
 def _short(n: Node) -> str:
@@ -91,7 +118,9 @@ def _distribution(n: Node) -> str:
     name = n.node.distribution
     if name in {"GGX", "MULTI_GGX", "BECKMANN", "ASHIKHMIN_SHIRLEY"}:
         return name
-    n.unsupported(f"with distribution {name.replace('_', '-').title()} is not supported; taken as GGX")
+    n.unsupported(
+        f"with distribution {name.replace('_', '-').title()} is not supported; taken as GGX"
+    )
     return "GGX"
 
 
@@ -139,7 +168,12 @@ def glass(n: Node, weight: Value) -> Made:
 
 def refraction(n: Node, weight: Value) -> Made:
     roughness = n.share("Roughness")
-    inputs = {"color": n.color("Color"), "normal": n.closure_normal(), "roughness": roughness, "ior": n.ior("IOR", 1.45)}
+    inputs = {
+        "color": n.color("Color"),
+        "normal": n.closure_normal(),
+        "roughness": roughness,
+        "ior": n.ior("IOR", 1.45),
+    }
     made = statement("Refraction", weight=weight, distribution=_distribution(n), **inputs)
     return [made], _bent(inputs["ior"], roughness)
 
@@ -166,33 +200,61 @@ def metallic(n: Node, weight: Value) -> Made:
 
 
 def sheen(n: Node, weight: Value) -> Made:
-    inputs = {"color": n.color("Color"), "normal": n.closure_normal(), "roughness": n.share("Roughness")}
-    return [statement("Sheen", weight=weight, distribution=n.node.distribution, **inputs)], Feature.GATHERS | Feature.REST
+    inputs = {
+        "color": n.color("Color"),
+        "normal": n.closure_normal(),
+        "roughness": n.share("Roughness"),
+    }
+    return [
+        statement("Sheen", weight=weight, distribution=n.node.distribution, **inputs)
+    ], Feature.GATHERS | Feature.REST
 
 
 def toon(n: Node, weight: Value) -> Made:
-    inputs = {"color": n.color("Color"), "normal": n.closure_normal(), "size": n.number("Size"), "smooth": n.number("Smooth")}
+    inputs = {
+        "color": n.color("Color"),
+        "normal": n.closure_normal(),
+        "size": n.number("Size"),
+        "smooth": n.number("Smooth"),
+    }
     made = statement("Toon", weight=weight, component=n.node.component, **inputs)
-    return [made], Feature.GATHERS | Feature.REST | (Feature.SHARP if n.node.component == "GLOSSY" else Feature(0))
+    return [made], Feature.GATHERS | Feature.REST | (
+        Feature.SHARP if n.node.component == "GLOSSY" else Feature(0)
+    )
 
 
 def principled(n: Node, weight: Value) -> Made:
-    weights = {name: n.share(name) for name in ("Subsurface Weight", "Transmission Weight", "Coat Weight")} | {
-        "Sheen Weight": n.number("Sheen Weight")
-    }
+    weights = {
+        name: n.share(name) for name in ("Subsurface Weight", "Transmission Weight", "Coat Weight")
+    } | {"Sheen Weight": n.number("Sheen Weight")}
     if weights["Subsurface Weight"] != ZERO:
-        n.around.report.warn("Subsurface Scattering is not supported yet; taken as diffuse: {}", f"{_short(n)}")
+        n.around.report.warn(
+            "Subsurface Scattering is not supported yet; taken as diffuse: {}", f"{_short(n)}"
+        )
     if n.number("Thin Wall") != ZERO:
         n.warn("Thin Wall is not supported; taken as solid")
-    metal, roughness, coat_roughness = n.share("Metallic"), n.share("Roughness", 0.5), n.share("Coat Roughness", 0.03)
-    alpha, specular, anisotropic = n.share("Alpha", 1.0), n.number("Specular IOR Level", 0.5), n.number("Anisotropic")
+    metal, roughness, coat_roughness = (
+        n.share("Metallic"),
+        n.share("Roughness", 0.5),
+        n.share("Coat Roughness", 0.03),
+    )
+    alpha, specular, anisotropic = (
+        n.share("Alpha", 1.0),
+        n.number("Specular IOR Level", 0.5),
+        n.number("Anisotropic"),
+    )
     if n.owner.opaque_shadow and alpha != ONE:
         clear = n.graph.multiply(n.graph.one("OneMinus", a=alpha), seen_through(n))
         alpha = n.graph.one("OneMinus", a=clear)
     ior = n.ior("IOR", 1.5)
     emission_color, emission_strength = n.color("Emission Color"), n.number("Emission Strength")
     layers = ("Transmission Weight", "Coat Weight", "Sheen Weight")
-    if alpha == ONE and specular == ZERO and metal == ZERO and all(weights[name] == ZERO for name in layers):
+    if (
+        alpha == ONE
+        and specular == ZERO
+        and metal == ZERO
+        and all(weights[name] == ZERO for name in layers)
+    ):
         return _matte(n, weight, emission_color, emission_strength)
     made = statement(
         "Principled",
@@ -228,10 +290,17 @@ def principled(n: Node, weight: Value) -> Made:
     features = Feature(0)
     if alpha != ONE:
         features |= Feature.TRANSPARENT
-    if emission_strength != ZERO and not (emission_color.is_constant and not any(emission_color.data)):
+    if emission_strength != ZERO and not (
+        emission_color.is_constant and not any(emission_color.data)
+    ):
         features |= Feature.EMITS
         layered = weights["Coat Weight"] != ZERO or weights["Sheen Weight"] != ZERO or alpha != ONE
-        if weight.is_constant and emission_color.is_constant and emission_strength.is_constant and not layered:
+        if (
+            weight.is_constant
+            and emission_color.is_constant
+            and emission_strength.is_constant
+            and not layered
+        ):
             features |= Feature.CONSTANT_EMISSION
     if metal != ONE and weights["Transmission Weight"] != ONE:
         features |= Feature.GATHERS
@@ -239,7 +308,11 @@ def principled(n: Node, weight: Value) -> Made:
         features |= Feature.TRANSMITS | (_bent(ior, roughness) & Feature.TRANSPARENT)
     if weights["Sheen Weight"] != ZERO:
         features |= Feature.GATHERS | Feature.REST
-    smooth = metal == ZERO and weights["Transmission Weight"] == ZERO and (specular == ZERO or ior == ONE)
+    smooth = (
+        metal == ZERO
+        and weights["Transmission Weight"] == ZERO
+        and (specular == ZERO or ior == ONE)
+    )
     if not smooth:
         features |= _roughness_features(roughness)
     if weights["Coat Weight"] != ZERO:
@@ -252,15 +325,29 @@ def principled(n: Node, weight: Value) -> Made:
 def _matte(n: Node, weight: Value, emission_color: Value, emission_strength: Value) -> Made:
     """A Principled BSDF that has nothing but its diffuse layer and emission."""
     roughness = n.share("Diffuse Roughness")
-    made = statement("Diffuse", weight=weight, color=n.color("Base Color"), normal=n.closure_normal(), roughness=roughness)
+    made = statement(
+        "Diffuse",
+        weight=weight,
+        color=n.color("Base Color"),
+        normal=n.closure_normal(),
+        roughness=roughness,
+    )
     shining, features = emitted(n, n.graph.multiply(weight, emission_strength), emission_color)
-    return [made, *shining], features | Feature.GATHERS | (Feature(0) if roughness == ZERO else Feature.REST)
+    return [made, *shining], features | Feature.GATHERS | (
+        Feature(0) if roughness == ZERO else Feature.REST
+    )
 
 
 def _as_diffuse(what: str, color: str) -> Callable[[Node, Value], Made]:
     def compile_diffuse(n: Node, weight: Value) -> Made:
         n.unsupported(f"is not supported; {what}")
-        made = statement("Diffuse", weight=weight, color=n.color(color, (0.5, 0.5, 0.5)), normal=n.closure_normal(), roughness=ZERO)
+        made = statement(
+            "Diffuse",
+            weight=weight,
+            color=n.color(color, (0.5, 0.5, 0.5)),
+            normal=n.closure_normal(),
+            roughness=ZERO,
+        )
         return [made], Feature.GATHERS
 
     return compile_diffuse

@@ -1,4 +1,5 @@
-"""Which node is compiled how. The exporter, its warnings and the README's list are made from this table.
+"""Which node is compiled how. The exporter, its warnings and the README's list are made from this
+table.
 
 `python -m photon_splat.export.compile.table` prints the list.
 """
@@ -23,8 +24,10 @@ Outputs = dict[str, Value]
 class Entry:
     """A type of node (Node.type) as the user calls it.
 
-    `compile`    its outputs by identifier (kind "shader": closures). None: unsupported, and links from it count as not there.
-    `instead`    what an unsupported or partly supported node does; empty: it does all that Cycles does.
+    `compile`    its outputs by identifier (kind "shader": closures). None: unsupported, and links
+    from it count as not there.
+    `instead`    what an unsupported or partly supported node does; empty: it does all that Cycles
+    does.
     """
 
     kind: str
@@ -34,14 +37,18 @@ class Entry:
 
 
 def _passed(instead: str, **outputs: str | Value) -> Callable[[Node], Outputs]:
-    """A stand-in whose outputs are inputs of the same node, or fixed values; what it does is reported."""
+    """A stand-in whose outputs are inputs of the same node, or fixed values; what it does is
+    reported.
+    """
 
     def compile_stand_in(n: Node) -> Outputs:
         n.unsupported(f"is not supported; {instead}")
         found: Outputs = {}
         for output, given in outputs.items():
             if isinstance(given, str):
-                found[output] = n.normal(given) if given == "Normal" else n.color(given, (1.0, 1.0, 1.0))
+                found[output] = (
+                    n.normal(given) if given == "Normal" else n.color(given, (1.0, 1.0, 1.0))
+                )
             else:
                 found[output] = given
         return found
@@ -61,7 +68,12 @@ NODES: dict[str, Entry] = {
     "EMISSION": Entry("shader", "Emission", s.emission),
     "BACKGROUND": Entry("shader", "Background", s.emission),
     "BSDF_DIFFUSE": Entry("shader", "Diffuse BSDF", s.diffuse),
-    "BSDF_PRINCIPLED": Entry("shader", "Principled BSDF", s.principled, "subsurface is taken as diffuse, Thin Wall as solid"),
+    "BSDF_PRINCIPLED": Entry(
+        "shader",
+        "Principled BSDF",
+        s.principled,
+        "subsurface is taken as diffuse, Thin Wall as solid",
+    ),
     "BSDF_GLOSSY": Entry("shader", "Glossy BSDF", s.glossy),
     "BSDF_GLASS": Entry("shader", "Glass BSDF", s.glass),
     "BSDF_REFRACTION": Entry("shader", "Refraction BSDF", s.refraction),
@@ -71,9 +83,13 @@ NODES: dict[str, Entry] = {
     "BSDF_SHEEN": Entry("shader", "Sheen BSDF", s.sheen),
     "BSDF_TOON": Entry("shader", "Toon BSDF", s.toon),
     "HOLDOUT": Entry("shader", "Holdout", s.holdout),
-    "SUBSURFACE_SCATTERING": Entry("shader", "Subsurface Scattering", s.subsurface, "taken as diffuse"),
+    "SUBSURFACE_SCATTERING": Entry(
+        "shader", "Subsurface Scattering", s.subsurface, "taken as diffuse"
+    ),
     "BSDF_HAIR": Entry("shader", "Hair BSDF", s.hair, "taken as diffuse"),
-    "BSDF_HAIR_PRINCIPLED": Entry("shader", "Principled Hair BSDF", s.hair_principled, "taken as diffuse"),
+    "BSDF_HAIR_PRINCIPLED": Entry(
+        "shader", "Principled Hair BSDF", s.hair_principled, "taken as diffuse"
+    ),
     "BSDF_RAY_PORTAL": Entry("shader", "Ray Portal BSDF", s.ray_portal, "taken as transparent"),
     "EEVEE_SPECULAR": Entry("shader", "Specular BSDF", s.specular_workflow, "taken as diffuse"),
     "VOLUME_ABSORPTION": Entry("shader", "Volume Absorption", s.volume, "left out"),
@@ -93,7 +109,11 @@ NODES: dict[str, Entry] = {
     "TEX_WHITE_NOISE": Entry("texture", "White Noise Texture", t.white_noise),
     "TEX_GABOR": Entry("texture", "Gabor Texture", t.gabor),
     "TEX_SKY": Entry(
-        "texture", "Sky Texture", t.sky, "without the sun's disc where it is not the world's only colour; Hosek-Wilkie is taken as Preetham"
+        "texture",
+        "Sky Texture",
+        t.sky,
+        "without the sun's disc where it is not the world's only colour; Hosek-Wilkie is taken as "
+        "Preetham",
     ),
     "TEX_IES": Entry("texture", "IES Texture", t.ies),
     "TEX_POINTDENSITY": Entry("texture", "Point Density", t.no_density, "taken as empty"),
@@ -107,7 +127,10 @@ NODES: dict[str, Entry] = {
     "PARTICLE_INFO": Entry("input", "Particle Info", i.particle_info),
     "CAMERA": Entry("input", "Camera Data", i.camera_data),
     "LIGHT_PATH": Entry(
-        "input", "Light Path", i.light_path, "depths: in a light those of its direct light, in a world guessed for photons"
+        "input",
+        "Light Path",
+        i.light_path,
+        "depths: in a light those of its direct light, in a world guessed for photons",
     ),
     "LIGHT_FALLOFF": Entry("input", "Light Falloff", i.light_falloff),
     "FRESNEL": Entry("input", "Fresnel", i.fresnel),
@@ -119,14 +142,22 @@ NODES: dict[str, Entry] = {
     "HAIR_INFO": Entry("input", "Curves Info", i.nothing_of_hair),
     "POINT_INFO": Entry("input", "Point Info", i.nothing_of_hair),
     "VOLUME_INFO": Entry("input", "Volume Info", i.nothing_of_hair),
-    "AMBIENT_OCCLUSION": Entry("input", "Ambient Occlusion", _passed(NO_OCCLUSION, Color="Color", AO=ONE), NO_OCCLUSION),
+    "AMBIENT_OCCLUSION": Entry(
+        "input", "Ambient Occlusion", _passed(NO_OCCLUSION, Color="Color", AO=ONE), NO_OCCLUSION
+    ),
     "BEVEL": Entry("input", "Bevel", _passed(NO_BEVEL, Normal="Normal"), NO_BEVEL),
     "MATERIAL_RAYCAST": Entry(
         "input",
         "Raycast",
         _passed(
             NO_RAYCAST,
-            **{"Is Hit": ZERO, "Self Hit": ZERO, "Hit Distance": ZERO, "Hit Position": vector((0, 0, 0)), "Hit Normal": vector((0, 0, 0))},
+            **{
+                "Is Hit": ZERO,
+                "Self Hit": ZERO,
+                "Hit Distance": ZERO,
+                "Hit Position": vector((0, 0, 0)),
+                "Hit Normal": vector((0, 0, 0)),
+            },
         ),
         NO_RAYCAST,
     ),
@@ -140,7 +171,12 @@ NODES: dict[str, Entry] = {
     "VECT_MATH": Entry("vector", "Vector Math", c.vector_math),
     "VECTOR_ROTATE": Entry("vector", "Vector Rotate", c.vector_rotate),
     "VECT_TRANSFORM": Entry("vector", "Vector Transform", c.vector_transform),
-    "DISPLACEMENT": Entry("vector", "Displacement", i.displacement, "bends normals as a bump; the surface stays where it is"),
+    "DISPLACEMENT": Entry(
+        "vector",
+        "Displacement",
+        i.displacement,
+        "bends normals as a bump; the surface stays where it is",
+    ),
     "VECTOR_DISPLACEMENT": Entry("vector", "Vector Displacement", None, "left out"),
     "ShaderNodeRadialTiling": Entry("vector", "Radial Tiling", None, NO_SCRIPT),
     # --- colours and numbers ---
@@ -171,14 +207,24 @@ NODES: dict[str, Entry] = {
     "SCRIPT": Entry("converter", "Script", None, NO_SCRIPT),
     "SQUEEZE": Entry("converter", "Squeeze Value (Legacy)", None, NO_SCRIPT),
 }
-KINDS = {"shader": "Shaders", "texture": "Textures", "input": "Input", "vector": "Vector", "converter": "Colour and converter"}
+KINDS = {
+    "shader": "Shaders",
+    "texture": "Textures",
+    "input": "Input",
+    "vector": "Vector",
+    "converter": "Colour and converter",
+}
 
 
 def markdown() -> str:
-    """The README's list: nodes that do all they do in Cycles, then the others and what they do instead."""
+    """The README's list: nodes that do all they do in Cycles, then the others and what they do
+    instead.
+    """
     lines = ["| nodes | what is done |", "|---|---|"]
     for kind, title in KINDS.items():
-        whole = [entry.label for entry in NODES.values() if entry.kind == kind and not entry.instead]
+        whole = [
+            entry.label for entry in NODES.values() if entry.kind == kind and not entry.instead
+        ]
         lines.append(f"| {title}: {', '.join(sorted(whole))} | as in Cycles |")
     instead: dict[str, list[str]] = {}
     for entry in NODES.values():

@@ -1,4 +1,6 @@
-"""Where the value of an input socket comes from: through groups, reroutes, muted nodes and links, in any number."""
+"""Where the value of an input socket comes from: through groups, reroutes, muted nodes and links,
+in any number.
+"""
 
 from __future__ import annotations
 
@@ -12,10 +14,12 @@ Groups = tuple[Any, ...]
 
 @dataclass(slots=True)
 class Feed:
-    """What feeds an input: output `socket` of `node`, or (node is None) an input `socket` with its own value.
+    """What feeds an input: output `socket` of `node`, or (node is None) an input `socket` with its
+    own value.
 
-    `groups` are the group nodes around it, outermost first. `types` are the kinds of sockets that the value passes on its
-    way, the last one first: it is converted to each of them. `empty`: the value is 0 whatever the socket says.
+    `groups` are the group nodes around it, outermost first. `types` are the kinds of sockets that
+    the value passes on its way, the last one first: it is converted to each of them. `empty`: the
+    value is 0 whatever the socket says.
     """
 
     node: Any
@@ -25,12 +29,15 @@ class Feed:
     empty: bool = False
 
 
-# Blender 5 takes groups apart before a renderer sees them: what passes their sockets is not converted to their kind any more.
+# Blender 5 takes groups apart before a renderer sees them: what passes their sockets is not
+# converted to their kind any more.
 INLINED = bpy.app.version >= (5, 0, 0)
 
 
 class Trees:
-    """Links of node trees by the input that they feed: Blender itself looks through all links of a tree for each question."""
+    """Links of node trees by the input that they feed: Blender itself looks through all links of a
+    tree for each question.
+    """
 
     def __init__(self) -> None:
         self._links: dict[int, dict[int, Any]] = {}
@@ -44,7 +51,9 @@ class Trees:
         key = tree.as_pointer()
         links = self._links.get(key)
         if links is None:
-            links = self._links[key] = {link.to_socket.as_pointer(): link for link in tree.links if not link.is_muted}
+            links = self._links[key] = {
+                link.to_socket.as_pointer(): link for link in tree.links if not link.is_muted
+            }
         return links.get(socket.as_pointer())
 
     def feed(self, socket: Any, groups: Groups) -> Feed | None:
@@ -68,7 +77,14 @@ class Trees:
             if node.type == "REROUTE":
                 socket, loose = node.inputs[0], True
             elif node.mute:
-                inner = next((inner.from_socket for inner in node.internal_links if inner.to_socket == output), None)
+                inner = next(
+                    (
+                        inner.from_socket
+                        for inner in node.internal_links
+                        if inner.to_socket == output
+                    ),
+                    None,
+                )
                 if inner is None:
                     return asked
                 types.append(output.type)
@@ -95,7 +111,9 @@ class Trees:
             return None
         key = tree.as_pointer()
         if key not in self._endings:
-            self._endings[key] = next((n for n in tree.nodes if n.type == "GROUP_OUTPUT" and n.is_active_output), None)
+            self._endings[key] = next(
+                (n for n in tree.nodes if n.type == "GROUP_OUTPUT" and n.is_active_output), None
+            )
         ending = self._endings[key]
         return by_identifier(ending.inputs, identifier) if ending is not None else None
 

@@ -1,4 +1,6 @@
-"""Values that a program computes, before they have registers: constants, and results of instructions that stand once each."""
+"""Values that a program computes, before they have registers: constants, and results of
+instructions that stand once each.
+"""
 
 from __future__ import annotations
 
@@ -16,11 +18,29 @@ CONSTANT_BIT = 0x80000000
 UNUSED = 0x7FFFFFFF
 NONE = 0xFFFFFFFF
 TABLES = {"T1", "T3", "T4", "M", "P"}
-# Operations that read where the hit is: Offset moves that point, so each side of a Bump has its own results of them.
-PLACED = {"Geometry", "TextureCoordinate", "UvMap", "Attribute", "CameraData", "Wireframe", "TangentUv", "TangentRadial"}
+# Operations that read where the hit is: Offset moves that point, so each side of a Bump has its own
+# results of them.
+PLACED = {
+    "Geometry",
+    "TextureCoordinate",
+    "UvMap",
+    "Attribute",
+    "CameraData",
+    "Wireframe",
+    "TangentUv",
+    "TangentRadial",
+}
 # Operations whose result depends on more than their operands.
 OF_THE_HIT = PLACED | {
-    *("Fresnel", "LayerWeight", "LightFalloff", "VectorTransform", "Backfacing", "InstanceAttribute", "ObjectLocation"),
+    *(
+        "Fresnel",
+        "LayerWeight",
+        "LightFalloff",
+        "VectorTransform",
+        "Backfacing",
+        "InstanceAttribute",
+        "ObjectLocation",
+    ),
     *("LightPath", "NormalMap", "Bump", "ImageTexture", "EnvironmentTexture"),
 }
 
@@ -41,13 +61,17 @@ class Operation(NamedTuple):
 def operations() -> dict[str, Operation]:
     """Every instruction there is, as native code has it."""
     table = native.load().shader_operations()
-    return {name: Operation(name, code, tuple(Operand(*operand) for operand in operands)) for name, (code, operands) in table.items()}
+    return {
+        name: Operation(name, code, tuple(Operand(*operand) for operand in operands))
+        for name, (code, operands) in table.items()
+    }
 
 
 class Value(NamedTuple):
     """A float (width 1) or a vector or colour (width 3).
 
-    `instruction` < 0: the constant `data`; else output operand `data[0]` of that instruction, from component `data[1]` on.
+    `instruction` < 0: the constant `data`; else output operand `data[0]` of that instruction, from
+    component `data[1]` on.
     """
 
     width: int
@@ -79,7 +103,9 @@ ORIGIN = vector((0.0, 0.0, 0.0))
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Which side of a Bump a value belongs to: `axis` "NONE", "DX" or "DY", and the width of the step."""
+    """Which side of a Bump a value belongs to: `axis` "NONE", "DX" or "DY", and the width of the
+    step.
+    """
 
     axis: str = "NONE"
     width: Value = ZERO
@@ -90,7 +116,9 @@ HERE = Place()
 
 @dataclass(slots=True)
 class Instruction:
-    """`operands` in the operation's order: Value for what is read, None for what is written, words and tables as they are."""
+    """`operands` in the operation's order: Value for what is read, None for what is written, words
+    and tables as they are.
+    """
 
     operation: Operation
     operands: tuple[Any, ...]
@@ -100,11 +128,15 @@ class Instruction:
         return [v for v in self.operands if isinstance(v, Value)]
 
     def get(self, name: str) -> Any:
-        return self.operands[next(i for i, operand in enumerate(self.operation.operands) if operand.name == name)]
+        return self.operands[
+            next(i for i, operand in enumerate(self.operation.operands) if operand.name == name)
+        ]
 
 
 class Graph:
-    """Instructions of one program, each different one once. Operands come before what reads them."""
+    """Instructions of one program, each different one once. Operands come before what reads
+    them.
+    """
 
     def __init__(self, folding: Folding) -> None:
         self.folding = folding
@@ -113,7 +145,8 @@ class Graph:
         self._known: dict[Any, int] = {}
 
     def add(self, name: str, **given: Any) -> dict[str, Value]:
-        """Results of an operation by the names of its outputs. Given are Values, modes by name, numbers, texture and attribute ids, tables.
+        """Results of an operation by the names of its outputs. Given are Values, modes by name,
+        numbers, texture and attribute ids, tables.
 
         With nothing but constants to read, and nothing of the hit, the results are constants.
         """
@@ -122,7 +155,9 @@ class Graph:
         if given:
             raise TypeError(f"{name} has no operand {', '.join(given)}")
         place = self.place if name in PLACED else HERE if name == "NormalMap" else None
-        outputs = [(i, operand) for i, operand in enumerate(operation.operands) if operand.kind in "FV"]
+        outputs = [
+            (i, operand) for i, operand in enumerate(operation.operands) if operand.kind in "FV"
+        ]
         if name not in OF_THE_HIT and all(v.is_constant for v in operands if isinstance(v, Value)):
             return folded(self.folding, operation, operands)
         key = (name, operands, place)
@@ -130,7 +165,10 @@ class Graph:
         if index is None:
             index = self._known[key] = len(self.instructions)
             self.instructions.append(Instruction(operation, operands, place))
-        return {operand.name: Value(3 if operand.kind == "V" else 1, index, (i, 0)) for i, operand in outputs}
+        return {
+            operand.name: Value(3 if operand.kind == "V" else 1, index, (i, 0))
+            for i, operand in outputs
+        }
 
     def one(self, name: str, **given: Any) -> Value:
         """The only result of an operation."""
@@ -174,10 +212,16 @@ class Graph:
     # --- conversions between kinds of sockets ---
 
     def convert(self, value: Value, from_type: str, to_type: str) -> Value:
-        """As Cycles converts where a link joins sockets of different types (VALUE, VECTOR, RGBA and what is handled like them)."""
+        """As Cycles converts where a link joins sockets of different types (VALUE, VECTOR, RGBA and
+        what is handled like them).
+        """
         wide = to_type in {"VECTOR", "RGBA", "ROTATION", "SHADER"}
         if value.width == 3 and not wide:
-            value = self.one("Luminance", color=value) if from_type == "RGBA" else self.one("Average", value=value)
+            value = (
+                self.one("Luminance", color=value)
+                if from_type == "RGBA"
+                else self.one("Average", value=value)
+            )
         if to_type in {"INT", "BOOLEAN"}:
             return self.one("Math", a=value, b=ZERO, c=ZERO, operation="TRUNC", use_clamp=False)
         return self.one("Spread", value=value) if wide and value.width == 1 else value
@@ -218,4 +262,7 @@ def folded(folding: Folding, operation: Operation, operands: tuple[Any, ...]) ->
             words.append(value)
     words.append(operations()["End"].opcode)
     result = folding.run(words, constants, registers)
-    return {name: Value(width, -1, tuple(float(v) for v in result[at : at + width])) for name, at, width in outputs}
+    return {
+        name: Value(width, -1, tuple(float(v) for v in result[at : at + width]))
+        for name, at, width in outputs
+    }

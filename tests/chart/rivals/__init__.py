@@ -1,6 +1,8 @@
-"""Other renderers in the charts, where they are installed (`make setup-rivals`): nothing else needs them.
+"""Other renderers in the charts, where they are installed (`make setup-rivals`): nothing else needs
+them.
 
-This package is read by two Pythons: ours, which exports the scene, and that of the rivals, which has no Blender.
+This package is read by two Pythons: ours, which exports the scene, and that of the rivals, which
+has no Blender.
 """
 
 from __future__ import annotations

@@ -1,4 +1,6 @@
-"""Where the rivals are installed, and their renders: processes of their own Python, which `make setup-rivals` makes or --rivals names."""
+"""Where the rivals are installed, and their renders: processes of their own Python, which `make
+setup-rivals` makes or --rivals names.
+"""
 
 from __future__ import annotations
 
@@ -40,7 +42,14 @@ def version(method: str) -> str:
     if not python.exists():
         return ""
     said = run([str(python), "-m", "tests.chart.rivals.shot", "--version", method], 1.0)
-    return next((line.removeprefix("version: ") for line in said.splitlines() if line.startswith("version: ")), "")
+    return next(
+        (
+            line.removeprefix("version: ")
+            for line in said.splitlines()
+            if line.startswith("version: ")
+        ),
+        "",
+    )
 
 
 @functools.cache
@@ -48,7 +57,18 @@ def _descriptions(scene: str, width: int, height: int) -> dict[str, dict[str, An
     blend = ROOT / "blend_scenes" / f"{scene}.blend"
     with tempfile.TemporaryDirectory() as scratch:
         output = Path(scratch, "scene.pickle")
-        said = run([sys.executable, "-m", "tests.chart.rivals.export", str(blend), str(width), str(height), str(output)], 1.0)
+        said = run(
+            [
+                sys.executable,
+                "-m",
+                "tests.chart.rivals.export",
+                str(blend),
+                str(width),
+                str(height),
+                str(output),
+            ],
+            1.0,
+        )
         if not output.exists():
             raise RuntimeError(f"{scene} was not exported: {said[-2000:]}")
         return pickle.loads(output.read_bytes())
@@ -64,4 +84,16 @@ def render(case: Case, method: str, seconds: float, seed: int, output: Path) -> 
     with tempfile.TemporaryDirectory() as scratch:
         scene = Path(scratch, "scene.pickle")
         scene.write_bytes(pickle.dumps(description(case, method)))
-        return run([str(python), "-m", "tests.chart.rivals.shot", method, str(scene), str(seconds), str(seed), str(output)], seconds)
+        return run(
+            [
+                str(python),
+                "-m",
+                "tests.chart.rivals.shot",
+                method,
+                str(scene),
+                str(seconds),
+                str(seed),
+                str(output),
+            ],
+            seconds,
+        )

@@ -1,6 +1,8 @@
-"""The scene for the rivals, from our own exporter: `python -m tests.chart.rivals.export SCENE.blend WIDTH HEIGHT OUT.pickle`.
+"""The scene for the rivals, from our own exporter: `python -m tests.chart.rivals.export SCENE.blend
+WIDTH HEIGHT OUT.pickle`.
 
-Writes, by method, what its describe() makes of the scene: plain data that the rivals' own Python reads, or why there is none.
+Writes, by method, what its describe() makes of the scene: plain data that the rivals' own Python
+reads, or why there is none.
 """
 
 from __future__ import annotations
@@ -29,9 +31,15 @@ def main(arguments: list[str]) -> None:
     photon_splat.register()
     bpy.ops.wm.open_mainfile(filepath=blend)
     render = bpy.context.scene.render
-    render.resolution_x, render.resolution_y, render.resolution_percentage = int(width), int(height), 100
+    render.resolution_x, render.resolution_y, render.resolution_percentage = (
+        int(width),
+        int(height),
+        100,
+    )
     render.use_border = False
-    Path(output).write_bytes(pickle.dumps(described(export_scene(bpy.context.evaluated_depsgraph_get()))))
+    Path(output).write_bytes(
+        pickle.dumps(described(export_scene(bpy.context.evaluated_depsgraph_get())))
+    )
 
 
 def described(scene: Scene) -> dict[str, dict[str, Any] | str]:

@@ -1,4 +1,6 @@
-"""LuxCore (PyPI: pyluxcore) on our scenes: its path tracer, the same with its photon cache, and its bidirectional one."""
+"""LuxCore (PyPI: pyluxcore) on our scenes: its path tracer, the same with its photon cache, and its
+bidirectional one.
+"""
 
 from __future__ import annotations
 
@@ -25,12 +27,17 @@ PHOTONS = {
     "path.photongi.caustic.updatespp.radiusreduction": 0.96,
     "path.photongi.caustic.updatespp.minradius": 0.002,
 }
-"""As its add-on for Blender sets the cache up, but for discs that fit scenes a metre wide and shrink, and photons that are ready within
-seconds: the add-on's twenty millions by its Metropolis sampler take minutes before the first sample."""
+"""As its add-on for Blender sets the cache up, but for discs that fit scenes a metre wide and
+shrink, and photons that are ready within
+seconds: the add-on's twenty millions by its Metropolis sampler take minutes before the first
+sample.
+"""
 
 
 def describe(scene: Exact, method: str, bounces: int) -> dict[str, Any]:
-    """Plain data for `render`: properties of the scene and of the render, meshes as lists. NoCounterpartError where it has none."""
+    """Plain data for `render`: properties of the scene and of the render, meshes as lists.
+    NoCounterpartError where it has none.
+    """
     if scene.suns:
         raise NoCounterpartError("rays do not meet its sun")
     view = scene.view
@@ -40,7 +47,8 @@ def describe(scene: Exact, method: str, bounces: int) -> dict[str, Any]:
         "scene.camera.lookat.orig": camera[:3, 3].tolist(),
         "scene.camera.lookat.target": (camera[:3, 3] - camera[:3, 2]).tolist(),
         "scene.camera.up": camera[:3, 1].tolist(),
-        "scene.camera.fieldofview": 90.0,  # so that the window is measured on the plane z = -1, as ours
+        # so that the window is measured on the plane z = -1, as ours
+        "scene.camera.fieldofview": 90.0,
         "scene.camera.screenwindow": _window(view),
         "scene.camera.lensradius": 0.0,
         "scene.camera.autofocus.enable": False,
@@ -49,7 +57,10 @@ def describe(scene: Exact, method: str, bounces: int) -> dict[str, Any]:
     }
     for i, part in enumerate(scene.parts):
         properties |= _material(f"scene.materials.material_{i}", part.surface)
-        properties |= {f"scene.objects.object_{i}.shape": f"mesh_{i}", f"scene.objects.object_{i}.material": f"material_{i}"}
+        properties |= {
+            f"scene.objects.object_{i}.shape": f"mesh_{i}",
+            f"scene.objects.object_{i}.material": f"material_{i}",
+        }
     config: dict[str, Any] = {
         "renderengine.type": "BIDIRCPU" if method == "LuxCore, bidirectional" else "PATHCPU",
         "sampler.type": "SOBOL",
@@ -62,10 +73,16 @@ def describe(scene: Exact, method: str, bounces: int) -> dict[str, Any]:
         "path.clamping.variance.maxvalue": 0.0,
         "light.maxdepth": bounces,
     }
-    config |= {f"path.pathdepth.{kind}": bounces for kind in ("total", "diffuse", "glossy", "specular")} | {"path.maxdepth": bounces}
+    config |= {
+        f"path.pathdepth.{kind}": bounces for kind in ("total", "diffuse", "glossy", "specular")
+    } | {"path.maxdepth": bounces}
     if method == "LuxCore, PhotonGI":
         config |= PHOTONS
-    return {"scene": properties, "config": config, "meshes": [_mesh(f"mesh_{i}", part) for i, part in enumerate(scene.parts)]}
+    return {
+        "scene": properties,
+        "config": config,
+        "meshes": [_mesh(f"mesh_{i}", part) for i, part in enumerate(scene.parts)],
+    }
 
 
 def _window(view: View) -> list[float]:
@@ -78,7 +95,13 @@ def _window(view: View) -> list[float]:
 def _material(at: str, surface: Surface) -> dict[str, Any]:
     color = list(surface.color)
     if surface.kind == "glass":
-        return {f"{at}.type": "glass", f"{at}.kr": color, f"{at}.kt": color, f"{at}.interiorior": surface.ior, f"{at}.exteriorior": 1.0}
+        return {
+            f"{at}.type": "glass",
+            f"{at}.kr": color,
+            f"{at}.kt": color,
+            f"{at}.interiorior": surface.ior,
+            f"{at}.exteriorior": 1.0,
+        }
     if surface.kind == "mirror":
         return {f"{at}.type": "mirror", f"{at}.kr": color}
     matte = {f"{at}.type": "matte", f"{at}.kd": color}
@@ -90,7 +113,12 @@ def _mesh(name: str, part: Part) -> dict[str, Any]:
         return [tuple(row) for row in values.tolist()]
 
     normals = None if part.normals is None else triples(part.normals)
-    return {"name": name, "points": triples(part.positions), "triangles": triples(part.triangles), "normals": normals}
+    return {
+        "name": name,
+        "points": triples(part.positions),
+        "triangles": triples(part.triangles),
+        "normals": normals,
+    }
 
 
 def version() -> str:
@@ -98,8 +126,11 @@ def version() -> str:
     return str(_load().Version())
 
 
-def render(description: dict[str, Any], seconds: float, seed: int, threads: int) -> tuple[np.ndarray, float]:
-    """The picture, (height, width, 3) float32 with row 0 at the bottom, and the seconds that loading and rendering took.
+def render(
+    description: dict[str, Any], seconds: float, seed: int, threads: int
+) -> tuple[np.ndarray, float]:
+    """The picture, (height, width, 3) float32 with row 0 at the bottom, and the seconds that
+    loading and rendering took.
 
     Black if not every pixel has had a sample.
     """
@@ -109,7 +140,9 @@ def render(description: dict[str, Any], seconds: float, seed: int, threads: int)
     started = time.monotonic()
     scene = lux.Scene()
     for mesh in description["meshes"]:
-        scene.DefineMesh(mesh["name"], mesh["points"], mesh["triangles"], mesh["normals"], None, None, None)
+        scene.DefineMesh(
+            mesh["name"], mesh["points"], mesh["triangles"], mesh["normals"], None, None, None
+        )
     scene.Parse(_properties(lux, description["scene"]))
     settings = description["config"] | {"renderengine.seed": seed, "native.threads.count": threads}
     session = lux.RenderSession(lux.RenderConfig(_properties(lux, settings), scene))

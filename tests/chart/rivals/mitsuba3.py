@@ -1,4 +1,6 @@
-"""Mitsuba 3 (PyPI: mitsuba) on our scenes. Its variant llvm_ad_rgb where it finds an LLVM (DRJIT_LIBLLVM_PATH), else scalar_rgb."""
+"""Mitsuba 3 (PyPI: mitsuba) on our scenes. Its variant llvm_ad_rgb where it finds an LLVM
+(DRJIT_LIBLLVM_PATH), else scalar_rgb.
+"""
 
 from __future__ import annotations
 
@@ -12,21 +14,33 @@ from tests.chart.rivals.exact import Exact, NoCounterpartError, Surface, with_su
 
 INTEGRATORS = {"Mitsuba": "path", "Mitsuba, particle tracer": "ptracer"}
 GAUSSIAN = 0.27702
-"""Standard deviation of the Blackman-Harris window over its half width: Mitsuba has no such filter, but a Gaussian one."""
+"""Standard deviation of the Blackman-Harris window over its half width: Mitsuba has no such filter,
+but a Gaussian one.
+"""
 MOST_SAMPLES = 32
 """A pixel and launch: more take memory, not less time."""
 
 
 def describe(scene: Exact, method: str, bounces: int) -> dict[str, Any]:
-    """Plain data for `render`: dictionaries of mi.load_dict, and meshes as arrays. NoCounterpartError if the method cannot do it."""
+    """Plain data for `render`: dictionaries of mi.load_dict, and meshes as arrays.
+    NoCounterpartError if the method cannot do it.
+    """
     integrator = INTEGRATORS[method]
     if integrator == "ptracer":
         if any(part.surface.kind != "diffuse" for part in scene.parts):
-            raise NoCounterpartError("a particle tracer finds nothing that is seen in glass or mirrors")
+            raise NoCounterpartError(
+                "a particle tracer finds nothing that is seen in glass or mirrors"
+            )
         if scene.suns:
             raise NoCounterpartError("of a disc as far as the sun no particle arrives")
     view = scene.view
-    film = {"type": "hdrfilm", "width": view.width, "height": view.height, "pixel_format": "rgb", "component_format": "float32"}
+    film = {
+        "type": "hdrfilm",
+        "width": view.width,
+        "height": view.height,
+        "pixel_format": "rgb",
+        "component_format": "float32",
+    }
     return {
         "integrator": {"type": integrator, "max_depth": bounces + 1},
         "sensor": {
@@ -35,8 +49,10 @@ def describe(scene: Exact, method: str, bounces: int) -> dict[str, Any]:
             "fov_axis": "x",
             "near_clip": 1e-3,
             "far_clip": 1e6,
-            "to_world": view.matrix @ np.diag([-1.0, 1.0, -1.0, 1.0]),  # its camera looks along +Z, +X to the left
-            "film": film | {"rfilter": {"type": "gaussian", "stddev": GAUSSIAN * view.filter_radius}},
+            # its camera looks along +Z, +X to the left
+            "to_world": view.matrix @ np.diag([-1.0, 1.0, -1.0, 1.0]),
+            "film": film
+            | {"rfilter": {"type": "gaussian", "stddev": GAUSSIAN * view.filter_radius}},
         },
         "meshes": [
             {
@@ -57,7 +73,10 @@ def _bsdf(surface: Surface) -> dict[str, Any]:
     if surface.kind == "diffuse":
         return {"type": "twosided", "bsdf": {"type": "diffuse", "reflectance": color}}
     if surface.kind == "mirror":
-        return {"type": "twosided", "bsdf": {"type": "conductor", "material": "none", "specular_reflectance": color}}
+        return {
+            "type": "twosided",
+            "bsdf": {"type": "conductor", "material": "none", "specular_reflectance": color},
+        }
     tint = {"specular_reflectance": color, "specular_transmittance": color}
     return {"type": "dielectric", "int_ior": surface.ior, "ext_ior": 1.0} | tint
 
@@ -67,10 +86,14 @@ def version() -> str:
     return f"{_load().__version__} {_variant()}"
 
 
-def render(description: dict[str, Any], seconds: float, seed: int, threads: int) -> tuple[np.ndarray, float]:
-    """The picture, (height, width, 3) float32 with row 0 at the bottom, and the seconds that loading and rendering took.
+def render(
+    description: dict[str, Any], seconds: float, seed: int, threads: int
+) -> tuple[np.ndarray, float]:
+    """The picture, (height, width, 3) float32 with row 0 at the bottom, and the seconds that
+    loading and rendering took.
 
-    As many samples as the time allows, in launches that double; kernels are compiled before the clock starts.
+    As many samples as the time allows, in launches that double; kernels are compiled before the
+    clock starts.
     """
     mi = _load()
     mi.set_variant(_variant())
@@ -83,7 +106,9 @@ def render(description: dict[str, Any], seconds: float, seed: int, threads: int)
     total, samples, count, launch = 0.0, 0, 1, 0
     while True:
         before = time.monotonic()
-        total = total + count * np.array(mi.render(scene, spp=count, seed=seed * 100003 + launch), np.float64)
+        total = total + count * np.array(
+            mi.render(scene, spp=count, seed=seed * 100003 + launch), np.float64
+        )
         samples += count
         launch += 1
         each = (time.monotonic() - before) / count
@@ -109,19 +134,31 @@ def _variant() -> str:
 
 
 def _scene(mi: Any, description: dict[str, Any]) -> Any:
-    sensor = description["sensor"] | {"to_world": mi.ScalarTransform4f(description["sensor"]["to_world"])}
+    sensor = description["sensor"] | {
+        "to_world": mi.ScalarTransform4f(description["sensor"]["to_world"])
+    }
     meshes = {f"mesh_{i}": _mesh(mi, mesh) for i, mesh in enumerate(description["meshes"])}
-    return mi.load_dict({"type": "scene", "integrator": description["integrator"], "sensor": sensor} | meshes)
+    return mi.load_dict(
+        {"type": "scene", "integrator": description["integrator"], "sensor": sensor} | meshes
+    )
 
 
 def _mesh(mi: Any, mesh: dict[str, Any]) -> Any:
     properties = mi.Properties()
     properties["bsdf"] = mi.load_dict(mesh["bsdf"])
     if mesh["radiance"] is not None:
-        properties["emitter"] = mi.load_dict({"type": "area", "radiance": {"type": "rgb", "value": list(mesh["radiance"])}})
+        properties["emitter"] = mi.load_dict(
+            {"type": "area", "radiance": {"type": "rgb", "value": list(mesh["radiance"])}}
+        )
     smooth = mesh["normals"] is not None
     properties["face_normals"] = not smooth
-    made = mi.Mesh(mesh["name"], len(mesh["positions"]), len(mesh["triangles"]), has_vertex_normals=smooth, props=properties)
+    made = mi.Mesh(
+        mesh["name"],
+        len(mesh["positions"]),
+        len(mesh["triangles"]),
+        has_vertex_normals=smooth,
+        props=properties,
+    )
     values = mi.traverse(made)
     values["vertex_positions"] = mesh["positions"].ravel()
     values["faces"] = mesh["triangles"].ravel()

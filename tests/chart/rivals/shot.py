@@ -1,5 +1,7 @@
-"""A rival's render, in the rivals' own Python: `python -m tests.chart.rivals.shot METHOD SCENE.pickle SECONDS SEED OUT.npz`; with
-`--version METHOD` it prints the version, or fails where that is not installed."""
+"""A rival's render, in the rivals' own Python: `python -m tests.chart.rivals.shot METHOD
+SCENE.pickle SECONDS SEED OUT.npz`; with `--version METHOD` it prints the version, or fails where
+that is not installed.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +21,9 @@ def main(arguments: list[str]) -> None:
         return
     method, scene, seconds, seed, output = arguments
     threads = len(os.sched_getaffinity(0))
-    picture, took = of(method).render(pickle.loads(Path(scene).read_bytes()), float(seconds), int(seed), threads)
+    picture, took = of(method).render(
+        pickle.loads(Path(scene).read_bytes()), float(seconds), int(seed), threads
+    )
     np.savez(output, picture=picture, seconds=took)
 
 
