@@ -16,7 +16,7 @@ setup(
     + ["photon_splat.shaders"],
     package_dir={"photon_splat": "addon", "photon_splat.shaders": "shaders"},
     package_data={
-        "photon_splat": ["blender_manifest.toml", "presets/**/*.py"],
+        "photon_splat": ["blender_manifest.toml", "blender/presets/**/*.py"],
         "photon_splat.shaders": ["*"],
     },
 )

@@ -18,10 +18,10 @@ def register() -> None:
 
     import bpy
 
-    from . import engine, panels, persistent, settings, viewport
+    from .blender import engine, panels, persistent, properties, viewport
 
     try:
-        for part in (settings, viewport, persistent, engine, panels):
+        for part in (properties, viewport, persistent, engine, panels):
             part.register()
     except BaseException:
         unregister()
@@ -36,9 +36,9 @@ def unregister() -> None:
     import atexit
     import contextlib
 
-    from . import engine, panels, persistent, settings, viewport
+    from .blender import engine, panels, persistent, properties, viewport
 
     atexit.unregister(unregister)
     with contextlib.ExitStack() as parts:  # the last one first, and all of them whatever happens
-        for part in (settings, viewport, persistent, engine, panels):
+        for part in (properties, viewport, persistent, engine, panels):
             parts.callback(part.unregister)

@@ -96,7 +96,7 @@ def hash_of(picture: Path) -> str:
 def light_groups() -> str:
     from photon_splat.core.scene import LightKind
 
-    from tests.corescene import box, lambert, lamp, perspective, quad, scene, shoot
+    from tests.support.corescene import box, lambert, lamp, perspective, quad, scene, shoot
 
     view = perspective((3, -4, 2.5), (0, 0, 0.3), 160, 120)
     things = [
@@ -120,7 +120,7 @@ def viewport() -> str:
     import bpy
     import photon_splat
 
-    from tests.viewport.window import viewport as window
+    from tests.support.window import viewport as window
 
     photon_splat.register()
     bpy.ops.wm.open_mainfile(filepath=str(ROOT / "blend_scenes/cornell_box.blend"))

@@ -1,4 +1,4 @@
-"""Runs the Python tests, each folder of tests/ in a pytest process of its own.
+"""Runs the Python tests, each folder that holds some in a pytest process of its own.
 
 Usage: run_tests.py [--time-limit SECONDS] [-m MARKER] [FOLDER ...]
 
@@ -37,9 +37,7 @@ def main() -> int:
     parser.add_argument(
         "--time-limit", type=float, default=600.0, help="seconds for all folders together"
     )
-    parser.add_argument(
-        "folders", nargs="*", help="test folders (default: each folder of tests/ that has tests)"
-    )
+    parser.add_argument("folders", nargs="*", help="test folders (default: each that holds tests)")
     parser.add_argument("-m", dest="marker", help="only tests with this marker")
     options = parser.parse_args()
     pytest_options = ["-m", options.marker] if options.marker else []
@@ -66,9 +64,7 @@ def main() -> int:
 
 
 def all_folders() -> list[Path]:
-    return [
-        folder for folder in sorted((ROOT / "tests").iterdir()) if any(folder.rglob("test_*.py"))
-    ]
+    return sorted({file.parent for file in (ROOT / "tests").rglob("test_*.py")})
 
 
 def run_folder(folder: Path, options: list[str], seconds: float) -> int | str:

@@ -129,7 +129,7 @@ def run(chroot: Path, archive: Path, output: Path, edits: int, hunt: int) -> dic
     inside.mkdir(parents=True)
     for path in (
         archive,
-        ROOT / "tests/viewport/inside.py",
+        ROOT / "tests/integration/viewport/inside.py",
         *(ROOT / "blend_scenes").glob("*.blend"),
     ):
         shutil.copy(path, inside)

@@ -7,7 +7,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from ..core.scene import Scene
-from ..report import Report
+from .report import Report
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

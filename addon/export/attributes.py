@@ -11,15 +11,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.shading import GENERATED, Domain, GeneratedSpace, MeshAttribute, MeshShading
-from ..report import Report
+from ..core.scene.shading import GENERATED, Domain, GeneratedSpace, MeshAttribute, MeshShading
 from .arrays import read, read_copy
-from .compile.inputs import property_value
-from .compile.node import Want
-from .compile.random_numbers import name_random, number_random
 from .curvature import pointiness
 from .instance_attributes import InstanceAttributes
 from .mesh import Triangles, sound_triangles
+from .nodes.inputs import property_value
+from .nodes.node import Want
+from .nodes.random_numbers import name_random, number_random
+from .report import Report
 
 NUMBERS = {"FLOAT", "INT", "INT8", "BOOLEAN"}
 # Of a type of attribute: the property that holds its value, and how many numbers that is.

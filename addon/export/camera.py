@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core.scene import Aperture, Camera, Frame, Panorama, PanoramaKind, PixelFilter
-from ..report import Report
+from .report import Report
 
 
 class NoCameraError(ValueError):

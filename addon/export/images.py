@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core.scene import Extension, Interpolation, Texture
-from ..report import Report
 from .cancelled import Watch
 from .color_spaces import LINEAR_SPACES, is_data, srgb_to_linear, to_linear
 from .kept import Kept, identity
+from .report import Report
 
 BLENDER_5 = bpy.app.version >= (5, 0, 0)
 FIRST_TILE = 1001

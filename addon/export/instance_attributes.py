@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..report import Report
 from .arrays import read_copy
+from .report import Report
 
 NO_LEVEL = 0x7FFFFFFF  # in a persistent id, beyond its levels
 # Of a type of attribute: the property that holds its value, and how many numbers that is.

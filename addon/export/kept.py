@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable, Iterable
 from typing import Any, TypeVar
 
-from ..report import Report
+from .report import Report
 
 Value = TypeVar("Value")
 

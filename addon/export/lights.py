@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core.scene import NO_PROGRAM, NO_TEXTURE, Light, LightKind
-from .compile.node import Owner
-from .compile.reduce import lambertian
 from .materials import Shading
-from .nodes import output_node, report_foreign_output, uses_nodes
+from .nodes.links import output_node, report_foreign_output, uses_nodes
+from .nodes.node import Owner
+from .nodes.reduce import lambertian
 from .visibility import lamp_seen_by
 
 FEW_BOUNCES = 1024  # Blender's default, more than any path has

@@ -7,7 +7,7 @@ from __future__ import annotations
 from typing import Any
 
 from ..core.scene import ALL_GROUPS, GROUPS
-from ..report import Report
+from .report import Report
 
 
 class Linking:

@@ -10,17 +10,17 @@ from typing import Any
 import bpy
 
 from ..core.scene import Material, Side
-from ..core.shading import Feature, Program
-from ..report import Report
+from ..core.scene.shading import Feature, Program
 from .cancelled import Watch
-from .compile.assemble import statement
-from .compile.compiler import Compiled, Compiler
-from .compile.node import Owner, Surroundings, Wants
-from .compile.reduce import lambertian
-from .compile.trees import Trees
-from .compile.values import ONE, ORIGIN, ZERO, Folding, Graph, number, vector
 from .images import Textures
-from .nodes import hollow_groups, label, output_node, report_foreign_output, uses_nodes
+from .nodes.assemble import statement
+from .nodes.compiler import Compiled, Compiler
+from .nodes.links import hollow_groups, label, output_node, report_foreign_output, uses_nodes
+from .nodes.node import Owner, Surroundings, Wants
+from .nodes.reduce import lambertian
+from .nodes.trees import Trees
+from .nodes.values import ONE, ORIGIN, ZERO, Folding, Graph, number, vector
+from .report import Report
 
 DEFAULT_NAME = "(default)"
 BLACK = Side((0.0, 0.0, 0.0))

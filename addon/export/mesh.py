@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core.scene import Mesh
-from ..report import Report
 from .arrays import read
+from .report import Report
 
 MAX_SLOT = np.iinfo(np.uint16).max
 

@@ -10,10 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core.scene import ALL_GROUPS, ALL_RAYS, NO_LIGHT_GROUP, Instances, Light, Mesh
-from ..core.shading import InstanceAttribute, MeshShading
-from ..report import Report
+from ..core.scene.shading import InstanceAttribute, MeshShading
 from .attributes import instance_value, mesh_shading, width_of
-from .compile.node import Want, Wants
 from .flat_uv_maps import report_flat_uv_maps
 from .instance_attributes import InstanceAttributes
 from .kept import Kept, identity
@@ -21,6 +19,8 @@ from .lights import export_light
 from .linking import Linking
 from .materials import Materials, Shading
 from .mesh import export_mesh, flattened
+from .nodes.node import Want, Wants
+from .report import Report
 from .visibility import FLAGS, Visibility, report_catcher
 
 Value = TypeVar("Value")

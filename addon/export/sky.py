@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core.scene import Extension, Interpolation, Texture
-from ..core.sky import Sky, SkyModel, SkySettings, sky
-from ..report import Report
+from ..core.scene.sky import Sky, SkyModel, SkySettings, sky
 from .images import Textures
-from .nodes import label
+from .nodes.links import label
+from .report import Report
 
 SKY_MODELS = {
     "SINGLE_SCATTERING": SkyModel.SINGLE_SCATTERING,

@@ -7,7 +7,7 @@ from __future__ import annotations
 from typing import Any
 
 from ..core.scene import ALL_RAYS, Ray
-from ..report import Report
+from .report import Report
 
 FLAGS = {
     "camera": Ray.CAMERA,

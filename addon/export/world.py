@@ -9,13 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core.scene import NO_TEXTURE, Rgb, Scene, SunDisc, WorldMap
-from ..report import Report
-from .compile.compiler import Compiler
-from .compile.node import Owner
-from .compile.reduce import lambertian
 from .lights import MOST_STRENGTH
 from .materials import Shading
-from .nodes import (
+from .nodes.compiler import Compiler
+from .nodes.links import (
     Source,
     default_value,
     label,
@@ -24,6 +21,9 @@ from .nodes import (
     source,
     uses_nodes,
 )
+from .nodes.node import Owner
+from .nodes.reduce import lambertian
+from .report import Report
 from .sky import export_sky
 from .visibility import world_seen_by
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import threading
 from typing import TYPE_CHECKING
 
-from ..settings import Backend
-from ..splatter import CpuSplatter, Splatter, SplatterFailed
+from ..render.settings import Backend
+from ..render.splatter import CpuSplatter, Splatter, SplatterFailed
 from . import context
 from .splatter import GpuSplatter
 

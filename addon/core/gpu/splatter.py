@@ -5,7 +5,7 @@ uses. It does the kernel masses M(x) too, once a pass, while the card waits: mea
 they are 0.2 to 0.6 % of a render at 1920x1080, and of small pictures 0.4 to 0.7 % with 200,000
 photons a pass and 3 to 7 % with 20,000. More could not be gained by M(x) on the card, if it took no
 time there, and walks along patch edges that differ in length from point to point are the work that
-suits a card least. tests/bench/gpu.py says how much it would be on another machine.
+suits a card least. tests/benchmarks/bench/gpu.py says how much it would be on another machine.
 """
 
 from __future__ import annotations
@@ -17,9 +17,9 @@ from collections.abc import Callable
 from concurrent.futures import Future, wait
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from ..native import load
-from ..settings import Backend
-from ..splatter import SplatterFailed
+from ..native.library import load
+from ..render.settings import Backend
+from ..render.splatter import SplatterFailed
 from . import context
 from .atlas import AtlasPoints, atlas_ranges
 from .painter import LONGEST_RUN, PHOTONS_PER_ROW, Batch, Painter
