@@ -18,7 +18,7 @@ from tests.support.blender import ROOT, in_blender
 
 SCRIPT = """
 import sys, bpy, photon_splat
-from tests.integration.addon import stage
+from tests.support import stage
 photon_splat.register()
 bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
 scene = stage.room()
@@ -237,7 +237,7 @@ def test_cancelling_at_once_is_a_black_picture() -> None:
     import bpy
     from photon_splat.blender import job
 
-    stage.room()
+    stage.room(pixels=64, passes=1_000_000, photons=20_000)
     job.observer.should_cancel = lambda: True
     with stage.watched() as results:
         bpy.ops.render.render()
