@@ -79,7 +79,7 @@ out/$(NAME).png: out/$(NAME).exr
 	@$(PY) tools/exr_to_png.py $< $@
 
 scenes: setup-old ## blend_scenes/*.blend from their scripts, by the oldest Blender that must open them
-	$(PY_OLD) -m blend_scenes.make_all
+	$(PY_OLD) -m blend_scenes.scripts.make_all
 
 # --- tests ----------------------------------------------------------------------------------------------------------
 
@@ -114,8 +114,8 @@ dist/.extension: $(VENV)/.native $(NATIVE_SOURCES) $(shell find addon shaders -t
 extension: dist/.extension ## dist/photon_splat-VERSION-PLATFORM.zip, which Blender installs
 
 extension-test: extension ## the extension installed into clean Blenders
-	$(PY) tools/run_tests.py tests/extension
-	@if [ -x $(PY_OLD) ]; then $(PY_OLD) tools/run_tests.py tests/extension; fi
+	$(PY) tools/run_tests.py tests/integration/extension
+	@if [ -x $(PY_OLD) ]; then $(PY_OLD) tools/run_tests.py tests/integration/extension; fi
 
 viewport-test: extension ## the extension in a Blender with a window (VIEWPORT_OPTIONS: see tools/viewport_test.py --help)
 	$(PY) tools/viewport_test.py dist/photon_splat-*.zip $(VIEWPORT_OPTIONS)
@@ -137,10 +137,10 @@ sanitize: $(VENV)/.packages ## C++ tests under the address, undefined behaviour 
 	$(VENV)/bin/ctest --test-dir build/tsan --output-on-failure --timeout 600 --no-tests=error
 
 oracle: setup ## every case against the committed Cycles pictures: out/oracle/index.html
-	$(PY) -m tests.oracle.report
+	$(PY) -m tests.reference.cycles.report
 
-agreement: setup ## splat against the reference integrator on 200 random scenes: out/agreement (AGREEMENT_OPTIONS: see python -m tests.agreement.run --help)
-	$(PY) -m tests.agreement.run $(AGREEMENT_OPTIONS)
+agreement: setup ## splat against the reference integrator on 200 random scenes: out/agreement (AGREEMENT_OPTIONS: see python -m tests.reference.agreement.run --help)
+	$(PY) -m tests.reference.agreement.run $(AGREEMENT_OPTIONS)
 
 # Files by strangers, with Cycles' pictures of them; they are no part of the project.
 WILD ?= ../shared/wild
@@ -149,49 +149,49 @@ wild: setup ## real files against Cycles: out/wild (WILD: the folder that holds 
 	@if [ -f $(WILD)/wild.py ]; then $(PY) $(WILD)/wild.py check $(WILD)/files out/wild --seconds $(WILD_SECONDS); \
 	else echo "No real files to judge by: $(WILD)/wild.py is not there (WILD=FOLDER names another place)."; fi
 
-nodes: setup ## node trees against Cycles (NODE_OPTIONS: see python -m tests.nodes.oracle --help)
-	$(PY) -m tests.nodes.oracle $(NODE_OPTIONS)
+nodes: setup ## node trees against Cycles (NODE_OPTIONS: see python -m tests.reference.nodes.run --help)
+	$(PY) -m tests.reference.nodes.run $(NODE_OPTIONS)
 
 node-list: setup ## the README's list of nodes, from the exporter's own table
-	@$(PY) -m photon_splat.export.compile.table
+	@$(PY) -m photon_splat.export.nodes.table
 
-references: setup ## what tests/oracle and tests/caustics compare with, anew (long)
-	$(PY) -m tests.oracle.references
-	$(PY) -m tests.oracle.sweep
-	$(PY) -m tests.stability.run --truth
-	$(PY) -m tests.convergence.run --truth
-	$(PY) -m tests.caustics.truth
-	$(PY) -m tests.caustics.pictures
+references: setup ## what tests/reference/cycles and tests/reference/caustics compare with, anew (long)
+	$(PY) -m tests.reference.cycles.references
+	$(PY) -m tests.reference.cycles.sweep
+	$(PY) -m tests.benchmarks.stability.run --truth
+	$(PY) -m tests.benchmarks.convergence.run --truth
+	$(PY) -m tests.reference.caustics.reference
+	$(PY) -m tests.reference.caustics.pictures
 
 # --- measurements ---------------------------------------------------------------------------------------------------
 
 bench: setup ## benchmarks
-	$(PY) -m tests.bench.run
+	$(PY) -m tests.benchmarks.bench.run
 
 bench-viewport: setup ## seconds to the first picture after an edit, pictures a second while orbiting
-	$(PY) -m tests.bench.viewport
+	$(PY) -m tests.benchmarks.bench.viewport
 
 bench-persistent: setup ## seconds of a frame with Persistent Data and without
-	$(PY) -m tests.bench.persistent
+	$(PY) -m tests.benchmarks.bench.persistent
 
 bench-nodes: setup ## a hit on a shader of 200 nodes, beside Cycles'
-	$(PY) -m tests.bench.nodes200
+	$(PY) -m tests.benchmarks.bench.nodes200
 
-bench-gpu: setup ## the GPU splatter on a graphics card (GPU_OPTIONS: see python -m tests.bench.gpu --help)
-	$(PY) -m tests.bench.gpu $(GPU_OPTIONS)
+bench-gpu: setup ## the GPU splatter on a graphics card (GPU_OPTIONS: see python -m tests.benchmarks.bench.gpu --help)
+	$(PY) -m tests.benchmarks.bench.gpu $(GPU_OPTIONS)
 
-chart: setup ## error against time, ours, Cycles' and rivals': tests/chart (CHART_OPTIONS: see python -m tests.chart --help)
-	$(PY) -m tests.chart $(CHART_OPTIONS)
-	$(PY) -m tests.chart.seed_comparison
+chart: setup ## error against time, ours, Cycles' and rivals': tests/benchmarks/chart (CHART_OPTIONS: see python -m tests.benchmarks.chart --help)
+	$(PY) -m tests.benchmarks.chart $(CHART_OPTIONS)
+	$(PY) -m tests.benchmarks.chart.seed_comparison
 
-stability: setup ## the product and plain photon maps on the known failures: tests/stability/methods.md and .png
-	$(PY) -m tests.stability.run
+stability: setup ## the product and plain photon maps on the known failures: tests/benchmarks/stability/methods.md and .png
+	$(PY) -m tests.benchmarks.stability.run
 
-convergence: setup ## error against photons, and against fixed radii: tests/convergence/convergence.md and .png
-	$(PY) -m tests.convergence.run
+convergence: setup ## error against photons, and against fixed radii: tests/benchmarks/convergence/convergence.md and .png
+	$(PY) -m tests.benchmarks.convergence.run
 
-calibration: setup ## error estimate and error_threshold against true error: tests/calibration/calibration.md and .png
-	$(PY) -m tests.calibration.run
+calibration: setup ## error estimate and error_threshold against true error: tests/benchmarks/calibration/calibration.md and .png
+	$(PY) -m tests.benchmarks.calibration.run
 
 wheel: setup ## dist/*.whl of the native module and of the add-on
 	PATH="$(CURDIR)/$(VENV)/bin:$$PATH" $(PY) -m pip wheel --disable-pip-version-check --no-build-isolation --no-deps -w dist ./native .

@@ -1,4 +1,6 @@
-"""The folder addon/ is the package photon_splat, with shaders/ inside; the rest of the packaging is in pyproject.toml."""
+"""The folder addon/ is the package photon_splat, with shaders/ inside; the rest of the packaging is
+in pyproject.toml.
+"""
 
 import tomllib
 from pathlib import Path
@@ -10,7 +12,11 @@ manifest = tomllib.loads(Path("addon/blender_manifest.toml").read_text(encoding=
 folders = find_packages(include=["addon", "addon.*"])
 setup(
     version=manifest["version"],
-    packages=["photon_splat" + folder.removeprefix("addon") for folder in folders] + ["photon_splat.shaders"],
+    packages=["photon_splat" + folder.removeprefix("addon") for folder in folders]
+    + ["photon_splat.shaders"],
     package_dir={"photon_splat": "addon", "photon_splat.shaders": "shaders"},
-    package_data={"photon_splat": ["blender_manifest.toml", "presets/**/*.py"], "photon_splat.shaders": ["*"]},
+    package_data={
+        "photon_splat": ["blender_manifest.toml", "blender/presets/**/*.py"],
+        "photon_splat.shaders": ["*"],
+    },
 )

@@ -1,4 +1,6 @@
-"""Photon Splat: a Blender render engine that splats photons. Importable without Blender; `register` needs it."""
+"""Photon Splat: a Blender render engine that splats photons. Importable without Blender; `register`
+needs it.
+"""
 
 from __future__ import annotations
 
@@ -16,16 +18,17 @@ def register() -> None:
 
     import bpy
 
-    from . import engine, panels, persistent, settings, viewport
+    from .blender import engine, panels, persistent, properties, viewport
 
     try:
-        for part in (settings, viewport, persistent, engine, panels):
+        for part in (properties, viewport, persistent, engine, panels):
             part.register()
     except BaseException:
         unregister()
         raise
     atexit.unregister(unregister)
-    if getattr(bpy.app, "module", False):  # Blender 4.5 as a Python module hangs at exit while a render engine or a panel is registered
+    # Blender 4.5 as a Python module hangs at exit while a render engine or a panel is registered
+    if getattr(bpy.app, "module", False):
         atexit.register(unregister)
 
 
@@ -33,9 +36,9 @@ def unregister() -> None:
     import atexit
     import contextlib
 
-    from . import engine, panels, persistent, settings, viewport
+    from .blender import engine, panels, persistent, properties, viewport
 
     atexit.unregister(unregister)
     with contextlib.ExitStack() as parts:  # the last one first, and all of them whatever happens
-        for part in (settings, viewport, persistent, engine, panels):
+        for part in (properties, viewport, persistent, engine, panels):
             parts.callback(part.unregister)

@@ -1,8 +1,9 @@
 """Builds the extension that Blender installs: build_extension.py OUTPUT_FOLDER PYTHON...
 
-Each PYTHON is the interpreter of a virtual environment that has the build tools, bpy and moderngl: what it makes serves
-Blenders with its version of Python (the native module made by 3.12 or later: with later ones, too). Nothing is bundled
-that Blender ships. The archive is made by Blender's own extension tool, which the bpy package has; prints its path.
+Each PYTHON is the interpreter of a virtual environment that has the build tools, bpy and moderngl:
+what it makes serves Blenders with its version of Python (the native module made by 3.12 or later:
+with later ones, too). Nothing is bundled that Blender ships. The archive is made by Blender's own
+extension tool, which the bpy package has; prints its path.
 """
 
 from __future__ import annotations
@@ -18,15 +19,25 @@ ROOT = Path(__file__).resolve().parent.parent
 BUNDLED = ("moderngl", "glcontext")
 """Packages besides the native module, in the version that the virtual environment has."""
 ALSO = ("3.12", "3.14")
-"""Pythons of Blenders that Linux distributions build: the stable native module serves them, the packages have wheels for each."""
+"""Pythons of Blenders that Linux distributions build: the stable native module serves them, the
+packages have wheels for each.
+"""
 PIP = ("-m", "pip", "-q", "--disable-pip-version-check")
 FIND_TOOL = """
 import importlib.util, pathlib
 package = pathlib.Path(importlib.util.find_spec("bpy").origin).parent
 print(*package.glob("*/scripts/addons_core/bl_pkg/cli/blender_ext.py"))
 """
-VERSIONS = f"from importlib.metadata import version; print(*(f'{{name}}=={{version(name)}}' for name in {BUNDLED}))"
-PLATFORMS = {"linux_x86_64": "linux-x64", "win_amd64": "windows-x64", "macosx_x86_64": "macos-x64", "macosx_arm64": "macos-arm64"}
+VERSIONS = (
+    "from importlib.metadata import version; print(*(f'{name}=={version(name)}' for "
+    f"name in {BUNDLED}))"
+)
+PLATFORMS = {
+    "linux_x86_64": "linux-x64",
+    "win_amd64": "windows-x64",
+    "macosx_x86_64": "macos-x64",
+    "macosx_arm64": "macos-arm64",
+}
 """Blender's name of a platform, by that of a wheel without the system's version."""
 
 
@@ -44,18 +55,39 @@ def main() -> int:
         shutil.copy(ROOT / "LICENSE", source)
         for python in pythons:
             make_wheels(python, source / "wheels")
-        add_to_manifest(source / "blender_manifest.toml", sorted(wheel.name for wheel in (source / "wheels").iterdir()))
+        add_to_manifest(
+            source / "blender_manifest.toml",
+            sorted(wheel.name for wheel in (source / "wheels").iterdir()),
+        )
         tool = run(pythons[0], "-c", FIND_TOOL)
         for old in output.glob("photon_splat-*.zip"):
             old.unlink()
-        run(pythons[0], tool, "build", "--source-dir", str(source), "--output-dir", str(output), "--split-platforms")
+        run(
+            pythons[0],
+            tool,
+            "build",
+            "--source-dir",
+            str(source),
+            "--output-dir",
+            str(output),
+            "--split-platforms",
+        )
     (archive,) = output.glob("photon_splat-*.zip")
     print(archive)
     return 0
 
 
 def make_wheels(python: str, folder: Path) -> None:
-    run(python, *PIP, "wheel", "--no-build-isolation", "--no-deps", "-w", str(folder), str(ROOT / "native"))
+    run(
+        python,
+        *PIP,
+        "wheel",
+        "--no-build-isolation",
+        "--no-deps",
+        "-w",
+        str(folder),
+        str(ROOT / "native"),
+    )
     download = (*PIP, "download", "--only-binary", ":all:", "--no-deps", "-d", str(folder))
     packages = run(python, "-c", VERSIONS).split()
     run(python, *download, *packages)
@@ -65,10 +97,19 @@ def make_wheels(python: str, folder: Path) -> None:
 
 
 def add_to_manifest(manifest: Path, wheels: list[str]) -> None:
-    """The manifest, which is for all platforms, gets the wheels and the platform that they are for."""
+    """The manifest, which is for all platforms, gets the wheels and the platform that they are
+    for.
+    """
     (native, *_) = (wheel for wheel in wheels if wheel.startswith("photon_splat_native-"))
-    platform = PLATFORMS[re.sub(r"(\d+_)+(?=x86_64|arm64)", "", native.removesuffix(".whl").split("-")[-1])]
-    lines = [f'platforms = ["{platform}"]', "wheels = [", *(f'  "./wheels/{wheel}",' for wheel in wheels), "]"]
+    platform = PLATFORMS[
+        re.sub(r"(\d+_)+(?=x86_64|arm64)", "", native.removesuffix(".whl").split("-")[-1])
+    ]
+    lines = [
+        f'platforms = ["{platform}"]',
+        "wheels = [",
+        *(f'  "./wheels/{wheel}",' for wheel in wheels),
+        "]",
+    ]
     head, table, rest = manifest.read_text(encoding="utf-8").partition("\n[permissions]")
     manifest.write_text(head + "\n".join(lines) + "\n" + table + rest, encoding="utf-8")
 

@@ -18,7 +18,9 @@ def main(source: str, target: str) -> None:
     color = np.clip(linear[..., :3], 0.0, 1.0)
     encoded = np.where(color <= 0.0031308, 12.92 * color, 1.055 * color ** (1 / 2.4) - 0.055)
     alpha = np.clip(linear[..., 3:], 0.0, 1.0)
-    Image.fromarray((np.concatenate([encoded, alpha], -1) * 255.0 + 0.5).astype(np.uint8)).save(target)
+    Image.fromarray((np.concatenate([encoded, alpha], -1) * 255.0 + 0.5).astype(np.uint8)).save(
+        target
+    )
 
 
 if __name__ == "__main__":

@@ -1,7 +1,10 @@
-"""Hashes of pictures, for changes that must not change one: picture_hashes.py [--against FILE] > FILE
+"""Hashes of pictures, for changes that must not change one: picture_hashes.py [--against FILE] >
+FILE
 
-Finished renders of blend_scenes, raw and denoised, one with light groups, and what a viewport shows when it has come to rest.
-Where faces coincide, as in street, single pixels may differ from run to run. With --against the lines are compared with those of an earlier run, and the status says whether any differs.
+Finished renders of blend_scenes, raw and denoised, one with light groups, and what a viewport shows
+when it has come to rest. Where faces coincide, as in street, single pixels may differ from run to
+run. With --against the lines are compared with those of an earlier run, and the status says whether
+any differs.
 """
 
 from __future__ import annotations
@@ -29,26 +32,46 @@ RENDERS = {
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--against", type=Path)
     parser.add_argument("--child", choices=("groups", "viewport"), help=argparse.SUPPRESS)
     options = parser.parse_args()
     if options.child:
         print({"groups": light_groups, "viewport": viewport}[options.child]())
         return 0
-    before = dict(line.rsplit(" ", 1) for line in options.against.read_text().splitlines()) if options.against else {}
+    before = (
+        dict(line.rsplit(" ", 1) for line in options.against.read_text().splitlines())
+        if options.against
+        else {}
+    )
     differ = False
     with tempfile.TemporaryDirectory() as folder:
         for name, arguments in RENDERS.items():
             scene = "cornell_box" if name == "reference" else name.split()[0]
             picture = Path(folder, "picture.exr")
-            command = [str(Path(sys.executable).parent / "photon-splat"), "render", f"blend_scenes/{scene}.blend"]
+            command = [
+                str(Path(sys.executable).parent / "photon-splat"),
+                "render",
+                f"blend_scenes/{scene}.blend",
+            ]
             subprocess.run(
-                [*command, "-o", str(picture), *arguments], cwd=ROOT, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+                [*command, "-o", str(picture), *arguments],
+                cwd=ROOT,
+                check=True,
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.DEVNULL,
             )
             differ |= tell(name, hash_of(picture), before)
         for name in ("groups", "viewport"):
-            child = subprocess.run([sys.executable, __file__, "--child", name], cwd=ROOT, check=True, capture_output=True, text=True)
+            child = subprocess.run(
+                [sys.executable, __file__, "--child", name],
+                cwd=ROOT,
+                check=True,
+                capture_output=True,
+                text=True,
+            )
             differ |= tell(name, child.stdout.split()[-1], before)
     return int(differ)
 
@@ -65,16 +88,21 @@ def tell(name: str, found: str, before: dict[str, str]) -> bool:
 def hash_of(picture: Path) -> str:
     import OpenImageIO as oiio
 
-    return hashlib.sha256(oiio.ImageBuf(str(picture)).get_pixels(oiio.FLOAT).tobytes()).hexdigest()[:16]
+    return hashlib.sha256(oiio.ImageBuf(str(picture)).get_pixels(oiio.FLOAT).tobytes()).hexdigest()[
+        :16
+    ]
 
 
 def light_groups() -> str:
     from photon_splat.core.scene import LightKind
 
-    from tests.corescene import box, lambert, lamp, perspective, quad, scene, shoot
+    from tests.support.corescene import box, lambert, lamp, perspective, quad, scene, shoot
 
     view = perspective((3, -4, 2.5), (0, 0, 0.3), 160, 120)
-    things = [(quad(3.0), lambert((0.7, 0.6, 0.5))), (box((-0.5, -0.5, 0), (0.5, 0.5, 1)), lambert((0.2, 0.5, 0.7)))]
+    things = [
+        (quad(3.0), lambert((0.7, 0.6, 0.5))),
+        (box((-0.5, -0.5, 0), (0.5, 0.5, 1)), lambert((0.2, 0.5, 0.7))),
+    ]
     lamps = [
         lamp(LightKind.POINT, 40.0, (1.5, -1.0, 2.0), radius=0.1, light_group=0),
         lamp(LightKind.POINT, 30.0, (-1.5, 1.0, 1.0), radius=0.1, light_group=1),
@@ -92,7 +120,7 @@ def viewport() -> str:
     import bpy
     import photon_splat
 
-    from tests.viewport.window import viewport as window
+    from tests.support.window import viewport as window
 
     photon_splat.register()
     bpy.ops.wm.open_mainfile(filepath=str(ROOT / "blend_scenes/cornell_box.blend"))

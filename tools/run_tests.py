@@ -1,9 +1,10 @@
-"""Runs the Python tests, each folder of tests/ in a pytest process of its own.
+"""Runs the Python tests, each folder that holds some in a pytest process of its own.
 
 Usage: run_tests.py [--time-limit SECONDS] [-m MARKER] [FOLDER ...]
 
-Blender keeps its state for a whole process, may hang when it exits, and may die there after the last test has passed. So
-every process gets a clean Blender user folder and a time limit, and writes pytest's exit status to a file before it
+Blender keeps its state for a whole process, may hang when it exits, and may die there after the
+last test has passed. So every process gets a clean Blender user folder and a time limit, and writes
+pytest's exit status to a file before it
 exits: that file decides, not the status of the process.
 """
 
@@ -33,8 +34,10 @@ os._exit(status)
 
 def main() -> int:
     parser = argparse.ArgumentParser(description="Run the Python tests.")
-    parser.add_argument("--time-limit", type=float, default=600.0, help="seconds for all folders together")
-    parser.add_argument("folders", nargs="*", help="test folders (default: each folder of tests/ that has tests)")
+    parser.add_argument(
+        "--time-limit", type=float, default=600.0, help="seconds for all folders together"
+    )
+    parser.add_argument("folders", nargs="*", help="test folders (default: each that holds tests)")
     parser.add_argument("-m", dest="marker", help="only tests with this marker")
     options = parser.parse_args()
     pytest_options = ["-m", options.marker] if options.marker else []
@@ -61,25 +64,32 @@ def main() -> int:
 
 
 def all_folders() -> list[Path]:
-    return [folder for folder in sorted((ROOT / "tests").iterdir()) if any(folder.rglob("test_*.py"))]
+    return sorted({file.parent for file in (ROOT / "tests").rglob("test_*.py")})
 
 
 def run_folder(folder: Path, options: list[str], seconds: float) -> int | str:
     """pytest's exit status in that folder, or why there is none."""
     with tempfile.TemporaryDirectory(prefix="photon_splat_test_") as scratch:
         status_file = Path(scratch, "status")
-        environment = os.environ | {"BLENDER_USER_RESOURCES": str(Path(scratch, "blender")), "PYTHONUNBUFFERED": "1"}
+        environment = os.environ | {
+            "BLENDER_USER_RESOURCES": str(Path(scratch, "blender")),
+            "PYTHONUNBUFFERED": "1",
+        }
         command = [sys.executable, "-c", CHILD, str(status_file), str(folder), *options]
         if seconds <= 0:
             return "no time was left for it"
         try:
-            process = subprocess.run(command, cwd=ROOT, env=environment, timeout=seconds, check=False)
+            process = subprocess.run(
+                command, cwd=ROOT, env=environment, timeout=seconds, check=False
+            )
         except subprocess.TimeoutExpired:
             if not status_file.exists():
                 return f"still running after {seconds:.0f} s"
         else:
             if not status_file.exists():
-                return f"the process ended with status {process.returncode} in the middle of the tests"
+                return (
+                    f"the process ended with status {process.returncode} in the middle of the tests"
+                )
         return int(status_file.read_text())
 
 

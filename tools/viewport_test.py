@@ -1,8 +1,10 @@
-"""Tests the extension in a Blender with a window: viewport_test.py ARCHIVE [--suite SUITE] [--edits N] [--hunt N]
+"""Tests the extension in a Blender with a window: viewport_test.py ARCHIVE [--suite SUITE] [--edits
+N] [--hunt N]
 
-Debian's Blender (SUITE trixie: 4.3; sid: 5.2) runs under a virtual X server in a folder of its own, made once and kept in
-.cache/blender-SUITE. That needs Linux, root, debootstrap and a Debian mirror; where one is missing the test is skipped and
-says so. Pictures and figures are left in out/viewport-SUITE.
+Debian's Blender (SUITE trixie: 4.3; sid: 5.2) runs under a virtual X server in a folder of its own,
+made once and kept in .cache/blender-SUITE. That needs Linux, root, debootstrap and a Debian mirror;
+where one is missing the test is skipped and says so. Pictures and figures are left in
+out/viewport-SUITE.
 """
 
 from __future__ import annotations
@@ -37,8 +39,10 @@ PACKAGES = [
 MODULE = "bl_ext.user_default.photon_splat"
 SECONDS = 1200
 FIRST_PICTURE, UPDATES, STALL, MEMORY = 0.15, 15.0, 0.03, 100e6
-"""s after an edit; per second of orbiting; s; bytes more over all edits: what is promised, on two cores. Where software draws
-the window, and can do so less often even in Solid shading, the second and third are held beside that."""
+"""s after an edit; per second of orbiting; s; bytes more over all edits: what is promised, on two
+cores. Where software draws the window, and can do so less often even in Solid shading, the second
+and third are held beside that.
+"""
 SCREEN = "1183x648x24"
 """Leaves the viewport 960x540."""
 
@@ -48,7 +52,9 @@ class Skipped(Exception):
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("archive", type=Path)
     parser.add_argument("--suite", default="trixie")
     parser.add_argument("--chroot", type=Path, help="where Blender's system is, or is to be made")
@@ -75,7 +81,10 @@ def make_chroot(suite: str, chroot: Path) -> None:
     if any(f" {chroot}/" in line for line in Path("/proc/self/mounts").read_text().splitlines()):
         raise Skipped(f"something is still mounted below {chroot}; unmount it first")
     if not shutil.which("debootstrap") or not KEYRING.exists():
-        raise Skipped(f"it needs debootstrap and {KEYRING} (Debian: apt-get install debootstrap debian-archive-keyring)")
+        raise Skipped(
+            f"it needs debootstrap and {KEYRING} (Debian: apt-get install debootstrap "
+            "debian-archive-keyring)"
+        )
     sys.path.insert(0, str(ROOT / "native/cmake"))
     from debian_package import mirrors
 
@@ -88,12 +97,25 @@ def make_chroot(suite: str, chroot: Path) -> None:
     log = chroot.with_suffix(".log").open("w")
     install = ["apt-get", "install", "-y", "--no-install-recommends", *PACKAGES]
     try:
-        base = ["debootstrap", "--variant=minbase", "--include=ca-certificates", f"--keyring={KEYRING}", suite, str(chroot), found[0]]
+        base = [
+            "debootstrap",
+            "--variant=minbase",
+            "--include=ca-certificates",
+            f"--keyring={KEYRING}",
+            suite,
+            str(chroot),
+            found[0],
+        ]
         subprocess.run(base, stdout=log, stderr=log, check=True)
         guard = chroot / "usr/sbin/policy-rc.d"
         guard.write_text("#!/bin/sh\nexit 101\n")
         guard.chmod(0o755)
-        subprocess.run(["chroot", chroot, "env", "DEBIAN_FRONTEND=noninteractive", *install], stdout=log, stderr=log, check=True)
+        subprocess.run(
+            ["chroot", chroot, "env", "DEBIAN_FRONTEND=noninteractive", *install],
+            stdout=log,
+            stderr=log,
+            check=True,
+        )
         packed.write_text("\n".join(PACKAGES))
     except subprocess.CalledProcessError as error:
         raise Skipped(f"{error.cmd[0]} failed; see {log.name}") from error
@@ -105,9 +127,16 @@ def run(chroot: Path, archive: Path, output: Path, edits: int, hunt: int) -> dic
     inside = chroot / "tmp/photon_splat"
     shutil.rmtree(inside, ignore_errors=True)
     inside.mkdir(parents=True)
-    for path in (archive, ROOT / "tests/viewport/inside.py", *(ROOT / "blend_scenes").glob("*.blend")):
+    for path in (
+        archive,
+        ROOT / "tests/integration/viewport/inside.py",
+        *(ROOT / "blend_scenes").glob("*.blend"),
+    ):
         shutil.copy(path, inside)
-    mounts = [(chroot / name, ["mount", "--rbind", f"/{name}", str(chroot / name)]) for name in ("proc", "dev", "sys")]
+    mounts = [
+        (chroot / name, ["mount", "--rbind", f"/{name}", str(chroot / name)])
+        for name in ("proc", "dev", "sys")
+    ]
     mounted = []
     try:
         for place, command in mounts:
@@ -115,15 +144,51 @@ def run(chroot: Path, archive: Path, output: Path, edits: int, hunt: int) -> dic
                 subprocess.run(command, check=True)
                 subprocess.run(["mount", "--make-rslave", str(place)], check=True)
                 mounted.append(place)
-        environment = {"HOME": "/tmp/photon_splat", "BLENDER_USER_RESOURCES": "/tmp/photon_splat/user", "LIBGL_ALWAYS_SOFTWARE": "1"}
-        prefix = ["chroot", str(chroot), "env", *(f"{key}={value}" for key, value in environment.items())]
-        add = ["blender", "--command", "extension", "install-file", "-r", "user_default", "--enable", f"/tmp/photon_splat/{archive.name}"]
+        environment = {
+            "HOME": "/tmp/photon_splat",
+            "BLENDER_USER_RESOURCES": "/tmp/photon_splat/user",
+            "LIBGL_ALWAYS_SOFTWARE": "1",
+        }
+        prefix = [
+            "chroot",
+            str(chroot),
+            "env",
+            *(f"{key}={value}" for key, value in environment.items()),
+        ]
+        add = [
+            "blender",
+            "--command",
+            "extension",
+            "install-file",
+            "-r",
+            "user_default",
+            "--enable",
+            f"/tmp/photon_splat/{archive.name}",
+        ]
         subprocess.run([*prefix, *add], check=True, stdout=subprocess.DEVNULL, timeout=120)
-        script = ["--python", "/tmp/photon_splat/inside.py", "--", MODULE, "/tmp/photon_splat/cornell_box.blend"]
+        script = [
+            "--python",
+            "/tmp/photon_splat/inside.py",
+            "--",
+            MODULE,
+            "/tmp/photon_splat/cornell_box.blend",
+        ]
         script += ["/tmp/photon_splat/interior.blend", "/tmp/photon_splat", str(edits), str(hunt)]
-        window = ["xvfb-run", "-a", "-s", f"-screen 0 {SCREEN}", "blender", "--factory-startup", "--addons", MODULE, *script]
+        window = [
+            "xvfb-run",
+            "-a",
+            "-s",
+            f"-screen 0 {SCREEN}",
+            "blender",
+            "--factory-startup",
+            "--addons",
+            MODULE,
+            *script,
+        ]
         with (output / "blender.log").open("w") as log:
-            done = subprocess.run([*prefix, *window], stdout=log, stderr=log, timeout=SECONDS, check=False)
+            done = subprocess.run(
+                [*prefix, *window], stdout=log, stderr=log, timeout=SECONDS, check=False
+            )
     except subprocess.TimeoutExpired:
         return {"error": f"Blender was still running after {SECONDS} s"}
     finally:
@@ -132,10 +197,15 @@ def run(chroot: Path, archive: Path, output: Path, edits: int, hunt: int) -> dic
     for picture in [*inside.glob("*.png"), *inside.glob("result.json")]:
         shutil.copy(picture, output)
     if not (output / "result.json").exists():
-        return {"error": f"Blender ended with status {done.returncode} in the middle; see {output / 'blender.log'}"}
+        return {
+            "error": f"Blender ended with status {done.returncode} in the middle; see "
+            f"{output / 'blender.log'}"
+        }
     result: dict[str, Any] = json.loads((output / "result.json").read_text())
     if done.returncode:
-        result["error"] = f"Blender ended with status {done.returncode} when it quit. {result['error']}"
+        result["error"] = (
+            f"Blender ended with status {done.returncode} when it quit. {result['error']}"
+        )
     return result
 
 
@@ -150,30 +220,56 @@ def judge(result: dict[str, Any], output: Path) -> int:
             failures.append(f"{what} is {value:.4g}, more than {most:.4g}")
 
     if "region" in result:
-        hold("camera view against F12, mean difference of 8-bit values", difference(output, result["region"]), 3.0)
+        hold(
+            "camera view against F12, mean difference of 8-bit values",
+            difference(output, result["region"]),
+            3.0,
+        )
     window = result.get("others", {}).get("SOLID", {"redraws per second": UPDATES, "stall": 0.0})
     if "orbit" in result:
         own = 1.05 / max(window["redraws per second"], 1e-9)
-        hold("seconds between updates while orbiting", 1 / max(result["orbit"]["updates per second"], 1e-9), max(1 / UPDATES, own))
+        hold(
+            "seconds between updates while orbiting",
+            1 / max(result["orbit"]["updates per second"], 1e-9),
+            max(1 / UPDATES, own),
+        )
         hold("seconds of a draw while orbiting, at most", result["orbit"]["draw"]["most"], STALL)
         hold("photon paths traced while orbiting", result["orbit"]["photons traced"], 0)
     for kind, seconds in result.get("edits", {}).items():
         hold(f"median seconds from an edit to a picture, {kind}", seconds, FIRST_PICTURE)
     if "stall" in result:
-        hold("median stall of Blender's thread beyond the window's own", result["stall"]["median"] - window["stall"], STALL)
-        hold("bytes of memory that edits left behind", result["memory"][1] - result["memory"][0], MEMORY)
+        hold(
+            "median stall of Blender's thread beyond the window's own",
+            result["stall"]["median"] - window["stall"],
+            STALL,
+        )
+        hold(
+            "bytes of memory that edits left behind",
+            result["memory"][1] - result["memory"][0],
+            MEMORY,
+        )
     if "hunt" in result:
         hold("threads left by random edits", result["hunt"]["threads"], 1)
-        hold("bytes of memory that random edits left behind", result["hunt"]["memory"][1] - result["hunt"]["memory"][0], MEMORY)
+        hold(
+            "bytes of memory that random edits left behind",
+            result["hunt"]["memory"][1] - result["hunt"]["memory"][0],
+            MEMORY,
+        )
     if "cancelled" in result:
-        hold("render that Escape did not end", float(not (result["rendering"] and result["cancelled"])), 0)
+        hold(
+            "render that Escape did not end",
+            float(not (result["rendering"] and result["cancelled"])),
+            0,
+        )
     for failure in failures:
         print(f"FAILED {failure}", file=sys.stderr)
     return 1 if failures else 0
 
 
 def difference(output: Path, region: list[int]) -> float:
-    """Mean absolute difference between the window's picture of the camera view and the render of it, in the middle of the region."""
+    """Mean absolute difference between the window's picture of the camera view and the render of
+    it, in the middle of the region.
+    """
     from PIL import Image
 
     window = np.asarray(Image.open(output / "camera.png").convert("RGB"), np.float64)

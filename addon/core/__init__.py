@@ -1,1 +1,3 @@
-"""The renderer without Blender: scene description, render session, film and statistics. Imports no bpy."""
+"""The renderer without Blender: scene description, render session, film and statistics. Imports no
+bpy.
+"""

@@ -1,11 +1,13 @@
-"""Blender's dependency graph -> core.scene.Scene: the only way from Blender's data into the engine."""
+"""Blender's dependency graph -> core.scene.Scene: the only way from Blender's data into the
+engine.
+"""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
 from ..core.scene import Scene
-from ..report import Report
+from .report import Report
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -16,12 +18,17 @@ if TYPE_CHECKING:
 
 
 def export_scene(
-    depsgraph: Any, camera: Any = None, frame: Frame | None = None, kept: Kept | None = None, watch: Watch | None = None
+    depsgraph: Any,
+    camera: Any = None,
+    frame: Frame | None = None,
+    kept: Kept | None = None,
+    watch: Watch | None = None,
 ) -> Scene:
-    """Export what `depsgraph` (evaluated) holds, seen through `camera` (default: the scene's); `kept` and `watch` as in export_contents.
+    """Export what `depsgraph` (evaluated) holds, seen through `camera` (default: the scene's);
+    `kept` and `watch` as in export_contents.
 
-    Raises ValueError with one sentence if there is nothing to look through; whatever else cannot be rendered is named in
-    the result's `warnings`.
+    Raises ValueError with one sentence if there is nothing to look through; whatever else cannot be
+    rendered is named in the result's `warnings`.
     """
     from .camera import export_camera, export_frame
 
@@ -30,7 +37,15 @@ def export_scene(
     seen = export_camera(camera or scene.camera, scene, report)
     # Of originals: a graph that Blender keeps is not told when they change.
     light_groups = [group.name for group in depsgraph.view_layer.lightgroups]
-    return export_contents(depsgraph, seen, frame or export_frame(scene.render), report, kept, light_groups=light_groups, watch=watch)
+    return export_contents(
+        depsgraph,
+        seen,
+        frame or export_frame(scene.render),
+        report,
+        kept,
+        light_groups=light_groups,
+        watch=watch,
+    )
 
 
 def export_contents(
@@ -73,6 +88,10 @@ def export_contents(
         exported.world_light_group = exported.light_groups.index(world.original.lightgroup)
     exported.meshes, exported.instances = objects.meshes, objects.instances()
     exported.material_sets, exported.lights = objects.material_sets, objects.lights
-    exported.materials, exported.textures, exported.programs = materials.list, textures.list, shading.programs
+    exported.materials, exported.textures, exported.programs = (
+        materials.list,
+        textures.list,
+        shading.programs,
+    )
     exported.warnings = report.messages()
     return exported

@@ -1,7 +1,8 @@
-"""Blender's arrays as numpy arrays: without a copy where memory allows it, by foreach_get elsewhere.
+"""Blender's arrays as numpy arrays: without a copy where memory allows it, by foreach_get
+elsewhere.
 
-A view reads Blender's own memory: it is valid until the next change of the dependency graph, so whatever outlives the
-export must be copied out of it.
+A view reads Blender's own memory: it is valid until the next change of the dependency graph, so
+whatever outlives the export must be copied out of it.
 """
 
 from __future__ import annotations
@@ -17,7 +18,9 @@ FEW = 512
 
 
 def read(collection: Any, attribute: str, dtype: DTypeLike, width: int = 1) -> NDArray:
-    """(n, width) array, or (n,) for width 1, of `attribute` of all n elements of a Blender collection. Read only."""
+    """(n, width) array, or (n,) for width 1, of `attribute` of all n elements of a Blender
+    collection. Read only.
+    """
     shape = (len(collection), width) if width > 1 else (len(collection),)
     if shape[0] == 0:
         return np.empty(shape, dtype)
@@ -35,7 +38,9 @@ def read_copy(collection: Any, attribute: str, dtype: DTypeLike, width: int = 1)
 
 
 def _view(collection: Any, attribute: str, dtype: np.dtype, width: int) -> NDArray | None:
-    """View of the elements' memory, or None if it is not one plain array of `dtype` that reads as Blender reads it."""
+    """View of the elements' memory, or None if it is not one plain array of `dtype` that reads as
+    Blender reads it.
+    """
     count = len(collection)
     size = dtype.itemsize * width
     try:
@@ -44,7 +49,9 @@ def _view(collection: Any, attribute: str, dtype: np.dtype, width: int) -> NDArr
         return None
     if not first or last - first != (count - 1) * size:
         return None
-    view = np.frombuffer((ctypes.c_char * (count * size)).from_address(first), dtype).reshape(count, width)
+    view = np.frombuffer((ctypes.c_char * (count * size)).from_address(first), dtype).reshape(
+        count, width
+    )
     view.flags.writeable = False
     for index in {0, count // 2, count - 1}:
         value = np.atleast_1d(np.array(getattr(collection[index], attribute), dtype))

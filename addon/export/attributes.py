@@ -1,4 +1,6 @@
-"""What shader programs read from meshes and instances beyond the geometry: only what some tree asks for."""
+"""What shader programs read from meshes and instances beyond the geometry: only what some tree asks
+for.
+"""
 
 from __future__ import annotations
 
@@ -9,32 +11,48 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.shading import GENERATED, Domain, GeneratedSpace, MeshAttribute, MeshShading
-from ..report import Report
+from ..core.scene.shading import GENERATED, Domain, GeneratedSpace, MeshAttribute, MeshShading
 from .arrays import read, read_copy
-from .compile.inputs import property_value
-from .compile.node import Want
-from .compile.random_numbers import name_random, number_random
 from .curvature import pointiness
 from .instance_attributes import InstanceAttributes
 from .mesh import Triangles, sound_triangles
+from .nodes.inputs import property_value
+from .nodes.node import Want
+from .nodes.random_numbers import name_random, number_random
+from .report import Report
 
 NUMBERS = {"FLOAT", "INT", "INT8", "BOOLEAN"}
 # Of a type of attribute: the property that holds its value, and how many numbers that is.
-STORED = {"FLOAT_VECTOR": ("vector", 3), "FLOAT2": ("vector", 2), "FLOAT_COLOR": ("color", 4), "QUATERNION": ("value", 4)}
+STORED = {
+    "FLOAT_VECTOR": ("vector", 3),
+    "FLOAT2": ("vector", 2),
+    "FLOAT_COLOR": ("color", 4),
+    "QUATERNION": ("value", 4),
+}
 INSTANCE_WIDTHS = {"info/color": 4, "info/generated": 3, "info/uv": 3}
-PARTICLE_VECTORS = {"Location": "location", "Velocity": "velocity", "Angular Velocity": "angular_velocity"}
+PARTICLE_VECTORS = {
+    "Location": "location",
+    "Velocity": "velocity",
+    "Angular Velocity": "angular_velocity",
+}
 
 
-def mesh_shading(mesh: Any, name: str, wants: dict[int, Want], left: NDArray[np.bool_] | None, report: Report) -> MeshShading:
-    """What `wants` (by id) of a bpy.types.Mesh; what it does not have is left out. `left`: triangles of the rendered ones that count."""
+def mesh_shading(
+    mesh: Any, name: str, wants: dict[int, Want], left: NDArray[np.bool_] | None, report: Report
+) -> MeshShading:
+    """What `wants` (by id) of a bpy.types.Mesh; what it does not have is left out. `left`:
+    triangles of the rendered ones that count.
+    """
     shading = MeshShading()
 
     @cache
     def triangles() -> Triangles:  # not all attributes ask for them
         found = sound_triangles(mesh, name, Report())
         if found is None:
-            raise ValueError(f"The mesh '{name}' has lost its triangles while it was exported. Please render again.")
+            raise ValueError(
+                f"The mesh '{name}' has lost its triangles while it was exported. Please render "
+                "again."
+            )
         if left is not None:
             found.corners, found.vertices = found.corners[left], found.vertices[left]
         return found
@@ -59,8 +77,13 @@ def mesh_shading(mesh: Any, name: str, wants: dict[int, Want], left: NDArray[np.
 
 
 def _generated(mesh: Any) -> tuple[GeneratedSpace, tuple[Domain, NDArray] | None]:
-    """Linear in the position, and a value per vertex where a deformation has moved it from where it was."""
-    location, size = np.array(mesh.texspace_location, np.float64), np.array(mesh.texspace_size, np.float64)
+    """Linear in the position, and a value per vertex where a deformation has moved it from where it
+    was.
+    """
+    location, size = (
+        np.array(mesh.texspace_location, np.float64),
+        np.array(mesh.texspace_size, np.float64),
+    )
     scale = 0.5 / np.where(size != 0.0, size, 1.0)
     offset = 0.5 - location * scale
     space = GeneratedSpace(tuple(scale.tolist()), tuple(offset.tolist()))
@@ -78,7 +101,9 @@ def _color_attribute(mesh: Any, name: str) -> Any:
     return mesh.color_attributes[index] if 0 <= index < len(mesh.color_attributes) else None
 
 
-def _values(mesh: Any, attribute: Any, triangles: Callable[[], Triangles], left: NDArray[np.bool_] | None) -> tuple[Domain, NDArray] | None:
+def _values(
+    mesh: Any, attribute: Any, triangles: Callable[[], Triangles], left: NDArray[np.bool_] | None
+) -> tuple[Domain, NDArray] | None:
     """A layer's values as the renderer has them, or None for what holds no numbers."""
     if attribute is None or len(attribute.data) == 0:
         return None
@@ -109,9 +134,11 @@ def _values(mesh: Any, attribute: Any, triangles: Callable[[], Triangles], left:
 
 
 def island_randoms(mesh: Any) -> NDArray[np.float32]:
-    """A random number for each vertex, the same within what edges join: that of the vertex which stands for the island.
+    """A random number for each vertex, the same within what edges join: that of the vertex which
+    stands for the island.
 
-    Which one that is follows Cycles: sets are joined edge by edge, the one of lower rank to the other (union by rank).
+    Which one that is follows Cycles: sets are joined edge by edge, the one of lower rank to the
+    other (union by rank).
     """
     count = len(mesh.vertices)
     parents, ranks = list(range(count)), [0] * count
@@ -146,7 +173,9 @@ def _at_vertices(mesh: Any, values: NDArray[np.float32]) -> NDArray[np.float32]:
     return (total / counts[:, None]).astype(np.float32)
 
 
-def _tangents(mesh: Any, layer: str, name: str, triangles: Callable[[], Triangles], report: Report) -> tuple[Domain, NDArray] | None:
+def _tangents(
+    mesh: Any, layer: str, name: str, triangles: Callable[[], Triangles], report: Report
+) -> tuple[Domain, NDArray] | None:
     """(3 T, 4): tangents of corners, in the mesh's coordinates, and the sign of the bitangent.
 
     None: the renderer takes the triangles' own.
@@ -158,7 +187,11 @@ def _tangents(mesh: Any, layer: str, name: str, triangles: Callable[[], Triangle
     try:
         mesh.calc_tangents(uvmap=layer)
     except RuntimeError as error:
-        report.warn(f"Object {{}}: tangents of its UV map are those of single triangles ({str(error).strip()})", name)
+        report.warn(
+            "Object {}: tangents of its UV map are those of single triangles "
+            f"({str(error).strip()})",
+            name,
+        )
         return None
     values = np.empty((len(mesh.loops), 4), np.float32)
     values[:, :3] = read_copy(mesh.loops, "tangent", np.float32, 3)
@@ -203,7 +236,11 @@ def _info(instance: Any, ob: Any, name: str) -> Any:
     if name == "index":
         return float(ob.pass_index)
     if name == "random":
-        return (instance.random_id & 0xFFFFFFFF) / 0xFFFFFFFF if instance.is_instance else name_random(ob.name)
+        return (
+            (instance.random_id & 0xFFFFFFFF) / 0xFFFFFFFF
+            if instance.is_instance
+            else name_random(ob.name)
+        )
     if not instance.is_instance:
         return 0.0
     if name == "generated":

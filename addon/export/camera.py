@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core.scene import Aperture, Camera, Frame, Panorama, PanoramaKind, PixelFilter
-from ..report import Report
+from .report import Report
 
 
 class NoCameraError(ValueError):
@@ -18,7 +18,9 @@ class NoCameraError(ValueError):
 def resolution(render: Any) -> tuple[int, int]:
     """Size of the whole frame in pixels, as Blender rounds it."""
     percentage = render.resolution_percentage
-    return max(render.resolution_x * percentage // 100, 1), max(render.resolution_y * percentage // 100, 1)
+    return max(render.resolution_x * percentage // 100, 1), max(
+        render.resolution_y * percentage // 100, 1
+    )
 
 
 def export_frame(render: Any) -> Frame:
@@ -35,19 +37,31 @@ def export_frame(render: Any) -> Frame:
 
 
 def export_camera(ob: Any, scene: Any, report: Report) -> Camera:
-    """Camera object `ob` (evaluated) framed by `scene.render`; raises NoCameraError if there is none."""
+    """Camera object `ob` (evaluated) framed by `scene.render`; raises NoCameraError if there is
+    none.
+    """
     if ob is None:
-        raise NoCameraError(f"Scene '{scene.name}' has no camera: add one, or set an object as the scene's active camera")
+        raise NoCameraError(
+            f"Scene '{scene.name}' has no camera: add one, or set an object as the scene's active "
+            "camera"
+        )
     if ob.type != "CAMERA":
-        raise NoCameraError(f"Object '{ob.name}' is the active camera of scene '{scene.name}' but is not a camera")
+        raise NoCameraError(
+            f"Object '{ob.name}' is the active camera of scene '{scene.name}' but is not a camera"
+        )
     camera, render = ob.data, scene.render
     if camera.type not in {"PERSP", "ORTHO", "PANO"}:
-        raise ValueError(f"Camera '{ob.name}' is of type {camera.type}; there are perspective, orthographic and panoramic cameras")
+        raise ValueError(
+            f"Camera '{ob.name}' is of type {camera.type}; there are perspective, orthographic "
+            "and panoramic cameras"
+        )
     _report_unsupported(ob, camera, render, report)
     width, height = resolution(render)
     x, y = camera.shift_x, camera.shift_y
     whole = (
-        (x, 1.0 + x, y, 1.0 + y) if camera.type == "PANO" else screen(camera, width, height, render.pixel_aspect_y / render.pixel_aspect_x)
+        (x, 1.0 + x, y, 1.0 + y)
+        if camera.type == "PANO"
+        else screen(camera, width, height, render.pixel_aspect_y / render.pixel_aspect_x)
     )
     return Camera(
         matrix=_rigid(np.array(ob.matrix_world, np.float64), ob.name, report),
@@ -60,10 +74,13 @@ def export_camera(ob: Any, scene: Any, report: Report) -> Camera:
     )
 
 
-def screen(camera: Any, width: int, height: int, aspect: float) -> tuple[float, float, float, float]:
+def screen(
+    camera: Any, width: int, height: int, aspect: float
+) -> tuple[float, float, float, float]:
     """(left, right, bottom, top) of the frame at z = -1 (perspective) or in metres (orthographic).
 
-    `aspect` is a pixel's height over its width. Lens, sensor and shift refer to the side that the sensor is fitted to.
+    `aspect` is a pixel's height over its width. Lens, sensor and shift refer to the side that the
+    sensor is fitted to.
     """
     tall = height * aspect
     fit = camera.sensor_fit
@@ -72,7 +89,9 @@ def screen(camera: Any, width: int, height: int, aspect: float) -> tuple[float, 
     if camera.type == "ORTHO":
         extent = float(camera.ortho_scale)
     else:
-        extent = float(camera.sensor_height if fit == "VERTICAL" else camera.sensor_width) / float(camera.lens)
+        extent = float(camera.sensor_height if fit == "VERTICAL" else camera.sensor_width) / float(
+            camera.lens
+        )
     pixel = extent / fitted
     x, y = camera.shift_x * extent, camera.shift_y * extent
     half_x, half_y = 0.5 * width * pixel, 0.5 * tall * pixel
@@ -106,7 +125,10 @@ def _panorama(name: str, camera: Any, render: Any) -> Panorama:
         polynomial=(k0, k1, k2, k3, k4),
     )
     if panorama.kind is PanoramaKind.CENTRAL_CYLINDRICAL:
-        u_min, u_max, v_min, v_max = (float(setting(f"central_cylindrical_range_{end}")) for end in ("u_min", "u_max", "v_min", "v_max"))
+        u_min, u_max, v_min, v_max = (
+            float(setting(f"central_cylindrical_range_{end}"))
+            for end in ("u_min", "u_max", "v_min", "v_max")
+        )
         radius = max(float(setting("central_cylindrical_radius")), 1e-6)
         panorama.cylinder = (u_min, u_max, v_min / radius, v_max / radius)
     return panorama
@@ -117,7 +139,9 @@ NEAREST_FOCUS = 1e-5
 
 
 def _aperture(ob: Any, camera: Any) -> Aperture:
-    """Blender's f-stop means the lens' focal length over its diameter; an orthographic camera counts as a lens of 1 m."""
+    """Blender's f-stop means the lens' focal length over its diameter; an orthographic camera
+    counts as a lens of 1 m.
+    """
     dof = camera.dof
     length = 1.0 if camera.type == "ORTHO" else float(camera.lens) * 1e-3
     return Aperture(
@@ -161,7 +185,9 @@ def _rigid(matrix: NDArray[np.float64], name: str, report: Report) -> NDArray[np
     """`matrix` without scale and shear; the viewing axis keeps its direction, mirroring stays."""
     lengths = np.linalg.norm(matrix[:3, :3], axis=0)
     if not np.isfinite(matrix).all() or not (lengths > 0.0).all():
-        raise ValueError(f"Camera '{name}' has a transformation that is zero or not a finite number")
+        raise ValueError(
+            f"Camera '{name}' has a transformation that is zero or not a finite number"
+        )
     rigid = matrix.copy()
     rigid[:3, :3] /= lengths
     z, y, x = rigid[:3, 2].copy(), rigid[:3, 1].copy(), rigid[:3, 0].copy()

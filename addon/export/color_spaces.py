@@ -1,4 +1,6 @@
-"""Colour spaces of images: what of them native code decodes by itself, and the others by Blender's own configuration."""
+"""Colour spaces of images: what of them native code decodes by itself, and the others by Blender's
+own configuration.
+"""
 
 from __future__ import annotations
 
@@ -16,15 +18,23 @@ MOST_HALF = 65504.0  # what Cycles keeps of such a colour at most
 def is_data(image: Any) -> bool:
     """True if the image holds no colours."""
     settings = image.colorspace_settings
-    return bool(getattr(settings, "is_data", False)) or settings.name in {"Non-Color", "Raw", "Generic Data"}
+    return bool(getattr(settings, "is_data", False)) or settings.name in {
+        "Non-Color",
+        "Raw",
+        "Generic Data",
+    }
 
 
 def srgb_to_linear(encoded: NDArray) -> NDArray:
-    return np.where(encoded <= 0.04045, encoded / 12.92, ((np.maximum(encoded, 0.04045) + 0.055) / 1.055) ** 2.4).astype(encoded.dtype)
+    return np.where(
+        encoded <= 0.04045, encoded / 12.92, ((np.maximum(encoded, 0.04045) + 0.055) / 1.055) ** 2.4
+    ).astype(encoded.dtype)
 
 
 def to_linear(colors: NDArray[np.float32], space: str) -> NDArray[np.float32] | None:
-    """(height, width, 3) from a colour space of Blender's to linear Rec. 709; None where that cannot be done."""
+    """(height, width, 3) from a colour space of Blender's to linear Rec. 709; None where that
+    cannot be done.
+    """
     if space in LINEAR_SPACES:
         return colors
     return srgb_to_linear(colors) if space == "sRGB" else _converted(colors, space)
@@ -36,7 +46,9 @@ def _converted(colors: NDArray[np.float32], space: str) -> NDArray[np.float32] |
     except ImportError:
         return None
     source = oiio.ImageBuf(np.ascontiguousarray(colors, np.float32))
-    made = oiio.ImageBufAlgo.colorconvert(source, space, "scene_linear", False, "", "", _configuration())
+    made = oiio.ImageBufAlgo.colorconvert(
+        source, space, "scene_linear", False, "", "", _configuration()
+    )
     if made.has_error or not made.initialized:
         made.geterror()
         return None
@@ -46,4 +58,6 @@ def _converted(colors: NDArray[np.float32], space: str) -> NDArray[np.float32] |
 
 def _configuration() -> str:
     given = os.environ.get("OCIO", "")
-    return given or os.path.join(bpy.utils.resource_path("LOCAL"), "datafiles", "colormanagement", "config.ocio")
+    return given or os.path.join(
+        bpy.utils.resource_path("LOCAL"), "datafiles", "colormanagement", "config.ocio"
+    )

@@ -12,23 +12,33 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core.scene import Extension, Interpolation, Texture
-from ..report import Report
 from .cancelled import Watch
 from .color_spaces import LINEAR_SPACES, is_data, srgb_to_linear, to_linear
 from .kept import Kept, identity
+from .report import Report
 
 BLENDER_5 = bpy.app.version >= (5, 0, 0)
 FIRST_TILE = 1001
 MISSING_RGBA = (255, 0, 255, 255)  # what Cycles shows in place of an image that cannot be read
 PINK = np.full((1, 1, 4), MISSING_RGBA, np.uint8)
-INTERPOLATIONS = {"Closest": Interpolation.CLOSEST, "Cubic": Interpolation.CUBIC, "Smart": Interpolation.CUBIC}
-EXTENSIONS = {"REPEAT": Extension.REPEAT, "EXTEND": Extension.EXTEND, "CLIP": Extension.CLIP, "MIRROR": Extension.MIRROR}
+INTERPOLATIONS = {
+    "Closest": Interpolation.CLOSEST,
+    "Cubic": Interpolation.CUBIC,
+    "Smart": Interpolation.CUBIC,
+}
+EXTENSIONS = {
+    "REPEAT": Extension.REPEAT,
+    "EXTEND": Extension.EXTEND,
+    "CLIP": Extension.CLIP,
+    "MIRROR": Extension.MIRROR,
+}
 
 
 @dataclass(frozen=True, slots=True)
 class ImagePixels:
-    """(height, width, 4) as core.scene.Texture has them, colour times alpha as Cycles has them, and whether they are sRGB-encoded;
-    `depends`: who asks for the alpha too gets others."""
+    """(height, width, 4) as core.scene.Texture has them, colour times alpha as Cycles has them, and
+    whether they are sRGB-encoded; `depends`: who asks for the alpha too gets others.
+    """
 
     pixels: NDArray
     srgb: bool
@@ -36,20 +46,24 @@ class ImagePixels:
 
 
 class Textures:
-    """The textures of one scene, each image (with its way of reading) once. Indices point into `list`."""
+    """The textures of one scene, each image (with its way of reading) once. Indices point into
+    `list`.
+    """
 
     def __init__(self, report: Report, kept: Kept, watch: Watch | None = None) -> None:
         self.list: list[Texture] = []
         self._report, self._kept, self._watch = report, kept, watch or Watch()
         self._known: dict[tuple[Any, ...], int] = {}
-        self._read: dict[tuple[int, str, int, bool], ImagePixels] = {}  # however many ways it is read in
+        # however many ways it is read in
+        self._read: dict[tuple[int, str, int, bool], ImagePixels] = {}
 
     def add(self, texture: Texture) -> int:
         self.list.append(texture)
         return len(self.list) - 1
 
     def of_node(self, node: Any, owner: str, tile: int = FIRST_TILE, straight: bool = False) -> int:
-        """Index of the texture that an Image (or Environment) Texture node reads, or one of its UDIM tiles; warnings name `owner`.
+        """Index of the texture that an Image (or Environment) Texture node reads, or one of its
+        UDIM tiles; warnings name `owner`.
 
         `straight`: the node is asked for the alpha too, and the colour is not times it then.
         """
@@ -60,9 +74,24 @@ class Textures:
         found = self._once(image, path, owner, tile, straight)
         if found.pixels is PINK:
             extension = Extension.EXTEND  # it is everywhere
-        key = (image.as_pointer() if image else 0, path, tile, found.depends and straight, interpolation, extension)
+        key = (
+            image.as_pointer() if image else 0,
+            path,
+            tile,
+            found.depends and straight,
+            interpolation,
+            extension,
+        )
         if key not in self._known:
-            self._known[key] = self.add(Texture(image.name if image else "(none)", found.pixels, found.srgb, interpolation, extension))
+            self._known[key] = self.add(
+                Texture(
+                    image.name if image else "(none)",
+                    found.pixels,
+                    found.srgb,
+                    interpolation,
+                    extension,
+                )
+            )
         return self._known[key]
 
     def _once(self, image: Any, path: str, owner: str, tile: int, straight: bool) -> ImagePixels:
@@ -80,39 +109,66 @@ class Textures:
         changed = os.stat(path).st_mtime_ns if os.path.isfile(path) else 0
         reading = (image.colorspace_settings.name, image.alpha_mode, image.source, straight)
         key = ("image", identity(image), path, changed, owner, *reading)
-        return self._kept.get(key, (identity(image),), self._report, lambda report: _read(image, path, owner, report, straight=straight))
+        return self._kept.get(
+            key,
+            (identity(image),),
+            self._report,
+            lambda report: _read(image, path, owner, report, straight=straight),
+        )
 
 
 def is_associated(image: Any) -> bool:
-    """True if the colours of its texture are times their alpha (which they are not meant to be where a tree asks for the alpha)."""
+    """True if the colours of its texture are times their alpha (which they are not meant to be
+    where a tree asks for the alpha).
+    """
     return image is not None and image.alpha_mode in {"STRAIGHT", "PREMUL"} and not is_data(image)
 
 
-def _read(image: Any, path: str, owner: str, report: Report, tile: int = FIRST_TILE, straight: bool = False) -> ImagePixels:
-    """The image for who asks for its alpha too (`straight`) or does not; pink where there is none."""
+def _read(
+    image: Any,
+    path: str,
+    owner: str,
+    report: Report,
+    tile: int = FIRST_TILE,
+    straight: bool = False,
+) -> ImagePixels:
+    """The image for who asks for its alpha too (`straight`) or does not; pink where there is
+    none.
+    """
     if image is None:
         report.warn(f"{owner}: an image texture has no image; shown in pink")
         return ImagePixels(PINK, True)
     named = f"image '{image.name}'"
     if image.source == "MOVIE":
         report.warn(f"{owner}: {named}: movies are not supported; one frame is used")
-    raw = _from_file(path) if image.source in {"FILE", "SEQUENCE", "TILED"} and not image.packed_file and not image.is_dirty else None
+    raw = (
+        _from_file(path)
+        if image.source in {"FILE", "SEQUENCE", "TILED"}
+        and not image.packed_file
+        and not image.is_dirty
+        else None
+    )
     if raw is None and image.source == "TILED":
         raw = _from_packed_tile(image, tile)
     from_file = raw is not None
-    first = image.source != "TILED" or tile == image.tiles[0].number  # Blender's own buffer is that of the first tile
+    # Blender's own buffer is that of the first tile
+    first = image.source != "TILED" or tile == image.tiles[0].number
     pixels = raw[0] if raw is not None else _from_blender(image) if first else None
     if pixels is None:
         report.warn(
-            f"{owner}: {named}: {path or (f'tile {tile}' if image.source == 'TILED' else 'its file')} cannot be read; shown in pink"
+            f"{owner}: {named}: "
+            f"{path or (f'tile {tile}' if image.source == 'TILED' else 'its file')} cannot be "
+            "read; shown in pink"
         )
         return ImagePixels(PINK, True)
     space = image.colorspace_settings.name
     if image.alpha_mode == "NONE":
         pixels[..., 3] = 255 if pixels.dtype == np.uint8 else 1.0
     elif not is_data(image) and image.alpha_mode in {"STRAIGHT", "PREMUL"}:
-        grey = raw is not None and raw[1] == 2  # Cycles takes grey pictures with an alpha as they are
-        # A byte buffer of Blender is straight whatever the file says, which Cycles overlooks from 5.0 on.
+        # Cycles takes grey pictures with an alpha as they are
+        grey = raw is not None and raw[1] == 2
+        # A byte buffer of Blender is straight whatever the file says, which Cycles overlooks from
+        # 5.0 on.
         buffer = not from_file and not BLENDER_5 and pixels.dtype == np.uint8
         mode = "PREMUL" if grey else "STRAIGHT" if buffer else image.alpha_mode
         multiplies = mode == "STRAIGHT" and (from_file or BLENDER_5 or pixels.dtype == np.uint8)
@@ -120,16 +176,36 @@ def _read(image: Any, path: str, owner: str, report: Report, tile: int = FIRST_T
             if multiplies and pixels[..., 3].min() < 255:
                 pixels[..., :3] = pixels[..., :3] * pixels[..., 3:].astype(np.uint16) // 255
             return ImagePixels(pixels, space == "sRGB")
-        return _decoded(pixels, space, mode, multiplies, from_file, straight, f"{owner}: {named}", report)
+        return _decoded(
+            pixels, space, mode, multiplies, from_file, straight, f"{owner}: {named}", report
+        )
     if pixels.dtype == np.uint8 and space in {"sRGB", *LINEAR_SPACES}:
         return ImagePixels(pixels, space == "sRGB" and not is_data(image))
-    return _decoded(pixels, "Raw" if is_data(image) else space, "NONE", False, from_file, straight, f"{owner}: {named}", report)
+    return _decoded(
+        pixels,
+        "Raw" if is_data(image) else space,
+        "NONE",
+        False,
+        from_file,
+        straight,
+        f"{owner}: {named}",
+        report,
+    )
 
 
 def _decoded(
-    pixels: NDArray, space: str, mode: str, multiplies: bool, from_file: bool, straight: bool, named: str, report: Report
+    pixels: NDArray,
+    space: str,
+    mode: str,
+    multiplies: bool,
+    from_file: bool,
+    straight: bool,
+    named: str,
+    report: Report,
 ) -> ImagePixels:
-    """Linear colours, times alpha. As in Cycles: multiplied before they are decoded, unless somebody asks for the alpha too."""
+    """Linear colours, times alpha. As in Cycles: multiplied before they are decoded, unless
+    somebody asks for the alpha too.
+    """
     depends = False
     if pixels.dtype == np.uint8:
         pixels = pixels.astype(np.float32) / 255.0
@@ -139,11 +215,17 @@ def _decoded(
         report.warn(f"{named} holds values that are not finite numbers; read as 0")
         pixels = np.nan_to_num(pixels, nan=0.0, posinf=0.0, neginf=0.0)
     alpha = pixels[..., 3:]
-    if mode in {"STRAIGHT", "PREMUL"} and alpha.min() < 1.0 and (space not in LINEAR_SPACES or not multiplies):
+    if (
+        mode in {"STRAIGHT", "PREMUL"}
+        and alpha.min() < 1.0
+        and (space not in LINEAR_SPACES or not multiplies)
+    ):
         depends = space not in LINEAR_SPACES
     after = depends and straight
     if after and mode == "PREMUL":
-        pixels[..., :3] = np.divide(pixels[..., :3], alpha, out=np.zeros_like(pixels[..., :3]), where=alpha > 0.0)
+        pixels[..., :3] = np.divide(
+            pixels[..., :3], alpha, out=np.zeros_like(pixels[..., :3]), where=alpha > 0.0
+        )
     if multiplies and not after:
         pixels[..., :3] *= alpha
     linear = to_linear(pixels[..., :3], space)
@@ -167,13 +249,16 @@ def _path(image: Any, node: Any, tile: int) -> str:
         path = image.filepath
     if image.source == "TILED":
         row, column = divmod(tile - FIRST_TILE, 10)
-        path = image.filepath.replace("<UDIM>", str(tile)).replace("<UVTILE>", f"u{column + 1}_v{row + 1}")
+        path = image.filepath.replace("<UDIM>", str(tile)).replace(
+            "<UVTILE>", f"u{column + 1}_v{row + 1}"
+        )
     return bpy.path.abspath(path, library=image.library) if path else ""
 
 
 def _from_file(path: str) -> tuple[NDArray, int] | None:
-    """(height, width, 4) uint8 or float32 as stored in the file, bottom row first, and its number of channels. None: OpenImageIO is
-    not there or cannot."""
+    """(height, width, 4) uint8 or float32 as stored in the file, bottom row first, and its number
+    of channels. None: OpenImageIO is not there or cannot.
+    """
     try:
         import OpenImageIO as oiio
     except ImportError:
@@ -190,13 +275,21 @@ def _from_file(path: str) -> tuple[NDArray, int] | None:
     channels = min(spec.nchannels, 4)
     eight_bit = spec.format.basetype == oiio.UINT8
     pixels = file.read_image(0, 0, 0, channels, oiio.UINT8 if eight_bit else oiio.FLOAT)
-    broken = pixels is None or spec.depth > 1 or spec.get_string_attribute("oiio:ColorSpace").upper() == "CMYK"
+    broken = (
+        pixels is None
+        or spec.depth > 1
+        or spec.get_string_attribute("oiio:ColorSpace").upper() == "CMYK"
+    )
     file.close()
     if broken:
         oiio.geterror()
         return None
     pixels = np.asarray(pixels).reshape(spec.height, spec.width, channels)
-    rgba = np.full((spec.height, spec.width, 4), 255 if eight_bit else 1.0, np.uint8 if eight_bit else np.float32)
+    rgba = np.full(
+        (spec.height, spec.width, 4),
+        255 if eight_bit else 1.0,
+        np.uint8 if eight_bit else np.float32,
+    )
     gray = channels < 3
     rgba[..., :3] = pixels[::-1, :, :1] if gray else pixels[::-1, :, :3]
     if channels in {2, 4}:
@@ -217,7 +310,9 @@ def _from_packed_tile(image: Any, tile: int) -> tuple[NDArray, int] | None:
 
 
 def _from_blender(image: Any) -> NDArray | None:
-    """(height, width, 4) from Blender's own buffer: uint8 as encoded, or float32 linear; None if it has no pixels."""
+    """(height, width, 4) from Blender's own buffer: uint8 as encoded, or float32 linear; None if it
+    has no pixels.
+    """
     flat = np.empty(len(image.pixels), np.float32)
     width, height = image.size
     if width * height == 0 or len(flat) == 0:

@@ -1,4 +1,6 @@
-"""Attributes that Geometry Nodes have given to instances: what an Attribute node of type Instancer looks for first."""
+"""Attributes that Geometry Nodes have given to instances: what an Attribute node of type Instancer
+looks for first.
+"""
 
 from __future__ import annotations
 
@@ -7,12 +9,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..report import Report
 from .arrays import read_copy
+from .report import Report
 
 NO_LEVEL = 0x7FFFFFFF  # in a persistent id, beyond its levels
 # Of a type of attribute: the property that holds its value, and how many numbers that is.
-STORED = {"FLOAT": ("value", 1), "INT": ("value", 1), "BOOLEAN": ("value", 1), "FLOAT_VECTOR": ("vector", 3)}
+STORED = {
+    "FLOAT": ("value", 1),
+    "INT": ("value", 1),
+    "BOOLEAN": ("value", 1),
+    "FLOAT_VECTOR": ("vector", 3),
+}
 STORED |= {"FLOAT2": ("vector", 2), "FLOAT_COLOR": ("color", 4), "BYTE_COLOR": ("color", 4)}
 
 
@@ -24,7 +31,9 @@ class InstanceAttributes:
         self._of_parent: dict[int, _Level | None] = {}
 
     def find(self, instance: Any, name: str) -> tuple[float, ...] | None:
-        """RGBA of the innermost level of instances that has an attribute `name`; None: no level has, or the instance is of another kind."""
+        """RGBA of the innermost level of instances that has an attribute `name`; None: no level
+        has, or the instance is of another kind.
+        """
         parent = instance.parent if instance.is_instance else None
         if parent is None or not any(modifier.type == "NODES" for modifier in parent.modifiers):
             return None
@@ -32,7 +41,8 @@ class InstanceAttributes:
         if key not in self._of_parent:
             self._of_parent[key] = self._top(parent, name)
         level, found = self._of_parent[key], None
-        for index in reversed([index for index in instance.persistent_id if index != NO_LEVEL]):  # from the outermost one on
+        # from the outermost one on
+        for index in reversed([index for index in instance.persistent_id if index != NO_LEVEL]):
             if level is None:
                 break
             found = level.value(name, index) or found
@@ -41,7 +51,10 @@ class InstanceAttributes:
 
     def _top(self, parent: Any, name: str) -> _Level | None:
         if not hasattr(parent, "evaluated_geometry"):
-            said = f"Attribute '{name}' of instances made by Geometry Nodes cannot be read before Blender 4.5:"
+            said = (
+                f"Attribute '{name}' of instances made by Geometry Nodes cannot be read before "
+                "Blender 4.5:"
+            )
             self._report.warn(f"{said} {{}}", parent.name)
             return None
         return _Level(parent.evaluated_geometry())
@@ -57,7 +70,9 @@ class _Level:
         self._below: dict[int, _Level] = {}
         self._reference_of: NDArray[np.int32] = np.empty(0, np.int32)
         if self._cloud is not None:
-            self._reference_of = read_copy(self._cloud.attributes[".reference_index"].data, "value", np.int32)
+            self._reference_of = read_copy(
+                self._cloud.attributes[".reference_index"].data, "value", np.int32
+            )
 
     def value(self, name: str, index: int) -> tuple[float, ...] | None:
         """RGBA; a number is grey, what has no alpha is opaque."""
@@ -85,7 +100,9 @@ class _Level:
             return None
         stored, width = STORED[attribute.data_type]
         dtype = {"INT": np.int32, "BOOLEAN": np.bool_}.get(attribute.data_type, np.float32)
-        values = read_copy(attribute.data, stored, dtype, width).astype(np.float32).reshape(-1, width)
+        values = (
+            read_copy(attribute.data, stored, dtype, width).astype(np.float32).reshape(-1, width)
+        )
         values = np.nan_to_num(values, posinf=0.0, neginf=0.0)
         whole = np.zeros((len(values), 4), np.float32)
         whole[:, 3] = 1.0

@@ -5,21 +5,27 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable, Iterable
 from typing import Any, TypeVar
 
-from ..report import Report
+from .report import Report
 
 Value = TypeVar("Value")
 
 
 class Kept:
-    """Values by key, with the warnings that came with them and the identities (`identity`) of what they were made of."""
+    """Values by key, with the warnings that came with them and the identities (`identity`) of what
+    they were made of.
+    """
 
     def __init__(self) -> None:
         self._values: dict[Hashable, tuple[Any, Report, frozenset[int]]] = {}
         self._used: set[Hashable] = set()
         self.made = 0
 
-    def get(self, key: Hashable, sources: Iterable[int], report: Report, make: Callable[[Report], Value]) -> Value:
-        """The value of `key`: what `make`, which writes its warnings to the report it is given, returned before or returns now."""
+    def get(
+        self, key: Hashable, sources: Iterable[int], report: Report, make: Callable[[Report], Value]
+    ) -> Value:
+        """The value of `key`: what `make`, which writes its warnings to the report it is given,
+        returned before or returns now.
+        """
         self._used.add(key)
         if key not in self._values:
             own = Report()
@@ -44,5 +50,7 @@ class Kept:
 
 
 def identity(block: Any) -> int:
-    """A number that a data-block of Blender keeps for the session; the same for its evaluated copies. 0: no data-block."""
+    """A number that a data-block of Blender keeps for the session; the same for its evaluated
+    copies. 0: no data-block.
+    """
     return 0 if block is None else int(block.original.session_uid)

@@ -9,20 +9,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core.scene import NO_PROGRAM, NO_TEXTURE, Light, LightKind
-from .compile.node import Owner
-from .compile.reduce import lambertian
 from .materials import Shading
-from .nodes import output_node, report_foreign_output, uses_nodes
+from .nodes.links import output_node, report_foreign_output, uses_nodes
+from .nodes.node import Owner
+from .nodes.reduce import lambertian
 from .visibility import lamp_seen_by
 
 FEW_BOUNCES = 1024  # Blender's default, more than any path has
 MOST_STRENGTH = 1e18
 """Beyond it what is bright in the picture, and its square, is no number any more."""
-KINDS = {"POINT": LightKind.POINT, "SPOT": LightKind.SPOT, "SUN": LightKind.SUN, "AREA": LightKind.AREA}
+KINDS = {
+    "POINT": LightKind.POINT,
+    "SPOT": LightKind.SPOT,
+    "SUN": LightKind.SUN,
+    "AREA": LightKind.AREA,
+}
 
 
 def export_light(ob: Any, matrix: NDArray[np.float64], shading: Shading) -> Light | None:
-    """A lamp object placed by `matrix`, or None if it sheds no light or cannot be rendered (which is reported)."""
+    """A lamp object placed by `matrix`, or None if it sheds no light or cannot be rendered (which
+    is reported).
+    """
     lamp = ob.data
     report = shading.around.report
     if lamp.type not in KINDS:
@@ -37,15 +44,26 @@ def export_light(ob: Any, matrix: NDArray[np.float64], shading: Shading) -> Ligh
         return None
     strength, program = _strength(lamp, ob, shading)
     if not np.isfinite(strength).all() or (strength < 0.0).any():
-        report.warn("Lights whose strength is negative or not a finite number are left out: {}", ob.name)
+        report.warn(
+            "Lights whose strength is negative or not a finite number are left out: {}", ob.name
+        )
         return None
     if not strength.any():
         return None
     if (strength > MOST_STRENGTH).any():
-        report.warn("Lights left out, as they are brighter than numbers of pixels can be: {}", ob.name)
+        report.warn(
+            "Lights left out, as they are brighter than numbers of pixels can be: {}", ob.name
+        )
         return None
     r, g, b = (float(v) for v in strength)
-    light = Light(ob.name, KINDS[lamp.type], matrix, (r, g, b), camera_visible=bool(ob.visible_camera), program=program)
+    light = Light(
+        ob.name,
+        KINDS[lamp.type],
+        matrix,
+        (r, g, b),
+        camera_visible=bool(ob.visible_camera),
+        program=program,
+    )
     light.seen_by = lamp_seen_by(ob)
     light.casts_shadows = bool(lamp.use_shadow and getattr(cycles, "cast_shadow", True))
     most = int(getattr(cycles, "max_bounces", FEW_BOUNCES))
@@ -58,17 +76,25 @@ def export_light(ob: Any, matrix: NDArray[np.float64], shading: Shading) -> Ligh
         light.soft_falloff = bool(lamp.use_soft_falloff)
     if lamp.type == "SPOT":
         if not np.abs(matrix[:3, 2]).max() > 0.0:
-            report.warn("Spot lights flattened along their axis, which have no direction, are left out: {}", ob.name)
+            report.warn(
+                "Spot lights flattened along their axis, which have no direction, are left out: {}",
+                ob.name,
+            )
             return None
         light.spot_size, light.spot_blend = float(lamp.spot_size), float(lamp.spot_blend)
     if lamp.type == "SUN":
         light.angle = float(lamp.angle)
         _normalize_sun(light)
     if lamp.type == "AREA":
-        light.size = (float(lamp.size), float(lamp.size_y if lamp.shape in {"RECTANGLE", "ELLIPSE"} else lamp.size))
+        light.size = (
+            float(lamp.size),
+            float(lamp.size_y if lamp.shape in {"RECTANGLE", "ELLIPSE"} else lamp.size),
+        )
         light.ellipse = lamp.shape in {"DISK", "ELLIPSE"}
         light.spread = float(lamp.spread)
-        axes = np.linalg.norm(np.cross(matrix[:3, 0] * light.size[0], matrix[:3, 1] * light.size[1]))
+        axes = np.linalg.norm(
+            np.cross(matrix[:3, 0] * light.size[0], matrix[:3, 1] * light.size[1])
+        )
         if not axes > 0.0:
             report.warn("Area lights without area are left out: {}", ob.name)
             return None
@@ -76,7 +102,9 @@ def export_light(ob: Any, matrix: NDArray[np.float64], shading: Shading) -> Ligh
 
 
 def _strength(lamp: Any, ob: Any, shading: Shading) -> tuple[NDArray[np.float64], int]:
-    """energy * colour * temperature * 2^exposure * what the light's nodes emit; where that is no constant, their program."""
+    """energy * colour * temperature * 2^exposure * what the light's nodes emit; where that is no
+    constant, their program.
+    """
     strength = np.asarray(lamp.color, np.float64) * float(lamp.energy)
     if getattr(lamp, "use_temperature", False):
         strength = strength * np.asarray(lamp.temperature_color, np.float64)
@@ -89,7 +117,9 @@ def _strength(lamp: Any, ob: Any, shading: Shading) -> tuple[NDArray[np.float64]
         return np.zeros(3), NO_PROGRAM
     owner = Owner(f"Light '{ob.name}'", lamp, lamp=ob)
     compiled = shading.compile(owner, output.inputs["Surface"])
-    compiled.statements = [made for made in compiled.statements if made.operation.name == "Emission"]
+    compiled.statements = [
+        made for made in compiled.statements if made.operation.name == "Emission"
+    ]
     constant = lambertian(compiled)
     if constant is not None and constant[1][1] == NO_TEXTURE:
         return strength * constant[1][0], NO_PROGRAM
@@ -97,7 +127,9 @@ def _strength(lamp: Any, ob: Any, shading: Shading) -> tuple[NDArray[np.float64]
 
 
 def _normalize_sun(light: Light) -> None:
-    """A sun that is not normalized has `strength` as radiance: times its projected solid angle it is the irradiance."""
+    """A sun that is not normalized has `strength` as radiance: times its projected solid angle it
+    is the irradiance.
+    """
     if not light.normalize and light.angle > 0.0:
         half = min(light.angle / 2.0, math.pi / 2.0)
         r, g, b = (value * math.pi * math.sin(half) ** 2 for value in light.strength)

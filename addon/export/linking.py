@@ -1,11 +1,13 @@
-"""Light and shadow linking: which objects each light lights and which block it, as groups of objects."""
+"""Light and shadow linking: which objects each light lights and which block it, as groups of
+objects.
+"""
 
 from __future__ import annotations
 
 from typing import Any
 
 from ..core.scene import ALL_GROUPS, GROUPS
-from ..report import Report
+from .report import Report
 
 
 class Linking:
@@ -18,7 +20,10 @@ class Linking:
         self._chosen: list[int] = []
         states: list[dict[int, bool]] = []
         for ob in depsgraph.objects:
-            for collection in (_linked(ob, "receiver_collection"), _linked(ob, "blocker_collection")):
+            for collection in (
+                _linked(ob, "receiver_collection"),
+                _linked(ob, "blocker_collection"),
+            ):
                 if collection is not None and collection.as_pointer() not in self._collections:
                     self._collections[collection.as_pointer()] = len(states)
                     states.append(_states(collection))
@@ -50,14 +55,19 @@ class Linking:
             seen = tuple(state.get(pointer) for state in states)
             if seen not in groups and len(groups) == GROUPS:
                 self._report.warn(
-                    f"Light linking tells more than {GROUPS} kinds of object apart; the others are lit as if no light named them"
+                    f"Light linking tells more than {GROUPS} kinds of object apart; the others "
+                    "are lit as if no light named them"
                 )
             elif seen not in groups:
                 groups[seen] = len(groups)
             self._group_of[pointer] = groups.get(seen, 0)
         for k, state in enumerate(states):
             chosen = any(state.values())  # only what is included, or all but what is excluded
-            others = (group for seen, group in groups.items() if (seen[k] is not True if chosen else seen[k] is False))
+            others = (
+                group
+                for seen, group in groups.items()
+                if (seen[k] is not True if chosen else seen[k] is False)
+            )
             self._chosen.append(ALL_GROUPS & ~sum(1 << group for group in others))
 
 
@@ -67,7 +77,9 @@ def _linked(ob: Any, role: str) -> Any:
 
 
 def _states(collection: Any) -> dict[int, bool]:
-    """Whether each object of a collection (by its pointer) is included or excluded; what is said of an object beats its collection."""
+    """Whether each object of a collection (by its pointer) is included or excluded; what is said of
+    an object beats its collection.
+    """
     states: dict[int, bool] = {}
     for child, link in zip(collection.children, collection.collection_children, strict=True):
         for ob in child.all_objects:

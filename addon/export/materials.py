@@ -1,4 +1,6 @@
-"""Blender materials -> core.scene.Material, as a program or, where they come to no more than that, as two Lambertian sides."""
+"""Blender materials -> core.scene.Material, as a program or, where they come to no more than that,
+as two Lambertian sides.
+"""
 
 from __future__ import annotations
 
@@ -8,26 +10,30 @@ from typing import Any
 import bpy
 
 from ..core.scene import Material, Side
-from ..core.shading import Feature, Program
-from ..report import Report
+from ..core.scene.shading import Feature, Program
 from .cancelled import Watch
-from .compile.assemble import statement
-from .compile.compiler import Compiled, Compiler
-from .compile.node import Owner, Surroundings, Wants
-from .compile.reduce import lambertian
-from .compile.trees import Trees
-from .compile.values import ONE, ORIGIN, ZERO, Folding, Graph, number, vector
 from .images import Textures
-from .nodes import hollow_groups, label, output_node, report_foreign_output, uses_nodes
+from .nodes.assemble import statement
+from .nodes.compiler import Compiled, Compiler
+from .nodes.links import hollow_groups, label, output_node, report_foreign_output, uses_nodes
+from .nodes.node import Owner, Surroundings, Wants
+from .nodes.reduce import lambertian
+from .nodes.trees import Trees
+from .nodes.values import ONE, ORIGIN, ZERO, Folding, Graph, number, vector
+from .report import Report
 
 DEFAULT_NAME = "(default)"
 BLACK = Side((0.0, 0.0, 0.0))
 
 
 class Shading:
-    """What the trees of one scene share: programs, each once, textures, and what programs ask of meshes and instances."""
+    """What the trees of one scene share: programs, each once, textures, and what programs ask of
+    meshes and instances.
+    """
 
-    def __init__(self, textures: Textures, report: Report, depsgraph: Any = None, watch: Watch | None = None) -> None:
+    def __init__(
+        self, textures: Textures, report: Report, depsgraph: Any = None, watch: Watch | None = None
+    ) -> None:
         self.programs: list[Program] = []
         self.around = Surroundings(textures, report, Wants(), Trees(), depsgraph, watch or Watch())
         self.folding = Folding()
@@ -43,7 +49,9 @@ class Shading:
     def wanted(self) -> tuple[frozenset[int], frozenset[int]]:
         """Ids of what programs read from meshes, and from instances."""
         meshes = frozenset[int]().union(*(program.wants for program in self.programs))
-        return meshes, frozenset[int]().union(*(program.wants_instances for program in self.programs))
+        return meshes, frozenset[int]().union(
+            *(program.wants_instances for program in self.programs)
+        )
 
 
 class Materials:
@@ -53,10 +61,13 @@ class Materials:
         self.list: list[Material] = []
         self._shading = shading
         self._known: dict[tuple[int, str | None], int] = {}
-        self._any_uv_map: dict[int, int] = {}  # materials that are the same for every render-active UV map
+        # materials that are the same for every render-active UV map
+        self._any_uv_map: dict[int, int] = {}
 
     def index(self, material: Any, uv_map: str | None = None) -> int:
-        """Index of a bpy.types.Material (None: Blender's default) on an object whose render-active UV map is `uv_map`."""
+        """Index of a bpy.types.Material (None: Blender's default) on an object whose render-active
+        UV map is `uv_map`.
+        """
         if material is None:
             return self._remember((0, None), lambda: default_material(self._shading))
         pointer = material.as_pointer()
@@ -64,7 +75,9 @@ class Materials:
             return self._any_uv_map[pointer]
         opaque = not getattr(material, "use_transparent_shadow", True)
         owner = Owner(f"Material '{material.name}'", material, uv_map=uv_map, opaque_shadow=opaque)
-        index = self._remember((pointer, uv_map), lambda: export_material(material, owner, self._shading))
+        index = self._remember(
+            (pointer, uv_map), lambda: export_material(material, owner, self._shading)
+        )
         if not owner.asked_uv_map:
             self._any_uv_map[pointer] = index
         return index
@@ -77,7 +90,9 @@ class Materials:
 
 
 def default_material(shading: Shading) -> Material:
-    """What an object without material looks like: a Principled BSDF from Blender 5.0 on, before that a diffuse surface."""
+    """What an object without material looks like: a Principled BSDF from Blender 5.0 on, before
+    that a diffuse surface.
+    """
     if bpy.app.version < (5, 0, 0):
         return Material(DEFAULT_NAME)
     return Material(DEFAULT_NAME, program=shading.add(_default_program(shading)))
@@ -85,15 +100,34 @@ def default_material(shading: Shading) -> Material:
 
 def _default_program(shading: Shading) -> Program:
     white = vector((1.0, 1.0, 1.0))
-    zeros: tuple[str, ...] = ("metallic", "diffuse_roughness", "subsurface_weight", "anisotropic", "anisotropic_rotation")
-    zeros += ("transmission_weight", "coat_weight", "sheen_weight", "emission_strength", "thin_film_thickness")
+    zeros: tuple[str, ...] = (
+        "metallic",
+        "diffuse_roughness",
+        "subsurface_weight",
+        "anisotropic",
+        "anisotropic_rotation",
+    )
+    zeros += (
+        "transmission_weight",
+        "coat_weight",
+        "sheen_weight",
+        "emission_strength",
+        "thin_film_thickness",
+    )
     given = dict.fromkeys(zeros, ZERO) | dict.fromkeys(("normal", "coat_normal", "tangent"), ORIGIN)
     given |= dict.fromkeys(("specular_tint", "coat_tint", "sheen_tint", "emission_color"), white)
-    given |= {"weight": ONE, "base_color": vector((0.8, 0.8, 0.8)), "alpha": ONE, "coat_roughness": number(0.03)}
+    given |= {
+        "weight": ONE,
+        "base_color": vector((0.8, 0.8, 0.8)),
+        "alpha": ONE,
+        "coat_roughness": number(0.03),
+    }
     given |= dict.fromkeys(("roughness", "specular_level", "sheen_roughness"), number(0.5))
     given |= dict.fromkeys(("ior", "coat_ior"), number(1.5)) | {"thin_film_ior": number(1.33)}
     made = statement("Principled", distribution="MULTI_GGX", **given)
-    return Compiled(Graph(shading.folding), [made], Feature.GATHERS | Feature.REST).program(DEFAULT_NAME)
+    return Compiled(Graph(shading.folding), [made], Feature.GATHERS | Feature.REST).program(
+        DEFAULT_NAME
+    )
 
 
 def export_material(material: Any, owner: Owner, shading: Shading) -> Material:
@@ -107,16 +141,26 @@ def export_material(material: Any, owner: Owner, shading: Shading) -> Material:
     if output is None:
         report_foreign_output(material.node_tree, owner.name, report)
         return Material(material.name, BLACK, BLACK)
-    for group in hollow_groups(material.original.node_tree):  # Blender 5 has taken groups apart in the evaluated tree
-        report.warn(f"{owner.name}, node '{label(group)}': the group has no output; links from it count as not there")
+    # Blender 5 has taken groups apart in the evaluated tree
+    for group in hollow_groups(material.original.node_tree):
+        report.warn(
+            f"{owner.name}, node '{label(group)}': the group has no output; links from it count "
+            "as not there"
+        )
     volume = shading.around.trees.feed(output.inputs["Volume"], ())
     if volume is not None and volume.node is not None:
         report.warn(f"{owner.name}, node '{volume.node.name}': Volume not supported; left out")
     displacement = output.inputs["Displacement"]
     if displacement.is_linked and getattr(material, "displacement_method", "BUMP") != "BUMP":
-        report.warn(f"{owner.name}: displacement of the surface itself is not supported; it bends normals as a bump")
-    compiled = shading.compile(owner, output.inputs["Surface"], displacement if displacement.is_linked else None)
-    if compiled.empty and volume is not None and volume.node is not None:  # a volume alone, as in Cycles: its surface is not there
+        report.warn(
+            f"{owner.name}: displacement of the surface itself is not supported; it bends normals "
+            "as a bump"
+        )
+    compiled = shading.compile(
+        owner, output.inputs["Surface"], displacement if displacement.is_linked else None
+    )
+    # a volume alone, as in Cycles: its surface is not there
+    if compiled.empty and volume is not None and volume.node is not None:
         clear = statement("Transparent", weight=ONE, color=vector((1.0, 1.0, 1.0)))
         compiled = Compiled(compiled.graph, [clear], Feature.TRANSPARENT)
     sides = _sides(material, owner, compiled, output, shading)
@@ -125,7 +169,9 @@ def export_material(material: Any, owner: Owner, shading: Shading) -> Material:
     return Material(material.name, program=shading.add(compiled.program(material.name)))
 
 
-def _sides(material: Any, owner: Owner, compiled: Compiled, output: Any, shading: Shading) -> tuple[Side, Side] | None:
+def _sides(
+    material: Any, owner: Owner, compiled: Compiled, output: Any, shading: Shading
+) -> tuple[Side, Side] | None:
     """The two sides of a material that comes to that, else None."""
     if any(made.operation.name not in {"Diffuse", "Emission"} for made in compiled.statements):
         return None

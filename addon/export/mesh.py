@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core.scene import Mesh
-from ..report import Report
 from .arrays import read
+from .report import Report
 
 MAX_SLOT = np.iinfo(np.uint16).max
 
@@ -19,7 +19,8 @@ MAX_SLOT = np.iinfo(np.uint16).max
 class Triangles:
     """The triangles of a Blender mesh that are rendered. They may be views of Blender's memory.
 
-    positions (V, 3); corners (T, 3) indices of loops; vertices (T, 3); kept: mask of the mesh's own triangles, None: all.
+    positions (V, 3); corners (T, 3) indices of loops; vertices (T, 3); kept: mask of the mesh's own
+    triangles, None: all.
     """
 
     positions: NDArray[np.float32]
@@ -29,7 +30,9 @@ class Triangles:
 
 
 def sound_triangles(mesh: Any, name: str, report: Report) -> Triangles | None:
-    """The triangles of a bpy.types.Mesh that have an area, or None if there are none. `name` is the object that warnings name."""
+    """The triangles of a bpy.types.Mesh that have an area, or None if there are none. `name` is the
+    object that warnings name.
+    """
     if len(mesh.polygons) == 0:
         return None
     mesh.calc_loop_triangles()
@@ -46,7 +49,9 @@ def sound_triangles(mesh: Any, name: str, report: Report) -> Triangles | None:
 
 
 def export_mesh(mesh: Any, name: str, report: Report) -> Mesh | None:
-    """The triangles of a bpy.types.Mesh, or None if it has none. `name` is the object that warnings name."""
+    """The triangles of a bpy.types.Mesh, or None if it has none. `name` is the object that warnings
+    name.
+    """
     found = sound_triangles(mesh, name, report)
     if found is None:
         return None
@@ -62,8 +67,12 @@ def export_mesh(mesh: Any, name: str, report: Report) -> Mesh | None:
     )
 
 
-def flattened(mesh: Mesh, matrix: NDArray[np.float64], name: str, report: Report) -> tuple[Mesh, NDArray[np.bool_] | None] | None:
-    """`mesh` in world space under a `matrix` that squeezes it into a plane, and which triangles are left; None if none has an area."""
+def flattened(
+    mesh: Mesh, matrix: NDArray[np.float64], name: str, report: Report
+) -> tuple[Mesh, NDArray[np.bool_] | None] | None:
+    """`mesh` in world space under a `matrix` that squeezes it into a plane, and which triangles are
+    left; None if none has an area.
+    """
     positions = (mesh.positions @ matrix[:3, :3].T + matrix[:3, 3]).astype(np.float32)
     kept = _sound_triangles(positions, mesh.triangles, name, report)
     selection: Any = slice(None) if kept is None else kept
@@ -79,7 +88,9 @@ def flattened(mesh: Mesh, matrix: NDArray[np.float64], name: str, report: Report
     return flat, kept
 
 
-def _sound_triangles(positions: NDArray, vertices: NDArray, name: str, report: Report) -> NDArray[np.bool_] | None:
+def _sound_triangles(
+    positions: NDArray, vertices: NDArray, name: str, report: Report
+) -> NDArray[np.bool_] | None:
     """Mask (T,) of the triangles that have finite corners and an area, or None if all have."""
     with np.errstate(all="ignore"):
         normals = scaled_normals(positions, vertices)
@@ -119,12 +130,16 @@ def scaled_normals(positions: NDArray, vertices: NDArray) -> tuple[NDArray, NDAr
 def _normals(
     mesh: Any, positions: NDArray, corners: NDArray, vertices: NDArray
 ) -> tuple[NDArray[np.float32] | None, NDArray[np.float32] | None]:
-    """Shading normals of corners (T, 3, 3), or of vertices (V, 3), or neither where Blender shades all faces flat."""
+    """Shading normals of corners (T, 3, 3), or of vertices (V, 3), or neither where Blender shades
+    all faces flat.
+    """
     domain = mesh.normals_domain
     if domain == "FACE":
         return None, None
     by_vertex = domain == "POINT"
-    all_normals = read(mesh.vertex_normals if by_vertex else mesh.corner_normals, "vector", np.float32, 3)
+    all_normals = read(
+        mesh.vertex_normals if by_vertex else mesh.corner_normals, "vector", np.float32, 3
+    )
     sound = not _far_from_unit(all_normals).any()
     if sound and by_vertex:
         return None, np.array(all_normals)
@@ -133,7 +148,9 @@ def _normals(
         return normals, None
     bad = _far_from_unit(normals)
     if bad.any():
-        normals[bad] = _unit_normals(positions, vertices[bad.any(axis=1)])[np.cumsum(bad.any(axis=1))[np.nonzero(bad)[0]] - 1]
+        normals[bad] = _unit_normals(positions, vertices[bad.any(axis=1)])[
+            np.cumsum(bad.any(axis=1))[np.nonzero(bad)[0]] - 1
+        ]
     return normals, None
 
 
@@ -164,5 +181,7 @@ def _slots(mesh: Any, kept: NDArray | None) -> NDArray[np.uint16] | None:
     per_face = read(attribute.data, "value", np.int32)
     if not per_face.any():
         return None
-    slots = np.clip(np.take(per_face, read(mesh.loop_triangle_polygons, "value", np.int32)), 0, MAX_SLOT).astype(np.uint16)
+    slots = np.clip(
+        np.take(per_face, read(mesh.loop_triangle_polygons, "value", np.int32)), 0, MAX_SLOT
+    ).astype(np.uint16)
     return slots if kept is None else slots[kept]

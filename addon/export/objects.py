@@ -10,10 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core.scene import ALL_GROUPS, ALL_RAYS, NO_LIGHT_GROUP, Instances, Light, Mesh
-from ..core.shading import InstanceAttribute, MeshShading
-from ..report import Report
+from ..core.scene.shading import InstanceAttribute, MeshShading
 from .attributes import instance_value, mesh_shading, width_of
-from .compile.node import Want, Wants
 from .flat_uv_maps import report_flat_uv_maps
 from .instance_attributes import InstanceAttributes
 from .kept import Kept, identity
@@ -21,21 +19,37 @@ from .lights import export_light
 from .linking import Linking
 from .materials import Materials, Shading
 from .mesh import export_mesh, flattened
+from .nodes.node import Want, Wants
+from .report import Report
 from .visibility import FLAGS, Visibility, report_catcher
 
 Value = TypeVar("Value")
 SEEING_RAYS = sum(FLAGS.values())
-UNSUPPORTED = {"CURVES": "hair curves", "VOLUME": "volumes", "POINTCLOUD": "point clouds", "GREASEPENCIL": "grease pencil objects"}
+UNSUPPORTED = {
+    "CURVES": "hair curves",
+    "VOLUME": "volumes",
+    "POINTCLOUD": "point clouds",
+    "GREASEPENCIL": "grease pencil objects",
+}
 
 
 class Objects:
-    """Walks the instances of a dependency graph and collects meshes, instances, material sets and lamps."""
+    """Walks the instances of a dependency graph and collects meshes, instances, material sets and
+    lamps.
+    """
 
-    def __init__(self, materials: Materials, shading: Shading, kept: Kept, light_groups: list[str]) -> None:
+    def __init__(
+        self, materials: Materials, shading: Shading, kept: Kept, light_groups: list[str]
+    ) -> None:
         self.meshes: list[Mesh] = []
         self.material_sets: list[NDArray[np.int32]] = []
         self.lights: list[Light] = []
-        self._materials, self._shading, self._report, self._kept = materials, shading, shading.around.report, kept
+        self._materials, self._shading, self._report, self._kept = (
+            materials,
+            shading,
+            shading.around.report,
+            kept,
+        )
         self._mesh_of: dict[int, int | None] = {}
         self._set_of: dict[tuple[int, int], int] = {}
         self._sets: dict[tuple[int, ...], int] = {}
@@ -50,7 +64,8 @@ class Objects:
         self._matrices: list[NDArray[np.float64]] = []
         self._row_of: dict[int, int] = {}  # by place in the graph's list of instances
         self._attributes: list[InstanceAttribute] = []
-        self._flat: dict[int, NDArray[np.bool_] | None] = {}  # flattened meshes: which triangles are left
+        # flattened meshes: which triangles are left
+        self._flat: dict[int, NDArray[np.bool_] | None] = {}
 
     def collect(self, depsgraph: Any, visible: Callable[[Any], bool] | None = None) -> None:
         """Nothing of what the graph's iterator hands out is kept: it reuses its objects."""
@@ -78,26 +93,46 @@ class Objects:
                         self._blockers.append(linking.blockers(ob))
                         self._seen_by.append(rays)
                         self._holdouts.append(holdout)
-                        self._light_groups.append(self._light_group_of.get(ob.original.lightgroup, NO_LIGHT_GROUP))
+                        self._light_groups.append(
+                            self._light_group_of.get(ob.original.lightgroup, NO_LIGHT_GROUP)
+                        )
             elif kind == "LIGHT":
                 if instance.show_self:
-                    light = export_light(ob, np.array(instance.matrix_world, np.float64), self._shading)
+                    light = export_light(
+                        ob, np.array(instance.matrix_world, np.float64), self._shading
+                    )
                     if light is not None:
-                        light.lit_groups, light.blockers = linking.lit_groups(ob), linking.blockers(ob)
-                        light.light_group = self._light_group_of.get(ob.original.lightgroup, NO_LIGHT_GROUP)
+                        light.lit_groups, light.blockers = (
+                            linking.lit_groups(ob),
+                            linking.blockers(ob),
+                        )
+                        light.light_group = self._light_group_of.get(
+                            ob.original.lightgroup, NO_LIGHT_GROUP
+                        )
                         self.lights.append(light)
             elif kind in UNSUPPORTED and instance.show_self:
-                self._report.warn(f"Not supported yet and left out, {UNSUPPORTED[kind]}: {{}}", ob.name)
+                self._report.warn(
+                    f"Not supported yet and left out, {UNSUPPORTED[kind]}: {{}}", ob.name
+                )
 
-    def collect_shading(self, depsgraph: Any, wants: Wants, of_meshes: frozenset[int], of_instances: frozenset[int]) -> None:
-        """What programs read from meshes and instances (ids of `wants`). The graph has not changed since collect()."""
+    def collect_shading(
+        self, depsgraph: Any, wants: Wants, of_meshes: frozenset[int], of_instances: frozenset[int]
+    ) -> None:
+        """What programs read from meshes and instances (ids of `wants`). The graph has not changed
+        since collect().
+        """
         if not of_meshes and not of_instances:
             return
         names = {number: want for want, number in wants.ids.items()}
         mesh_wants = {number: names[number] for number in sorted(of_meshes)}
-        askers = {number: list(found) for number, found in wants.askers.items() if number in of_meshes}
+        askers = {
+            number: list(found) for number, found in wants.askers.items() if number in of_meshes
+        }
         instance_wants = {number: names[number] for number in sorted(of_instances)}
-        values = {number: np.zeros((len(self._rows), width_of(want)), np.float32) for number, want in instance_wants.items()}
+        values = {
+            number: np.zeros((len(self._rows), width_of(want)), np.float32)
+            for number, want in instance_wants.items()
+        }
         done: set[int] = set()
         of_nodes = InstanceAttributes(self._report)
         for place, instance in enumerate(depsgraph.object_instances):
@@ -109,24 +144,36 @@ class Objects:
             if mesh_wants and index not in done:
                 done.add(index)
                 ob = instance.object
-                self.meshes[index] = replace(self.meshes[index], shading=self._mesh_shading(ob, mesh_wants, self._flat.get(index)))
+                self.meshes[index] = replace(
+                    self.meshes[index],
+                    shading=self._mesh_shading(ob, mesh_wants, self._flat.get(index)),
+                )
                 report_flat_uv_maps(ob, mesh_wants, askers, self._report)
             for number, want in instance_wants.items():
                 values[number][row] = instance_value(instance, want, depsgraph, of_nodes)
         self._attributes = [InstanceAttribute(number, found) for number, found in values.items()]
 
-    def _mesh_shading(self, ob: Any, wants: dict[int, Want], left: NDArray[np.bool_] | None) -> MeshShading:
+    def _mesh_shading(
+        self, ob: Any, wants: dict[int, Want], left: NDArray[np.bool_] | None
+    ) -> MeshShading:
         def make(report: Report) -> MeshShading:
             return _with_mesh(ob, lambda mesh: mesh_shading(mesh, ob.name, wants, left, report))
 
-        known_as = ("shading", *_known_as(ob), tuple(wants.items()), left is not None and left.tobytes())
+        known_as = (
+            "shading",
+            *_known_as(ob),
+            tuple(wants.items()),
+            left is not None and left.tobytes(),
+        )
         return self._kept.get(known_as, _made_of(ob), self._report, make)
 
     def instances(self) -> Instances:
         if not self._rows:
             return Instances.empty()
         rows = np.array(self._rows, np.uint32)
-        placed = Instances(rows[:, 0].copy(), np.stack(self._matrices), rows[:, 1].copy(), self._attributes)
+        placed = Instances(
+            rows[:, 0].copy(), np.stack(self._matrices), rows[:, 1].copy(), self._attributes
+        )
         if any(self._groups):
             placed.group = np.array(self._groups, np.uint8)
         if any(lit != ALL_GROUPS for lit in self._lit_groups):
@@ -145,7 +192,12 @@ class Objects:
         data = ob.data
         pointer = data.as_pointer()
         if pointer not in self._mesh_of:
-            mesh = self._kept.get(("mesh", *_known_as(ob)), _made_of(ob), self._report, lambda report: _exported(ob, report))
+            mesh = self._kept.get(
+                ("mesh", *_known_as(ob)),
+                _made_of(ob),
+                self._report,
+                lambda report: _exported(ob, report),
+            )
             self._mesh_of[pointer] = self._append(mesh)
         index = self._mesh_of[pointer]
         if index is None:
@@ -175,24 +227,35 @@ class Objects:
         return len(self.meshes) - 1
 
     def _is_flat(self, matrix: NDArray[np.float64], name: str) -> bool | None:
-        """False: an ordinary matrix; True: it squeezes into a plane; None: nothing is left (reported)."""
+        """False: an ordinary matrix; True: it squeezes into a plane; None: nothing is left
+        (reported).
+        """
         if not np.isfinite(matrix).all():
-            self._report.warn("Objects left out, as their transformation is not a finite number: {}", name)
+            self._report.warn(
+                "Objects left out, as their transformation is not a finite number: {}", name
+            )
             return None
         x, y, z = matrix[:3, 0], matrix[:3, 1], matrix[:3, 2]
         largest = np.abs(matrix[:3, :3]).max()
         if largest > 0.0:
             x, y, z = x / largest, y / largest, z / largest
-            yz = np.array((y[1] * z[2] - y[2] * z[1], y[2] * z[0] - y[0] * z[2], y[0] * z[1] - y[1] * z[0]))
+            yz = np.array(
+                (y[1] * z[2] - y[2] * z[1], y[2] * z[0] - y[0] * z[2], y[0] * z[1] - y[1] * z[0])
+            )
             if abs(x @ yz) > 1e-12:
                 return False
-            if max(np.abs(yz).max(), np.abs(np.cross(x, y)).max(), np.abs(np.cross(x, z)).max()) > 1e-12:
+            if (
+                max(np.abs(yz).max(), np.abs(np.cross(x, y)).max(), np.abs(np.cross(x, z)).max())
+                > 1e-12
+            ):
                 return True
         self._report.warn("Objects left out, as their scale is zero: {}", name)
         return None
 
     def _material_set(self, ob: Any, data: Any, mesh_index: int, override: Any) -> int:
-        """Index of the set for an object's slots, as long as the mesh's slots need: the last material serves those beyond."""
+        """Index of the set for an object's slots, as long as the mesh's slots need: the last
+        material serves those beyond.
+        """
         uv_map = next((layer.name for layer in data.uv_layers if layer.active_render), None)
         found = [override] if override else [slot.material for slot in ob.material_slots] or [None]
         indices = [self._materials.index(material, uv_map) for material in found]

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core.scene import Extension, Interpolation, Texture
-from ..core.sky import Sky, SkyModel, SkySettings, sky
-from ..report import Report
+from ..core.scene.sky import Sky, SkyModel, SkySettings, sky
 from .images import Textures
-from .nodes import label
+from .nodes.links import label
+from .report import Report
 
 SKY_MODELS = {
     "SINGLE_SCATTERING": SkyModel.SINGLE_SCATTERING,
@@ -26,7 +26,9 @@ SKY_MODELS = {
 
 @dataclass(slots=True)
 class ExportedSky:
-    """An equirectangular image, `texture`, in which the sun stands above +X; `turn` (4, 4) brings directions there."""
+    """An equirectangular image, `texture`, in which the sun stands above +X; `turn` (4, 4) brings
+    directions there.
+    """
 
     texture: int
     turn: NDArray[np.float64]
@@ -39,12 +41,17 @@ def export_sky(node: Any, textures: Textures, owner: str, report: Report) -> Exp
     """The sky of a Sky Texture node without the sun's disc; `owner` is what warnings name."""
     model = SKY_MODELS.get(node.sky_type)
     if model is None or node.sky_type == "HOSEK_WILKIE":
-        report.warn(f"{owner}, node '{label(node)}': the sky model {node.sky_type} is not supported; taken as Preetham's")
+        report.warn(
+            f"{owner}, node '{label(node)}': the sky model {node.sky_type} is not supported; "
+            "taken as Preetham's"
+        )
         model = SkyModel.PREETHAM
     if model is SkyModel.PREETHAM:
         sun = np.asarray(node.sun_direction, np.float64)
         sun = sun / max(float(np.linalg.norm(sun)), 1e-9)
-        settings = SkySettings(model, math.asin(min(max(sun[2], -1.0), 1.0)), turbidity=float(node.turbidity))
+        settings = SkySettings(
+            model, math.asin(min(max(sun[2], -1.0), 1.0)), turbidity=float(node.turbidity)
+        )
         longitude = math.atan2(sun[1], sun[0])
     else:
         elevation, rotation = _wrapped(float(node.sun_elevation), float(node.sun_rotation))
@@ -59,11 +66,15 @@ def export_sky(node: Any, textures: Textures, owner: str, report: Report) -> Exp
         )
         longitude = math.pi / 2.0 - rotation
     made = sky(settings)
-    texture = textures.add(Texture("sky", made.pixels, False, Interpolation.LINEAR, Extension.EXTEND))
+    texture = textures.add(
+        Texture("sky", made.pixels, False, Interpolation.LINEAR, Extension.EXTEND)
+    )
     c, s = math.cos(longitude), math.sin(longitude)
     turn = np.eye(4)
     turn[:2, :2] = [[c, s], [-s, c]]
-    return ExportedSky(texture, turn, settings, made, model is not SkyModel.PREETHAM and bool(node.sun_disc))
+    return ExportedSky(
+        texture, turn, settings, made, model is not SkyModel.PREETHAM and bool(node.sun_disc)
+    )
 
 
 def _wrapped(elevation: float, rotation: float) -> tuple[float, float]:

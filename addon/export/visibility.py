@@ -1,11 +1,13 @@
-"""Ray visibility: which rays see objects, lamps and the world, and what the camera sees as a hole."""
+"""Ray visibility: which rays see objects, lamps and the world, and what the camera sees as a
+hole.
+"""
 
 from __future__ import annotations
 
 from typing import Any
 
 from ..core.scene import ALL_RAYS, Ray
-from ..report import Report
+from .report import Report
 
 FLAGS = {
     "camera": Ray.CAMERA,
@@ -17,7 +19,9 @@ FLAGS = {
 
 
 class Visibility:
-    """What seen_by() and is_holdout() say of instances, asked once for each object and what makes its instances."""
+    """What seen_by() and is_holdout() say of instances, asked once for each object and what makes
+    its instances.
+    """
 
     def __init__(self, view_layer: Any) -> None:
         self._view_layer = view_layer
@@ -25,14 +29,22 @@ class Visibility:
 
     def of(self, instance: Any) -> tuple[int, bool]:
         maker = instance.parent if instance.is_instance else None
-        key = (instance.object.original.as_pointer(), 0 if maker is None else maker.original.as_pointer())
+        key = (
+            instance.object.original.as_pointer(),
+            0 if maker is None else maker.original.as_pointer(),
+        )
         if key not in self._known:
-            self._known[key] = seen_by(instance, self._view_layer), is_holdout(instance, self._view_layer)
+            self._known[key] = (
+                seen_by(instance, self._view_layer),
+                is_holdout(instance, self._view_layer),
+            )
         return self._known[key]
 
 
 def seen_by(instance: Any, view_layer: Any) -> int:
-    """The rays that meet an instance of the graph. The object that makes it and the collections of that have a say."""
+    """The rays that meet an instance of the graph. The object that makes it and the collections of
+    that have a say.
+    """
     ob = instance.object
     mask = _own(ob)
     maker = ob
@@ -45,12 +57,16 @@ def seen_by(instance: Any, view_layer: Any) -> int:
 
 
 def is_holdout(instance: Any, view_layer: Any) -> bool:
-    maker = instance.parent if instance.is_instance and instance.parent is not None else instance.object
+    maker = (
+        instance.parent if instance.is_instance and instance.parent is not None else instance.object
+    )
     return bool(instance.object.is_holdout) or _held_out(maker, view_layer)
 
 
 def lamp_seen_by(ob: Any) -> int:
-    """The rays that bring a lamp's light; shadow rays always do, and of the camera Light.camera_visible tells."""
+    """The rays that bring a lamp's light; shadow rays always do, and of the camera
+    Light.camera_visible tells.
+    """
     return _own(ob) | Ray.SHADOW | Ray.CAMERA
 
 

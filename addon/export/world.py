@@ -9,13 +9,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core.scene import NO_TEXTURE, Rgb, Scene, SunDisc, WorldMap
-from ..report import Report
-from .compile.compiler import Compiler
-from .compile.node import Owner
-from .compile.reduce import lambertian
 from .lights import MOST_STRENGTH
 from .materials import Shading
-from .nodes import Source, default_value, label, output_node, report_foreign_output, source, uses_nodes
+from .nodes.compiler import Compiler
+from .nodes.links import (
+    Source,
+    default_value,
+    label,
+    output_node,
+    report_foreign_output,
+    source,
+    uses_nodes,
+)
+from .nodes.node import Owner
+from .nodes.reduce import lambertian
+from .report import Report
 from .sky import export_sky
 from .visibility import world_seen_by
 
@@ -25,7 +33,9 @@ DIRECTION_OUTPUTS = {"TEX_COORD": {"Generated", "Object"}, "NEW_GEOMETRY": {"Pos
 
 
 def export_world(world: Any, shading: Shading, scene: Scene) -> None:
-    """Sets `scene`'s world from a bpy.types.World; None is black. What cannot be expressed is reported."""
+    """Sets `scene`'s world from a bpy.types.World; None is black. What cannot be expressed is
+    reported.
+    """
     report = shading.around.report
     if world is None:
         scene.world = (0.0, 0.0, 0.0)
@@ -50,9 +60,15 @@ class _World:
             return
         volume = source(output.inputs["Volume"])
         if volume.node is not None:
-            self.report.warn(f"{self.owner}, node '{volume.node.name}': Volume not supported; left out")
+            self.report.warn(
+                f"{self.owner}, node '{volume.node.name}': Volume not supported; left out"
+            )
         surface = source(output.inputs["Surface"])
-        if not (surface.node is not None and surface.node.type in {"BACKGROUND", "EMISSION"} and self._image(surface)):
+        if not (
+            surface.node is not None
+            and surface.node.type in {"BACKGROUND", "EMISSION"}
+            and self._image(surface)
+        ):
             self._program(world, output.inputs["Surface"])
 
     def _program(self, world: Any, surface: Any) -> None:
@@ -67,7 +83,11 @@ class _World:
     def _image(self, surface: Source) -> bool:
         """Takes an image or a sky that feeds a Background; False if it is something else."""
         color = surface.input("Color")
-        if color is None or color.node is None or color.node.type not in {"TEX_ENVIRONMENT", "TEX_SKY"}:
+        if (
+            color is None
+            or color.node is None
+            or color.node.type not in {"TEX_ENVIRONMENT", "TEX_SKY"}
+        ):
             return False
         to_lookup = self._coordinates(color)
         if to_lookup is None:
@@ -80,17 +100,23 @@ class _World:
             self._sky(color.node, to_lookup)
         else:
             texture = self.textures.of_node(color.node, f"{self.owner}, node '{label(color.node)}'")
-            self.scene.world_map = WorldMap(texture, to_lookup[:3], color.node.projection == "MIRROR_BALL")
+            self.scene.world_map = WorldMap(
+                texture, to_lookup[:3], color.node.projection == "MIRROR_BALL"
+            )
         return True
 
     def _strength(self, surface: Source) -> float | None:
         """None where it depends on the direction."""
-        compiler = Compiler(Owner(self.owner, of_world=True), self.shading.around, self.shading.folding)
+        compiler = Compiler(
+            Owner(self.owner, of_world=True), self.shading.around, self.shading.folding
+        )
         value = compiler.value(surface.node.inputs["Strength"], surface.groups)
         return float(value.data[0]) if value.is_constant else None
 
     def _coordinates(self, texture: Source) -> Matrix | None:
-        """(4, 4) from a direction to what the texture looks up; None if that is no affine map of it."""
+        """(4, 4) from a direction to what the texture looks up; None if that is no affine map of
+        it.
+        """
         vector = texture.input("Vector")
         own = texture.node.texture_mapping
         matrix = _mapping(own.vector_type, own.translation, own.rotation, own.scale)
@@ -101,13 +127,17 @@ class _World:
                 if any(value is not None and value.node is not None for value in values):
                     return None
                 location, rotation, scale = (
-                    default_value(v.socket) if v is not None else d for v, d in zip(values, (0, 0, 1), strict=True)
+                    default_value(v.socket) if v is not None else d
+                    for v, d in zip(values, (0, 0, 1), strict=True)
                 )
                 matrix = matrix @ _mapping(node.vector_type, location, rotation, scale)
                 vector = vector.input("Vector")
                 if vector is not None and vector.node is None:
                     return None
-            elif vector.socket.name in DIRECTION_OUTPUTS.get(node.type, ()) and getattr(node, "object", None) is None:
+            elif (
+                vector.socket.name in DIRECTION_OUTPUTS.get(node.type, ())
+                and getattr(node, "object", None) is None
+            ):
                 return matrix
             else:
                 return None
@@ -125,9 +155,14 @@ class _World:
         if not np.isfinite(direction).all() or not np.linalg.norm(direction) > 0.0:
             return
         x, y, z = direction / np.linalg.norm(direction)
-        bottom, top = (_scaled(color, strength, intensity) for color in (found.made.sun_bottom, found.made.sun_top))
+        bottom, top = (
+            _scaled(color, strength, intensity)
+            for color in (found.made.sun_bottom, found.made.sun_top)
+        )
         half = found.settings.sun_size / 2.0
-        self.scene.sun_discs = [SunDisc((float(x), float(y), float(z)), half, bottom, top, found.made.horizon)]
+        self.scene.sun_discs = [
+            SunDisc((float(x), float(y), float(z)), half, bottom, top, found.made.horizon)
+        ]
 
 
 def _mapping(kind: str, location: Any, rotation: Any, scale: Any) -> Matrix:

@@ -1,9 +1,10 @@
 """Unpacks packages of the Debian archive without root: debian_package.py SUITE FOLDER NAME...
 
-Prints nothing and leaves FOLDER/NAME/usr/... for each; packages that are there already are kept. The mirror is the one
-that this machine's apt uses; apt works with a source list, package lists and a cache of its own in a temporary folder, so
-that the system stays as it is, and it checks the signature of the Debian archive. Exit status 1, with one sentence on
-stderr, if a package cannot be had.
+Prints nothing and leaves FOLDER/NAME/usr/... for each; packages that are there already are kept.
+The mirror is the one that this machine's apt uses; apt works with a source list, package lists and
+a cache of its own in a temporary folder, so that the system stays as it is, and it checks the
+signature of the Debian archive. Exit status 1, with one sentence on stderr, if a package cannot be
+had.
 """
 
 from __future__ import annotations
@@ -34,7 +35,10 @@ def fetch(suite: str, folder: Path, names: list[str]) -> None:
 
 def download(suite: str, folder: Path, names: list[str]) -> None:
     if not (shutil.which("apt-get") and shutil.which("dpkg-deb") and KEYRING.exists()):
-        raise FetchError(f"apt-get, dpkg-deb and {KEYRING} are needed to fetch {', '.join(names)} from the Debian archive.")
+        raise FetchError(
+            f"apt-get, dpkg-deb and {KEYRING} are needed to fetch {', '.join(names)} from the "
+            "Debian archive."
+        )
     failure = "this machine's apt names no Debian mirror"
     for mirror in mirrors():
         with tempfile.TemporaryDirectory(prefix="download-", dir=folder) as scratch:

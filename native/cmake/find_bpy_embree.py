@@ -1,4 +1,6 @@
-"""Prints the path of the Embree 4 library inside the installed bpy package, or nothing. bpy itself is not imported."""
+"""Prints the path of the Embree 4 library inside the installed bpy package, or nothing. bpy itself
+is not imported.
+"""
 
 import importlib.util
 from pathlib import Path

@@ -1,0 +1,1 @@
+"""The splatter on graphics cards, here by software OpenGL."""

@@ -19,7 +19,9 @@ MOST_COLUMNS = 256
 
 @dataclass(frozen=True, slots=True)
 class AtlasPoints:
-    """Blocks [first, first + count) as tiles. position (H, W, 4) float32, plane (H, W, 4) uint32: see the native point_atlas()."""
+    """Blocks [first, first + count) as tiles. position (H, W, 4) float32, plane (H, W, 4) uint32:
+    see the native point_atlas().
+    """
 
     first: int
     count: int
@@ -29,7 +31,9 @@ class AtlasPoints:
 
 
 def atlas_ranges(blocks: int, most_texels: int) -> Iterator[tuple[int, int, int]]:
-    """(first block, blocks, columns) of the atlases that hold `blocks` blocks, none wider or higher than `most_texels`."""
+    """(first block, blocks, columns) of the atlases that hold `blocks` blocks, none wider or higher
+    than `most_texels`.
+    """
     most = most_texels // TILE
     columns = min(most, MOST_COLUMNS)
     for first in range(0, blocks, columns * most):
@@ -37,7 +41,9 @@ def atlas_ranges(blocks: int, most_texels: int) -> Iterator[tuple[int, int, int]
 
 
 class Atlas:
-    """The textures of one atlas, with the sums that drawing adds up: 52 bytes a point. On the OpenGL thread only."""
+    """The textures of one atlas, with the sums that drawing adds up: 52 bytes a point. On the
+    OpenGL thread only.
+    """
 
     def __init__(self, gl: moderngl.Context, points: AtlasPoints) -> None:
         height, width = points.position.shape[:2]
@@ -53,7 +59,10 @@ class Atlas:
     def read_sums(self) -> NDArray[np.float32]:
         """(H, W, 5) float32: red, green, blue, count, narrow."""
         width, height = self.size
-        planes = [np.frombuffer(t.read(), np.float32).reshape(height, width, -1) for t in (self.sums, self.narrow)]
+        planes = [
+            np.frombuffer(t.read(), np.float32).reshape(height, width, -1)
+            for t in (self.sums, self.narrow)
+        ]
         return np.concatenate(planes, axis=-1)
 
     def release(self) -> None:

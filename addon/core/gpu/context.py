@@ -1,4 +1,6 @@
-"""The OpenGL context: made once per process, on a thread of its own that is the only one to use it."""
+"""The OpenGL context: made once per process, on a thread of its own that is the only one to use
+it.
+"""
 
 from __future__ import annotations
 
@@ -18,8 +20,18 @@ if TYPE_CHECKING:
 Result = TypeVar("Result")
 
 OPENGL, BETTER_OPENGL = 330, 430
-"""The least version, and the one asked for first: it has compute shaders. Some drivers give no more than they are asked for."""
-SOFTWARE = ("llvmpipe", "softpipe", "swrast", "swiftshader", "software", "gdi generic", "microsoft basic render")
+"""The least version, and the one asked for first: it has compute shaders. Some drivers give no more
+than they are asked for.
+"""
+SOFTWARE = (
+    "llvmpipe",
+    "softpipe",
+    "swrast",
+    "swiftshader",
+    "software",
+    "gdi generic",
+    "microsoft basic render",
+)
 """Parts of the names of renderers that run on the CPU."""
 MOST_DEVICES = 16
 LINUX_DEVICES = ("/dev/dri/*", "/dev/nvidia[0-9]*", "/dev/dxg")
@@ -32,11 +44,12 @@ class NoGraphics(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class Graphics:
-    """gl: the context. finish: waits for all drawing with the GIL released, which moderngl never releases.
+    """gl: the context. finish: waits for all drawing with the GIL released, which moderngl never
+    releases.
 
-    idle: a framebuffer to be bound while others are released. moderngl binds the last one again whenever it makes or
-    clears another, and OpenGL refuses what has been released. timer: measures the card's own time. rule: what is known of
-    the card's speed.
+    idle: a framebuffer to be bound while others are released. moderngl binds the last one again
+    whenever it makes or clears another, and OpenGL refuses what has been released. timer: measures
+    the card's own time. rule: what is known of the card's speed.
     """
 
     gl: moderngl.Context
@@ -66,11 +79,15 @@ def is_hardware(renderer: str) -> bool:
 
 def may_have_hardware() -> bool:
     """False where it is certain, without making a context, that there is no graphics card."""
-    return not sys.platform.startswith("linux") or any(glob.glob(pattern) for pattern in LINUX_DEVICES)
+    return not sys.platform.startswith("linux") or any(
+        glob.glob(pattern) for pattern in LINUX_DEVICES
+    )
 
 
 def graphics() -> Graphics:
-    """The context of this process, made when first asked for. On the OpenGL thread only. NoGraphics where none can be made."""
+    """The context of this process, made when first asked for. On the OpenGL thread only. NoGraphics
+    where none can be made.
+    """
     global _graphics
     if _graphics is None:
         _graphics = _make()
@@ -78,7 +95,9 @@ def graphics() -> Graphics:
 
 
 def discard() -> None:
-    """Forgets a context that has failed, so that the next render makes a new one. On the OpenGL thread only."""
+    """Forgets a context that has failed, so that the next render makes a new one. On the OpenGL
+    thread only.
+    """
     global _graphics
     if _graphics is not None:
         failed, _graphics = _graphics, None
@@ -91,7 +110,9 @@ def _make() -> Graphics:
         import glcontext  # noqa: F401
         import moderngl
     except ImportError as error:
-        raise NoGraphics(f"the GPU splatter needs the Python package {error.name}, which is not installed") from error
+        raise NoGraphics(
+            f"the GPU splatter needs the Python package {error.name}, which is not installed"
+        ) from error
     found: list[tuple[Any, Graphics]] = []
     reasons: list[str] = []
     for make in _contexts():
@@ -103,11 +124,21 @@ def _make() -> Graphics:
             break
         finish = ctypes.CFUNCTYPE(None)(window.load_opengl_function("glFinish"))
         idle = gl.framebuffer([gl.texture((1, 1), 4)])
-        found.append((window, Graphics(gl, str(gl.info["GL_RENDERER"]), finish, idle, gl.query(time=True), Rule())))
+        found.append(
+            (
+                window,
+                Graphics(
+                    gl, str(gl.info["GL_RENDERER"]), finish, idle, gl.query(time=True), Rule()
+                ),
+            )
+        )
         if found[-1][1].hardware:
             break
     if not found:
-        raise NoGraphics(f"the GPU splatter needs OpenGL 3.3, and no context could be made ({'; '.join(reasons)})")
+        raise NoGraphics(
+            "the GPU splatter needs OpenGL 3.3, and no context could be made "
+            f"({'; '.join(reasons)})"
+        )
     chosen = found.pop() if found[-1][1].hardware else found.pop(0)
     for _, other in found:
         other.gl.release()
@@ -116,15 +147,21 @@ def _make() -> Graphics:
 
 
 def _contexts() -> Iterator[Callable[[], Any]]:
-    """Ways to make a context without a window: one per device on Linux (EGL), the system's choice elsewhere."""
+    """Ways to make a context without a window: one per device on Linux (EGL), the system's choice
+    elsewhere.
+    """
     import glcontext
 
     if sys.platform.startswith("linux"):
         egl = glcontext.get_backend_by_name("egl")
         for device in range(MOST_DEVICES):
-            yield lambda device=device: _best(lambda version: egl(mode="standalone", glversion=version, device_index=device))  # type: ignore[misc]
+            yield lambda device=device: _best(
+                lambda version: egl(mode="standalone", glversion=version, device_index=device)
+            )  # type: ignore[misc]
     else:
-        yield lambda: _best(lambda version: glcontext.default_backend()(mode="standalone", glversion=version))
+        yield lambda: _best(
+            lambda version: glcontext.default_backend()(mode="standalone", glversion=version)
+        )
 
 
 def _best(make: Callable[[int], Any]) -> Any:

@@ -1,8 +1,10 @@
-"""Two ways to add the photons of an atlas's blocks to its points; rule.py says which is taken. On the OpenGL thread only.
+"""Two ways to add the photons of an atlas's blocks to its points; rule.py says which is taken. On
+the OpenGL thread only.
 
-Both find positions, planes, photons and order bound as TEXTURES. Runs are (R, 3) uint32: block counted from the atlas's
-first, first pair, pairs; those of a block follow each other. Both sum up each run and add the runs in their order, so that
-a picture does not depend on which of them has been faster.
+Both find positions, planes, photons and order bound as TEXTURES. Runs are (R, 3) uint32: block
+counted from the atlas's first, first pair, pairs; those of a block follow each other. Both sum up
+each run and add the runs in their order, so that a picture does not depend on which of them has
+been faster.
 """
 
 from __future__ import annotations
@@ -38,9 +40,11 @@ class Method(Protocol):
 
 
 class Quads:
-    """A quad covers the tile of one block and adds up a run of its photons; additive blending adds the runs of a block.
+    """A quad covers the tile of one block and adds up a run of its photons; additive blending adds
+    the runs of a block.
 
-    Runs of one photon are the splatting of Lavignotte & Paulin (2003), one blend per photon and point.
+    Runs of one photon are the splatting of Lavignotte & Paulin (2003), one blend per photon and
+    point.
     """
 
     name = "quads"
@@ -75,7 +79,9 @@ class Quads:
 
 
 class Gather:
-    """A work group of a compute shader takes all photons of a block and adds once (Mara, Luebke and McGuire 2013)."""
+    """A work group of a compute shader takes all photons of a block and adds once (Mara, Luebke and
+    McGuire 2013).
+    """
 
     name = "gather"
 
@@ -119,10 +125,19 @@ def available(gl: moderngl.Context) -> dict[str, type[Quads] | type[Gather]]:
 def merged(runs: NDArray[np.uint32]) -> NDArray[np.uint32]:
     """One run a block."""
     starts = np.flatnonzero(np.diff(runs[:, 0], prepend=runs[:1, 0] + np.uint32(1)))
-    return np.column_stack([runs[starts, :2], np.add.reduceat(runs[:, 2], starts)]).astype(np.uint32)
+    return np.column_stack([runs[starts, :2], np.add.reduceat(runs[:, 2], starts)]).astype(
+        np.uint32
+    )
 
 
-def release(*things: moderngl.Buffer | moderngl.VertexArray | moderngl.Program | moderngl.ComputeShader | moderngl.Texture | None) -> None:
+def release(
+    *things: moderngl.Buffer
+    | moderngl.VertexArray
+    | moderngl.Program
+    | moderngl.ComputeShader
+    | moderngl.Texture
+    | None,
+) -> None:
     for thing in things:
         if thing is not None:
             thing.release()

@@ -1,7 +1,8 @@
 """Draws photons over atlases of points. Everything here runs on the OpenGL thread.
 
-The photons that a block may catch come in runs of at most LONGEST_RUN: as quads (methods.py) blending is then 1/LONGEST_RUN
-of the work, and a tile of a million photons is shared out as thousands of quads.
+The photons that a block may catch come in runs of at most LONGEST_RUN: as quads (methods.py)
+blending is then 1/LONGEST_RUN of the work, and a tile of a million photons is shared out as
+thousands of quads.
 """
 
 from __future__ import annotations
@@ -31,13 +32,17 @@ PHOTONS_PER_ROW = 1024
 """As in estimate.glsl, and so is PAIRS_PER_ROW."""
 PAIRS_PER_ROW = 4096
 DRAW_SECONDS = 0.03
-"""Draws are cut to about this long, so that a cancelled render stops soon and no driver takes the card for hung."""
+"""Draws are cut to about this long, so that a cancelled render stops soon and no driver takes the
+card for hung.
+"""
 FEWEST_PAIRS, MOST_PAIRS = 1 << 13, 1 << 22
 
 
 @dataclass(frozen=True, slots=True)
 class Batch:
-    """photons (rows of PHOTONS_PER_ROW, 8) float32; order (P,) and runs (R, 3) uint32 as the native photon_runs() makes them."""
+    """photons (rows of PHOTONS_PER_ROW, 8) float32; order (P,) and runs (R, 3) uint32 as the native
+    photon_runs() makes them.
+    """
 
     photons: NDArray[np.float32]
     order: NDArray[np.uint32]
@@ -47,11 +52,15 @@ class Batch:
 class Painter:
     """One render's objects on the graphics card. `stop` ends a long splat() early.
 
-    method: the name of the only method to use; None leaves it to the rule. ValueError for one that the card cannot do.
-    busy_seconds: wall time of all calls; card_seconds: of drawing, by the card's own clock; used: batches of each method.
+    method: the name of the only method to use; None leaves it to the rule. ValueError for one that
+    the card cannot do.
+    busy_seconds: wall time of all calls; card_seconds: of drawing, by the card's own clock; used:
+    batches of each method.
     """
 
-    def __init__(self, graphics: Graphics, stop: threading.Event, method: str | None = None) -> None:
+    def __init__(
+        self, graphics: Graphics, stop: threading.Event, method: str | None = None
+    ) -> None:
         self._graphics = graphics
         self._stop = stop
         self._atlases: list[Atlas] = []
@@ -59,12 +68,17 @@ class Painter:
         self._order: moderngl.Texture | None = None
         self._pairs_per_draw = 1 << 16
         self.busy_seconds = self.card_seconds = 0.0
-        self._methods: dict[str, Method] = {name: make(graphics.gl) for name, make in available(graphics.gl).items()}
+        self._methods: dict[str, Method] = {
+            name: make(graphics.gl) for name, make in available(graphics.gl).items()
+        }
         self._choices = list(self._methods) if method is None else [method]
         self.used = dict.fromkeys(self._methods, 0)
         if self._choices[0] not in self._methods:
             self.release()
-            raise ValueError(f"{graphics.renderer} cannot splat by the method '{method}'; it can by {', '.join(self._methods)}")
+            raise ValueError(
+                f"{graphics.renderer} cannot splat by the method '{method}'; it can by "
+                f"{', '.join(self._methods)}"
+            )
 
     def begin(self, atlases: list[AtlasPoints]) -> None:
         """Takes the points of a pass, all sums at 0."""
@@ -81,8 +95,12 @@ class Painter:
         kind = kind_of(len(batch.order), int(np.count_nonzero(np.diff(batch.runs[:, 0]))) + 1)
         name = self._graphics.rule.choose(kind, self._choices)
         with self._timed():
-            self._photons = self._fitting(self._photons, 2 * PHOTONS_PER_ROW, len(batch.photons) // PHOTONS_PER_ROW, 4)
-            self._photons.write(batch.photons, (0, 0, 2 * PHOTONS_PER_ROW, len(batch.photons) // PHOTONS_PER_ROW))
+            self._photons = self._fitting(
+                self._photons, 2 * PHOTONS_PER_ROW, len(batch.photons) // PHOTONS_PER_ROW, 4
+            )
+            self._photons.write(
+                batch.photons, (0, 0, 2 * PHOTONS_PER_ROW, len(batch.photons) // PHOTONS_PER_ROW)
+            )
         for atlas in self._atlases:
             self._aim(atlas, self._methods[name])
             first = atlas.points.first
@@ -116,14 +134,19 @@ class Painter:
 
     def _aim(self, atlas: Atlas, method: Method) -> None:
         assert self._photons is not None
-        for name, texture in (("positions", atlas.position), ("planes", atlas.plane), ("photons", self._photons)):
+        for name, texture in (
+            ("positions", atlas.position),
+            ("planes", atlas.plane),
+            ("photons", self._photons),
+        ):
             texture.use(TEXTURES.index(name))
         method.aim(atlas)
 
     @contextmanager
     def _timed(self) -> Iterator[None]:
-        """Waits for what is drawn within, and adds the card's time for it to card_seconds. Software has wall time instead: the
-        clock of llvmpipe stops before its compute shaders do."""
+        """Waits for what is drawn within, and adds the card's time for it to card_seconds. Software
+        has wall time instead: the clock of llvmpipe stops before its compute shaders do.
+        """
         started = time.monotonic()
         with self._graphics.timer:
             yield
@@ -136,7 +159,10 @@ class Painter:
         ends = runs[:, 1].astype(np.int64) + runs[:, 2]
         begin = 0
         while begin < len(runs) and not self._stop.is_set():
-            end = max(begin + 1, int(np.searchsorted(ends, int(runs[begin, 1]) + self._pairs_per_draw, "right")))
+            end = max(
+                begin + 1,
+                int(np.searchsorted(ends, int(runs[begin, 1]) + self._pairs_per_draw, "right")),
+            )
             started = time.monotonic()
             yield runs[begin:end]
             pairs = int(ends[end - 1]) - int(runs[begin, 1])
@@ -146,7 +172,9 @@ class Painter:
             self._pairs_per_draw = int(min(max(wanted, FEWEST_PAIRS), MOST_PAIRS))
             begin = end
 
-    def _draw(self, runs: NDArray[np.uint32], order: NDArray[np.uint32], first_block: int, method: Method) -> None:
+    def _draw(
+        self, runs: NDArray[np.uint32], order: NDArray[np.uint32], first_block: int, method: Method
+    ) -> None:
         first_pair = int(runs[0, 1])
         pairs = order[first_pair : int(runs[-1, 1]) + int(runs[-1, 2])]
         rows = -(-len(pairs) // PAIRS_PER_ROW)
@@ -157,7 +185,9 @@ class Painter:
         self._order.use(TEXTURES.index("order"))
         method.add(runs - np.array([first_block, first_pair, 0], np.uint32))
 
-    def _fitting(self, texture: moderngl.Texture | None, width: int, height: int, components: int) -> moderngl.Texture:
+    def _fitting(
+        self, texture: moderngl.Texture | None, width: int, height: int, components: int
+    ) -> moderngl.Texture:
         """`texture`, or a higher one in its place."""
         if texture is not None and texture.height >= height:
             return texture

@@ -10,8 +10,12 @@ FOLDERS = (PACKAGE / "shaders", PACKAGE.parent / "shaders")
 
 
 def source(name: str, version: int) -> str:
-    """A shader for GLSL `version`, with what it includes. FileNotFoundError where the installation lacks it."""
-    return f"#version {version}\n" + re.sub(r'^#include "(.+)"$', lambda found: _text(found[1]), _text(name), flags=re.MULTILINE)
+    """A shader for GLSL `version`, with what it includes. FileNotFoundError where the installation
+    lacks it.
+    """
+    return f"#version {version}\n" + re.sub(
+        r'^#include "(.+)"$', lambda found: _text(found[1]), _text(name), flags=re.MULTILINE
+    )
 
 
 def _text(name: str) -> str:

@@ -1,10 +1,11 @@
 """Feeds the graphics card: while it draws one batch of photons, the CPU traces the next.
 
-The CPU finds which blocks of points each photon may reach, with the tree that its own splatter uses. It does the kernel
-masses M(x) too, once a pass, while the card waits: measured on two cores, they are 0.2 to 0.6 % of a render at 1920x1080, and
-of small pictures 0.4 to 0.7 % with 200,000 photons a pass and 3 to 7 % with 20,000. More could not be gained by M(x) on the
-card, if it took no time there, and walks along patch edges that differ in length from point to point are the work that suits
-a card least. tests/bench/gpu.py says how much it would be on another machine.
+The CPU finds which blocks of points each photon may reach, with the tree that its own splatter
+uses. It does the kernel masses M(x) too, once a pass, while the card waits: measured on two cores,
+they are 0.2 to 0.6 % of a render at 1920x1080, and of small pictures 0.4 to 0.7 % with 200,000
+photons a pass and 3 to 7 % with 20,000. More could not be gained by M(x) on the card, if it took no
+time there, and walks along patch edges that differ in length from point to point are the work that
+suits a card least. tests/benchmarks/bench/gpu.py says how much it would be on another machine.
 """
 
 from __future__ import annotations
@@ -16,9 +17,9 @@ from collections.abc import Callable
 from concurrent.futures import Future, wait
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from ..native import load
-from ..settings import Backend
-from ..splatter import SplatterFailed
+from ..native.library import load
+from ..render.settings import Backend
+from ..render.splatter import SplatterFailed
 from . import context
 from .atlas import AtlasPoints, atlas_ranges
 from .painter import LONGEST_RUN, PHOTONS_PER_ROW, Batch, Painter
@@ -29,23 +30,33 @@ if TYPE_CHECKING:
 Result = TypeVar("Result")
 
 MOST_PAIRS = 1 << 22
-"""Pairs in one hand-over, about; a wide kernel reaches so many points that a batch of photons takes several."""
+"""Pairs in one hand-over, about; a wide kernel reaches so many points that a batch of photons takes
+several.
+"""
 BUFFERS = 2
 """Batches handed over and not yet drawn."""
 POLL_SECONDS = 0.01
 
 
 class GpuSplatter:
-    """A splatter on a graphics card, or on what OpenGL has instead. `stop` is set when the render is cancelled.
+    """A splatter on a graphics card, or on what OpenGL has instead. `stop` is set when the render
+    is cancelled.
 
-    most_texels: widest and highest texture to use, if less than what the card can do. method: "quads" or "gather", the only
-    one to use; None takes whichever is measured to be faster. Making one raises NoGraphics where there is no OpenGL context to
-    be had, SplatterFailed where the card cannot do what it must.
+    most_texels: widest and highest texture to use, if less than what the card can do. method:
+    "quads" or "gather", the only one to use; None takes whichever is measured to be faster. Making
+    one raises NoGraphics where there is no OpenGL context to be had, SplatterFailed where the card
+    cannot do what it must.
     """
 
     backend = Backend.GPU
 
-    def __init__(self, renderer: Renderer, stop: threading.Event, most_texels: int | None = None, method: str | None = None) -> None:
+    def __init__(
+        self,
+        renderer: Renderer,
+        stop: threading.Event,
+        most_texels: int | None = None,
+        method: str | None = None,
+    ) -> None:
         self._renderer = renderer
         self._stop = stop
         self._method = method
@@ -60,7 +71,11 @@ class GpuSplatter:
 
     def _make_painter(self) -> tuple[Painter, str, int]:
         graphics = context.graphics()
-        return Painter(graphics, self._stop, self._method), graphics.renderer, int(graphics.gl.info["GL_MAX_TEXTURE_SIZE"])
+        return (
+            Painter(graphics, self._stop, self._method),
+            graphics.renderer,
+            int(graphics.gl.info["GL_MAX_TEXTURE_SIZE"]),
+        )
 
     def begin_pass(self) -> None:
         self._began = time.monotonic()
@@ -72,12 +87,16 @@ class GpuSplatter:
     def add_photons(self) -> None:
         renderer, first = self._renderer, 0
         while first < renderer.photon_count and self._ranges:
-            count = min(renderer.photon_count - first, max(1, int(MOST_PAIRS / self._pairs_per_photon)))
+            count = min(
+                renderer.photon_count - first, max(1, int(MOST_PAIRS / self._pairs_per_photon))
+            )
             order, runs = renderer.photon_runs(first, count, LONGEST_RUN)
             # Photons of the next batch may reach more points than those of this one did.
             self._pairs_per_photon = max(2.0 * len(order) / count, 1.0)
             rows = -(-count // PHOTONS_PER_ROW) * PHOTONS_PER_ROW
-            self._hand_over(self._painter.splat, Batch(renderer.photon_records(first, count, rows), order, runs))
+            self._hand_over(
+                self._painter.splat, Batch(renderer.photon_records(first, count, rows), order, runs)
+            )
             self._pairs += len(order)
             self._batches += 1
             first += count
@@ -94,8 +113,11 @@ class GpuSplatter:
         wait([context.submit(self._painter.release)])
 
     def statistics(self) -> dict[str, Any]:
-        """busy_seconds: drawing, with copies to and fro; card_seconds: of that, copies to the card and drawing by its own clock;
-        cpu_busy_seconds: tracing and pairing; wall_seconds: of both together; methods: batches drawn by each."""
+        """busy_seconds: drawing, with copies to and fro; card_seconds: of that, copies to the card
+        and drawing by its own clock;
+        cpu_busy_seconds: tracing and pairing; wall_seconds: of both together; methods: batches
+        drawn by each.
+        """
         return {
             "gpu": {
                 "renderer": self.name,
@@ -116,7 +138,9 @@ class GpuSplatter:
         self._pending.append(context.submit(task, *args))
 
     def _wait(self, task: Future[Result]) -> Result:
-        """What `task` returns. Cancelled as soon as the render is; SplatterFailed if the task went wrong."""
+        """What `task` returns. Cancelled as soon as the render is; SplatterFailed if the task went
+        wrong.
+        """
         started = time.monotonic()
         while not wait([task], POLL_SECONDS).done:
             if self._stop.is_set():

@@ -1,0 +1,1 @@
+"""The engine as Blender sees it: registration, properties, panels, renders and viewports."""

@@ -1,0 +1,217 @@
+"""One render of one view layer for Blender: export, render, hand over the passes; errors and
+warnings reach the user.
+"""
+
+from __future__ import annotations
+
+import time
+import traceback
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import bpy
+import numpy as np
+
+from ..core.render.memory import current_memory_bytes, peak_memory_bytes
+from ..core.render.result import Progress, RenderResult
+from ..core.render.session import render
+from ..core.render.settings import RenderSettings
+from ..core.scene import Camera, Frame, Scene
+from ..export import export_scene
+from ..export.camera import NoCameraError, export_frame
+from ..export.cancelled import Cancelled, Watch
+from ..export.report import readable
+from .persistent import Held, held_for
+from .properties import render_settings
+from .told import told
+
+PREVIEW: dict[str, Any] = {"passes": 16, "photons_per_pass": 20_000, "time_limit": 2.0}
+MAX_REPORT = 300  # characters of a warning in Blender's status bar
+
+
+@dataclass(slots=True)
+class LastRender:
+    """What the last render of a scene said, for the panel."""
+
+    statistics: dict[str, Any] = field(default_factory=dict)
+    warnings: list[str] = field(default_factory=list)
+    error: str = ""
+
+
+@dataclass(slots=True)
+class Observer:
+    """A program around Blender (the command line) that watches renders and has the last word on
+    their settings.
+    """
+
+    started: float | None = None
+    settings: Callable[[RenderSettings], RenderSettings] = lambda settings: settings
+    on_progress: Callable[[Progress], None] = lambda progress: None
+    on_result: Callable[[RenderResult, Frame], None] | None = None
+    """Sees all passes; without it those alone are made that Blender asks for."""
+    on_error: Callable[[BaseException], None] = lambda error: None
+    should_cancel: Callable[[], bool] = lambda: False
+
+
+observer = Observer()
+last_renders: dict[str, LastRender] = {}
+"""By the name of the scene."""
+
+
+def render_view_layer(engine: Any, depsgraph: Any) -> None:
+    """The body of RenderEngine.render: always begins and ends a result, or Blender saves a blank
+    frame or crashes.
+    """
+    started = observer.started or time.monotonic()
+    blender_result = None
+    failed = True
+    try:
+        held = held_for(engine, depsgraph)
+        frame = export_frame(depsgraph.scene_eval.render)
+        _, _, width, height = frame.region
+        blender_result = engine.begin_result(
+            0, 0, width, height, layer=depsgraph.view_layer_eval.name
+        )
+        result = _render(engine, depsgraph, frame, blender_result, started, held)
+        fill_passes(blender_result, result.passes)
+        _finish(engine, depsgraph, result)
+        if observer.on_result:
+            observer.on_result(result, frame)
+        failed = False
+    except NoCameraError as error:
+        if not engine.is_preview:
+            _fail(engine, depsgraph, error)
+    except BaseException as error:
+        _fail(engine, depsgraph, error)
+    finally:
+        engine.end_result(blender_result or engine.begin_result(0, 0, 1, 1), cancel=failed)
+
+
+def _render(
+    engine: Any,
+    depsgraph: Any,
+    frame: Frame,
+    blender_result: Any,
+    started: float,
+    held: Held | None,
+) -> RenderResult:
+    engine.update_stats("", "Exporting scene")
+    settings = observer.settings(render_settings(depsgraph.scene_eval))
+    if engine.is_preview:
+        settings = replace(settings, **PREVIEW)
+    began = time.monotonic()
+
+    def should_cancel() -> bool:
+        return engine.test_break() or observer.should_cancel()
+
+    try:
+        scene = export_scene(
+            depsgraph,
+            engine.camera_override,
+            frame,
+            held.kept if held else None,
+            Watch(should_cancel),
+        )
+    except Cancelled:  # a render that is cancelled at once, of nothing
+        nothing = Scene(Camera(np.eye(4), (-1.0, 1.0, -1.0, 1.0)), frame)
+        return render(nothing, settings, started=started, should_cancel=lambda: True)
+    if held:
+        held.kept.forget_unused()
+    export_seconds = time.monotonic() - began
+
+    def on_progress(progress: Progress) -> None:
+        engine.update_progress(progress.fraction)
+        engine.update_stats(
+            f"Remaining: {remaining(progress, time.monotonic() - started)}", progress.message
+        )
+        engine.update_memory_stats(
+            memory_used=current_memory_bytes() / 2**20, memory_peak=peak_memory_bytes() / 2**20
+        )
+        if progress.interim is not None:
+            fill_passes(blender_result, progress.interim)
+            engine.update_result(blender_result)
+        observer.on_progress(progress)
+
+    result = render(
+        scene,
+        settings,
+        started=started,
+        export_seconds=export_seconds,
+        on_progress=on_progress,
+        should_cancel=should_cancel,
+        want_interim=not (bpy.app.background or engine.is_preview),
+        persistent=held.persistent if held else None,
+        release_textures=True,
+        wanted=None
+        if observer.on_result
+        else {p.name for layer in blender_result.layers for p in layer.passes},
+    )
+    result.statistics.setdefault("peak_memory_bytes", peak_memory_bytes())
+    result.statistics["warnings"] = told(result.statistics.get("warnings", scene.warnings))
+    return result
+
+
+def remaining(progress: Progress, elapsed: float) -> str:
+    """How long the rest of a render takes (minutes:seconds) if it goes on as in the `elapsed`
+    seconds so far.
+    """
+    if not progress.passes_done or not progress.fraction > 0.0:
+        return "--:--"
+    seconds = round(elapsed * (1.0 / progress.fraction - 1.0))
+    return (
+        f"{seconds // 60:02}:{seconds % 60:02}"
+        if seconds < 3600
+        else f"{seconds // 3600}:{seconds % 3600 // 60:02}:{seconds % 60:02}"
+    )
+
+
+def fill_passes(blender_result: Any, passes: dict[str, np.ndarray]) -> None:
+    """Copy `passes` (row 0 at the bottom, as Blender has it) into those that the render result
+    has.
+    """
+    for layer in blender_result.layers:
+        for blender_pass in layer.passes:
+            pixels = passes.get(blender_pass.name)
+            if pixels is not None and pixels.shape[2] == blender_pass.channels:
+                blender_pass.rect.foreach_set(np.ascontiguousarray(pixels, np.float32).reshape(-1))
+
+
+def _finish(engine: Any, depsgraph: Any, result: RenderResult) -> None:
+    if engine.is_preview:
+        return
+    warnings = list(result.statistics["warnings"])
+    last_renders[depsgraph.scene.name] = LastRender(result.statistics, warnings)
+    engine.update_progress(1.0)
+    for warning in warnings:
+        short = (
+            warning
+            if len(warning) <= MAX_REPORT
+            else warning[:MAX_REPORT] + "... (Render Properties > Approximated has all of it)"
+        )
+        engine.report({"WARNING"}, f"Photon Splat: {short}")
+
+
+def _fail(engine: Any, depsgraph: Any, error: BaseException) -> None:
+    """`report` makes the operator fail and save nothing; `error_set` shows the message in the
+    picture's window.
+    """
+    if not isinstance(error, ValueError | RuntimeError | MemoryError | ImportError):
+        traceback.print_exception(error)
+    message = describe(error)
+    engine.report({"ERROR"}, f"Photon Splat: {message}")
+    engine.error_set(message)
+    observer.on_error(error)
+    last_renders[depsgraph.scene.name] = LastRender(error=message)
+
+
+def describe(error: BaseException) -> str:
+    """One line that says what went wrong."""
+    text = readable(" ".join(str(error).split()))
+    if isinstance(error, MemoryError):
+        return f"not enough memory{': ' + text if text else ''}"
+    if isinstance(error, KeyboardInterrupt):
+        return "interrupted"
+    if isinstance(error, ValueError | RuntimeError | ImportError) and text:
+        return text
+    return f"internal error ({type(error).__name__}): {text}"

@@ -1,0 +1,128 @@
+"""Panels of the view layer's tab."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import bpy
+
+from ...core.render.result import PASSES
+from ..passes import OWN_SWITCHES, SWITCHES
+from ..registration import register_classes, unregister_classes
+from .base import RenderPanel, split_layout
+
+DATA = ("Depth", "Normal", "Surface ID", "Photon Density", "Error")
+"""Passes that are no light."""
+
+
+class PHOTON_SPLAT_PT_passes(RenderPanel, bpy.types.Panel):
+    bl_label = "Passes"
+    bl_context = "view_layer"
+
+    def draw(self, context: Any) -> None:
+        layout, view_layer = split_layout(self), context.view_layer
+        data, light = layout.column(heading="Data"), layout.column(heading="Light")
+        for info in PASSES:
+            column = data if info.name in DATA else light
+            if info.name in OWN_SWITCHES:
+                column.prop(view_layer.photon_splat, OWN_SWITCHES[info.name])
+            elif info.name in SWITCHES:
+                column.prop(view_layer, SWITCHES[info.name], text=info.name)
+
+
+class PHOTON_SPLAT_PT_light_groups(RenderPanel, bpy.types.Panel):
+    bl_label = "Light Groups"
+    bl_context = "view_layer"
+    bl_parent_id = "PHOTON_SPLAT_PT_passes"
+
+    def draw(self, context: Any) -> None:
+        view_layer = context.view_layer
+        row = split_layout(self).row()
+        row.template_list(
+            "UI_UL_list",
+            "lightgroups",
+            view_layer,
+            "lightgroups",
+            view_layer,
+            "active_lightgroup_index",
+            rows=3,
+        )
+        buttons = row.column(align=True)
+        buttons.operator("scene.view_layer_add_lightgroup", icon="ADD", text="")
+        buttons.operator("scene.view_layer_remove_lightgroup", icon="REMOVE", text="")
+        buttons.separator()
+        buttons.operator("scene.view_layer_add_used_lightgroups", icon="FILE_REFRESH", text="")
+
+
+def _draw_light_group(panel: Any, owner: Any, view_layer: Any) -> None:
+    """What light group `owner`, an object or a world, is of."""
+    row = split_layout(panel).row(align=True)
+    row.prop_search(
+        owner,
+        "lightgroup",
+        view_layer,
+        "lightgroups",
+        text="Light Group",
+        results_are_suggestions=True,
+    )
+    known = any(group.name == owner.lightgroup for group in view_layer.lightgroups)
+    button = row.column(align=True)
+    button.enabled = bool(owner.lightgroup) and not known
+    button.operator("scene.view_layer_add_lightgroup", icon="ADD", text="").name = owner.lightgroup
+
+
+class PHOTON_SPLAT_OBJECT_PT_light_group(RenderPanel, bpy.types.Panel):
+    bl_label = "Light Group"
+    bl_parent_id = "OBJECT_PT_shading"
+    bl_context = "object"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        return bool(super().poll(context) and getattr(context, "object", None))
+
+    def draw(self, context: Any) -> None:
+        _draw_light_group(self, context.object, context.view_layer)
+
+
+class PHOTON_SPLAT_WORLD_PT_light_group(RenderPanel, bpy.types.Panel):
+    bl_label = "Light Group"
+    bl_context = "world"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        return bool(super().poll(context) and getattr(context, "world", None))
+
+    def draw(self, context: Any) -> None:
+        _draw_light_group(self, context.world, context.view_layer)
+
+
+class PHOTON_SPLAT_WORLD_PT_preview(RenderPanel, bpy.types.Panel):
+    bl_label = "Preview"
+    bl_context = "world"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        return bool(super().poll(context) and getattr(context, "world", None))
+
+    def draw(self, context: Any) -> None:
+        self.layout.template_preview(context.world)
+
+
+CLASSES = (
+    PHOTON_SPLAT_PT_passes,
+    PHOTON_SPLAT_PT_light_groups,
+    PHOTON_SPLAT_OBJECT_PT_light_group,
+    PHOTON_SPLAT_WORLD_PT_light_group,
+    PHOTON_SPLAT_WORLD_PT_preview,
+)
+
+
+def register() -> None:
+    register_classes(CLASSES)
+
+
+def unregister() -> None:
+    unregister_classes(CLASSES)

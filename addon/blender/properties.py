@@ -1,0 +1,260 @@
+"""scene.photon_splat: what the user sets, and how it becomes core.settings.RenderSettings."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import bpy
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty
+
+from ..core.render.settings import Backend, FinalGather, RenderSettings
+from .registration import register_classes, unregister_classes
+
+DEFAULTS = RenderSettings()
+
+
+def _tell(settings: Any, _: Any) -> None:
+    """Blender itself does not tell dependency graphs that it keeps (Persistent Data) of such a
+    change.
+    """
+    settings.id_data.update_tag()
+
+
+class PhotonSplatSettings(bpy.types.PropertyGroup):
+    """Render settings of the engine; the render stops at whichever of passes and time limit comes
+    first.
+    """
+
+    time_limit: FloatProperty(  # type: ignore[valid-type]
+        name="Time Limit",
+        description="Stop after this many seconds, export included; 0 = no limit",
+        default=DEFAULTS.time_limit,
+        min=0.0,
+        subtype="TIME_ABSOLUTE",
+        unit="TIME_ABSOLUTE",
+        update=_tell,
+    )
+    error_threshold: FloatProperty(  # type: ignore[valid-type]
+        name="Error Threshold",
+        description="Stop when the picture's estimated relative error (RMS error over mean "
+        "brightness) is this small; 0 = off",
+        default=DEFAULTS.error_threshold,
+        min=0.0,
+        soft_max=0.2,
+        precision=4,
+        update=_tell,
+    )
+    passes: IntProperty(  # type: ignore[valid-type]
+        name="Passes",
+        description="Number of passes: each takes one camera sample per pixel and traces a new "
+        "set of photons",
+        default=DEFAULTS.passes,
+        min=1,
+        soft_max=4096,
+        update=_tell,
+    )
+    photons_per_pass: IntProperty(  # type: ignore[valid-type]
+        name="Photons per Pass",
+        description="Number of photon paths that start at the lights in the first pass; those "
+        "that follow have as many as pay",
+        default=DEFAULTS.photons_per_pass,
+        min=0,
+        soft_max=10_000_000,
+        update=_tell,
+    )
+    max_bounces: IntProperty(  # type: ignore[valid-type]
+        name="Max Bounces",
+        description="Greatest number of surface bounces between light and camera; 0 = direct "
+        "light only",
+        default=DEFAULTS.max_bounces,
+        min=0,
+        soft_max=128,
+        max=1024,
+        update=_tell,
+    )
+    radius_scale: FloatProperty(  # type: ignore[valid-type]
+        name="Radius Scale",
+        description="Multiplies the automatic radius of the photon discs (1 = automatic): smaller "
+        "is sharper and noisier",
+        default=DEFAULTS.radius_scale,
+        min=0.001,
+        soft_min=0.1,
+        soft_max=10.0,
+        max=1000.0,
+        update=_tell,
+    )
+    boundary_correction: BoolProperty(  # type: ignore[valid-type]
+        name="Boundary Correction",
+        description="Divide by the part of the disc that lies on the surface, so that edges and "
+        "corners do not darken",
+        default=DEFAULTS.boundary_correction,
+        update=_tell,
+    )
+    fallback: BoolProperty(  # type: ignore[valid-type]
+        name="Camera Path Fallback",
+        description="Let paths from the camera find the indirect light where surfaces are too "
+        "small, too bent or too dark for photons",
+        default=DEFAULTS.fallback,
+        update=_tell,
+    )
+    final_gather: EnumProperty(  # type: ignore[valid-type]
+        name="Final Gather",
+        description="Camera paths take one more bounce before photons light them: noisier, but "
+        "without blur (final renders only)",
+        items=[
+            (
+                FinalGather.AUTO.value,
+                "Automatic",
+                "Where the picture is denoised and no error threshold ends the render; without "
+                "photons where that is less work",
+            ),
+            (FinalGather.ON.value, "On", "Always"),
+            (FinalGather.OFF.value, "Off", "Photons light what the camera sees"),
+        ],
+        default=DEFAULTS.final_gather.value,
+        update=_tell,
+    )
+    denoise: BoolProperty(  # type: ignore[valid-type]
+        name="Denoise",
+        description="Run Open Image Denoise on the finished picture",
+        default=DEFAULTS.denoise,
+        update=_tell,
+    )
+    backend: EnumProperty(  # type: ignore[valid-type]
+        name="Backend",
+        description="What splats the photons",
+        items=[
+            (Backend.AUTO.value, "Automatic", "The fastest that is available"),
+            (Backend.CPU.value, "CPU", "The processor"),
+            (Backend.GPU.value, "GPU", "The graphics card"),
+        ],
+        default=DEFAULTS.backend.value,
+        update=_tell,
+    )
+    seed: IntProperty(  # type: ignore[valid-type]
+        name="Seed",
+        description="Another seed gives other noise; the same seed and number of passes give the "
+        "same picture bit for bit",
+        default=DEFAULTS.seed,
+        min=0,
+        update=_tell,
+    )
+    viewport_passes: IntProperty(  # type: ignore[valid-type]
+        name="Viewport Passes",
+        description="Number of passes that refine the picture in the viewport while nothing "
+        "changes",
+        default=64,
+        min=1,
+        soft_max=4096,
+        update=_tell,
+    )
+    viewport_photons_per_pass: IntProperty(  # type: ignore[valid-type]
+        name="Viewport Photons per Pass",
+        description="Number of photon paths that start at the lights in the first pass that "
+        "refines the viewport",
+        default=100_000,
+        min=0,
+        soft_max=10_000_000,
+        update=_tell,
+    )
+    viewport_time_limit: FloatProperty(  # type: ignore[valid-type]
+        name="Viewport Time Limit",
+        description="Stop refining the picture in the viewport after this many seconds; 0 = no "
+        "limit",
+        default=0.0,
+        min=0.0,
+        subtype="TIME_ABSOLUTE",
+        unit="TIME_ABSOLUTE",
+        update=_tell,
+    )
+    point_spacing: FloatProperty(  # type: ignore[valid-type]
+        name="Point Spacing",
+        description="Distance of visible points in kernel radii; 0 = one point per camera sample",
+        default=DEFAULTS.point_spacing,
+        min=0.0,
+        max=1.0,
+        update=_tell,
+    )
+
+
+class PhotonSplatViewLayerSettings(bpy.types.PropertyGroup):
+    """The engine's own passes, switched on per view layer."""
+
+    use_pass_photon_density: BoolProperty(  # type: ignore[valid-type]
+        name="Photon Density",
+        description="Deliver the number of photons found around each point, per pass",
+        default=False,
+    )
+    use_pass_surface_id: BoolProperty(  # type: ignore[valid-type]
+        name="Surface ID",
+        description="Deliver a number per surface patch: photons count only for points on their "
+        "own patch",
+        default=False,
+    )
+    use_pass_error: BoolProperty(  # type: ignore[valid-type]
+        name="Error",
+        description="Deliver the estimated error of each pixel's luminance, noise and blur "
+        "together",
+        default=False,
+    )
+
+
+CLASSES = (PhotonSplatSettings, PhotonSplatViewLayerSettings)
+
+
+def render_settings(scene: Any) -> RenderSettings:
+    """The settings of a bpy.types.Scene; raises ValueError if they do not make sense."""
+    group, render = scene.photon_splat, scene.render
+    spacing = group.point_spacing
+    return RenderSettings(
+        passes=group.passes,
+        time_limit=group.time_limit,
+        error_threshold=group.error_threshold,
+        photons_per_pass=group.photons_per_pass,
+        max_bounces=group.max_bounces,
+        radius_scale=group.radius_scale,
+        boundary_correction=group.boundary_correction,
+        fallback=group.fallback,
+        final_gather=FinalGather(group.final_gather),
+        denoise=group.denoise,
+        backend=Backend(group.backend),
+        seed=group.seed,
+        threads=render.threads if render.threads_mode == "FIXED" else 0,
+        point_spacing=DEFAULTS.point_spacing
+        if abs(spacing - DEFAULTS.point_spacing) < 1e-6
+        else spacing,
+    )
+
+
+def viewport_settings(scene: Any) -> RenderSettings:
+    """Those of the viewport: its own passes, photons and time limit, all else that counts there as
+    in `render_settings`.
+    """
+    group = scene.photon_splat
+    return replace(
+        render_settings(scene),
+        passes=group.viewport_passes,
+        photons_per_pass=group.viewport_photons_per_pass,
+        time_limit=group.viewport_time_limit,
+        error_threshold=0.0,
+        final_gather=FinalGather.OFF,
+        denoise=False,
+    )
+
+
+def register() -> None:
+    register_classes(CLASSES)
+    bpy.types.Scene.photon_splat = bpy.props.PointerProperty(
+        type=PhotonSplatSettings, name="Photon Splat"
+    )
+    bpy.types.ViewLayer.photon_splat = bpy.props.PointerProperty(
+        type=PhotonSplatViewLayerSettings, name="Photon Splat"
+    )
+
+
+def unregister() -> None:
+    for owner in (bpy.types.ViewLayer, bpy.types.Scene):
+        if hasattr(owner, "photon_splat"):
+            del owner.photon_splat
+    unregister_classes(CLASSES)

@@ -1,0 +1,68 @@
+"""photon-splat: renders .blend files without a window, for scripts and render farms."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import sys
+import time
+from typing import NoReturn
+
+from .arguments import CommandError, check_paths, parser
+from .exr import WriteError
+from .process import (
+    end_at_the_second,
+    open_standard_streams,
+    remove_blenders_folder,
+    silence_blender,
+)
+from .progress import say
+from .render import open_scene, render_layers, write_files
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Runs the command and returns its exit status: 0 only if the picture was written."""
+    started = time.monotonic()
+    stop = False
+
+    def interrupt(*_: object) -> None:
+        nonlocal stop
+        stop = True
+        for one in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(one, signal.SIG_DFL)
+
+    try:
+        options = parser().parse_args(arguments)
+        check_paths(options)
+        if not options.verbose:
+            silence_blender()
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, interrupt)
+            end_at_the_second(number)
+        scene = open_scene(options)
+        results = render_layers(options, scene, lambda: stop)
+        write_files(
+            options,
+            scene,
+            results,
+            time.monotonic() - started - results[0][1].statistics["seconds"]["total"],
+        )
+    except (CommandError, WriteError) as error:
+        say(f"photon-splat: {error}\n")
+        return 1
+    return 0
+
+
+def run() -> NoReturn:
+    """The console script. Blender's clean-up at exit can crash, so the process ends without it."""
+    open_standard_streams()
+    try:
+        status = main()
+    except SystemExit as leave:  # --help
+        status = int(leave.code or 0)
+    remove_blenders_folder()
+    for stream in (sys.stdout, sys.stderr):
+        with contextlib.suppress(OSError, ValueError):
+            stream.flush()
+    os._exit(status)

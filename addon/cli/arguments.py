@@ -1,0 +1,272 @@
+"""The options of photon-splat: what they may be, and what they change of a scene's settings."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import os
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, NoReturn
+
+from ..core.render.settings import (
+    FORCEABLE,
+    SWITCHES,
+    Backend,
+    FinalGather,
+    Integrator,
+    RenderSettings,
+)
+from .exr import try_file
+
+UNLIMITED_PASSES = 1 << 30
+MOST_PHOTONS = 1 << 40
+COMPONENTS = tuple(dict.fromkeys(FORCEABLE + SWITCHES))
+
+
+class CommandError(Exception):
+    """What went wrong, as one sentence for the user."""
+
+
+class _Parser(argparse.ArgumentParser):
+    def error(self, message: str) -> NoReturn:
+        raise CommandError(f"{message} (see photon-splat --help)")
+
+
+def _number(kind: type, low: float, high: float = math.inf) -> Callable[[str], Any]:
+    def parse(text: str) -> Any:
+        try:
+            value = kind(text)
+        except ValueError:
+            value = math.nan
+        if not low <= value <= high or math.isinf(value):
+            bounds = (
+                f"{low:,.12g} or more"
+                if math.isinf(high)
+                else f"between {low:,.12g} and {high:,.12g}"
+            )
+            raise argparse.ArgumentTypeError(f"'{text}' is not a number {bounds}")
+        return value
+
+    return parse
+
+
+def _component(text: str) -> tuple[str, bool]:
+    name, _, state = text.partition("=")
+    if state not in ("on", "off") or name not in COMPONENTS:
+        raise argparse.ArgumentTypeError(
+            f"'{text}' is not NAME=on or NAME=off with one of {', '.join(COMPONENTS)}"
+        )
+    return name, state == "on"
+
+
+def _resolution(text: str) -> tuple[int, int]:
+    width, _, height = text.lower().partition("x")
+    if not (
+        width.isdecimal()
+        and height.isdecimal()
+        and 4 <= int(width) <= 65536
+        and 4 <= int(height) <= 65536
+    ):
+        raise argparse.ArgumentTypeError(
+            f"'{text}' is not WIDTHxHEIGHT with sides between 4 and 65536 pixels"
+        )
+    return int(width), int(height)
+
+
+def parser() -> argparse.ArgumentParser:
+    top = _Parser(prog="photon-splat", description="Renders Blender files with Photon Splat.")
+    commands = top.add_subparsers(dest="command", required=True, metavar="render")
+    r = commands.add_parser("render", help="render one frame of a .blend file to an OpenEXR file")
+    r.add_argument("scene", type=Path, metavar="SCENE.blend")
+    r.add_argument("-o", "--output", type=Path, required=True, metavar="OUT.exr")
+    r.add_argument(
+        "--frame",
+        type=_number(int, -1048574, 1048574),
+        metavar="N",
+        help="frame to render (default: the file's current one)",
+    )
+    r.add_argument(
+        "--seconds",
+        type=_number(float, 1e-3),
+        metavar="S",
+        help="stop after S seconds; with no --passes, only then",
+    )
+    r.add_argument(
+        "--error",
+        type=_number(float, 1e-6),
+        metavar="X",
+        help="stop at this relative error; with no --passes, only then",
+    )
+    r.add_argument(
+        "--passes", type=_number(int, 1, UNLIMITED_PASSES), metavar="N", help="stop after N passes"
+    )
+    r.add_argument(
+        "--photons-per-pass",
+        type=_number(int, 0, MOST_PHOTONS),
+        metavar="N",
+        help="photon paths of the first pass",
+    )
+    r.add_argument(
+        "--resolution", type=_resolution, metavar="WxH", help="size of the picture in pixels"
+    )
+    r.add_argument("--seed", type=_number(int, 0, 2**32 - 1), metavar="N")
+    r.add_argument("--threads", type=_number(int, 0, 1024), metavar="N", help="0 = all")
+    r.add_argument(
+        "--integrator",
+        choices=[i.value for i in Integrator],
+        help="reference: a plain unbiased path tracer",
+    )
+    r.add_argument(
+        "--backend",
+        choices=[b.value for b in Backend],
+        type=str.upper,
+        help="what splats the photons",
+    )
+    r.add_argument(
+        "--max-bounces",
+        type=_number(int, 0, 1024),
+        metavar="N",
+        help="surface bounces between light and camera",
+    )
+    r.add_argument(
+        "--radius-scale",
+        type=_number(float, 1e-3, 1e3),
+        metavar="X",
+        help="multiplies the automatic kernel radius",
+    )
+    r.add_argument(
+        "--point-spacing",
+        type=_number(float, 0, 1),
+        metavar="X",
+        help="of visible points, in kernel radii; 0 = one per sample",
+    )
+    r.add_argument(
+        "--no-boundary-correction", dest="boundary_correction", action="store_const", const=False
+    )
+    r.add_argument(
+        "--denoise",
+        action="store_const",
+        const=True,
+        help="run Open Image Denoise on the finished picture",
+    )
+    r.add_argument(
+        "--no-adaptive-radius",
+        dest="adaptive_radius",
+        action="store_const",
+        const=False,
+        help="one law for all pixels",
+    )
+    r.add_argument(
+        "--no-adaptive-samples",
+        dest="adaptive_samples",
+        action="store_const",
+        const=False,
+        help="passes are all alike",
+    )
+    r.add_argument(
+        "--no-fallback",
+        dest="fallback",
+        action="store_const",
+        const=False,
+        help="no camera paths where photons serve badly",
+    )
+    r.add_argument(
+        "--final-gather",
+        choices=[g.value for g in FinalGather],
+        type=str.upper,
+        help="photons light the second place of paths",
+    )
+    r.add_argument(
+        "--component",
+        type=_component,
+        action="append",
+        default=[],
+        metavar="NAME=on|off",
+        help="run a part that the plan leaves out, or leave one out (for tests): "
+        + ", ".join(COMPONENTS),
+    )
+    r.add_argument(
+        "--stats", type=Path, metavar="FILE.json", help="write what the render did as JSON"
+    )
+    r.add_argument("--verbose", action="store_true", help="let Blender's own messages through")
+    return top
+
+
+def settings_of(options: argparse.Namespace) -> Callable[[RenderSettings], RenderSettings]:
+    """The options laid over the scene's own settings."""
+    given: dict[str, Any] = {
+        name: getattr(options, name)
+        for name in (
+            "photons_per_pass",
+            "seed",
+            "threads",
+            "max_bounces",
+            "radius_scale",
+            "point_spacing",
+            "boundary_correction",
+            "denoise",
+            "adaptive_radius",
+            "adaptive_samples",
+            "fallback",
+            "passes",
+        )
+        if getattr(options, name) is not None
+    }
+    given |= {name: on for name, on in options.component if name in SWITCHES}
+    given |= {"photons_per_pass": 0} if ("photons", False) in options.component else {}
+    given["force"] = tuple(
+        dict.fromkeys(name for name, on in options.component if on and name in FORCEABLE)
+    )
+    if options.integrator is not None:
+        given["integrator"] = Integrator(options.integrator)
+    if options.final_gather is not None:
+        given["final_gather"] = FinalGather(options.final_gather)
+    if options.backend is not None:
+        given["backend"] = Backend(options.backend)
+    if options.error is not None or options.seconds is not None:
+        given |= {
+            "error_threshold": options.error or 0.0,
+            "time_limit": options.seconds or 0.0,
+            "passes": options.passes or UNLIMITED_PASSES,
+        }
+    elif options.passes is not None:
+        given |= {"time_limit": 0.0, "error_threshold": 0.0}
+    return lambda plain: replace(plain, **given)
+
+
+def check_paths(options: argparse.Namespace) -> None:
+    if not os.path.isfile(options.scene):
+        raise CommandError(
+            f"{options.scene} does not exist"
+            if not os.path.exists(options.scene)
+            else f"{options.scene} is not a file"
+        )
+    if options.output.suffix.lower() != ".exr":
+        raise CommandError(
+            f"{options.output} does not end in .exr: pictures are written as OpenEXR"
+        )
+    given = {"--stats": options.stats, "--output": options.output, "the scene": options.scene}
+    for one, other in (
+        ("--stats", "--output"),
+        ("--stats", "the scene"),
+        ("--output", "the scene"),
+    ):
+        if given[one] is not None and _same_file(given[one], given[other]):
+            raise CommandError(f"{one} and {other} name the same file")
+    for path in filter(None, (options.output, options.stats)):
+        if os.path.isdir(path):  # which says no to names that are too long
+            raise CommandError(f"{path} is a folder")
+        if not os.path.isdir(path.parent):
+            raise CommandError(f"{path} cannot be written: the folder {path.parent} does not exist")
+        if not os.access(path.parent, os.W_OK):
+            raise CommandError(f"{path} cannot be written: no permission in {path.parent}")
+        try_file(path)
+
+
+def _same_file(one: Path, other: Path) -> bool:
+    try:
+        return one.samefile(other)
+    except OSError:  # one of them is not there yet
+        return os.path.realpath(one) == os.path.realpath(other)

@@ -1,0 +1,145 @@
+"""32-bit float OpenEXR files: the Combined pass as plain R, G, B, A, the others as named layers."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import stat
+import tempfile
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from ..core.render.result import Passes, infos_of
+from ..core.scene import Frame
+
+ROWS_AT_ONCE = 64
+"""Of a picture that is written: the channels side by side take as much memory as the picture again,
+but for so many rows only.
+"""
+
+
+class WriteError(Exception):
+    """The file could not be written; the message is one sentence that names it."""
+
+
+def replace_file(path: Path, write: Callable[[Path], object]) -> None:
+    """Calls write(temporary path) and puts the file in the place of `path`: whole, or not at all.
+    Raises WriteError.
+
+    A link stays, and what it leads to is replaced; who may read and write the file stays as it was.
+    """
+    with _error_of(path, "could not be written"):
+        temporary = _temporary(path)
+        try:
+            write(temporary)
+            os.chmod(temporary, _mode_of(path))
+            os.replace(temporary, os.path.realpath(path))
+        finally:
+            with contextlib.suppress(OSError):
+                temporary.unlink(missing_ok=True)
+
+
+def try_file(path: Path) -> None:
+    """Raises WriteError where replace_file() would not find a place for the file, or the wrong
+    thing in it. Leaves nothing behind.
+    """
+    with _error_of(path, "cannot be written"):
+        if os.path.lexists(path) and os.path.exists(path) and not os.path.isfile(path):
+            raise OSError("it is no ordinary file")
+        _temporary(path).unlink()
+
+
+@contextlib.contextmanager
+def _error_of(path: Path, what: str):  # type: ignore[no-untyped-def]
+    try:
+        yield
+    except (OSError, ValueError) as error:  # ValueError: a name with a null in it
+        raise WriteError(f"{path} {what}: {getattr(error, 'strerror', None) or error}") from error
+
+
+def _temporary(path: Path) -> Path:
+    """A new empty file beside what `path` leads to."""
+    real = Path(os.path.realpath(path))
+    with contextlib.suppress(FileNotFoundError):
+        os.lstat(real)  # may say that the name is too long
+    number, name = tempfile.mkstemp(prefix=".", suffix=f".partial{real.suffix}", dir=real.parent)
+    os.close(number)
+    return Path(name)
+
+
+def _mode_of(path: Path) -> int:
+    """That of the file, or that of new ones."""
+    try:
+        return stat.S_IMODE(os.stat(path).st_mode)
+    except OSError:
+        mask = os.umask(0)
+        os.umask(mask)
+        return 0o666 & ~mask
+
+
+def channels_of(
+    passes: Passes, prefix: str = "", *, plain: bool = True
+) -> tuple[list[str], list[np.ndarray]]:
+    """Channel names of all passes, and the passes (height, width, channels) float32; `plain` leaves
+    Combined without a layer name.
+    """
+    names, planes = [], []
+    for info in infos_of(passes):
+        layer = "" if plain and info.name == "Combined" else f"{prefix}{info.name}."
+        names += [layer + letter for letter in info.channels]
+        planes.append(passes[info.name])
+    return names, planes
+
+
+def write_exr(
+    path: Path,
+    names: list[str],
+    planes: Sequence[np.ndarray],
+    frame: Frame,
+    *,
+    crop: bool,
+    metadata: dict[str, str | int | float],
+) -> None:
+    """Writes `planes` (height, width, channels), `names` their channels, row 0 at the bottom, of
+    `frame.region`; without `crop` a border is the data window.
+
+    Raises WriteError.
+    """
+    import OpenImageIO as oiio
+
+    height, width, _ = planes[0].shape
+    spec = oiio.ImageSpec(width, height, len(names), oiio.FLOAT)
+    spec.channelnames = names
+    if frame.border is not None and not crop:
+        x, y, _, _ = frame.region
+        spec.x, spec.y = x, frame.height - y - height
+        spec.full_x, spec.full_y, spec.full_width, spec.full_height = (
+            0,
+            0,
+            frame.width,
+            frame.height,
+        )
+    spec.attribute("compression", "zip")
+    spec.attribute("oiio:ColorSpace", "lin_rec709")
+    for key, value in metadata.items():
+        spec.attribute(key, value)
+
+    def write(temporary: Path) -> None:
+        output = oiio.ImageOutput.create(str(temporary))
+        if output is None:
+            raise OSError(oiio.geterror() or "OpenImageIO knows no such format")
+        done = output.open(str(temporary), spec)
+        for first in range(0, height, ROWS_AT_ONCE):
+            last = min(first + ROWS_AT_ONCE, height)
+            rows = np.concatenate(
+                [plane[height - last : height - first][::-1] for plane in planes],
+                axis=-1,
+                dtype=np.float32,
+            )
+            done = done and output.write_scanlines(spec.y + first, spec.y + last, spec.z, rows)
+        if not (done and output.close()):
+            raise OSError(output.geterror() or oiio.geterror() or "OpenImageIO did not say why")
+
+    replace_file(path, write)

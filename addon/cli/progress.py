@@ -1,0 +1,38 @@
+"""What the user reads on standard error while a render runs."""
+
+from __future__ import annotations
+
+import contextlib
+import sys
+
+from ..core.render.result import Progress
+
+
+def say(text: str) -> None:
+    """To standard error; where nobody reads it any more the render goes on all the same."""
+    with contextlib.suppress(OSError, ValueError):
+        sys.stderr.write(text)
+        sys.stderr.flush()
+
+
+class ProgressBar:
+    """On a terminal a bar that redraws itself, elsewhere a line at each tenth."""
+
+    def __init__(self) -> None:
+        self.terminal = sys.stderr.isatty()
+        self.tenth = -1
+
+    def show(self, progress: Progress) -> None:
+        if self.terminal:
+            filled = int(30 * progress.fraction)
+            say(
+                f"\r[{'#' * filled}{'.' * (30 - filled)}] {100 * progress.fraction:3.0f} %  "
+                f"{progress.message}\x1b[K"
+            )
+        elif int(10 * progress.fraction) > self.tenth:
+            self.tenth = int(10 * progress.fraction)
+            say(f"{10 * self.tenth:3d} %  {progress.message}\n")
+
+    def end(self) -> None:
+        if self.terminal:
+            say("\r\x1b[K")

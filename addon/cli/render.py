@@ -1,0 +1,123 @@
+"""Opens a scene in Blender, renders its view layers and writes the files."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Callable
+from typing import Any
+
+from ..core.render.result import RenderResult
+from ..core.scene import Frame
+from .arguments import CommandError, settings_of
+from .exr import channels_of, replace_file, write_exr
+from .progress import ProgressBar, say
+
+
+def open_scene(options: argparse.Namespace) -> Any:
+    try:
+        import bpy
+    except ImportError as error:
+        raise CommandError(f"Blender's Python module bpy cannot be loaded: {error}") from error
+    from .. import register
+
+    register()
+    try:
+        bpy.ops.wm.open_mainfile(
+            filepath=str(options.scene.resolve()), load_ui=False, use_scripts=False
+        )
+    except RuntimeError as error:
+        reason = " ".join(str(error).split()).removeprefix("Error: ")
+        raise CommandError(f"{options.scene} cannot be opened: {reason}") from error
+    scene = bpy.context.scene
+    render = scene.render
+    render.engine = "PHOTON_SPLAT"
+    render.use_compositing = render.use_sequencer = False
+    if options.resolution is not None:
+        render.resolution_x, render.resolution_y = options.resolution
+        render.resolution_percentage = 100
+    if options.frame is not None:
+        scene.frame_set(options.frame)
+    if scene.camera is None and not any(marker.camera for marker in scene.timeline_markers):
+        raise CommandError(
+            f"Scene '{scene.name}' has no camera: add one, or set an object as the scene's active "
+            "camera"
+        )
+    return scene
+
+
+def render_layers(
+    options: argparse.Namespace, scene: Any, interrupted: Callable[[], bool]
+) -> list[tuple[str, RenderResult, Frame]]:
+    """One result per view layer that is rendered, under its name."""
+    import bpy
+
+    from ..blender.job import describe, observer
+
+    results: list[tuple[RenderResult, Frame]] = []
+    errors: list[BaseException] = []
+    bar = ProgressBar()
+    observer.settings = settings_of(options)
+    observer.on_progress = bar.show
+    observer.on_result = lambda result, frame: results.append((result, frame))
+    observer.on_error = errors.append
+    observer.should_cancel = interrupted
+    failure = None
+    try:
+        bpy.ops.render.render(scene=scene.name)
+    except RuntimeError as error:
+        failure = error
+    bar.end()
+    if interrupted():
+        raise CommandError("interrupted; nothing was written")
+    if errors:
+        raise CommandError(describe(errors[0]))
+    if failure is not None:
+        raise CommandError(" ".join(str(failure).split()).removeprefix("Error: "))
+    if not results:
+        raise CommandError("Blender rendered no view layer; is at least one enabled for rendering?")
+    names = [layer.name for layer in scene.view_layers if layer.use]
+    names += [f"Layer {i}" for i in range(len(names), len(results))]
+    return [(name, result, frame) for name, (result, frame) in zip(names, results, strict=False)]
+
+
+def write_files(
+    options: argparse.Namespace,
+    scene: Any,
+    results: list[tuple[str, RenderResult, Frame]],
+    startup: float,
+) -> None:
+    from .. import version
+
+    _, first, frame = results[0]
+    names, planes = channels_of(first.passes)
+    for name, result, _ in results[1:]:
+        more, others = channels_of(result.passes, f"{name}.", plain=False)
+        names += more
+        planes += others
+    statistics = first.statistics | {"startup_seconds": startup, "version": version()}
+    metadata: dict[str, str | int | float] = {
+        "Software": f"Photon Splat {version()}",
+        "photon_splat:passes": statistics["passes"],
+        "photon_splat:photons": str(statistics["photons"]["traced"]),
+        "photon_splat:seconds": float(statistics["seconds"]["total"]),
+        "photon_splat:integrator": statistics["integrator"],
+        **{
+            f"photon_splat:{name}": float(statistics["error"][name])
+            for name in ("relative_rmse", "standard_error", "bias")
+        },
+    }
+    write_exr(
+        options.output,
+        names,
+        planes,
+        frame,
+        crop=scene.render.use_crop_to_border,
+        metadata=metadata,
+    )
+    if options.stats is not None:
+        replace_file(
+            options.stats, lambda path: path.write_text(json.dumps(statistics, indent=2) + "\n")
+        )
+    for warning in statistics["warnings"]:
+        say(f"photon-splat: warning: {warning}\n")

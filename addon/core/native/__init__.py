@@ -1,0 +1,1 @@
+"""The native module: how it is found, and how it gets a scene."""

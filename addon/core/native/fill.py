@@ -1,0 +1,362 @@
+"""Hands a `Scene` to the native renderer."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import asdict
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..render.settings import FinalGather, RenderSettings
+from ..scene import (
+    ALL_GROUPS,
+    ALL_RAYS,
+    NO_LIGHT_GROUP,
+    NO_PROGRAM,
+    Camera,
+    Frame,
+    Mesh,
+    Scene,
+    Side,
+)
+
+if TYPE_CHECKING:
+    from photon_splat_native import Renderer
+
+ANY_BOUNCES = 0xFFFFFFFF
+
+
+FAR = 100.0
+"""What stands wholly within a hundredth of the scene's size around the camera is near, and all else
+far from it.
+"""
+
+
+def world_bounds(scene: Scene) -> NDArray[np.float64]:
+    """(2, 3) lower and upper corner, m, of boxes around all instances; the camera's place for an
+    empty scene.
+    """
+    return _around(_instance_boxes(scene), scene)
+
+
+def _around(boxes: NDArray[np.float64], scene: Scene) -> NDArray[np.float64]:
+    if not len(boxes):
+        return np.stack([scene.camera.matrix[:3, 3]] * 2)
+    return np.stack([boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)])
+
+
+def _instance_boxes(scene: Scene) -> NDArray[np.float64]:
+    """(I, 2, 3) lower and upper corner in the world, m; instances without a triangle are left
+    out.
+    """
+    instances = scene.instances
+    filled = np.array([len(mesh.triangles) > 0 for mesh in scene.meshes], bool)
+    corners = np.zeros((len(scene.meshes), 8, 3))
+    for i in np.flatnonzero(filled):
+        box = _box(scene.meshes[i])
+        corners[i] = np.array(
+            [[box[a, 0], box[b, 1], box[c, 2]] for a in (0, 1) for b in (0, 1) for c in (0, 1)]
+        )
+    shown = filled[instances.mesh] if len(instances.mesh) else np.zeros(0, bool)
+    matrices = instances.matrix[shown]
+    world = (
+        np.einsum("ijk,ick->icj", matrices[:, :3, :3], corners[instances.mesh[shown]])
+        + matrices[:, None, :3, 3]
+    )
+    return np.stack([world.min(axis=1), world.max(axis=1)], axis=1)
+
+
+def _box(mesh: Mesh) -> NDArray[np.float64]:
+    """(2, 3) lower and upper corner of the triangles; vertices that none of them uses do not
+    count.
+    """
+    axes = mesh.positions.T  # one at a time: numpy takes twenty times as long over axis 0
+    ends = [int(at) for axis in axes for at in (axis.argmin(), axis.argmax())]
+    if not all((mesh.triangles == end).any() for end in set(ends)):
+        used = np.zeros(len(mesh.positions), bool)
+        used[mesh.triangles] = True
+        axes = mesh.positions[used].T
+    return np.array([[axis.min() for axis in axes], [axis.max() for axis in axes]], np.float64)
+
+
+def focus(scene: Scene) -> tuple[NDArray[np.float64], float]:
+    """Where coordinates count from, and the radius of what is near the camera, 0 where nothing is
+    very far from it.
+
+    Rounding errors grow with the distance from the origin: it is the middle of all, unless that is
+    far from what is seen best.
+    """
+    boxes = _instance_boxes(scene)
+    bounds = _around(boxes, scene)
+    origin, near = bounds.mean(axis=0), 0.0
+    eye = scene.camera.matrix[:3, 3]
+    reach = np.abs(boxes - eye).max(axis=(1, 2)) if len(boxes) else np.zeros(0)
+    size = 0.5 * float(np.linalg.norm(bounds[1] - bounds[0]))
+    while np.isfinite(size):
+        close = boxes[reach < size / FAR]
+        if not len(close):
+            break
+        low, high = close[:, 0].min(axis=0), close[:, 1].max(axis=0)
+        origin, near = 0.5 * (low + high), max(0.5 * float(np.linalg.norm(high - low)), 1e-6 * size)
+        size = near
+    return origin, near
+
+
+def fill_renderer(renderer: Renderer, scene: Scene, settings: RenderSettings) -> None:
+    """Copies everything into `renderer`. ValueError, with one sentence, for data that is not finite
+    or does not fit.
+    """
+    origin, near = focus(scene)
+    if not np.isfinite(origin).all():
+        raise ValueError("the scene has an instance whose place in the world is not finite")
+    renderer.set_origin([float(c) for c in origin], near)
+    _add_materials(renderer, scene)
+    for index, mesh in enumerate(scene.meshes):
+        with _naming(f"mesh '{mesh.name}'"):
+            renderer.add_mesh(
+                np.ascontiguousarray(mesh.positions, np.float32),
+                np.ascontiguousarray(mesh.triangles, np.uint32),
+                _contiguous(mesh.corner_normals, np.float32),
+                _contiguous(mesh.uv, np.float32),
+                _contiguous(mesh.slots, np.uint16),
+                _contiguous(mesh.vertex_normals, np.float32),
+            )
+            _add_mesh_shading(renderer, index, mesh)
+    _add_instances(renderer, scene)
+    _add_lights(renderer, scene)
+    place_camera(renderer, scene.camera, scene.frame)
+    by_trial = settings.final_gather == FinalGather.AUTO and settings.denoise
+    renderer.set_options(
+        photons_per_pass=settings.photons_per_pass,
+        max_bounces=settings.max_bounces,
+        radius_scale=settings.radius_scale,
+        point_spacing=settings.point_spacing,
+        boundary_correction=settings.boundary_correction,
+        caustics=settings.caustics,
+        force_caustics="caustics" in settings.force,
+        seed=settings.seed & 0xFFFFFFFF,
+        adaptive_radius=settings.adaptive_radius,
+        adaptive_samples=settings.adaptive_samples,
+        occlusion=settings.occlusion,
+        fallback=settings.fallback,
+        final_gather=settings.final_gather == FinalGather.ON or by_trial,
+        gather_trial=by_trial,
+    )
+
+
+def replace_shading(renderer: Renderer, scene: Scene) -> None:
+    """Gives a renderer that is built the materials, textures, lights and world of `scene`, whose
+    geometry it has already.
+    """
+    renderer.clear_shading()
+    _add_materials(renderer, scene)
+    _add_lights(renderer, scene)
+    renderer.relight()
+
+
+def _add_materials(renderer: Renderer, scene: Scene) -> None:
+    # the first texture with these pixels; other readings of them share its memory
+    stored: dict[int, int] = {}
+    for index, texture in enumerate(scene.textures):
+        first = stored.setdefault(id(texture.pixels), index)
+        if first != index and scene.textures[first].srgb == texture.srgb:
+            renderer.add_texture_reading(first, str(texture.interpolation), str(texture.extension))
+            continue
+        renderer.add_texture(
+            np.ascontiguousarray(texture.pixels),
+            texture.srgb,
+            str(texture.interpolation),
+            str(texture.extension),
+        )
+    for program in scene.programs:
+        renderer.add_program(
+            program.name, program.code, program.constants, program.registers, int(program.features)
+        )
+    for material in scene.materials:
+        with _naming(f"material '{material.name}'"):
+            if material.program != NO_PROGRAM:
+                renderer.add_program_material(material.program)
+            else:
+                renderer.add_material(_side(material.front), _side(material.back))
+
+
+def _add_lights(renderer: Renderer, scene: Scene) -> None:
+    for light in scene.lights:
+        with _naming(f"light '{light.name}'"):
+            renderer.add_lamp(
+                kind=str(light.kind),
+                matrix=np.ascontiguousarray(light.matrix, np.float64),
+                strength=_rgb(light.strength),
+                radius=light.radius,
+                soft_falloff=light.soft_falloff,
+                spot_size=light.spot_size,
+                spot_blend=light.spot_blend,
+                angle=light.angle,
+                size=[float(c) for c in light.size],
+                ellipse=light.ellipse,
+                spread=light.spread,
+                normalize=light.normalize,
+                camera_visible=light.camera_visible,
+                program=light.program,
+                lit_groups=light.lit_groups,
+                blockers=light.blockers,
+                light_group=light.light_group,
+                seen_by=light.seen_by,
+                max_bounces=ANY_BOUNCES if light.max_bounces is None else light.max_bounces,
+                met_by_rays=light.met_by_rays,
+                casts_shadows=light.casts_shadows,
+            )
+    renderer.set_light_groups(len(scene.light_groups), scene.world_light_group)
+    renderer.set_world(_rgb(scene.world), scene.world_seen_by)
+    if scene.world_map is not None:
+        rows = np.vstack([np.asarray(scene.world_map.to_lookup, np.float64), [0.0, 0.0, 0.0, 1.0]])
+        renderer.set_world_map(
+            scene.world_map.texture, scene.world_map.mirror_ball, np.ascontiguousarray(rows)
+        )
+    for sun in scene.sun_discs:
+        renderer.add_sun_disc(
+            [float(c) for c in sun.direction],
+            sun.half_angle,
+            _rgb(sun.bottom),
+            _rgb(sun.top),
+            sun.horizon,
+        )
+    if scene.world_program != NO_PROGRAM:
+        renderer.set_world_program(scene.world_program)
+
+
+def place_camera(renderer: Renderer, camera: Camera, frame: Frame) -> None:
+    """A renderer that is built takes it with set_view()."""
+    screen = [float(c) for c in camera.screen]
+    renderer.set_shading_view(
+        np.ascontiguousarray(camera.matrix, np.float64), screen, camera.orthographic
+    )
+    renderer.set_camera(
+        matrix=np.ascontiguousarray(camera.matrix, np.float64),
+        screen=screen,
+        orthographic=camera.orthographic,
+        clip_start=camera.clip_start,
+        clip_end=camera.clip_end,
+        frame=[frame.width, frame.height],
+        region=list(frame.region),
+        transparent=frame.transparent,
+        pixel_filter=str(frame.pixel_filter),
+        filter_width=frame.filter_width,
+    )
+    if camera.panorama is not None:
+        panorama = {
+            k: list(v) if isinstance(v, tuple) else v for k, v in asdict(camera.panorama).items()
+        }
+        renderer.set_panorama(**panorama | {"kind": str(camera.panorama.kind)})
+    if camera.aperture is not None:
+        renderer.set_aperture(**asdict(camera.aperture))
+
+
+def _add_instances(renderer: Renderer, scene: Scene) -> None:
+    instances = scene.instances
+    material_sets = [[int(m) for m in s] for s in scene.material_sets]
+    matrices = np.ascontiguousarray(instances.matrix, np.float64)
+    flat = find_flat(scene)
+    count = len(flat)
+    groups = np.zeros(count, int) if instances.group is None else instances.group
+    lit = [ALL_GROUPS] * count if instances.lit_groups is None else instances.lit_groups.tolist()
+    blockers = [ALL_GROUPS] * count if instances.blockers is None else instances.blockers.tolist()
+    light_groups = (
+        [NO_LIGHT_GROUP] * count
+        if instances.light_group is None
+        else instances.light_group.tolist()
+    )
+    seen_by = [ALL_RAYS] * count if instances.seen_by is None else instances.seen_by.tolist()
+    holdout = [False] * count if instances.holdout is None else instances.holdout.tolist()
+    # Of surfaces that coincide rays meet the one that was added first; Cycles shows the object that
+    # comes last.
+    for i in np.flatnonzero(~flat)[::-1]:
+        materials = material_sets[int(instances.material_set[i])]
+        linking = (int(groups[i]), lit[i], blockers[i], light_groups[i])
+        renderer.add_instance(
+            int(instances.mesh[i]), matrices[i], materials, *linking, seen_by[i], holdout[i]
+        )
+    for attribute in instances.attributes:
+        renderer.add_instance_attribute(
+            attribute.id, np.ascontiguousarray(attribute.values[~flat][::-1], np.float32)
+        )
+
+
+def find_flat(scene: Scene) -> NDArray[np.bool_]:
+    """(I,) instances that are squeezed to nothing, which no renderer gets; adds the warnings about
+    them to `scene`.
+    """
+    instances = scene.instances
+    flat = _is_flat(scene)
+    for name in sorted({scene.meshes[m].name for m in instances.mesh[flat]}):
+        scene.warnings.append(
+            f"Mesh '{name}' stands in the scene flattened to nothing (a scale of 0); those "
+            "instances are left out."
+        )
+    return flat
+
+
+def _is_flat(scene: Scene) -> NDArray[np.bool_]:
+    flat: NDArray[np.bool_] = (
+        np.linalg.det(scene.instances.matrix[:, :3, :3].astype(np.float32)) == 0
+    )
+    return flat
+
+
+def lamps_in_surfaces(renderer: Renderer, scene: Scene) -> list[str]:
+    """One warning about area lamps that lie in the plane of a surface: how much of their light gets
+    past it is decided by rounding.
+    """
+    kept = np.flatnonzero(~_is_flat(scene))
+    pairs = [
+        f"'{scene.lights[lamp].name}' in "
+        f"'{scene.meshes[scene.instances.mesh[kept[instance]]].name}'"
+        for lamp, instance in renderer.lamps_in_surfaces
+    ]
+    if not pairs:
+        return []
+    named = ", ".join(pairs[:3]) + (f" and {len(pairs) - 3} more" if len(pairs) > 3 else "")
+    return [
+        f"Area lamps lie exactly in a surface ({named}), which keeps back a part of their light "
+        "by chance: move them off it."
+    ]
+
+
+def _add_mesh_shading(renderer: Renderer, index: int, mesh: Mesh) -> None:
+    for attribute in mesh.shading.attributes:
+        renderer.add_mesh_attribute(
+            index, attribute.id, str(attribute.domain), np.ascontiguousarray(attribute.values)
+        )
+    if mesh.shading.generated is not None:
+        renderer.set_generated(
+            index, list(mesh.shading.generated.scale), list(mesh.shading.generated.offset)
+        )
+
+
+@contextmanager
+def _naming(what: str) -> Iterator[None]:
+    """Puts `what` before the message of a ValueError."""
+    try:
+        yield
+    except ValueError as error:
+        raise ValueError(f"{what}: {error}") from error
+
+
+def _side(side: Side) -> tuple:
+    return (
+        _rgb(side.base_color),
+        side.base_color_texture,
+        _rgb(side.emission),
+        side.emission_texture,
+    )
+
+
+def _rgb(color: tuple[float, float, float]) -> list[float]:
+    return [float(c) for c in color]
+
+
+def _contiguous(values: NDArray | None, dtype: type) -> NDArray | None:
+    return None if values is None else np.ascontiguousarray(values, dtype)

@@ -1,0 +1,1 @@
+"""Final renders: settings, plan, the session that runs the passes, results and denoising."""

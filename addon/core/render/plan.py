@@ -1,0 +1,161 @@
+"""The scene plan: what a scene needs, in plain words. Only what is provably absent is left out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from ..scene import NO_PROGRAM, NO_TEXTURE, Scene
+from .settings import FinalGather, Integrator, RenderSettings
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """sentences: for the user. flags: component → whether it runs; what is off costs nothing."""
+
+    sentences: list[str] = field(default_factory=list)
+    flags: dict[str, bool] = field(default_factory=dict)
+
+    def applied_to(self, settings: RenderSettings) -> RenderSettings:
+        """`settings` without what the plan leaves out."""
+        photons = settings.photons_per_pass if self.flags["photons"] else 0
+        gather = settings.final_gather if self.flags["final_gather"] else FinalGather.OFF
+        return replace(
+            settings,
+            photons_per_pass=photons,
+            occlusion=self.flags["occlusion"],
+            final_gather=gather,
+        )
+
+
+def make_plan(scene: Scene, settings: RenderSettings) -> Plan:
+    """Decides from the scene alone, before anything is rendered."""
+    used = np.unique(scene.instances.material_set)
+    materials = [
+        scene.materials[m]
+        for m in sorted({int(m) for s in used for m in scene.material_sets[int(s)]})
+    ]
+    sides = [side for material in materials for side in (material.front, material.back)]
+    lamps = [light for light in scene.lights if any(light.strength)]
+    programs = any(material.program != NO_PROGRAM for material in materials)  # may do anything
+    world = any(scene.world) or bool(scene.sun_discs) or scene.world_program != NO_PROGRAM
+    shining = programs or any(any(side.emission) for side in sides)
+    white = programs or any(any(side.base_color) for side in sides)
+    textures = programs or any(
+        t != NO_TEXTURE for side in sides for t in (side.base_color_texture, side.emission_texture)
+    )
+    splat = settings.integrator is Integrator.SPLAT
+    reasons = {
+        "Nothing shines: the picture is black, no photons are traced.": not (
+            lamps or world or shining
+        ),
+        "No surface reflects light: no photons are traced.": not white,
+        "Only direct light is asked for: no photons are traced.": settings.max_bounces == 0,
+        "Photons are switched off.": settings.photons_per_pass == 0,
+    }
+    why_not = next((sentence for sentence, applies in reasons.items() if applies), "")
+    if splat and "photons" in settings.force and settings.photons_per_pass:
+        why_not = ""
+    few_bounces = any(light.max_bounces is not None for light in scene.lights)
+    flags = {
+        "photons": splat and not why_not,
+        "world": world,
+        "textures": textures,
+        "boundary": splat and settings.boundary_correction,
+        "occlusion": splat
+        and settings.boundary_correction
+        and settings.occlusion
+        and (len(scene.instances.mesh) > 0 or "occlusion" in settings.force),
+        "adaptive_radius": splat and settings.adaptive_radius,
+        "adaptive_samples": splat and settings.adaptive_samples,
+        "fallback": splat and settings.fallback and not why_not,
+        "final_gather": splat and not why_not and _gathers(settings) and not few_bounces,
+    }
+    sentences = []
+    if not splat:
+        sentences.append("The path tracer does everything: no photons.")
+    elif why_not:
+        sentences.append(why_not)
+    if not world:
+        sentences.append("The world is black: no light comes from it.")
+    if not textures:
+        sentences.append("No textures: nothing is looked up.")
+    if splat and not settings.boundary_correction:
+        sentences.append("The boundary correction is switched off: edges and corners will be dark.")
+    elif splat and not settings.occlusion:
+        sentences.append("The occlusion test is switched off: contacts will be dark.")
+    if splat and not settings.adaptive_radius:
+        sentences.append("Adaptive radii are switched off.")
+    if splat and not settings.adaptive_samples:
+        sentences.append("Adaptive samples are switched off.")
+    if splat and not settings.caustics:
+        sentences.append("Caustic photons are switched off: caustics are blurred like other light.")
+    if flags["final_gather"]:
+        sentences.append(
+            "Final gathering: camera paths take one more bounce before photons light them."
+        )
+    elif few_bounces and _gathers(settings):
+        sentences.append(
+            "No final gathering: photons of lights of few bounces count from the surface they "
+            "light."
+        )
+    if splat and not settings.fallback:
+        sentences.append(
+            "Paths from the camera never stand in for photons: small things may be blotchy."
+        )
+    if splat and settings.force:
+        sentences.append(f"Forced on: {', '.join(settings.force)}.")
+    return Plan(sentences, flags)
+
+
+def _gathers(settings: RenderSettings) -> bool:
+    """A denoiser takes the noise of camera paths away, but not what discs blur. Caustics have to
+    come by photons of their own then.
+    """
+    if settings.final_gather == FinalGather.AUTO:
+        return settings.denoise and not settings.error_threshold and settings.caustics
+    return settings.final_gather == FinalGather.ON
+
+
+def pilot_sentences(statistics: dict[str, Any]) -> list[str]:
+    """What the pilot and the passes have found, from the native statistics."""
+    sentences = []
+    photons, discs = statistics["photons"], statistics["discs"]
+    if photons["traced"] and "caustic" not in photons:
+        sentences.append("No mirror, gloss or glass: no caustic photons.")
+    if any(part.get("guided") for part in photons.values() if isinstance(part, dict)):
+        sentences.append("Few photons end in view: emission is guided to those that do.")
+    reused = statistics["reused"]
+    if reused["geometry"]:
+        sentences.append(
+            f"Persistent data: geometry and {reused['photons']:,} photons of earlier renders have "
+            "been used again."
+        )
+    if discs["points"]:
+        cut, things = (
+            f"{100 * discs[name] / discs['points']:.2g} %" for name in ("cut", "obstructed")
+        )
+        sentences.append(
+            f"Surface edges cut {cut} of the discs."
+            if discs["cut"]
+            else "No surface edge comes near a disc."
+        )
+        sentences.append(
+            f"Things or walls stand in {things} of the discs."
+            if discs["obstructed"]
+            else "Nothing stands in a disc."
+        )
+    share = statistics["fallback"]["share"]
+    if statistics["fallback"]["everywhere"]:
+        sentences.append(
+            "Paths from the camera bring all of the indirect light, at less work here than "
+            "photons would; caustics excepted."
+        )
+    elif share:
+        sentences.append(
+            f"Too few photons reach {100 * share:.2g} % of the visible places: paths from the "
+            "camera go on there."
+        )
+    return sentences

@@ -1,0 +1,126 @@
+"""What a render gives back: named passes made of the film's sums, and how far it has come."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Passes = dict[str, NDArray[np.float32]]
+
+
+@dataclass(frozen=True, slots=True)
+class PassInfo:
+    name: str
+    channels: str
+    """One letter per channel, as an EXR file names them."""
+
+
+PASSES = (
+    PassInfo("Combined", "RGBA"),
+    PassInfo("Depth", "Z"),
+    PassInfo("Normal", "XYZ"),
+    PassInfo("Diffuse Direct", "RGB"),
+    PassInfo("Diffuse Indirect", "RGB"),
+    PassInfo("Diffuse Color", "RGB"),
+    PassInfo("Glossy Direct", "RGB"),
+    PassInfo("Glossy Indirect", "RGB"),
+    PassInfo("Transmission Direct", "RGB"),
+    PassInfo("Transmission Indirect", "RGB"),
+    PassInfo("Emission", "RGB"),
+    PassInfo("Photon Density", "X"),
+    PassInfo("Surface ID", "X"),
+    PassInfo("Error", "X"),
+)
+
+LIGHT_GROUP_CHANNELS = "RGB"
+
+FILM_ARRAYS = {
+    "Combined": "combined",
+    "Depth": "depth",
+    "Normal": "normal",
+    "Diffuse Direct": "diffuse_direct_per_albedo",
+    "Diffuse Indirect": "diffuse_indirect_per_albedo",
+    "Diffuse Color": "diffuse_color",
+    "Glossy Direct": "glossy_direct",
+    "Glossy Indirect": "glossy_indirect",
+    "Transmission Direct": "transmission_direct",
+    "Transmission Indirect": "transmission_indirect",
+    "Emission": "emission",
+    "Photon Density": "photon_density",
+    "Surface ID": "surface_id",
+    "Error": "error",
+}
+"""Which array of the native film each pass is. Diffuse light is divided by the albedo, as Cycles
+divides it (0 where that is black); glossy and transmitted light has its colour in it.
+"""
+
+
+@dataclass(slots=True)
+class Progress:
+    """fraction 0..1 of what `passes` or `time_limit` ask for; `interim` holds passes where they
+    were wanted and are new.
+    """
+
+    fraction: float
+    message: str
+    passes_done: int
+    interim: Passes | None = None
+
+
+@dataclass(slots=True)
+class RenderResult:
+    """passes: name → (height, width, channels) float32, row 0 at the bottom, of those that were
+    wanted. statistics: the --stats object.
+    noisy: the RGB of Combined before it was denoised, if it was.
+    """
+
+    passes: Passes
+    cancelled: bool
+    statistics: dict[str, Any]
+    noisy: NDArray[np.float32] | None = None
+
+
+def light_group_pass(name: str) -> PassInfo:
+    """The pass of a light group, named as by Cycles."""
+    return PassInfo(f"Combined_{name}", LIGHT_GROUP_CHANNELS)
+
+
+def infos_of(passes: Passes) -> list[PassInfo]:
+    """Of all there are, those of light groups last."""
+    known = {info.name for info in PASSES}
+    return [
+        *PASSES,
+        *(PassInfo(name, LIGHT_GROUP_CHANNELS) for name in passes if name not in known),
+    ]
+
+
+def film_arrays(wanted: Collection[str] | None = None) -> list[str]:
+    """What passes_from_film() needs of a film for the passes `wanted` (None: all) and those of
+    light groups.
+    """
+    return [array for name, array in FILM_ARRAYS.items() if wanted is None or name in wanted] + [
+        "light_groups"
+    ]
+
+
+def channels_of_arrays(arrays: Collection[str]) -> int:
+    """Floats a pixel that arrays of the film have together, those of light groups aside."""
+    channels = {FILM_ARRAYS[info.name]: len(info.channels) for info in PASSES}
+    return sum(channels.get(name, 3) for name in arrays if name != "light_groups")
+
+
+def passes_from_film(film: dict[str, Any], light_groups: Sequence[str] = ()) -> Passes:
+    """Those whose arrays are in `film`. `light_groups`: names of those that the film has."""
+    return {name: film[array] for name, array in FILM_ARRAYS.items() if array in film} | {
+        light_group_pass(name).name: film["light_groups"][i] for i, name in enumerate(light_groups)
+    }
+
+
+def black_passes(width: int, height: int, light_groups: Sequence[str] = ()) -> Passes:
+    """What a render that was cancelled before its first pass gives back."""
+    infos = [*PASSES, *map(light_group_pass, light_groups)]
+    return {p.name: np.zeros((height, width, len(p.channels)), np.float32) for p in infos}

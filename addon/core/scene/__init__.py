@@ -1,0 +1,50 @@
+"""The scene as plain numpy data: what the exporter writes and the native scene reads.
+
+Lengths are in metres, colours in linear Rec. 709, angles in radians. Matrices are row-major 4x4
+float64 that map column vectors of local coordinates to world coordinates. Nothing here knows
+Blender.
+"""
+
+from __future__ import annotations
+
+from .camera import Aperture, Camera, Frame, Panorama, PanoramaKind, PixelFilter
+from .lights import Light, LightKind, SunDisc, WorldMap
+from .material import NO_PROGRAM, NO_TEXTURE, Extension, Interpolation, Material, Rgb, Side, Texture
+from .mesh import Instances, Mesh
+from .scene import GEOMETRY, SHADING, VIEW, Scene, same, same_geometry, same_shading
+from .visibility import ALL_GROUPS, ALL_RAYS, GROUPS, NO_LIGHT_GROUP, Ray
+
+__all__ = [
+    "ALL_GROUPS",
+    "ALL_RAYS",
+    "GEOMETRY",
+    "GROUPS",
+    "NO_LIGHT_GROUP",
+    "NO_PROGRAM",
+    "NO_TEXTURE",
+    "SHADING",
+    "VIEW",
+    "Aperture",
+    "Camera",
+    "Extension",
+    "Frame",
+    "Instances",
+    "Interpolation",
+    "Light",
+    "LightKind",
+    "Material",
+    "Mesh",
+    "Panorama",
+    "PanoramaKind",
+    "PixelFilter",
+    "Ray",
+    "Rgb",
+    "Scene",
+    "Side",
+    "SunDisc",
+    "Texture",
+    "WorldMap",
+    "same",
+    "same_geometry",
+    "same_shading",
+]

@@ -1,0 +1,1 @@
+"""What a viewport shows, rendered on a thread of its own."""

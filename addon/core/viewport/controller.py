@@ -1,0 +1,437 @@
+"""Renders what a viewport shows, on a thread of its own that owns the native renderer. Knows no
+Blender.
+
+An edit brings a scene, a move of the camera a view. First comes a picture of few pixels, lit by a
+*store* of photons that serves every view: while the camera moves, no photon is traced. When it
+rests the store grows, the picture gets all its pixels, and then passes of a render refine it.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..native.fill import fill_renderer, place_camera, replace_shading
+from ..native.library import load
+from ..render.settings import RenderSettings
+from ..scene import Camera, Frame, PixelFilter, Scene, same, same_geometry, same_shading
+
+if TYPE_CHECKING:
+    from photon_splat_native import Renderer
+
+FIRST_PATHS, FIRST_PHOTONS = 1 << 15, 1 << 15
+"""Of the store before the first picture after an edit: paths at a time, until there are so many
+photons.
+"""
+MOST_FIRST_PATHS = 1 << 18
+STORE_PHOTONS = 1 << 17
+"""Wanted in the store when the camera rests: it is splatted within a frame."""
+MOST_STORE_PATHS = 1 << 22
+MOST_STORE_BYTES = 64 << 20
+PHOTONS_PER_BATCH = 1 << 16
+STEPS = (1, 2, 3, 4, 6, 8)
+"""Widths of a picture's pixels in those of the screen."""
+FIRST_STEP = 4
+SLOW, FAST = 0.062, 0.056
+"""s a picture while the camera moves may take, and below which it is given more pixels."""
+FORGET_AFTER = 30
+"""Pictures after which one that was slow is tried again."""
+REST = 0.15
+"""s without a move after which the camera rests; more where its moves come more slowly than that,
+as in a window that is slow to draw.
+"""
+SLOWEST_MOVES = 0.5
+"""s between two moves of one turn, at most."""
+SHOW_EVERY = 0.1
+"""s at least between two pictures of the refinement."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class View:
+    """What to show: `frame` is the whole region in pixels of the screen, its border the part to
+    render.
+
+    pixel: the least width of the picture's pixels, in pixels of the screen.
+    """
+
+    camera: Camera
+    frame: Frame
+    pixel: int = 1
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, View) and all(
+            same(getattr(self, name), getattr(other, name)) for name in ("camera", "frame", "pixel")
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Picture:
+    """pixels: (height, width, 4) float32 premultiplied scene-linear RGBA, row 0 at the bottom. They
+    cover `region` (x, y, width, height, pixels of the screen). samples: camera samples per pixel; 1
+    as long as `moving`, from the store. made: when it was, by time.monotonic().
+    """
+
+    pixels: NDArray[np.float32]
+    region: tuple[int, int, int, int]
+    view: View
+    step: int
+    samples: int
+    moving: bool
+    number: int
+    made: float = 0.0
+
+
+@dataclass(slots=True)
+class Counts:
+    """What the thread has done so far. builds: of geometry; relights: of the rest on the same
+    geometry; seconds: of the last of each.
+    """
+
+    builds: int = 0
+    relights: int = 0
+    frames: int = 0
+    passes: int = 0
+    photon_paths: int = 0
+    seconds: dict[str, float] = field(default_factory=dict)
+
+
+class Controller:
+    """Owns the thread. All methods may be called from any one thread and return at once, but
+    close().
+
+    `settings.passes` and `settings.time_limit` say when refinement ends (0 s = no limit).
+    step: the width of a moving picture's pixels; None chooses it by the time that pictures take.
+    """
+
+    def __init__(self, step: int | None = None) -> None:
+        self.counts = Counts()
+        self._pace = Pace(step)
+        self._changed = threading.Condition()
+        self._scene: tuple[Scene, RenderSettings] | None = None
+        self._view: View | None = None
+        self._moved = 0.0
+        self._rest = REST
+        self._closing = False
+        self._may_cancel = False
+        self._picture: Picture | None = None
+        self._error: BaseException | None = None
+        self._status = ""
+        self._progress = 0.0
+        self._renderer: Renderer | None = None
+        self._loading: tuple[Scene, RenderSettings] | None = None
+        self._loaded: tuple[Scene, RenderSettings] | None = None
+        self._thread = threading.Thread(target=self._run, name="Photon Splat viewport", daemon=True)
+        self._thread.start()
+
+    # --- any thread ---
+
+    def set_scene(self, scene: Scene, settings: RenderSettings) -> None:
+        """Shows `scene` from now on; what of it is as before is not built again. Its camera and
+        frame do not count.
+        """
+        with self._changed:
+            known = self._scene or self._loading or self._loaded
+            if (
+                known is not None
+                and known[1] == settings
+                and same_geometry(known[0], scene)
+                and same_shading(known[0], scene)
+            ):
+                return
+            self._scene = (scene, settings)
+            self._error = None
+            self._interrupt(True)
+
+    def set_view(self, view: View) -> None:
+        """Shows the scene in `view` from now on."""
+        with self._changed:
+            if self._view is not None and self._view == view:
+                return
+            self._view = view
+            now = time.monotonic()
+            pause, self._moved = now - self._moved, now
+            self._rest = max(REST, 2 * pause) if pause < SLOWEST_MOVES else REST
+            self._interrupt(False)
+
+    def picture(self) -> Picture | None:
+        """The latest picture."""
+        with self._changed:
+            return self._picture
+
+    def status(self) -> tuple[str, float, str]:
+        """What is going on, how much of it is done (0..1), and what went wrong."""
+        with self._changed:
+            return (
+                self._status,
+                self._progress,
+                " ".join(str(self._error).split()) if self._error else "",
+            )
+
+    @property
+    def idle(self) -> bool:
+        """Nothing is left to do until something changes."""
+        with self._changed:
+            return self._status == "" and self._scene is None
+
+    def close(self) -> None:
+        """Ends the thread, and with it all that it holds."""
+        with self._changed:
+            self._closing = True
+            self._interrupt(True)
+        self._thread.join()
+
+    @property
+    def alive(self) -> bool:
+        return self._thread.is_alive()
+
+    def _interrupt(self, everything: bool) -> None:
+        """Wakes the thread up; stops what it does if that is no longer wanted: a moving camera lets
+        a picture be finished.
+        """
+        if self._renderer is not None and (everything or self._may_cancel):
+            self._renderer.cancel()
+        self._changed.notify_all()
+
+    # --- the thread ---
+
+    def _run(self) -> None:
+        while True:
+            try:
+                if not self._work():
+                    return
+            except BaseException as error:
+                if not (self._renderer is not None and type(error) is load().Cancelled):
+                    self._fail(error)
+
+    def _fail(self, error: BaseException) -> None:
+        with self._changed:
+            self._error = error
+            self._status = ""
+            self._renderer = self._loaded = self._loading = None
+            while not self._closing and self._scene is None:
+                self._changed.wait()
+
+    def _work(self) -> bool:
+        """Does all there is to do for the scene and the view of now, then waits for others. False:
+        the end.
+        """
+        with self._changed:
+            if self._closing:
+                self._renderer = self._loaded = None
+                return False
+            asked, self._scene = self._scene, None
+            self._loading = asked
+            if self._renderer is not None:
+                self._renderer.resume()
+            self._may_cancel = False
+        if asked is not None:
+            self._load(*asked)
+        with self._changed:
+            if self._loaded is None or self._view is None:
+                self._wait(None)
+                return True
+            view = self._view
+        renderer, settings = self._renderer, self._loaded[1]
+        assert renderer is not None
+        self._trace_store(renderer, FIRST_PHOTONS, MOST_FIRST_PATHS)
+        self._draw_store(renderer, view, max(self._pace.step, view.pixel), moving=True)
+        with self._changed:
+            self._may_cancel = True
+            while (
+                not self._is_new(view) and (left := self._moved + self._rest - time.monotonic()) > 0
+            ):
+                self._changed.wait(left)
+            if self._is_new(view):
+                return True
+        self._trace_store(renderer, STORE_PHOTONS, MOST_STORE_PATHS)
+        self._draw_store(renderer, view, view.pixel, moving=False)
+        self._refine(renderer, view, settings)
+        with self._changed:
+            self._wait(view)
+        return True
+
+    def _is_new(self, view: View | None) -> bool:
+        return self._closing or self._scene is not None or self._view is not view
+
+    def _wait(self, view: View | None) -> None:
+        self._say("", 1.0)
+        while not self._is_new(view):
+            self._changed.wait()
+
+    def _say(self, status: str, progress: float = 0.0) -> None:
+        self._status, self._progress = status, progress
+
+    def _load(self, scene: Scene, settings: RenderSettings) -> None:
+        """Builds what `scene` needs: nothing, another light on the same geometry, or all."""
+        started = time.monotonic()
+        loaded, self._loaded = self._loaded, None
+        renderer = self._renderer
+        if (
+            loaded is not None
+            and renderer is not None
+            and loaded[1] == settings
+            and same_geometry(loaded[0], scene)
+        ):
+            if not same_shading(loaded[0], scene):
+                self._say("Lighting")
+                replace_shading(renderer, scene)
+                self.counts.relights += 1
+                self.counts.seconds["relight"] = time.monotonic() - started
+        else:
+            self._say("Building")
+            renderer = load().Renderer(settings.threads)
+            with self._changed:
+                if self._closing:
+                    raise load().Cancelled
+                self._renderer = renderer  # from now on it can be cancelled
+            fill_renderer(renderer, scene, settings)
+            renderer.build()
+            self._pace.forget()
+            self.counts.builds += 1
+            self.counts.seconds["build"] = time.monotonic() - started
+        with self._changed:
+            self._loading, self._loaded = None, (scene, settings)
+
+    def _trace_store(self, renderer: Renderer, photons: int, most_paths: int) -> None:
+        started, traced = time.monotonic(), False
+        while True:
+            store = renderer.store_statistics()
+            if store["full"] or store["photons"] >= photons or store["paths"] >= most_paths:
+                break
+            self._say("Tracing photons", store["photons"] / photons)
+            renderer.trace_store(
+                min(max(FIRST_PATHS, store["paths"]), PHOTONS_PER_BATCH), MOST_STORE_BYTES
+            )
+            traced = True
+        self._count(renderer)
+        if traced:
+            self.counts.seconds["store"] = time.monotonic() - started
+
+    def _draw_store(self, renderer: Renderer, view: View, step: int, moving: bool) -> None:
+        started = time.monotonic()
+        frame, region = scaled(view.frame, step)
+        place_camera(renderer, fitted(view, frame, step), frame)
+        renderer.draw_store()
+        self._publish(renderer, view, region, step, 1, moving)
+        self.counts.frames += 1
+        seconds = time.monotonic() - started
+        self.counts.seconds["moving" if moving else "still"] = seconds
+        if moving:
+            self._pace.took(step, seconds)
+
+    def _refine(self, renderer: Renderer, view: View, settings: RenderSettings) -> None:
+        """Passes as in a render; shown when they are better than the picture from the store."""
+        frame, region = scaled(view.frame, view.pixel, sharp=False)
+        place_camera(renderer, fitted(view, frame, view.pixel), frame)
+        renderer.set_view()
+        started, shown = time.monotonic(), 0.0
+        for number in range(settings.passes):
+            self._say("Rendering", number / settings.passes)
+            began = time.monotonic()
+            renderer.trace_camera(number)
+            for layer in range(renderer.layers):
+                renderer.select_layer(layer)
+                renderer.make_points(number)
+                for first in range(0, renderer.paths_per_pass, PHOTONS_PER_BATCH):
+                    renderer.trace_photons(
+                        first, min(PHOTONS_PER_BATCH, renderer.paths_per_pass - first)
+                    )
+                    renderer.splat()
+            renderer.resolve()
+            self.counts.passes += 1
+            self._count(renderer)
+            now = time.monotonic()
+            self.counts.seconds["pass"] = now - began
+            late = settings.time_limit > 0 and now + (now - began) > started + settings.time_limit
+            if (number > 0 and now - shown > SHOW_EVERY) or number + 1 == settings.passes or late:
+                self._publish(renderer, view, region, view.pixel, number + 1, moving=False)
+                shown = now
+            if late:
+                return
+
+    def _count(self, renderer: Renderer) -> None:
+        photons = renderer.statistics()["photons"]
+        self.counts.photon_paths = (
+            renderer.store_statistics()["traced"] + photons["traced"] + photons["pilot"]
+        )
+
+    def _publish(
+        self,
+        renderer: Renderer,
+        view: View,
+        region: tuple[int, int, int, int],
+        step: int,
+        samples: int,
+        moving: bool,
+    ) -> None:
+        pixels = renderer.picture()
+        with self._changed:
+            number = self._picture.number + 1 if self._picture else 1
+            self._picture = Picture(
+                pixels, region, view, step, samples, moving, number, time.monotonic()
+            )
+
+
+class Pace:
+    """Chooses the width of a moving picture's pixels by the time that pictures take. `fixed`: that
+    width for ever.
+    """
+
+    def __init__(self, fixed: int | None = None) -> None:
+        self.step = fixed or FIRST_STEP
+        self._fixed = fixed is not None
+        self._seconds: dict[int, float] = {}
+        self._pictures = 0
+
+    def forget(self) -> None:
+        """Another scene takes other times."""
+        self._seconds.clear()
+
+    def took(self, step: int, seconds: float) -> None:
+        """A picture of that step took so long."""
+        if self._fixed or step != self.step:
+            return
+        at = STEPS.index(step)
+        self._seconds[step] = seconds
+        self._pictures += 1
+        if self._pictures % FORGET_AFTER == 0 and at:  # it may have been slow for another reason
+            self._seconds.pop(STEPS[at - 1], None)
+        if seconds > SLOW and at + 1 < len(STEPS):
+            self.step = STEPS[at + 1]
+        elif at:
+            finer = STEPS[at - 1]
+            # About half of the time goes with the number of pixels.
+            expected = self._seconds.get(finer, seconds * 0.5 * (1 + (step / finer) ** 2))
+            if expected < FAST:
+                self.step = finer
+
+
+def scaled(frame: Frame, step: int, sharp: bool = True) -> tuple[Frame, tuple[int, int, int, int]]:
+    """`frame` in pixels `step` times as wide, rounded up, and what of the screen its region then
+    covers.
+
+    sharp: each pixel shows what it covers alone; else the filter of `frame` blurs it.
+    """
+    x, y, width, height = frame.region
+    x0, y0, x1, y1 = x // step, y // step, -(-(x + width) // step), -(-(y + height) // step)
+    border = (x0, y0, x1 - x0, y1 - y0)
+    size = (-(-frame.width // step), -(-frame.height // step))
+    coarse = replace(frame, width=size[0], height=size[1], border=border)
+    if sharp:
+        coarse = replace(coarse, pixel_filter=PixelFilter.BOX, filter_width=1.0)
+    return coarse, (x0 * step, y0 * step, border[2] * step, border[3] * step)
+
+
+def fitted(view: View, frame: Frame, step: int) -> Camera:
+    """The camera of `view` for its frame in wider pixels, which may reach beyond it to the right
+    and above.
+    """
+    left, right, bottom, top = view.camera.screen
+    right = left + (right - left) * (frame.width * step) / view.frame.width
+    top = bottom + (top - bottom) * (frame.height * step) / view.frame.height
+    return replace(view.camera, screen=(left, right, bottom, top))

@@ -1,1 +1,0 @@
-"""Blender's shader node trees -> core.shading.Program."""

@@ -1,0 +1,347 @@
+"""Nodes that bring in what the hit, the object, the ray or the camera knows."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import bpy
+
+from .node import Node
+from .random_numbers import name_random
+from .values import NONE, ONE, ORIGIN, ZERO, Value, number, vector
+
+Outputs = dict[str, Value]
+LIGHT_PATH = (
+    *(
+        "Is Camera Ray",
+        "Is Shadow Ray",
+        "Is Diffuse Ray",
+        "Is Glossy Ray",
+        "Is Singular Ray",
+        "Is Reflection Ray",
+    ),
+    *(
+        "Is Transmission Ray",
+        "Is Volume Scatter Ray",
+        "Ray Length",
+        "Ray Depth",
+        "Diffuse Depth",
+        "Glossy Depth",
+    ),
+    *("Transparent Depth", "Transmission Depth"),
+)
+DEPTHS = ("Ray Depth", "Diffuse Depth", "Glossy Depth", "Transparent Depth", "Transmission Depth")
+
+
+def uv(n: Node, name: str) -> Value:
+    """Coordinates of a UV map; "": the render-active one."""
+    return n.graph.one("UvMap", attribute=uv_id(n, name))
+
+
+def uv_id(n: Node, name: str) -> int:
+    if name:
+        n.owner.asked_uv_map = True
+    return NONE if name in {"", n.owner.uv_map} else n.around.wants.id("uv", name)
+
+
+def instance_value(n: Node, kind: str, name: str) -> Outputs:
+    return n.graph.add("InstanceAttribute", attribute=n.around.wants.id(kind, name))
+
+
+def texture_coordinate(n: Node) -> Outputs:
+    node = n.node
+    found = {
+        name: n.graph.one("TextureCoordinate", what=name.upper())
+        for name in ("Normal", "Camera", "Window", "Reflection")
+    }
+    if node.from_instancer:
+        found["Generated"] = instance_value(n, "info", "generated")["vector"]
+        found["UV"] = instance_value(n, "info", "uv")["vector"]
+    else:
+        found["Generated"] = n.generated()
+        found["UV"] = uv(n, "")
+    if node.object is None:
+        found["Object"] = n.graph.one("TextureCoordinate", what="OBJECT")
+    else:
+        found["Object"] = into_object(n, node.object)
+    return found
+
+
+def into_object(n: Node, ob: Any) -> Value:
+    """The position in the coordinates of another object."""
+    if n.around.depsgraph is not None:
+        ob = ob.evaluated_get(n.around.depsgraph)
+    rows = ob.matrix_world.inverted_safe()
+    matrix = tuple(float(rows[i][k]) for i in range(3) for k in range(4))
+    return n.graph.one(
+        "TransformPoint", point=n.graph.one("Geometry", what="POSITION"), matrix=matrix
+    )
+
+
+def uv_map(n: Node) -> Outputs:
+    if n.node.from_instancer:
+        return {"UV": instance_value(n, "info", "uv")["vector"]}
+    return {"UV": uv(n, n.node.uv_map)}
+
+
+def geometry(n: Node) -> Outputs:
+    names = ("Position", "Tangent", "True Normal", "Incoming", "Parametric")
+    found = {name: n.graph.one("Geometry", what=name.upper().replace(" ", "_")) for name in names}
+    found["Normal"] = n.shading_normal()
+    side = n.owner.backfacing
+    found["Backfacing"] = n.graph.one("Backfacing") if side is None else (ONE if side else ZERO)
+    if n.wanted("Pointiness"):
+        found["Pointiness"] = n.graph.add("Attribute", attribute=n.around.wants.id("pointiness"))[
+            "factor"
+        ]
+    if n.wanted("Random Per Island"):
+        found["Random Per Island"] = n.graph.add(
+            "Attribute", attribute=n.around.wants.id("island")
+        )["factor"]
+    return found
+
+
+def object_info(n: Node) -> Outputs:
+    lamp = n.owner.lamp
+    if lamp is not None:
+        return {
+            "Location": n.graph.one("ObjectLocation"),
+            "Color": vector(lamp.color[:3]),
+            "Alpha": number(lamp.color[3]),
+            "Object Index": number(lamp.pass_index),
+            "Material Index": ZERO,
+            "Random": number(name_random(lamp.name)),
+        }
+    color = instance_value(n, "info", "color")
+    return {
+        "Location": n.graph.one("ObjectLocation"),
+        "Color": color["vector"],
+        "Alpha": color["alpha"],
+        "Object Index": instance_value(n, "info", "index")["factor"],
+        "Material Index": number(getattr(n.owner.id, "pass_index", 0)),
+        "Random": instance_value(n, "info", "random")["factor"],
+    }
+
+
+def particle_info(n: Node) -> Outputs:
+    numbers = ("Index", "Random", "Age", "Lifetime", "Size")
+    vectors = ("Location", "Velocity", "Angular Velocity")
+    found = {name: instance_value(n, "particle", name)["factor"] for name in numbers}
+    return found | {name: instance_value(n, "particle", name)["vector"] for name in vectors}
+
+
+def attribute(n: Node) -> Outputs:
+    node = n.node
+    name, kind = node.attribute_name, node.attribute_type
+    if kind == "VIEW_LAYER":
+        return _from_view_layer(n, name)
+    if kind == "GEOMETRY":
+        found = n.graph.add(
+            "Attribute", attribute=n.around.wants.id("attribute", name) if name else NONE
+        )
+    else:
+        found = instance_value(n, kind.lower(), name)
+    return {
+        "Color": found["vector"],
+        "Vector": found["vector"],
+        "Fac": found["factor"],
+        "Alpha": found["alpha"],
+    }
+
+
+def _from_view_layer(n: Node, name: str) -> Outputs:
+    depsgraph = n.around.depsgraph
+    owners = (
+        [] if depsgraph is None else [depsgraph.view_layer, depsgraph.scene, depsgraph.scene.world]
+    )
+    value = property_value(owners, name)
+    if value is None:
+        return {"Color": ORIGIN, "Vector": ORIGIN, "Fac": ZERO, "Alpha": ZERO}
+    color = vector(value[:3])
+    return {
+        "Color": color,
+        "Vector": color,
+        "Fac": number(sum(value[:3]) / 3.0),
+        "Alpha": number(value[3]),
+    }
+
+
+def property_value(owners: list[Any], path: str) -> tuple[float, float, float, float] | None:
+    """RGBA of a custom property or of a property of Blender's own by its path, of the first of
+    `owners` that has it.
+
+    A number is grey; what has no alpha is opaque.
+    """
+    for owner in owners:
+        if owner is None:
+            continue
+        value = None
+        try:
+            value = owner[path] if path in owner else owner.path_resolve(path)
+        except (KeyError, TypeError, ValueError, AttributeError):
+            continue
+        try:
+            numbers = (
+                [float(v) for v in value]
+                if hasattr(value, "__len__") and not isinstance(value, str)
+                else [float(value)] * 3
+            )
+        except (TypeError, ValueError):
+            continue
+        if 1 <= len(numbers) <= 4:
+            numbers += [0.0] * (3 - len(numbers))
+            return tuple([*numbers, 1.0][:4])  # type: ignore[return-value]
+    return None
+
+
+def color_attribute(n: Node) -> Outputs:
+    found = n.graph.add("Attribute", attribute=n.around.wants.id("color", n.node.layer_name))
+    return {"Color": found["vector"], "Alpha": found["alpha"]}
+
+
+def camera_data(n: Node) -> Outputs:
+    found = n.graph.add("CameraData")
+    return {
+        "View Vector": found["view_vector"],
+        "View Z Depth": found["view_z_depth"],
+        "View Distance": found["view_distance"],
+    }
+
+
+def light_path(n: Node) -> Outputs:
+    # as in Cycles it knows no kinds of rays; how far away it is looked at, and that it is one step
+    # away
+    if n.owner.lamp is not None:
+        if any(n.wanted(name) for name in DEPTHS):
+            n.warn("the depths of rays that see a light are those of its direct light")
+        found = {socket.identifier: ZERO for socket in n.node.outputs}
+        return found | {"Ray Length": n.graph.one("LightPath", what="RAY_LENGTH"), "Ray Depth": ONE}
+    if n.owner.of_world and any(n.wanted(name) for name in DEPTHS):
+        n.warn("the depths of rays that see the world are guessed for photons")
+    return {
+        name: n.graph.one("LightPath", what=name.upper().replace(" ", "_")) for name in LIGHT_PATH
+    } | {"Portal Depth": ZERO}
+
+
+def light_falloff(n: Node) -> Outputs:
+    strength, smooth = n.number("Strength"), n.number("Smooth")
+    kinds = ("Quadratic", "Linear", "Constant")
+    return {
+        kind: n.graph.one("LightFalloff", strength=strength, smooth=smooth, type=kind.upper())
+        for kind in kinds
+    }
+
+
+def fresnel(n: Node) -> Outputs:
+    return {"Fac": n.graph.one("Fresnel", ior=n.number("IOR"), normal=n.normal())}
+
+
+def layer_weight(n: Node) -> Outputs:
+    found = n.graph.add("LayerWeight", blend=n.number("Blend"), normal=n.normal())
+    return {"Fresnel": found["fresnel"], "Facing": found["facing"]}
+
+
+def wireframe(n: Node) -> Outputs:
+    return {
+        "Fac": n.graph.one(
+            "Wireframe", size=n.number("Size"), use_pixel_size=bool(n.node.use_pixel_size)
+        )
+    }
+
+
+def tangent(n: Node) -> Outputs:
+    node = n.node
+    if node.direction_type == "RADIAL":
+        return {"Tangent": n.graph.one("TangentRadial", axis=node.axis)}
+    return {
+        "Tangent": n.graph.one(
+            "TangentUv", tangent=n.tangent_id(node.uv_map), uv=uv_id(n, node.uv_map)
+        )
+    }
+
+
+def normal_map(n: Node) -> Outputs:
+    node = n.node
+    color = n.color("Color", (0.5, 0.5, 1.0))
+    if getattr(node, "convention", "OPENGL") == "DIRECTX":
+        flipped = n.graph.one("OneMinus", a=color.component(1))
+        color = n.graph.one(
+            "CombineColor", a=color.component(0), b=flipped, c=color.component(2), mode="RGB"
+        )
+    tangent_id = n.tangent_id(node.uv_map) if node.space == "TANGENT" else NONE
+    uv_of = uv_id(n, node.uv_map) if node.space == "TANGENT" else NONE
+    strength = n.number("Strength", 1.0)
+    unit = bpy.app.version >= (5, 0, 0)
+    found = n.graph.one(
+        "NormalMap",
+        strength=strength,
+        color=color,
+        space=node.space,
+        tangent=tangent_id,
+        uv=uv_of,
+        unit_normal=unit,
+    )
+    return {"Normal": found}
+
+
+def bump(n: Node) -> Outputs:
+    if not n.linked("Height"):
+        return {"Normal": n.normal()}
+    numbers = {name.lower(): n.number(name) for name in ("Strength", "Distance")}
+    heights = {
+        "height": n.number("Height"),
+        "height_dx": n.values["Height.DX"],
+        "height_dy": n.values["Height.DY"],
+    }
+    width = bump_width(n)
+    return {
+        "Normal": n.graph.one(
+            "Bump",
+            width=width,
+            normal_in=n.normal(),
+            invert=bool(n.node.invert),
+            **numbers,
+            **heights,
+        )
+    }
+
+
+def bump_width(n: Node) -> Value:
+    """How far apart a Bump looks at its height, in pixels."""
+    return n.number("Filter Width", 1.0)
+
+
+def displacement(n: Node) -> Outputs:
+    """The way that the surface would move, in world space."""
+    graph = n.graph
+    amount = graph.multiply(
+        graph.one("Subtract", a=n.number("Height"), b=n.number("Midlevel", 0.5)),
+        n.number("Scale", 1.0),
+    )
+    along = n.values.get("Normal") or graph.one("Geometry", what="NORMAL")
+    if n.node.space == "OBJECT":
+        own = graph.one(
+            "VectorTransform",
+            vector=along,
+            vector_type="NORMAL",
+            convert_from="WORLD",
+            convert_to="OBJECT",
+        )
+        moved = graph.scale(own, amount)
+        return {
+            "Displacement": graph.one(
+                "VectorTransform",
+                vector=moved,
+                vector_type="VECTOR",
+                convert_from="OBJECT",
+                convert_to="WORLD",
+            )
+        }
+    return {"Displacement": graph.scale(along, amount)}
+
+
+def nothing_of_hair(n: Node) -> Outputs:
+    return {
+        socket.identifier: ORIGIN if socket.type in {"VECTOR", "RGBA"} else ZERO
+        for socket in n.node.outputs
+    }

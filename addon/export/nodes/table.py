@@ -1,0 +1,238 @@
+"""Which node is compiled how. The exporter, its warnings and the README's list are made from this
+table.
+
+`python -m photon_splat.export.nodes.table` prints the list.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from . import converters as c
+from . import inputs as i
+from . import shaders as s
+from . import texturing as t
+from .node import Node
+from .values import ONE, ZERO, Value, vector
+
+Outputs = dict[str, Value]
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """A type of node (Node.type) as the user calls it.
+
+    `compile`    its outputs by identifier (kind "shader": closures). None: unsupported, and links
+    from it count as not there.
+    `instead`    what an unsupported or partly supported node does; empty: it does all that Cycles
+    does.
+    """
+
+    kind: str
+    label: str
+    compile: Callable[..., Any] | None = None
+    instead: str = ""
+
+
+def _passed(instead: str, **outputs: str | Value) -> Callable[[Node], Outputs]:
+    """A stand-in whose outputs are inputs of the same node, or fixed values; what it does is
+    reported.
+    """
+
+    def compile_stand_in(n: Node) -> Outputs:
+        n.unsupported(f"is not supported; {instead}")
+        found: Outputs = {}
+        for output, given in outputs.items():
+            if isinstance(given, str):
+                found[output] = (
+                    n.normal(given) if given == "Normal" else n.color(given, (1.0, 1.0, 1.0))
+                )
+            else:
+                found[output] = given
+        return found
+
+    return compile_stand_in
+
+
+NO_OCCLUSION = "taken as not occluded"
+NO_BEVEL = "the normal is left as it is"
+NO_RAYCAST = "taken as a ray that hits nothing"
+NO_SCRIPT = "links from it count as not there"
+
+NODES: dict[str, Entry] = {
+    # --- shaders ---
+    "MIX_SHADER": Entry("shader", "Mix Shader"),
+    "ADD_SHADER": Entry("shader", "Add Shader"),
+    "EMISSION": Entry("shader", "Emission", s.emission),
+    "BACKGROUND": Entry("shader", "Background", s.emission),
+    "BSDF_DIFFUSE": Entry("shader", "Diffuse BSDF", s.diffuse),
+    "BSDF_PRINCIPLED": Entry(
+        "shader",
+        "Principled BSDF",
+        s.principled,
+        "subsurface is taken as diffuse, Thin Wall as solid",
+    ),
+    "BSDF_GLOSSY": Entry("shader", "Glossy BSDF", s.glossy),
+    "BSDF_GLASS": Entry("shader", "Glass BSDF", s.glass),
+    "BSDF_REFRACTION": Entry("shader", "Refraction BSDF", s.refraction),
+    "BSDF_METALLIC": Entry("shader", "Metallic BSDF", s.metallic),
+    "BSDF_TRANSPARENT": Entry("shader", "Transparent BSDF", s.transparent),
+    "BSDF_TRANSLUCENT": Entry("shader", "Translucent BSDF", s.translucent),
+    "BSDF_SHEEN": Entry("shader", "Sheen BSDF", s.sheen),
+    "BSDF_TOON": Entry("shader", "Toon BSDF", s.toon),
+    "HOLDOUT": Entry("shader", "Holdout", s.holdout),
+    "SUBSURFACE_SCATTERING": Entry(
+        "shader", "Subsurface Scattering", s.subsurface, "taken as diffuse"
+    ),
+    "BSDF_HAIR": Entry("shader", "Hair BSDF", s.hair, "taken as diffuse"),
+    "BSDF_HAIR_PRINCIPLED": Entry(
+        "shader", "Principled Hair BSDF", s.hair_principled, "taken as diffuse"
+    ),
+    "BSDF_RAY_PORTAL": Entry("shader", "Ray Portal BSDF", s.ray_portal, "taken as transparent"),
+    "EEVEE_SPECULAR": Entry("shader", "Specular BSDF", s.specular_workflow, "taken as diffuse"),
+    "VOLUME_ABSORPTION": Entry("shader", "Volume Absorption", s.volume, "left out"),
+    "VOLUME_SCATTER": Entry("shader", "Volume Scatter", s.volume, "left out"),
+    "VOLUME_COEFFICIENTS": Entry("shader", "Volume Coefficients", s.volume, "left out"),
+    "PRINCIPLED_VOLUME": Entry("shader", "Principled Volume", s.volume, "left out"),
+    # --- textures ---
+    "TEX_IMAGE": Entry("texture", "Image Texture", t.image, "of movies one frame"),
+    "TEX_ENVIRONMENT": Entry("texture", "Environment Texture", t.environment),
+    "TEX_NOISE": Entry("texture", "Noise Texture", t.noise),
+    "TEX_VORONOI": Entry("texture", "Voronoi Texture", t.voronoi),
+    "TEX_WAVE": Entry("texture", "Wave Texture", t.wave),
+    "TEX_MAGIC": Entry("texture", "Magic Texture", t.magic),
+    "TEX_CHECKER": Entry("texture", "Checker Texture", t.checker),
+    "TEX_BRICK": Entry("texture", "Brick Texture", t.brick),
+    "TEX_GRADIENT": Entry("texture", "Gradient Texture", t.gradient),
+    "TEX_WHITE_NOISE": Entry("texture", "White Noise Texture", t.white_noise),
+    "TEX_GABOR": Entry("texture", "Gabor Texture", t.gabor),
+    "TEX_SKY": Entry(
+        "texture",
+        "Sky Texture",
+        t.sky,
+        "without the sun's disc where it is not the world's only colour; Hosek-Wilkie is taken as "
+        "Preetham",
+    ),
+    "TEX_IES": Entry("texture", "IES Texture", t.ies),
+    "TEX_POINTDENSITY": Entry("texture", "Point Density", t.no_density, "taken as empty"),
+    # --- what the hit knows ---
+    "TEX_COORD": Entry("input", "Texture Coordinate", i.texture_coordinate),
+    "UVMAP": Entry("input", "UV Map", i.uv_map),
+    "ATTRIBUTE": Entry("input", "Attribute", i.attribute),
+    "VERTEX_COLOR": Entry("input", "Color Attribute", i.color_attribute),
+    "NEW_GEOMETRY": Entry("input", "Geometry", i.geometry),
+    "OBJECT_INFO": Entry("input", "Object Info", i.object_info),
+    "PARTICLE_INFO": Entry("input", "Particle Info", i.particle_info),
+    "CAMERA": Entry("input", "Camera Data", i.camera_data),
+    "LIGHT_PATH": Entry(
+        "input",
+        "Light Path",
+        i.light_path,
+        "depths: in a light those of its direct light, in a world guessed for photons",
+    ),
+    "LIGHT_FALLOFF": Entry("input", "Light Falloff", i.light_falloff),
+    "FRESNEL": Entry("input", "Fresnel", i.fresnel),
+    "LAYER_WEIGHT": Entry("input", "Layer Weight", i.layer_weight),
+    "WIREFRAME": Entry("input", "Wireframe", i.wireframe),
+    "TANGENT": Entry("input", "Tangent", i.tangent),
+    "VALUE": Entry("input", "Value", c.value),
+    "RGB": Entry("input", "RGB", c.rgb),
+    "HAIR_INFO": Entry("input", "Curves Info", i.nothing_of_hair),
+    "POINT_INFO": Entry("input", "Point Info", i.nothing_of_hair),
+    "VOLUME_INFO": Entry("input", "Volume Info", i.nothing_of_hair),
+    "AMBIENT_OCCLUSION": Entry(
+        "input", "Ambient Occlusion", _passed(NO_OCCLUSION, Color="Color", AO=ONE), NO_OCCLUSION
+    ),
+    "BEVEL": Entry("input", "Bevel", _passed(NO_BEVEL, Normal="Normal"), NO_BEVEL),
+    "MATERIAL_RAYCAST": Entry(
+        "input",
+        "Raycast",
+        _passed(
+            NO_RAYCAST,
+            **{
+                "Is Hit": ZERO,
+                "Self Hit": ZERO,
+                "Hit Distance": ZERO,
+                "Hit Position": vector((0, 0, 0)),
+                "Hit Normal": vector((0, 0, 0)),
+            },
+        ),
+        NO_RAYCAST,
+    ),
+    "UVALONGSTROKE": Entry("input", "UV Along Stroke", None, NO_SCRIPT),
+    # --- vectors ---
+    "MAPPING": Entry("vector", "Mapping", c.mapping),
+    "NORMAL_MAP": Entry("vector", "Normal Map", i.normal_map),
+    "BUMP": Entry("vector", "Bump", i.bump),
+    "NORMAL": Entry("vector", "Normal", c.normal),
+    "CURVE_VEC": Entry("vector", "Vector Curves", c.vector_curves),
+    "VECT_MATH": Entry("vector", "Vector Math", c.vector_math),
+    "VECTOR_ROTATE": Entry("vector", "Vector Rotate", c.vector_rotate),
+    "VECT_TRANSFORM": Entry("vector", "Vector Transform", c.vector_transform),
+    "DISPLACEMENT": Entry(
+        "vector",
+        "Displacement",
+        i.displacement,
+        "bends normals as a bump; the surface stays where it is",
+    ),
+    "VECTOR_DISPLACEMENT": Entry("vector", "Vector Displacement", None, "left out"),
+    "ShaderNodeRadialTiling": Entry("vector", "Radial Tiling", None, NO_SCRIPT),
+    # --- colours and numbers ---
+    "MIX": Entry("converter", "Mix", c.mix, "of rotations A is taken"),
+    "MIX_RGB": Entry("converter", "Mix (Legacy)", c.mix_rgb),
+    "MATH": Entry("converter", "Math", c.math),
+    "MAP_RANGE": Entry("converter", "Map Range", c.map_range),
+    "CLAMP": Entry("converter", "Clamp", c.clamp),
+    "VALTORGB": Entry("converter", "Color Ramp", c.color_ramp),
+    "CURVE_RGB": Entry("converter", "RGB Curves", c.rgb_curves),
+    "CURVE_FLOAT": Entry("converter", "Float Curve", c.float_curve),
+    "HUE_SAT": Entry("converter", "Hue/Saturation/Value", c.hue_saturation),
+    "BRIGHTCONTRAST": Entry("converter", "Brightness/Contrast", c.bright_contrast),
+    "GAMMA": Entry("converter", "Gamma", c.gamma),
+    "INVERT": Entry("converter", "Invert Color", c.invert),
+    "RGBTOBW": Entry("converter", "RGB to BW", c.rgb_to_bw),
+    "SEPARATE_COLOR": Entry("converter", "Separate Color", c.separate_color),
+    "COMBINE_COLOR": Entry("converter", "Combine Color", c.combine_color),
+    "SEPXYZ": Entry("converter", "Separate XYZ", c.separate_xyz),
+    "COMBXYZ": Entry("converter", "Combine XYZ", c.combine_xyz),
+    "SEPRGB": Entry("converter", "Separate RGB (Legacy)", c.separate_rgb),
+    "COMBRGB": Entry("converter", "Combine RGB (Legacy)", c.combine_rgb),
+    "SEPHSV": Entry("converter", "Separate HSV (Legacy)", c.separate_hsv),
+    "COMBHSV": Entry("converter", "Combine HSV (Legacy)", c.combine_hsv),
+    "BLACKBODY": Entry("converter", "Blackbody", c.blackbody),
+    "WAVELENGTH": Entry("converter", "Wavelength", c.wavelength),
+    "SHADERTORGB": Entry("converter", "Shader to RGB", None, NO_SCRIPT),
+    "SCRIPT": Entry("converter", "Script", None, NO_SCRIPT),
+    "SQUEEZE": Entry("converter", "Squeeze Value (Legacy)", None, NO_SCRIPT),
+}
+KINDS = {
+    "shader": "Shaders",
+    "texture": "Textures",
+    "input": "Input",
+    "vector": "Vector",
+    "converter": "Colour and converter",
+}
+
+
+def markdown() -> str:
+    """The README's list: nodes that do all they do in Cycles, then the others and what they do
+    instead.
+    """
+    lines = ["| nodes | what is done |", "|---|---|"]
+    for kind, title in KINDS.items():
+        whole = [
+            entry.label for entry in NODES.values() if entry.kind == kind and not entry.instead
+        ]
+        lines.append(f"| {title}: {', '.join(sorted(whole))} | as in Cycles |")
+    instead: dict[str, list[str]] = {}
+    for entry in NODES.values():
+        if entry.instead:
+            instead.setdefault(entry.instead, []).append(entry.label)
+    lines += [f"| {', '.join(labels)} | {what} |" for what, labels in instead.items()]
+    return "\n".join(lines)
+
+
+if __name__ == "__main__":
+    print(markdown())

@@ -1,0 +1,1 @@
+"""Measurements and charts; make help names the commands."""

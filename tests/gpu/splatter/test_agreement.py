@@ -1,0 +1,188 @@
+"""The GPU splatter against the native one: same photons, same points, same irradiance."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from photon_splat.core.gpu import choice, context, methods, painter, splatter
+from photon_splat.core.gpu.atlas import TILE, atlas_ranges
+
+from tests.support import corescene as c
+from tests.support import gpu_scenes as scenes
+from tests.support.opengl import compare, expect_agreement, need_method, prepared, splat_on_gpu
+
+pytestmark = pytest.mark.usefixtures("opengl")
+
+
+@pytest.fixture(params=["quads", "gather"])
+def method(request: pytest.FixtureRequest, opengl: None) -> str:
+    need_method(request.param)
+    return request.param
+
+
+@pytest.mark.parametrize("radius_scale", [0.25, 1.0, 4.0])
+@pytest.mark.parametrize("scene", [scenes.room, scenes.floor])
+def test_scenes(scene, radius_scale: float) -> None:
+    compare(scene(), photons_per_pass=20_000, radius_scale=radius_scale)
+
+
+def test_a_point_per_sample() -> None:
+    compare(scenes.room(24), photons_per_pass=5_000, point_spacing=0.0)
+
+
+@pytest.fixture(scope="module")
+def room():
+    return prepared(scenes.room(), photons_per_pass=20_000)
+
+
+@settings(
+    max_examples=15, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
+@given(
+    seed=st.integers(0, 2**32 - 1),
+    count=st.integers(0, 3000),
+    reach=st.sampled_from([0.0, 0.3, 1.0, 3.0]),
+    spread=st.sampled_from([0.0, 1.0, 4.0]),
+    strangers=st.sampled_from([0.0, 0.5]),
+)
+def test_random_photons(
+    room, method: str, seed: int, count: int, reach: float, spread: float, strangers: float
+) -> None:
+    """Photons about the points, `reach` radii away, powers over `spread` factors of e, normals and
+    some keys at random.
+    """
+    random = np.random.default_rng(seed)
+    points = room.points()
+    near = random.integers(0, len(points["key"]), count)
+    records = np.zeros((count, 8), np.float32)
+    records[:, :3] = (
+        points["position"][near]
+        + random.normal(0, reach, (count, 3)) * points["radius"][near, None]
+    )
+    bits = records.view(np.uint32)
+    bits[:, 3] = np.where(
+        random.random(count) < strangers,
+        random.permutation(points["key"])[near],
+        points["key"][near],
+    )
+    bits[:, 4] = random.integers(0, 255, count) | random.integers(0, 255, count) << 8
+    records[:, 5:] = np.exp(random.normal(0, spread, (count, 3)))
+    room.make_points(0)
+    room.set_photon_records(records)
+    room.splat()
+    cpu = room.points()
+    expect_agreement(cpu, splat_on_gpu(room, method=method)[0])
+
+
+def test_several_atlases(room, method: str) -> None:
+    room.make_points(0)
+    room.trace_photons(0, 20_000)
+    room.splat()
+    cpu = room.points()
+    gpu, statistics = splat_on_gpu(room, most_texels=2 * TILE, method=method)
+    assert statistics["atlases"] == -(-room.block_count // 4) > 3
+    expect_agreement(cpu, gpu)
+
+
+@pytest.mark.parametrize("blocks", [0, 1, 4, 5, 1000])
+def test_atlases_cover_all_blocks(blocks: int) -> None:
+    ranges = list(atlas_ranges(blocks, 2 * TILE))
+    assert [b for first, count, _ in ranges for b in range(first, first + count)] == list(
+        range(blocks)
+    )
+    assert all(columns == 2 and count <= 4 for _, count, columns in ranges)
+
+
+def test_pairs_are_bounded(room, method: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """More pairs than buffers hold: several hand-overs, several draws each."""
+    monkeypatch.setattr(splatter, "MOST_PAIRS", 20_000)
+    monkeypatch.setattr(painter, "MOST_PAIRS", 1_000)
+    monkeypatch.setattr(painter, "FEWEST_PAIRS", 1_000)
+    handed: list[int] = []
+    splat = painter.Painter.splat
+    monkeypatch.setattr(
+        painter.Painter,
+        "splat",
+        lambda self, batch: (handed.append(len(batch.order)), splat(self, batch))[1],
+    )
+    room.make_points(0)
+    room.trace_photons(0, 20_000)
+    room.splat()
+    cpu = room.points()
+    gpu, statistics = splat_on_gpu(room, method=method)
+    assert statistics["batches"] == statistics["methods"][method] == len(handed) > 3
+    assert sum(handed) == statistics["pairs"]
+    assert max(handed) <= 40_000
+    expect_agreement(cpu, gpu)
+
+
+def test_a_tile_full_of_photons(method: str) -> None:
+    """All photons on one block: many runs, and many rounds of one work group."""
+    renderer = prepared(scenes.floor(16), photons_per_pass=20_000)
+    points = renderer.points()
+    widest = np.argmax(points["radius"])
+    records = np.tile(renderer.photon_records(0, 1, 1), (50_000, 1))
+    records[:, :3] = points["position"][widest] + np.random.default_rng(1).normal(
+        0, 0.2 * points["radius"][widest], (50_000, 3)
+    )
+    records.view(np.uint32)[:, 3] = points["key"][widest]
+    renderer.set_photon_records(records)
+    renderer.splat()
+    cpu = renderer.points()
+    assert cpu["count"].max() > 10_000
+    expect_agreement(cpu, splat_on_gpu(renderer, method=method)[0])
+
+
+@pytest.mark.parametrize("groups", [1, 7])
+def test_more_blocks_than_work_groups_in_a_row(
+    room, groups: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    need_method("gather")
+    monkeypatch.setattr(methods, "MOST_GROUPS", groups)
+    room.make_points(0)
+    room.trace_photons(0, 5_000)
+    room.splat()
+    cpu = room.points()
+    expect_agreement(cpu, splat_on_gpu(room, method="gather")[0])
+
+
+def test_both_methods_in_one_pass(room, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As while the rule is measuring; the choice changes not a bit."""
+    need_method("gather")
+    monkeypatch.setattr(splatter, "MOST_PAIRS", 20_000)
+    monkeypatch.setattr(context.submit(context.graphics).result().rule, "_seconds", {})
+    room.make_points(0)
+    room.trace_photons(0, 20_000)
+    room.splat()
+    cpu = room.points()
+    gpu, statistics = splat_on_gpu(room)
+    assert min(statistics["methods"].values()) > 0
+    assert sum(statistics["methods"].values()) == statistics["batches"]
+    expect_agreement(cpu, gpu)
+    for method in ("quads", "gather"):
+        alone, statistics = splat_on_gpu(room, method=method)
+        assert statistics["methods"] == dict.fromkeys(statistics["methods"], 0) | {
+            method: statistics["batches"]
+        }
+        for name in ("irradiance", "count"):
+            assert np.array_equal(alone[name], gpu[name])
+
+
+def test_whole_render(method: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Passes, camera and resolving included: the same picture but for rounding, and the same bit by
+    bit when repeated.
+    """
+    monkeypatch.setattr(choice, "GpuSplatter", partial(splatter.GpuSplatter, method=method))
+    pictures = {
+        b: c.picture(scenes.room(24), passes=3, photons_per_pass=40_000, backend=b, seed=5)
+        for b in ("CPU", "GPU")
+    }
+    assert np.abs(pictures["GPU"] - pictures["CPU"]).max() <= 1e-4 * pictures["CPU"].mean()
+    assert np.array_equal(
+        pictures["GPU"],
+        c.picture(scenes.room(24), passes=3, photons_per_pass=40_000, backend="GPU", seed=5),
+    )

@@ -1,0 +1,1 @@
+"""The add-on inside Blender, the extension and the packages."""

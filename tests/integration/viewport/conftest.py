@@ -1,0 +1,3 @@
+from tests.integration.addon.conftest import blender
+
+__all__ = ["blender"]

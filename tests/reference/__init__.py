@@ -1,0 +1,1 @@
+"""Pictures and numbers held to a reference: formulas, Cycles, and independent tracers."""

@@ -1,0 +1,98 @@
+"""Photon Splat against Cycles on some cases of cases.py, by verdict.py's rules. `make oracle`
+renders them all.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.reference.cycles.cases import CASE, CASES, SCENES, SPLAT_CASES, Case
+from tests.reference.cycles.lamp_trees import LAMP_TREES
+from tests.reference.cycles.verdict import judge, render
+from tests.reference.cycles.worker import Worker
+from tests.support.compare import save_pictures
+from tests.support.paths import ROOT
+
+SHARE = 24
+"""Of the cases that are no scenes of their own, one of so many; which ones differs between the
+integrators.
+"""
+SPLAT_SCENES, REFERENCE_SCENES = (
+    {"cornell_box", "interior", "light_types"},
+    {"cornell_box", "interior", "instances"},
+)
+QUICK_SPLAT = [
+    case
+    for k, case in enumerate(SPLAT_CASES)
+    if case.name in SPLAT_SCENES or (case.name not in SCENES and k % SHARE == 0)
+]
+QUICK_SPLAT += [
+    case
+    for case in LAMP_TREES
+    if case.name in {"lamp_area_checker", "lamp_point_linear", "lamp_spot_ies"}
+]
+QUICK_GATHER = [
+    case
+    for k, case in enumerate(SPLAT_CASES)
+    if case.name in {"cornell_box", "interior"} or k % (2 * SHARE) == 2
+]
+QUICK_REFERENCE = [
+    case
+    for k, case in enumerate(CASES)
+    if case.name in REFERENCE_SCENES or (case.name not in SCENES and k % SHARE == 1)
+]
+
+FAILURES = ROOT / "out" / "failures"
+
+
+def compare(case: Case, integrator: str, ours: np.ndarray) -> None:
+    verdict = judge(case, integrator, ours)
+    if verdict.failures:
+        save_pictures(FAILURES, f"{case.name}.{integrator}", verdict.ours, verdict.reference)
+        said = "; ".join(verdict.failures)
+        pytest.fail(
+            f"{case.name}, {integrator}: {said}. Pictures: "
+            f"out/failures/{case.name}.{integrator}.*.png"
+        )
+
+
+@pytest.mark.parametrize("case", QUICK_SPLAT, ids=lambda case: case.name)
+def test_splat(worker: Worker, case: Case) -> None:
+    compare(case, "splat", render(worker, case, "splat"))
+
+
+@pytest.mark.parametrize("case", QUICK_GATHER, ids=lambda case: case.name)
+def test_final_gathering(worker: Worker, case: Case) -> None:
+    compare(case, "gather", render(worker, case, "gather"))
+
+
+@pytest.mark.parametrize("case", QUICK_REFERENCE, ids=lambda case: case.name)
+def test_reference_integrator(worker: Worker, case: Case) -> None:
+    compare(case, "reference", render(worker, case, "reference"))
+
+
+def test_the_comparison_can_fail(worker: Worker) -> None:
+    """A lamp 3 % too strong, and a picture shifted by a pixel, must not pass."""
+    case = CASE["area_square"]
+    pictures, _ = worker.render(case, "reference", [11, 12], passes=128, max_bounces=64)
+    compare(case, "reference", pictures)
+    for broken in (pictures * 1.03, np.roll(pictures, 1, axis=2)):
+        with pytest.raises(pytest.fail.Exception):
+            compare(case, "reference", broken)
+
+
+def test_statistics_say_what_was_done(worker: Worker) -> None:
+    _, statistics = worker.render(
+        CASE["cornell_box"], "splat", [0], passes=2, photons_per_pass=5000
+    )
+    said: dict[str, Any] = statistics[0]
+    assert {"export", "acceleration", "camera", "photons", "splat", "boundary", "total"} <= said[
+        "seconds"
+    ].keys()
+    assert said["photons"]["traced"] >= 10_000
+    assert said["passes"] == 2
+    assert said["peak_memory_bytes"] > 1e6
+    assert said["warnings"] == []

@@ -1,0 +1,28 @@
+"""A telling part of the gallery, one case per family, the integrators in turn. `make oracle`
+renders it whole, by both.
+"""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.reference.cycles.gallery import BY_NAME, GALLERY
+from tests.reference.cycles.references import FOLDER
+from tests.reference.cycles.report import TELLING
+from tests.reference.cycles.test_cycles import compare
+from tests.reference.cycles.verdict import INTEGRATORS, render
+from tests.reference.cycles.worker import Worker
+
+
+@pytest.mark.parametrize(
+    ("name", "integrator"), [(name, INTEGRATORS[k % 2]) for k, name in enumerate(TELLING)]
+)
+def test_material(worker: Worker, name: str, integrator: str) -> None:
+    case = BY_NAME[name]
+    compare(case, integrator, render(worker, case, integrator))
+
+
+def test_every_case_has_its_reference() -> None:
+    missing = [case.name for case in GALLERY if not (FOLDER / f"{case.name}.npz").is_file()]
+    assert not missing, f"no Cycles reference of {', '.join(missing)}: run `make references`"
+    assert len(BY_NAME) >= 150

@@ -1,0 +1,73 @@
+"""Cases like those of cases.py: what some kinds of ray do not see, lamps without shadow, and other
+things that are said of lamps.
+"""
+
+from __future__ import annotations
+
+from math import radians
+from typing import Any
+
+from tests.reference.cycles.cases import Case
+
+ALL_BUT_CAMERA = ("diffuse", "glossy", "transmission", "shadow")
+
+
+def _hidden(name: str, on: str, *off: str, **more: Any) -> Case:
+    alpha = bool(more.get("transparent"))
+    dark = name == "lamp_diffuse"  # nothing but caustics is left, which Cycles hardly knows
+    # its light comes through the gaps under things, which photons blur, all flags on as well
+    splat = on != "world"
+    made = {"on": on, "off": list(off), **more}
+    tolerance = 0.1 if dark else 0.02
+    return Case(
+        f"rays_{name}",
+        "ray_visibility",
+        made,
+        alpha=alpha,
+        reference_bias=0.01,
+        mean_tolerance=tolerance,
+        splat=splat,
+    )
+
+
+def _shadowless(kind: str, energy: float, **options: Any) -> Case:
+    name = f"shadowless_{kind.lower()}"
+    return Case(
+        name,
+        "lamp_without_shadow",
+        {"kind": kind, "energy": energy, **options},
+        reference_bias=0.006,
+    )
+
+
+def _squeezed(name: str, kind: str, energy: float, **options: Any) -> Case:
+    return Case(f"squeezed_{name}", "lamp_on_stage", {"kind": kind, "energy": energy, **options})
+
+
+VISIBILITY = (
+    *(_hidden(f"box_{kind}", "box", kind) for kind in ("camera", *ALL_BUT_CAMERA)),
+    _hidden("box_scattered", "box", "diffuse", "glossy", "transmission"),
+    _hidden("box_seen_only", "box", *ALL_BUT_CAMERA),
+    _hidden("box_holdout", "box", "holdout", transparent=True),
+    _hidden("instance_camera", "instance", "camera"),
+    _hidden("instance_diffuse_shadow", "instance", "diffuse", "shadow"),
+    _hidden("collection_indirect", "collection", "indirect_only"),
+    _hidden("collection_holdout", "collection", "holdout", transparent=True),
+    *(
+        _hidden(f"emitter_{kind}", "emitter", kind)
+        for kind in ("camera", "diffuse", "glossy", "shadow")
+    ),
+    *(_hidden(f"lamp_{kind}", "lamp", kind) for kind in ("diffuse", "glossy", "transmission")),
+    *(_hidden(f"world_{kind}", "world", kind) for kind in ("camera", "diffuse", "glossy")),
+    _shadowless("POINT", 30.0, shadow_soft_size=0.05),
+    _shadowless("SPOT", 60.0, aim=(0.0, 0.0, 0.0), spot_size=radians(70.0), shadow_soft_size=0.05),
+    _shadowless("SUN", 1.0, aim=(-0.3, -0.6, 1.0), angle=0.1),
+    _shadowless("AREA", 30.0, aim=(0.0, 0.0, 0.0), size=0.2),
+    Case("lamp_bounces_0", "lamp_of_few_bounces", {"most": 0}),
+    Case("lamp_bounces_1", "lamp_of_few_bounces", {"most": 1}),
+    Case("lamp_without_mis", "lamp_without_mis", {}),
+    Case("shade_in_lamp", "shade_in_lamp", {}),
+    _squeezed("point", "POINT", 30.0, scale=(1.0, 0.0, 1.0), shadow_soft_size=0.1),
+    _squeezed("sun", "SUN", 1.0, aim=(-0.3, -0.6, 1.0), angle=0.1, scale=(0.0, 1.0, 1.0)),
+    _squeezed("sun_line", "SUN", 1.0, aim=(-0.3, -0.6, 1.0), angle=0.1, scale=(0.0, 0.0, 1.0)),
+)

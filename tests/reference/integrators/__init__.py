@@ -1,0 +1,1 @@
+"""The renderer's ways to indirect light, held to its own path tracer."""

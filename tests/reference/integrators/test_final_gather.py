@@ -1,0 +1,151 @@
+"""Final gathering: the path tracer's mean, no blur where things touch, and on only where it
+pays.
+"""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+import pytest
+from photon_splat.core.render.persistent import Persistent
+from photon_splat.core.render.plan import make_plan
+from photon_splat.core.render.session import render
+from photon_splat.core.render.settings import FinalGather, Integrator, RenderSettings
+from photon_splat.core.scene import Scene
+
+from tests.reference.integrators.test_fallback import leaves
+from tests.robustness.test_degenerate import room
+from tests.support import corescene as c
+
+ON = FinalGather.ON
+
+
+@pytest.mark.parametrize("roughness", [None, 0.05, 0.3])
+def test_the_mean_is_the_path_tracers(roughness: float | None) -> None:
+    """Without shiny things, with caustic photons of their own, and with a gloss that both share."""
+    truth = c.picture(leaves(roughness), Integrator.REFERENCE, passes=800, max_bounces=12, seed=1)
+    picture = c.picture(
+        leaves(roughness),
+        passes=100,
+        photons_per_pass=20_000,
+        max_bounces=12,
+        seed=2,
+        final_gather=ON,
+    )
+    assert picture.mean() == pytest.approx(truth.mean(), rel=0.01)
+
+
+@pytest.mark.parametrize("bounces", [1, 2])
+def test_bounces_are_counted_as_elsewhere(bounces: int) -> None:
+    truth = c.picture(room(), Integrator.REFERENCE, passes=600, max_bounces=bounces, seed=1)
+    picture = c.picture(
+        room(), passes=100, photons_per_pass=20_000, max_bounces=bounces, seed=2, final_gather=ON
+    )
+    assert picture.mean() == pytest.approx(truth.mean(), rel=0.01)
+
+
+def contact() -> Scene:
+    """A board of 2 cm that floats 6 cm over a floor under a bright ceiling: what reaches the floor
+    below it has bounced.
+    """
+    board = c.box((-0.5, -0.5, 0.06), (0.5, 0.5, 0.08))
+    things = [
+        (c.box((-1, -1, 0), (1, 1, 2), inwards=True), c.lambert(0.7)),
+        (board, c.lambert(0.7)),
+    ]
+    return c.scene(
+        c.perspective((0.0, -0.95, 0.9), (0.0, 0.0, 0.0), 24, 24, 1.0),
+        things,
+        [c.lamp(c.LightKind.POINT, 30.0, (0.0, 0.0, 1.5))],
+    )
+
+
+def test_shadows_of_contacts_are_not_blurred() -> None:
+    truth = c.picture(contact(), Integrator.REFERENCE, passes=1500, max_bounces=12, seed=1)
+
+    def bias(gather: FinalGather) -> float:
+        """Root of the mean square, free of noise, as two pictures of other seeds have none in
+        common.
+        """
+        same = {
+            "passes": 40,
+            "photons_per_pass": 5_000,
+            "max_bounces": 12,
+            "adaptive_samples": False,
+        }
+        one, two = (c.picture(contact(), seed=s, final_gather=gather, **same) for s in (2, 3))
+        return float(np.sqrt(max(0.0, ((one - truth) * (two - truth)).mean())) / truth.mean())
+
+    assert bias(ON) < 0.5 * bias(FinalGather.OFF)
+
+
+@pytest.mark.parametrize(
+    ("settings", "gathers"),
+    [
+        ({}, False),
+        ({"denoise": True}, True),
+        ({"denoise": True, "error_threshold": 0.02}, False),
+        ({"denoise": True, "caustics": False}, False),
+        ({"denoise": True, "final_gather": FinalGather.OFF}, False),
+        ({"final_gather": ON}, True),
+        ({"final_gather": ON, "photons_per_pass": 0}, False),
+        ({"final_gather": ON, "integrator": Integrator.REFERENCE}, False),
+    ],
+)
+def test_the_plan_decides(settings: dict, gathers: bool) -> None:
+    plan = make_plan(room(), RenderSettings(**settings))
+    assert plan.flags["final_gather"] == gathers
+    assert any("Final gathering" in sentence for sentence in plan.sentences) == gathers
+    applied = plan.applied_to(RenderSettings(**settings))
+    assert applied.final_gather == (
+        settings.get("final_gather", FinalGather.AUTO) if gathers else FinalGather.OFF
+    )
+
+
+@pytest.mark.parametrize("roughness", [None, 0.3])
+def test_paths_bring_all_where_photons_would_be_more_work(roughness: float | None) -> None:
+    """A small picture: hundreds of photons for each camera path. The picture before it is denoised
+    has the path tracer's mean, light from sharp lobes by photons included.
+    """
+    given = {"max_bounces": 12, "seed": 2, "photons_per_pass": 20_000}
+    result = c.shoot(leaves(roughness), passes=60, denoise=True, **given)
+    assert result.statistics["fallback"]["everywhere"]
+    assert result.noisy is not None
+    assert any(
+        "bring all of the indirect light" in sentence
+        for sentence in result.statistics["plan"]["sentences"]
+    )
+    truth = c.picture(
+        leaves(roughness), passes=600, integrator=Integrator.REFERENCE, max_bounces=12, seed=3
+    )
+    assert result.noisy.mean() == pytest.approx(truth.mean(), rel=0.015)
+    again = c.shoot(leaves(roughness), passes=60, denoise=True, threads=3, **given)
+    assert again.noisy is not None
+    assert np.array_equal(again.noisy, result.noisy)
+
+
+def test_photons_bring_what_would_be_more_work_for_paths() -> None:
+    settings = {"denoise": True, "passes": 2, "photons_per_pass": 50}
+    assert not c.shoot(leaves(None), **settings).statistics["fallback"]["everywhere"]
+    assert not c.shoot(
+        leaves(None), **(settings | {"photons_per_pass": 20_000, "final_gather": ON})
+    ).statistics["fallback"]["everywhere"]
+
+
+def test_threads_do_not_matter() -> None:
+    one, two = (
+        c.picture(leaves(0.3), passes=3, photons_per_pass=20_000, threads=n, final_gather=ON)
+        for n in (1, 3)
+    )
+    assert np.array_equal(one, two)
+
+
+def test_a_render_that_finds_its_photons_again_is_the_same() -> None:
+    what, kept = leaves(0.3), Persistent()
+    settings = RenderSettings(passes=3, photons_per_pass=20_000, final_gather=ON)
+    first, again = (
+        render(what, settings, started=time.monotonic(), persistent=kept) for _ in range(2)
+    )
+    assert again.statistics["reused"]["photons"] > 0
+    assert np.array_equal(first.passes["Combined"], again.passes["Combined"])

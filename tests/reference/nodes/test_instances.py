@@ -1,0 +1,94 @@
+"""Attributes of instances, against Cycles."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from tests.reference.nodes import stage
+from tests.support import stage as board
+from tests.support.blender import in_blender
+
+
+def _instances(
+    tree: Any, points: tuple[int, float], instance: Any, stored: str, divisor: float
+) -> Any:
+    """A row of instances, each with its number by `divisor` as the attribute `stored`."""
+    add, link = tree.nodes.new, tree.links.new
+    row, onto, store, index, divide = (
+        add(kind)
+        for kind in (
+            *(
+                "GeometryNodeMeshLine",
+                "GeometryNodeInstanceOnPoints",
+                "GeometryNodeStoreNamedAttribute",
+            ),
+            *("GeometryNodeInputIndex", "ShaderNodeMath"),
+        )
+    )
+    row.inputs["Count"].default_value, row.inputs["Offset"].default_value = (
+        points[0],
+        (points[1], 0.0, 0.0),
+    )
+    store.domain, store.data_type, divide.operation = "INSTANCE", "FLOAT", "DIVIDE"
+    store.inputs["Name"].default_value, divide.inputs[1].default_value = stored, divisor
+    link(row.outputs["Mesh"], onto.inputs["Points"])
+    link(instance, onto.inputs["Instance"])
+    link(onto.outputs[0], store.inputs["Geometry"])
+    link(index.outputs[0], divide.inputs[0])
+    link(
+        divide.outputs[0],
+        next(socket for socket in store.inputs if socket.name == "Value" and socket.enabled),
+    )
+    return store.outputs[0]
+
+
+@in_blender
+def test_attributes_that_geometry_nodes_give_to_instances() -> None:
+    """Red is stored with the inner of two levels of instances, green with the outer, blue is a
+    property of the object that has them.
+    """
+    import bpy
+
+    stage.build([])
+    made, tree = board.empty_material("Tinted")
+    joined, emission, shifted = (
+        tree.nodes.new(f"ShaderNode{kind}") for kind in ("CombineXYZ", "Emission", "VectorMath")
+    )
+    shifted.inputs[1].default_value = (stage.SHIFT,) * 3
+    for k, name in enumerate(("inner", "outer", "own")):
+        asked = tree.nodes.new("ShaderNodeAttribute")
+        asked.attribute_type, asked.attribute_name = "INSTANCER", name
+        tree.links.new(asked.outputs["Fac"], joined.inputs[k])
+    tree.links.new(joined.outputs[0], shifted.inputs[0])
+    tree.links.new(shifted.outputs[0], emission.inputs["Color"])
+    board.surface(tree, emission)
+
+    nodes = bpy.data.node_groups.new("Rows", "GeometryNodeTree")
+    nodes.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
+    cube, colored, output = (
+        nodes.nodes.new(kind)
+        for kind in ("GeometryNodeMeshCube", "GeometryNodeSetMaterial", "NodeGroupOutput")
+    )
+    cube.inputs["Size"].default_value = (0.8, 0.8, 0.1)
+    colored.inputs["Material"].default_value = made
+    nodes.links.new(cube.outputs["Mesh"], colored.inputs["Geometry"])
+    inner = _instances(nodes, (3, 1.0), colored.outputs[0], "inner", 4.0)
+    nodes.links.new(_instances(nodes, (2, 3.0), inner, "outer", 2.0), output.inputs[0])
+    ob = bpy.data.objects.new("Rows", bpy.data.meshes.new("Rows"))
+    ob.modifiers.new("Rows", "NODES").node_group = nodes
+    ob["own"] = 0.375
+    scene = bpy.context.scene
+    scene.collection.objects.link(ob)
+    scene.camera.location, scene.camera.data.ortho_scale = (2.5, 0.0, 5.0), 6.0
+    scene.render.resolution_x, scene.render.resolution_y = 60, 10
+    bpy.context.view_layer.update()
+
+    truth, positions = stage.cycles()
+    ours, warnings = stage.ours(positions)
+    assert warnings == []
+    middles = truth[5, 5::10]
+    expected = [(k % 3 / 4.0, k // 3 / 2.0, 0.375) for k in range(6)]
+    np.testing.assert_allclose(middles, expected, atol=1e-4)
+    np.testing.assert_allclose(ours, truth, atol=1e-4)

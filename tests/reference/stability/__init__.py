@@ -1,0 +1,1 @@
+"""The known failures of photon density estimation, as tiny scenes with their right answers."""

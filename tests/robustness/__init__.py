@@ -1,0 +1,1 @@
+"""Scenes, settings and machines at the edge of sense."""

@@ -1,0 +1,26 @@
+"""Surfaces that coincide: the object that comes last is seen, as in Cycles, by every integrator."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from photon_splat.core.render.settings import Integrator
+from photon_splat.core.scene import LightKind
+
+from tests.support import corescene as c
+
+RED, GREEN = (0.8, 0.05, 0.05), (0.05, 0.8, 0.05)
+
+
+@pytest.mark.parametrize("integrator", c.BOTH)
+@pytest.mark.parametrize(
+    "thing", [c.box((-0.5,) * 3, (0.5,) * 3), c.globe(0.6, 3)], ids=["box", "globe"]
+)
+def test_the_last_of_two_twins_is_seen(thing: c.Mesh, integrator: Integrator) -> None:
+    view = c.perspective((2.0, -2.0, 2.0), (0.0, 0.0, 0.0), 24, 24, 0.4)
+    lamp = c.lamp(LightKind.POINT, 300.0, (1.0, -1.0, 3.0))
+    for first, last in ((RED, GREEN), (GREEN, RED)):
+        twins = c.scene(view, [(thing, c.lambert(first)), (thing, c.lambert(last))], [lamp])
+        seen = c.picture(twins, integrator, passes=2)[8:16, 8:16].mean((0, 1))
+        assert np.argmax(seen) == np.argmax(last)
+        assert seen.max() > 10.0 * seen.min()

@@ -1,0 +1,158 @@
+"""Limits of time, memory and brightness: what a render does when it meets them."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from photon_splat.core.render import ending, memory
+from photon_splat.core.render.ending import Ending, denoising_runs
+from photon_splat.core.render.persistent import start_anew
+from photon_splat.core.render.session import (
+    FEWEST_PATHS,
+    TRIAL_PATHS,
+    batch_that_fits,
+    final_arrays,
+)
+from photon_splat.core.render.settings import RenderSettings
+from photon_splat.core.scene import Light, LightKind
+
+from tests.robustness.test_promises import room
+from tests.support import corescene as c
+
+
+def test_a_pass_is_cut_where_its_time_ends() -> None:
+    """Photons for an hour, and the picture is as bright as by few."""
+    few = c.shoot(room(pixels=32), passes=8, photons_per_pass=100_000)
+    cut = c.shoot(room(pixels=32), passes=4, photons_per_pass=1 << 34, time_limit=1.0)
+    assert cut.statistics["passes"] == 1
+    assert cut.statistics["photons"]["traced"] < 1 << 30
+    assert cut.passes["Combined"][..., :3].mean() == pytest.approx(
+        few.passes["Combined"][..., :3].mean(), rel=0.05
+    )
+
+
+def test_photons_that_are_left_out_are_made_up_for() -> None:
+    means = []
+    for part in (1, 4):
+        what, settings = (
+            room(pixels=32),
+            RenderSettings(passes=1, photons_per_pass=400_000, fallback=False),
+        )
+        start = start_anew(what, settings)
+        start.prepare()
+        renderer = start.renderer
+        for number in range(4):
+            renderer.trace_camera(number)
+            renderer.make_points(number)
+            paths = renderer.paths_per_pass // part
+            renderer.trace_photons(0, paths)
+            renderer.splat()
+            if part > 1:
+                renderer.end_photons(paths)
+            renderer.resolve()
+        means.append(renderer.film(["diffuse_indirect"])["diffuse_indirect"].mean())
+    assert means[0] > 0
+    assert means[1] == pytest.approx(means[0], rel=0.02)
+
+
+def test_batches_fit_into_what_is_left() -> None:
+    fits = batch_that_fits
+    assert fits(10**9, 10**6, math.inf, None, whole=False) == 10**6
+    assert fits(10**9, 10**6, 1.0, None, whole=False) == TRIAL_PATHS
+    assert fits(200_000, 10**6, 1.0, None, whole=True) == 200_000
+    assert fits(10**9, 10**6, 1.0, 1e-5, whole=False) == pytest.approx(10**5, abs=1)
+    assert fits(10**9, 10**6, 1.0, 1e-7, whole=False) == 10**6
+    assert fits(10**9, 10**6, 1.0, 1e-5, whole=True) == 0
+    assert fits(10**9, 10**6, 1e-5 * FEWEST_PATHS / 2, 1e-5, whole=False) == 0
+    assert fits(10**9, 10**6, -1.0, 1e-5, whole=False) == 0
+
+
+def test_denoising_is_foreseen(monkeypatch: pytest.MonkeyPatch) -> None:
+    """From squares of two sizes: what goes with their area, and what does not."""
+    monkeypatch.setattr(ending, "_denoise_seconds", lambda side, threads: 0.1 + 1e-5 * side**2)
+    foreseen = Ending(960, 540)
+    assert foreseen.seconds(1, 1.0) == 0.0
+    foreseen.try_denoiser(0)
+    assert foreseen.seconds(1, 1.0) / ending.CAUTION == pytest.approx(
+        0.1 + 1e-5 * 960 * 540, rel=0.05
+    )
+    runs = denoising_runs(apart=True, noisy_features=True)
+    assert foreseen.seconds(1, runs) == pytest.approx(runs * foreseen.seconds(1, 1.0))
+    assert foreseen.seconds(1, 0.0) == 0.0
+
+
+def test_passes_leave_time_for_denoising(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(ending, "_denoise_seconds", lambda side, threads: 10.0 * side**2)
+    result = c.shoot(
+        room(pixels=32), passes=100, photons_per_pass=1000, time_limit=1000.0, denoise=True
+    )
+    assert result.statistics["passes"] == 1
+
+
+# --- memory ---
+
+
+def test_a_picture_that_does_not_fit_is_refused_before_the_render(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(memory, "free_memory_bytes", lambda: 200_000)
+    with pytest.raises(
+        MemoryError,
+        match=r"a picture of 32 x 32 pixels takes 0.0 GB at the least, and 0.0 GB are free; "
+        r"render it smaller",
+    ):
+        c.shoot(room(pixels=32), passes=1, photons_per_pass=100)
+    monkeypatch.setattr(memory, "free_memory_bytes", lambda: None)
+    c.shoot(room(pixels=32), passes=1, photons_per_pass=100)
+
+
+def test_free_memory_is_that_of_the_container(tmp_path: Path) -> None:
+    (tmp_path / "meminfo").write_text(
+        "MemTotal: 900 kB\nMemAvailable:  300 kB\nSwapFree: 50 kB\nHugePages_Total: 0\n"
+    )
+    assert memory._linux_free(tmp_path / "meminfo") == 350 * 1024
+    assert memory._linux_free(tmp_path / "none") is None
+    assert list(memory._group_free(tmp_path)) == [None, None]
+    (tmp_path / "memory.max").write_text("1000\n")
+    (tmp_path / "memory.current").write_text("700\n")
+    (tmp_path / "memory.stat").write_text("anon 600\ninactive_file 100\n")
+    assert list(memory._group_free(tmp_path)) == [400, None]
+    (tmp_path / "memory.max").write_text("max\n")
+    assert list(memory._group_free(tmp_path)) == [None, None]
+    assert memory.free_memory_bytes() is None or memory.free_memory_bytes() > 0
+
+
+def test_the_film_takes_150_bytes_a_pixel_at_most() -> None:
+    start = start_anew(room(pixels=512), RenderSettings(passes=3, photons_per_pass=1000))
+    for arrays, most in (
+        (final_arrays({"Combined"}, RenderSettings()), 100),
+        (final_arrays(None, RenderSettings(denoise=True)), 150),
+    ):
+        start.renderer.keep_film(arrays)
+        start.prepare()
+        for number in range(3):
+            start.renderer.trace_camera(number)
+            start.renderer.make_points(number)
+            start.renderer.resolve()
+        assert start.renderer.film_bytes < most * 512**2
+        assert set(start.renderer.film(arrays)) == set(arrays)
+    start.renderer.keep_film(["combined"])
+    start.renderer.set_view()
+    with pytest.raises(ValueError, match="the film has not been told to keep normal"):
+        start.renderer.film(["normal"])
+
+
+# --- brightness ---
+
+
+@pytest.mark.parametrize("strength", [1e18, 1e30, 3e38])
+def test_no_lamp_is_so_bright_that_pixels_are_no_numbers(strength: float) -> None:
+    what = room(pixels=16)
+    what.lights.append(Light("Absurd", LightKind.POINT, np.eye(4), (strength, strength, 0.0)))
+    for integrator in c.BOTH:
+        result = c.shoot(what, passes=3, photons_per_pass=3000, integrator=integrator)
+        for name, values in result.passes.items():
+            assert np.isfinite(values).all(), f"{name} by {integrator}"

@@ -1,0 +1,60 @@
+"""Area lamps in the plane of a surface: one answer of all estimators, and a warning that names
+both.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from photon_splat.core.render.session import RenderResult
+from photon_splat.core.render.settings import FinalGather, Integrator
+from photon_splat.core.scene import LightKind, Scene
+
+from tests.support import corescene as c
+
+
+def room(below: float) -> Scene:
+    """A closed room, its area lamp `below` m under the ceiling; its name is Panel."""
+    view = c.perspective((0.0, -1.3, 1.2), (0.0, 0.5, 1.2), 16, 16, 1.3)
+    walls = c.box((-1.5, -1.5, 0.0), (1.5, 1.5, 2.5), inwards=True)
+    lamp = c.lamp(LightKind.AREA, 30.0, (0.2, -0.1, 2.5 - below), size=(0.7, 0.7))
+    lamp.name = "Panel"
+    return c.scene(view, [(walls, c.lambert(0.6))], [lamp])
+
+
+def shoot(
+    below: float, integrator: Integrator, gather: FinalGather = FinalGather.OFF
+) -> RenderResult:
+    return c.shoot(room(below), integrator, passes=32, photons_per_pass=20_000, final_gather=gather)
+
+
+def means(below: float) -> list[float]:
+    """Of splats without and with final gathering, and of the path tracer."""
+    ways = (
+        (Integrator.SPLAT, FinalGather.OFF),
+        (Integrator.SPLAT, FinalGather.ON),
+        (Integrator.REFERENCE, FinalGather.OFF),
+    )
+    return [float(shoot(below, *way).passes["Combined"][..., :3].mean()) for way in ways]
+
+
+def test_all_estimators_agree_on_a_lamp_in_the_ceiling() -> None:
+    clear, within = means(0.01), means(0.0)
+    assert clear[:2] == pytest.approx([clear[2]] * 2, rel=0.02)
+    assert within[:2] == pytest.approx([within[2]] * 2, rel=0.06)
+    assert within[2] < 0.9 * clear[2]
+
+
+def test_a_lamp_just_above_the_ceiling_lights_nothing() -> None:
+    assert not any(means(-1e-5))
+
+
+def test_a_lamp_just_below_the_ceiling_lights_as_any_other() -> None:
+    assert np.allclose(means(2e-6), means(0.01), rtol=0.02)
+
+
+def test_the_warning_names_lamp_and_mesh() -> None:
+    warnings = shoot(0.0, Integrator.SPLAT).statistics["warnings"]
+    assert len(warnings) == 1
+    assert "'Panel' in 'box'" in warnings[0]
+    assert not shoot(0.01, Integrator.SPLAT).statistics["warnings"]

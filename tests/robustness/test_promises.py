@@ -1,0 +1,179 @@
+"""Determinism, memory, time and cancelling."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+from photon_splat.core.render.result import RenderResult
+from photon_splat.core.render.session import PassSize, pass_that_fits, render
+from photon_splat.core.render.settings import Integrator, RenderSettings
+from photon_splat.core.scene import Scene
+
+from tests.robustness.test_degenerate import room
+from tests.support import corescene as c
+from tests.support.paths import ROOT
+
+integrators = pytest.mark.parametrize("integrator", c.BOTH)
+
+PEAK = """
+import sys
+from tests.support import corescene as c
+from tests.robustness.test_degenerate import room
+result = c.shoot(room(pixels=64), passes=1, photons_per_pass=int(sys.argv[1]), threads=2)
+print(result.statistics["peak_memory_bytes"], result.statistics["photons"]["traced"])
+"""
+
+
+@integrators
+def test_any_number_of_threads_gives_the_same_bits(integrator: Integrator) -> None:
+    """The photon's and the sample's index decide its random numbers."""
+    pictures = [
+        c.shoot(
+            room(pixels=48), integrator, passes=3, photons_per_pass=150_000, threads=n, seed=9
+        ).passes
+        for n in (1, 2, 5)
+    ]
+    for other in pictures[1:]:
+        for name, values in pictures[0].items():
+            assert np.array_equal(values, other[name]), name
+
+
+@integrators
+def test_another_seed_is_another_picture_of_the_same_thing(integrator: Integrator) -> None:
+    one, two = (
+        c.picture(room(pixels=32), integrator, passes=32, photons_per_pass=10_000, seed=s)
+        for s in (1, 2)
+    )
+    assert not np.array_equal(one, two)
+    assert one.mean() == pytest.approx(two.mean(), rel=0.02)
+
+
+def _peak(photons: int) -> int:
+    done = subprocess.run(
+        [sys.executable, "-c", PEAK, str(photons)],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=True,
+    )
+    peak, traced = (int(word) for word in done.stdout.split())
+    assert traced == photons
+    return peak
+
+
+def test_memory_does_not_grow_with_photons() -> None:
+    few, many = _peak(10_000), _peak(3_000_000)
+    assert many < 1.1 * few, (
+        f"{few / 1e6:.0f} MB for 10,000 photons, {many / 1e6:.0f} MB for 3 million"
+    )
+
+
+def test_passes_add_up() -> None:
+    """Twice as many like passes is half the variance; the first passes are the same."""
+    spread = []
+    for passes in (4, 16):
+        alike = {"passes": passes, "photons_per_pass": 3000, "adaptive_samples": False}
+        runs = np.stack([c.picture(room(pixels=16), seed=s, **alike) for s in range(12)])
+        spread.append(runs.var(0, ddof=1).mean())
+    assert 2.4 < spread[0] / spread[1] < 6.5
+
+
+def test_the_last_pass_gets_what_fits() -> None:
+    # of the last pass, which took half a second for the rest
+    seconds, last = PassSize(2.0, 0.5), PassSize(4.0, 1.0)
+    fits = pass_that_fits
+    assert fits(3.0, 3.0, seconds, last, last) == last
+    # the same part of samples beyond the first, and of photons
+    assert fits(1.75, 3.0, seconds, last, last) == PassSize(2.125, 0.375)
+    assert fits(3.0, 3.0, seconds, last, PassSize(8.0, 2.0)) == PassSize(
+        pytest.approx(1 + 7 * 4 / 9), pytest.approx(2 * 4 / 9)
+    )
+    # a quarter of the photons first
+    assert fits(1.25, 3.0, seconds, last, last) == PassSize(pytest.approx(1.25), 0.25)
+    assert fits(1.2, 3.0, seconds, last, PassSize(1.0, 1.0)) == PassSize(1.0, pytest.approx(0.4))
+    assert fits(1.1, 3.0, seconds, last, PassSize(1.0, 1.0)) is None  # too few photons
+    assert fits(0.4, 3.0, seconds, last, last) is None  # the rest alone takes longer
+    assert fits(-1.0, 3.0, PassSize(0.0, 0.0), last, last) is None
+    # photons cost nothing
+    assert fits(2.0, 3.0, PassSize(2.5, 0.0), last, last) == PassSize(
+        pytest.approx(2.4), pytest.approx(7 / 15)
+    )
+
+
+def test_time_limit_is_kept() -> None:
+    began = time.monotonic()
+    result = c.shoot(room(pixels=64), passes=1_000_000, photons_per_pass=20_000, time_limit=1.0)
+    took = time.monotonic() - began
+    assert 0.5 < took < 1.3
+    assert 1 < result.statistics["passes"] < 1_000_000
+    assert not result.cancelled
+
+
+def cancelled_render(
+    what: Scene, settings: RenderSettings, after: float = 0.0
+) -> tuple[RenderResult, float]:
+    """Cancels `after` seconds into a render; its result, and how long it then went on."""
+    began = time.monotonic()
+    asked: list[float] = []
+
+    def should_cancel() -> bool:
+        if time.monotonic() - began < after:
+            return False
+        asked.append(time.monotonic())
+        return True
+
+    result = render(what, settings, started=began, should_cancel=should_cancel)
+    assert result.cancelled
+    return result, time.monotonic() - asked[0]
+
+
+@integrators
+@pytest.mark.parametrize("after", [0.0, 0.5])
+def test_cancel_within_a_fifth_of_a_second(integrator: Integrator, after: float) -> None:
+    settings = RenderSettings(passes=1000, photons_per_pass=5_000_000, integrator=integrator)
+    results, took = zip(
+        *(cancelled_render(room(pixels=800), settings, after) for _ in range(3)), strict=True
+    )
+    assert sorted(took)[0] < 0.2  # the best of three: other programs may hold up one
+    for result in results:
+        assert all(
+            np.isfinite(values).all() for name, values in result.passes.items() if name != "Depth"
+        )
+
+
+def test_cancel_while_embree_builds() -> None:
+    mesh = c.globe(1.0, 9)  # two million triangles
+    what = c.scene(c.perspective((0, 0, 4), (0, 0, 0), 8, 8), [(mesh, c.lambert(0.5))])
+    assert min(cancelled_render(what, RenderSettings(passes=1))[1] for _ in range(3)) < 0.2
+
+
+def test_progress_rises_to_one() -> None:
+    seen: list[float] = []
+    settings = RenderSettings(passes=12, photons_per_pass=200_000)
+    render(
+        room(pixels=128),
+        settings,
+        started=time.monotonic(),
+        on_progress=lambda progress: seen.append(progress.fraction),
+    )
+    assert len(seen) > 3
+    assert seen == sorted(seen)
+    assert 0.0 <= seen[0] <= seen[-1] <= 1.0
+
+
+def test_an_error_in_a_callback_reaches_the_caller() -> None:
+    def broken(_: object) -> None:
+        raise ZeroDivisionError("on purpose")
+
+    with pytest.raises(ZeroDivisionError, match="on purpose"):
+        render(
+            room(pixels=64),
+            RenderSettings(passes=1000),
+            started=time.monotonic(),
+            on_progress=broken,
+        )

@@ -1,0 +1,97 @@
+"""What the tests of the GPU splatter share. Without a graphics card they run on Mesa's llvmpipe."""
+
+from __future__ import annotations
+
+import threading
+
+import numpy as np
+import pytest
+from photon_splat.core.gpu import context
+from photon_splat.core.gpu.methods import GATHER_NEEDS, available
+from photon_splat.core.gpu.splatter import GpuSplatter
+from photon_splat.core.native.fill import fill_renderer
+from photon_splat.core.native.library import load
+from photon_splat.core.render.settings import RenderSettings
+from photon_splat.core.scene import Scene
+
+RMS, WORST = 1e-4, 1e-3
+
+
+def need_opengl() -> None:
+    """Skip where no OpenGL context can be made at all."""
+    try:
+        context.submit(context.graphics).result()
+    except context.NoGraphics as reason:
+        pytest.skip(
+            f"{reason}. On Debian: apt-get install libegl1 libegl-mesa0 libgl1 libgl1-mesa-dri"
+        )
+
+
+def need_method(name: str) -> None:
+    """Skip where the OpenGL that is here is too old for that way to splat."""
+    if (
+        name == "gather"
+        and context.submit(lambda: context.graphics().gl.version_code).result() < GATHER_NEEDS
+    ):
+        pytest.skip("this OpenGL has no compute shaders")
+
+
+def prepared(scene: Scene, **settings: object):
+    """A renderer with points and one batch of photons of its first pass."""
+    made = RenderSettings(**settings)  # type: ignore[arg-type]
+    renderer = load().Renderer(2)
+    fill_renderer(renderer, scene, made)
+    renderer.build()
+    renderer.trace_camera(0)
+    renderer.make_points(0)
+    renderer.trace_photons(0, made.photons_per_pass)
+    return renderer
+
+
+def splat_on_gpu(
+    renderer, most_texels: int | None = None, method: str | None = None
+) -> tuple[dict[str, np.ndarray], dict]:
+    """The points of `renderer` after its photons, and the splatter's statistics."""
+    splatter = GpuSplatter(renderer, threading.Event(), most_texels, method)
+    try:
+        splatter.begin_pass()
+        splatter.add_photons()
+        splatter.finish_pass()
+        return renderer.points(), splatter.statistics()["gpu"]
+    finally:
+        splatter.close()
+
+
+def expect_agreement(cpu: dict[str, np.ndarray], gpu: dict[str, np.ndarray]) -> None:
+    """Same points and same photons: irradiance to 1e-4 (RMS) and 1e-3 (worst point above 1 % of the
+    mean).
+    """
+    assert np.array_equal(cpu["position"], gpu["position"])
+    want, got = cpu["irradiance"].astype(np.float64), gpu["irradiance"].astype(np.float64)
+    size, error = np.linalg.norm(want, axis=1), np.linalg.norm(got - want, axis=1)
+    assert np.linalg.norm(error) <= RMS * np.linalg.norm(size)
+    bright = size > 0.01 * size.sum() / max(len(size), 1)
+    assert not bright.any() or (error[bright] / size[bright]).max() <= WORST
+    assert not got[size == 0].any(), "light where the CPU splatter has none"
+    # A photon at the very rim may be counted by one and not by the other.
+    assert np.abs(cpu["count"] - gpu["count"]).sum() <= 1e-5 * cpu["count"].sum() + 1
+
+
+def compare(scene: Scene, **settings: object) -> None:
+    """Every layer of the scene's first pass by the CPU splatter and by all methods of the GPU's."""
+    methods = context.submit(lambda: list(available(context.graphics().gl))).result()
+    renderer = prepared(scene, **settings)
+    dark = True
+    for layer in range(renderer.layers):
+        if layer:
+            renderer.select_layer(layer)
+            renderer.make_points(0)
+            renderer.trace_photons(0, renderer.paths_per_pass)
+        renderer.splat()
+        cpu = renderer.points()
+        dark = dark and not cpu["irradiance"].any()
+        for method in methods:
+            gpu, statistics = splat_on_gpu(renderer, method=method)
+            assert statistics["methods"][method] == statistics["batches"]
+            expect_agreement(cpu, gpu)
+    assert not dark, "the scene is dark"

@@ -1,0 +1,191 @@
+"""Small Blender scenes, and what the engine makes of them. Runs inside Blender."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+from photon_splat.core.render.result import RenderResult, black_passes
+from photon_splat.core.scene import Scene
+
+Point = Sequence[float]
+
+
+def scene() -> Any:
+    import bpy
+
+    return bpy.context.scene
+
+
+def add(name: str, data: Any = None, location: Point = (0, 0, 0), collection: Any = None) -> Any:
+    """A new object, linked to `collection` (default: the scene's own)."""
+    import bpy
+
+    ob = bpy.data.objects.new(name, data)
+    ob.location = location
+    (collection or scene().collection).objects.link(ob)
+    return ob
+
+
+def mesh(name: str, vertices: Sequence[Point], faces: Sequence[Sequence[int]]) -> Any:
+    import bpy
+
+    made = bpy.data.meshes.new(name)
+    made.from_pydata([tuple(v) for v in vertices], [], [tuple(f) for f in faces])
+    made.update()
+    return made
+
+
+def plane(name: str = "Plane", half: float = 1.0, **where: Any) -> Any:
+    """A grey square in z = 0 that faces +Z."""
+    corners = [(-half, -half, 0), (half, -half, 0), (half, half, 0), (-half, half, 0)]
+    made = add(name, mesh(name, corners, [(0, 1, 2, 3)]), **where)
+    made.data.materials.append(material("Grey"))
+    return made
+
+
+def camera(location: Point = (0, 0, 4)) -> Any:
+    """The scene's camera, which looks straight down."""
+    import bpy
+
+    ob = add("Camera", bpy.data.cameras.new("Camera"), location)
+    scene().camera = ob
+    return ob
+
+
+def lamp(kind: str = "POINT", energy: float = 100.0, location: Point = (0, 0, 2)) -> Any:
+    import bpy
+
+    data = bpy.data.lights.new(kind, kind)
+    data.energy = energy
+    return add(kind, data, location)
+
+
+def material(name: str, color: Point = (0.5, 0.5, 0.5), kind: str = "ShaderNodeBsdfDiffuse") -> Any:
+    """A material with a single shader."""
+    made, tree = empty_material(name)
+    shader = tree.nodes.new(kind)
+    shader.inputs["Color"].default_value = (*color, 1)
+    surface(tree, shader)
+    return made
+
+
+def empty_material(name: str) -> tuple[Any, Any]:
+    """A material with nothing but an output node, and its tree."""
+    import bpy
+
+    made = bpy.data.materials.new(name)
+    if bpy.app.version < (5, 0, 0):
+        made.use_nodes = True
+    made.node_tree.nodes.clear()
+    made.node_tree.nodes.new("ShaderNodeOutputMaterial")
+    return made, made.node_tree
+
+
+def surface(tree: Any, shader: Any) -> None:
+    output = next(node for node in tree.nodes if node.type == "OUTPUT_MATERIAL")
+    tree.links.new(shader.outputs[0], output.inputs["Surface"])
+
+
+def world(radiance: float) -> None:
+    import bpy
+
+    made = bpy.data.worlds.new("World")
+    if bpy.app.version < (5, 0, 0):
+        made.use_nodes = True
+    made.node_tree.nodes["Background"].inputs["Color"].default_value = (
+        radiance,
+        radiance,
+        radiance,
+        1,
+    )
+    scene().world = made
+
+
+def room(pixels: int = 16, passes: int = 2, photons: int = 2000) -> Any:
+    """A lit grey floor under a camera, to be rendered quickly. Returns the scene."""
+    made = scene()
+    camera()
+    lamp()
+    plane(half=2.0)
+    resize(pixels)
+    made.photon_splat.passes, made.photon_splat.photons_per_pass = passes, photons
+    return made
+
+
+def resize(width: int, height: int | None = None) -> None:
+    render = scene().render
+    render.resolution_x, render.resolution_y, render.resolution_percentage = (
+        width,
+        height or width,
+        100,
+    )
+
+
+def exported() -> Scene:
+    """The scene as a final render exports it: through Blender's render operator, with a session
+    that renders nothing.
+    """
+    return exports()[0]
+
+
+def exports(**operator: Any) -> list[Scene]:
+    """One per view layer and frame that is rendered."""
+    import bpy
+
+    seen: list[Scene] = []
+
+    def keep(what: Scene, *_: Any, **__: Any) -> RenderResult:
+        seen.append(what)
+        return RenderResult(
+            black_passes(*what.frame.region[2:]), False, {"warnings": list(what.warnings)}
+        )
+
+    if scene().camera is None:
+        camera()
+    with replaced("render", keep):
+        bpy.ops.render.render(**operator)
+    return seen
+
+
+@contextmanager
+def replaced(name: str, value: Any) -> Iterator[None]:
+    """`value` in the place of `name` of photon_splat.blender.job."""
+    from photon_splat.blender import job
+
+    kept = getattr(job, name)
+    setattr(job, name, value)
+    try:
+        yield
+    finally:
+        setattr(job, name, kept)
+
+
+@contextmanager
+def watched() -> Iterator[list[RenderResult]]:
+    """The results of the renders inside."""
+    from photon_splat.blender import job
+
+    results: list[RenderResult] = []
+    job.observer.on_result = lambda result, frame: results.append(result)
+    yield results
+
+
+def triangle_count(what: Scene) -> int:
+    return sum(len(what.meshes[m].triangles) for m in what.instances.mesh)
+
+
+def world_positions(what: Scene, instance: int = 0) -> np.ndarray:
+    """(T, 3, 3) corners of the triangles of an instance in the world."""
+    found = what.meshes[what.instances.mesh[instance]]
+    matrix = what.instances.matrix[instance]
+    return (found.positions.astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3])[found.triangles]
+
+
+def the_one_warning(what: Scene, matches: Callable[[str], bool] | None = None) -> str:
+    """The only warning, or the only one that `matches`."""
+    found = [warning for warning in what.warnings if matches is None or matches(warning)]
+    assert len(found) == 1, what.warnings
+    return found[0]

@@ -1,0 +1,44 @@
+"""The film's arrays: what is asked for, by name, and passes that are made of them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from photon_splat.core.render.persistent import start_anew
+from photon_splat.core.render.result import film_arrays, passes_from_film
+from photon_splat.core.render.settings import RenderSettings
+
+from tests.robustness.test_degenerate import room
+
+LIGHT = ("diffuse", "glossy", "transmission")
+
+
+def test_arrays_by_name_are_those_of_the_whole_film() -> None:
+    start = start_anew(room(pixels=20), RenderSettings(photons_per_pass=2000))
+    start.prepare()
+    renderer = start.renderer
+    assert all(not array.any() for array in renderer.film().values())  # before the first pass
+    for number in range(3):
+        renderer.trace_camera(number)
+        renderer.make_points(number)
+        renderer.trace_photons(0, 2000)
+        renderer.splat()
+        renderer.resolve()
+        film = renderer.film()
+        parts = [film[f"{kind}_{way}"] for kind in LIGHT for way in ("direct", "indirect")] + [
+            film["emission"],
+            film["environment"],
+        ]
+        assert np.allclose(film["combined"][..., :3], sum(parts), rtol=1e-6)
+        assert np.array_equal(film["combined"][..., 3:], film["alpha"])
+        assert film["diffuse_indirect"].any()
+        for way in ("direct", "indirect"):
+            light, color = film[f"diffuse_{way}"], film["diffuse_color"]
+            expected = np.divide(light, color, out=np.zeros_like(light), where=color > 0)
+            assert np.array_equal(film[f"diffuse_{way}_per_albedo"], expected)
+        some = renderer.film(film_arrays({"Combined", "Normal"}))
+        assert list(some) == ["combined", "normal", "light_groups"]
+        assert all(np.array_equal(some[name], film[name]) for name in some)
+        assert list(passes_from_film(some)) == ["Combined", "Normal"]
+    with pytest.raises(ValueError, match="no array of such a name"):
+        renderer.film(["combined", "colour"])

@@ -1,3 +1,0 @@
-from tests.addon.conftest import blender
-
-__all__ = ["blender"]
