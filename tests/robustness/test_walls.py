@@ -21,7 +21,7 @@ def upright(x: float, low: float, high: float, half: float = 2.0) -> Mesh:
 
 
 def test_the_floor_before_a_wall_is_dark_where_all_light_is_behind_it() -> None:
-    """A lit board stands at x = 1 behind a taller black wall at x = 0: nothing reaches the floor at -0.9 < x < 0."""
+    """A lit board at x = 1 stands behind a taller black wall at x = 0, which shades the floor."""
     view = ortho_down(3.0, 1.6, 128)
     things = [
         (quad(2.0), lambert(0.8)),
@@ -45,7 +45,7 @@ def test_the_floor_before_a_wall_is_dark_where_all_light_is_behind_it() -> None:
 
 
 def test_the_two_sides_of_a_wall_through_the_middle_keep_their_light() -> None:
-    """The same wall, white: what its foot gets on the lit side is not lost to discs that keep off it."""
+    """The same wall, white: discs that keep off it lose none of the light on its lit side."""
     view = ortho_down(3.0, 1.6, 64)
     things = [
         (quad(2.0), lambert(0.8)),
