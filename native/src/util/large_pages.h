@@ -1,0 +1,79 @@
+// Memory for large arrays that are filled once and soon: in pages of 2 MB where the system has
+// them, as touching small ones takes longer than a pass' arithmetic on them. resize() leaves what
+// it adds as it comes, for the threads that fill it to touch first.
+#pragma once
+
+#include <cstddef>
+#include <cstdlib>
+#include <memory>
+#include <new>
+#include <type_traits>
+#include <utility>
+#include <vector>
+#ifdef __linux__
+#include <sys/mman.h>
+#endif
+
+namespace photon_splat {
+
+// Has the memory come while other things are worked on.
+inline void prefetch([[maybe_unused]] const void* memory) {
+#if defined(__GNUC__) || defined(__clang__)
+  __builtin_prefetch(memory);
+#endif
+}
+
+template <class T>
+struct LargePages {
+  using value_type = T;
+  static constexpr std::size_t kPage = std::size_t{2} << 20, kLeast = 4 * kPage;
+
+  LargePages() = default;
+  template <class U>
+  LargePages(const LargePages<U>&) noexcept {}
+
+  T* allocate(std::size_t count) {
+#ifdef __linux__
+    if (count >= kLeast / sizeof(T)) {
+      if (count > (~std::size_t{0} - kPage) / sizeof(T)) throw std::bad_array_new_length();
+      const std::size_t bytes = (count * sizeof(T) + kPage - 1) / kPage * kPage;
+      void* memory = std::aligned_alloc(kPage, bytes);
+      if (!memory) throw std::bad_alloc();
+      madvise(memory, bytes, MADV_HUGEPAGE);  // a wish: where it is not granted nothing is lost
+      return static_cast<T*>(memory);
+    }
+#endif
+    return std::allocator<T>{}.allocate(count);
+  }
+
+  void deallocate(T* memory, std::size_t count) noexcept {
+#ifdef __linux__
+// GCC takes the two ways of allocating for one, where it inlines both.
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wmismatched-new-delete"
+#endif
+    if (count >= kLeast / sizeof(T)) return std::free(memory);
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic pop
+#endif
+#endif
+    std::allocator<T>{}.deallocate(memory, count);
+  }
+
+  template <class U>
+  void construct(U*) noexcept {
+    static_assert(std::is_trivially_copyable_v<U> && std::is_trivially_destructible_v<U>);
+  }
+  template <class U, class First, class... Rest>
+  void construct(U* at, First&& first, Rest&&... rest) {
+    ::new (static_cast<void*>(at)) U(std::forward<First>(first), std::forward<Rest>(rest)...);
+  }
+
+  bool operator==(const LargePages&) const = default;
+};
+
+template <class T>
+using LargeArray = std::vector<T, LargePages<T>>;
+
+}  // namespace photon_splat
