@@ -17,6 +17,7 @@ from ..core.render.memory import current_memory_bytes, peak_memory_bytes
 from ..core.render.result import Progress, RenderResult
 from ..core.render.session import render
 from ..core.render.settings import RenderSettings
+from ..core.render.statistics import Statistics
 from ..core.scene import Camera, Frame, Scene
 from ..export import export_scene
 from ..export.camera import NoCameraError, export_frame
@@ -34,7 +35,8 @@ MAX_REPORT = 300  # characters of a warning in Blender's status bar
 class LastRender:
     """What the last render of a scene said, for the panel."""
 
-    statistics: dict[str, Any] = field(default_factory=dict)
+    statistics: Statistics | None = None
+    """None after an error."""
     warnings: list[str] = field(default_factory=list)
     error: str = ""
 
@@ -147,8 +149,7 @@ def _render(
         if observer.on_result
         else {p.name for layer in blender_result.layers for p in layer.passes},
     )
-    result.statistics.setdefault("peak_memory_bytes", peak_memory_bytes())
-    result.statistics["warnings"] = told(result.statistics.get("warnings", scene.warnings))
+    result.statistics["warnings"] = told(result.statistics["warnings"])
     return result
 
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 
 from ..scene import NO_PROGRAM, NO_TEXTURE, Scene
 from .settings import FinalGather, Integrator, RenderSettings
+from .statistics import Statistics
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,13 +119,14 @@ def _gathers(settings: RenderSettings) -> bool:
     return settings.final_gather == FinalGather.ON
 
 
-def pilot_sentences(statistics: dict[str, Any]) -> list[str]:
+def pilot_sentences(statistics: Statistics) -> list[str]:
     """What the pilot and the passes have found, from the native statistics."""
     sentences = []
     photons, discs = statistics["photons"], statistics["discs"]
     if photons["traced"] and "caustic" not in photons:
         sentences.append("No mirror, gloss or glass: no caustic photons.")
-    if any(part.get("guided") for part in photons.values() if isinstance(part, dict)):
+    maps = (photons.get("indirect"), photons.get("caustic"))
+    if any(counts["guided"] for counts in maps if counts):
         sentences.append("Few photons end in view: emission is guided to those that do.")
     reused = statistics["reused"]
     if reused["geometry"]:

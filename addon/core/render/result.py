@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .statistics import Statistics
+
 Passes = dict[str, NDArray[np.float32]]
 
 
@@ -74,13 +76,12 @@ class Progress:
 @dataclass(slots=True)
 class RenderResult:
     """passes: name → (height, width, channels) float32, row 0 at the bottom, of those that were
-    wanted. statistics: the --stats object.
-    noisy: the RGB of Combined before it was denoised, if it was.
+    wanted. noisy: the RGB of Combined before it was denoised, if it was.
     """
 
     passes: Passes
     cancelled: bool
-    statistics: dict[str, Any]
+    statistics: Statistics
     noisy: NDArray[np.float32] | None = None
 
 

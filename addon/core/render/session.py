@@ -31,6 +31,7 @@ from .result import (
 )
 from .settings import Backend, Integrator, RenderSettings
 from .splatter import CpuSplatter, Splatter, SplatterFailed
+from .statistics import Statistics
 
 LEAST_PHOTONS_PER_BATCH = 1 << 14
 BATCHES_PER_PASS = 8
@@ -490,7 +491,7 @@ def _denoise(
 
 def _statistics(
     start: Start, worker: _Worker, scene: Scene, started: float, export_seconds: float
-) -> dict[str, Any]:
+) -> Statistics:
     statistics = start.renderer.statistics()
     statistics["seconds"] |= {"export": export_seconds, "total": time.monotonic() - started}
     statistics |= {
