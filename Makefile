@@ -156,8 +156,8 @@ node-list: setup ## the README's list of nodes, from the exporter's own table
 references: setup ## what tests/reference/cycles and tests/reference/caustics compare with, anew (long)
 	$(PY) -m tests.reference.cycles.references
 	$(PY) -m tests.reference.cycles.sweep
-	$(PY) -m tests.benchmarks.stability.run --truth
-	$(PY) -m tests.benchmarks.convergence.run --truth
+	$(PY) -m tests.benchmarks.stability.run --reference
+	$(PY) -m tests.benchmarks.convergence.run --reference
 	$(PY) -m tests.reference.caustics.reference
 	$(PY) -m tests.reference.caustics.pictures
 

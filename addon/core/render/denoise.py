@@ -25,7 +25,7 @@ WINDOW = 2
 MEDIUM_GREY = 0.18
 CAUTION = 8.0
 DOUBT = 2.0
-"""What noise is taken for, over its estimate, which may be half of the truth: with blur that was
+"""What noise is taken for, over its estimate, which may be half of the true one: with blur that was
 none noise comes back.
 """
 
