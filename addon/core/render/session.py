@@ -44,9 +44,8 @@ FOR_DENOISING = ("albedo", "variance", "diffuse_direct")
 """And arrays of the film that are no passes."""
 SAMPLES_WORTH_TWO = 8.0
 """From so many camera samples a pixel on the diffuse direct light is denoised by itself, which
-takes a tenth of a second per 100,000
-pixels: after 14 samples relMSE is .90 (cornell_box), .95 (kitchen, street), .99 (interior) times as
-large.
+takes a tenth of a second per 100,000 pixels: after 14 samples relMSE is .90 (cornell_box), .95
+(kitchen, street), .99 (interior) times as large.
 """
 SAMPLES_OF_NOISY_FEATURES = 32.0
 """Up to so many the denoiser's features are noisier than it expects: filtered first, street after
@@ -90,9 +89,8 @@ def pass_that_fits(
     left: float, took: float, seconds: PassSize, last: PassSize, wanted: PassSize
 ) -> PassSize | None:
     """What of the pass `wanted` can be done in `left` seconds, if the last one took `took`,
-    `seconds` of them for its samples and
-    photons: one sample of each pixel, and the same part of all others and of photons, but not too
-    few photons; None if there is no time for that.
+    `seconds` of them for its samples and photons: one sample of each pixel, and the same part of
+    all others and of photons, but not too few photons; None if there is no time for that.
     """
     left -= took - sum(seconds)
     of_one = seconds.samples / last.samples  # in each pixel

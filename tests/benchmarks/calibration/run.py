@@ -41,11 +41,10 @@ NOTHING = 1e-4
 UNKNOWN = {"many_lights": 1e-3}
 """Share of a scene's pixels that are left out: those of which the reference's two halves say the
 most different things. Where lamps all but touch a wall a few pixels have nearly all of the
-reference's
-noise: at one of them its halves are 19.7 and 16.3 and 2,048 samples of Cycles 11.9, and the product
-of what a picture differs from either is no squared error there. Three such pixels of 106,400 were
-two thirds of the sum. In other scenes what the reference knows least is also what a picture errs in
-most, and so it counts.
+reference's noise: at one of them its halves are 19.7 and 16.3 and 2,048 samples of Cycles 11.9, and
+the product of what a picture differs from either is no squared error there. Three such pixels of
+106,400 were two thirds of the sum. In other scenes what the reference knows least is also what a
+picture errs in most, and so it counts.
 """
 KEPT = ROOT / "build" / "calibration"
 LOW, HIGH = 0.7, 1.5
