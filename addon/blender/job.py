@@ -51,7 +51,7 @@ class Observer:
     settings: Callable[[RenderSettings], RenderSettings] = lambda settings: settings
     on_progress: Callable[[Progress], None] = lambda progress: None
     on_result: Callable[[RenderResult, Frame], None] | None = None
-    """Sees all passes; without it those alone are made that Blender asks for."""
+    """Gets all passes; without an observer only the passes that Blender asks for are made."""
     on_error: Callable[[BaseException], None] = lambda error: None
     should_cancel: Callable[[], bool] = lambda: False
 
@@ -115,7 +115,7 @@ def _render(
             held.kept if held else None,
             Watch(should_cancel),
         )
-    except Cancelled:  # a render that is cancelled at once, of nothing
+    except Cancelled:  # The result of a render that is cancelled at once, of an empty scene.
         nothing = Scene(Camera(np.eye(4), (-1.0, 1.0, -1.0, 1.0)), frame)
         return render(nothing, settings, started=started, should_cancel=lambda: True)
     if held:
@@ -154,8 +154,8 @@ def _render(
 
 
 def remaining(progress: Progress, elapsed: float) -> str:
-    """How long the rest of a render takes (minutes:seconds) if it goes on as in the `elapsed`
-    seconds so far.
+    """Time that is left (minutes:seconds), if the render goes on as in the `elapsed` seconds so
+    far.
     """
     if not progress.passes_done or not progress.fraction > 0.0:
         return "--:--"

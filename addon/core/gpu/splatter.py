@@ -31,8 +31,8 @@ if TYPE_CHECKING:
 Result = TypeVar("Result")
 
 MOST_PAIRS = 1 << 22
-"""Pairs in one hand-over, about; a wide kernel reaches so many points that a batch of photons takes
-several.
+"""Pairs per batch, about. A wide kernel reaches so many points that the photons of one trace need
+several batches.
 """
 BUFFERS = 2
 """Batches handed over and not yet drawn."""

@@ -88,8 +88,8 @@ class WorldMap:
 
 @dataclass(slots=True)
 class SunDisc:
-    """The sun of a sky: radiance (W/m^2/sr) at its lower and upper edge before limb darkening,
-    hidden below an elevation.
+    """The sun of a sky: radiance (W/m^2/sr) at its lower and upper edge before limb darkening. What
+    lies below the elevation `horizon` is hidden.
     """
 
     direction: tuple[float, float, float]
