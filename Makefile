@@ -20,7 +20,7 @@ NATIVE_SOURCES := $(shell find native -path native/.cache -prune -o -path native
 # What is built in the virtual environment must find its tools there: cmake and ninja.
 IN_VENV = PATH="$(CURDIR)/$(@D)/bin:$$PATH"
 
-.PHONY: help setup setup-old setup-rivals render test lint test-native test-python test-old extension extension-test viewport-test bench bench-viewport bench-persistent bench-gpu bench-nodes chart stability convergence calibration references scenes oracle agreement wild nodes node-list sanitize wheel clean
+.PHONY: help setup setup-old setup-rivals render test lint test-native test-python test-old extension extension-test viewport-test bench bench-viewport bench-persistent bench-gpu bench-nodes chart stability convergence calibration references scenes reference oracle agreement wild nodes node-list sanitize wheel clean
 
 help:
 	@sed -n 's/^\([a-z-]*\):.*## /  make \1\t/p' $(MAKEFILE_LIST) | expand -t 20
@@ -133,6 +133,9 @@ sanitize: $(VENV)/.packages ## C++ tests under the address, undefined behaviour 
 	$(CMAKE_TESTS) -B build/tsan -DCMAKE_BUILD_TYPE=RelWithDebInfo -DPHOTON_SPLAT_SANITIZE=thread
 	$(VENV)/bin/cmake --build build/tsan
 	$(VENV)/bin/ctest --test-dir build/tsan --output-on-failure --timeout 3600 --no-tests=error
+
+reference: setup ## the comparisons with references that take too long for make test (see also oracle, agreement, nodes)
+	$(PY) tools/run_tests.py -m slow
 
 oracle: setup ## every case against the committed Cycles pictures: out/oracle/index.html
 	$(PY) -m tests.reference.cycles.report

@@ -1,6 +1,8 @@
 """Runs the Python tests, each folder that holds some in a pytest process of its own.
 
-Usage: run_tests.py [-m MARKER] [FOLDER ...]
+Usage: run_tests.py [-m MARKERS] [FOLDER ...]
+
+Tests that are marked as slow run with `-m slow` only (make reference).
 
 Blender keeps its state for a whole process, may hang when it exits, and may die there after the
 last test has passed. So every process gets a clean Blender user folder, and writes pytest's exit
@@ -50,9 +52,11 @@ os._exit(status)
 def main() -> int:
     parser = argparse.ArgumentParser(description="Run the Python tests.")
     parser.add_argument("folders", nargs="*", help="test folders (default: each that holds tests)")
-    parser.add_argument("-m", dest="marker", help="only tests with this marker")
+    parser.add_argument(
+        "-m", dest="marker", default="not slow", help="pytest's expression of markers (%(default)s)"
+    )
     options = parser.parse_args()
-    pytest_options = ["-m", options.marker] if options.marker else []
+    pytest_options = ["-m", options.marker]
     folders = [Path(folder).resolve() for folder in options.folders] or all_folders()
 
     failures: list[str] = []
