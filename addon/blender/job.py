@@ -17,6 +17,7 @@ from ..core.render.memory import current_memory_bytes, peak_memory_bytes
 from ..core.render.result import Progress, RenderResult
 from ..core.render.session import render
 from ..core.render.settings import RenderSettings
+from ..core.render.statistics import Statistics
 from ..core.scene import Camera, Frame, Scene
 from ..export import export_scene
 from ..export.camera import NoCameraError, export_frame
@@ -34,7 +35,8 @@ MAX_REPORT = 300  # characters of a warning in Blender's status bar
 class LastRender:
     """What the last render of a scene said, for the panel."""
 
-    statistics: dict[str, Any] = field(default_factory=dict)
+    statistics: Statistics | None = None
+    """None after an error."""
     warnings: list[str] = field(default_factory=list)
     error: str = ""
 
@@ -49,7 +51,7 @@ class Observer:
     settings: Callable[[RenderSettings], RenderSettings] = lambda settings: settings
     on_progress: Callable[[Progress], None] = lambda progress: None
     on_result: Callable[[RenderResult, Frame], None] | None = None
-    """Sees all passes; without it those alone are made that Blender asks for."""
+    """Gets all passes; without an observer only the passes that Blender asks for are made."""
     on_error: Callable[[BaseException], None] = lambda error: None
     should_cancel: Callable[[], bool] = lambda: False
 
@@ -113,7 +115,7 @@ def _render(
             held.kept if held else None,
             Watch(should_cancel),
         )
-    except Cancelled:  # a render that is cancelled at once, of nothing
+    except Cancelled:  # The result of a render that is cancelled at once, of an empty scene.
         nothing = Scene(Camera(np.eye(4), (-1.0, 1.0, -1.0, 1.0)), frame)
         return render(nothing, settings, started=started, should_cancel=lambda: True)
     if held:
@@ -147,14 +149,13 @@ def _render(
         if observer.on_result
         else {p.name for layer in blender_result.layers for p in layer.passes},
     )
-    result.statistics.setdefault("peak_memory_bytes", peak_memory_bytes())
-    result.statistics["warnings"] = told(result.statistics.get("warnings", scene.warnings))
+    result.statistics["warnings"] = told(result.statistics["warnings"])
     return result
 
 
 def remaining(progress: Progress, elapsed: float) -> str:
-    """How long the rest of a render takes (minutes:seconds) if it goes on as in the `elapsed`
-    seconds so far.
+    """Time that is left (minutes:seconds), if the render goes on as in the `elapsed` seconds so
+    far.
     """
     if not progress.passes_done or not progress.fraction > 0.0:
         return "--:--"

@@ -27,7 +27,7 @@ OWN_SWITCHES = {
     "Surface ID": "use_pass_surface_id",
     "Error": "use_pass_error",
 }
-"""Ours, properties of its `photon_splat`."""
+"""Our own switches, properties of a view layer's `photon_splat`."""
 
 
 def wanted_passes(view_layer: Any) -> Iterator[PassInfo]:

@@ -18,7 +18,7 @@ from .viewport.live import changed
 
 
 class Held:
-    """Of one view layer."""
+    """What one view layer keeps."""
 
     def __init__(self) -> None:
         self.kept = Kept()
@@ -26,7 +26,7 @@ class Held:
 
 
 class _Holder:
-    """Of all view layers that one engine of Blender renders."""
+    """What the view layers of one render engine keep."""
 
     def __init__(self, engine: Any) -> None:
         self.engine = weakref.ref(engine, _forget)
@@ -66,7 +66,7 @@ def holds() -> bool:
 
 
 def free() -> None:
-    """Gives everything back; a render that runs now keeps what it uses until its end."""
+    """Drops everything. A running render keeps what it uses until its end."""
     _holders.clear()
 
 

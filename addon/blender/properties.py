@@ -1,4 +1,6 @@
-"""scene.photon_splat: what the user sets, and how it becomes core.settings.RenderSettings."""
+"""scene.photon_splat: what the user sets, and how it becomes
+core.render.settings.RenderSettings.
+"""
 
 from __future__ import annotations
 
@@ -15,8 +17,8 @@ DEFAULTS = RenderSettings()
 
 
 def _tell(settings: Any, _: Any) -> None:
-    """Blender itself does not tell dependency graphs that it keeps (Persistent Data) of such a
-    change.
+    """Marks the scene as changed: Blender does not do so by itself for dependency graphs that it
+    keeps (Persistent Data).
     """
     settings.id_data.update_tag()
 
@@ -228,7 +230,7 @@ def render_settings(scene: Any) -> RenderSettings:
 
 
 def viewport_settings(scene: Any) -> RenderSettings:
-    """Those of the viewport: its own passes, photons and time limit, all else that counts there as
+    """RenderSettings of the viewport: passes, photons and time limit of its own, everything else as
     in `render_settings`.
     """
     group = scene.photon_splat

@@ -1,6 +1,6 @@
-"""Registering with Blender so that it can be done and undone at any time and in any order: a
-handler may be gone by the time that it is to be removed, and a class may still be there from
-scripts that have been reloaded since.
+"""Registers classes and handlers with Blender so that this can be done and undone at any time: a
+handler may already be gone when it is to be removed, and a class may still be registered by scripts
+that have been reloaded since.
 """
 
 from __future__ import annotations
@@ -27,21 +27,21 @@ def register_classes(classes: Sequence[Any]) -> None:
 
 
 def unregister_classes(classes: Sequence[Any]) -> None:
-    """In reverse."""
+    """In reverse order."""
     for cls in reversed(classes):
         if cls.is_registered:
             bpy.utils.unregister_class(cls)
 
 
 def add_handlers(handlers: Handlers) -> None:
-    """Marked as persistent, or Blender drops them when it loads a file."""
+    """Adds handlers that Blender keeps when it loads a file."""
     remove_handlers(handlers)
     for name, handler in handlers:
         getattr(bpy.app.handlers, name).append(bpy.app.handlers.persistent(handler))
 
 
 def remove_handlers(handlers: Handlers) -> None:
-    """Those of the same names that scripts since reloaded have added among them."""
+    """Removes the handlers, and handlers of the same names that reloaded scripts have added."""
     for name, handler in handlers:
         known = getattr(bpy.app.handlers, name)
         for old in list(known):

@@ -1,4 +1,6 @@
-"""How warnings are told: one sentence a kind, those first that change the picture most."""
+"""Merges and sorts warnings for the user: one sentence per kind, first those that change the
+picture most.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +16,7 @@ _QUOTED = re.compile(r"'.+?'(?=[\s,:;.)]|$)")
 _PATH = re.compile(r"(?<=: )[^:;]+(?= cannot be read)")
 _NUMBER = re.compile(r"\d[\d,.]*")
 _ORDER = (
-    # Few, or none of the scene's things.
+    # Nothing, or little, of the scene is rendered.
     (
         4,
         re.compile(
@@ -22,9 +24,9 @@ _ORDER = (
             r"without area"
         ),
     ),
-    # What Blender shows and this does not.
+    # Features of Blender that are not supported.
     (0, re.compile(r"(?s)[Nn]ot supported.*left out")),
-    # What else is not in the picture at all, or in pink.
+    # Other things that are missing from the picture, or pink.
     (
         1,
         re.compile(
@@ -32,7 +34,7 @@ _ORDER = (
             r"nothing"
         ),
     ),
-    # What is there and looks otherwise.
+    # Things that are rendered but look different.
     (
         2,
         re.compile(
@@ -45,8 +47,8 @@ _NOTE = 3
 
 
 def told(warnings: Iterable[str]) -> list[str]:
-    """The sentences, those of one kind made one that names all they name; what is missing in the
-    picture first, notes last.
+    """One sentence per kind of warning, which names all that the kind names. Sentences about
+    missing things come first, notes last.
     """
     kinds: dict[str, list[str]] = {}
     for warning in warnings:
@@ -57,7 +59,7 @@ def told(warnings: Iterable[str]) -> list[str]:
 
 
 def names_in(warning: str) -> list[str]:
-    """What stands in quotes, in its order."""
+    """The names in quotes, in their order."""
     return list(dict.fromkeys(quoted[1:-1] for quoted in _QUOTED.findall(warning)))
 
 
@@ -66,7 +68,7 @@ def _rank(sentence: str) -> int:
 
 
 def _parts(warning: str) -> tuple[str, str]:
-    """Whom a warning is about, or "", and what it says."""
+    """Who a warning is about ("": nobody), and what it says."""
     owned = _OWNED.fullmatch(warning)
     return (owned[1], owned[2]) if owned else ("", warning)
 

@@ -195,7 +195,7 @@ def parser() -> argparse.ArgumentParser:
 
 
 def settings_of(options: argparse.Namespace) -> Callable[[RenderSettings], RenderSettings]:
-    """The options laid over the scene's own settings."""
+    """Returns a function that applies the options to the scene's own settings."""
     given: dict[str, Any] = {
         name: getattr(options, name)
         for name in (
@@ -256,7 +256,7 @@ def check_paths(options: argparse.Namespace) -> None:
         if given[one] is not None and _same_file(given[one], given[other]):
             raise CommandError(f"{one} and {other} name the same file")
     for path in filter(None, (options.output, options.stats)):
-        if os.path.isdir(path):  # which says no to names that are too long
+        if os.path.isdir(path):  # isdir() is False for names that are too long
             raise CommandError(f"{path} is a folder")
         if not os.path.isdir(path.parent):
             raise CommandError(f"{path} cannot be written: the folder {path.parent} does not exist")
@@ -268,5 +268,5 @@ def check_paths(options: argparse.Namespace) -> None:
 def _same_file(one: Path, other: Path) -> bool:
     try:
         return one.samefile(other)
-    except OSError:  # one of them is not there yet
+    except OSError:  # one of them does not exist yet
         return os.path.realpath(one) == os.path.realpath(other)

@@ -15,8 +15,8 @@ from ..core.render.result import Passes, infos_of
 from ..core.scene import Frame
 
 ROWS_AT_ONCE = 64
-"""Of a picture that is written: the channels side by side take as much memory as the picture again,
-but for so many rows only.
+"""Rows that are written at a time: interleaved channels of the whole picture would take as much
+memory as the picture again.
 """
 
 
@@ -25,10 +25,9 @@ class WriteError(Exception):
 
 
 def replace_file(path: Path, write: Callable[[Path], object]) -> None:
-    """Calls write(temporary path) and puts the file in the place of `path`: whole, or not at all.
-    Raises WriteError.
-
-    A link stays, and what it leads to is replaced; who may read and write the file stays as it was.
+    """Calls write(temporary path) and then moves the file to `path`, so that `path` is written
+    completely or not at all. Raises WriteError. A symbolic link stays, and its target is replaced;
+    permissions stay.
     """
     with _error_of(path, "could not be written"):
         temporary = _temporary(path)
@@ -42,8 +41,8 @@ def replace_file(path: Path, write: Callable[[Path], object]) -> None:
 
 
 def try_file(path: Path) -> None:
-    """Raises WriteError where replace_file() would not find a place for the file, or the wrong
-    thing in it. Leaves nothing behind.
+    """Raises WriteError if replace_file() would fail: no such folder, no permission, or something
+    that is no file. Leaves nothing behind.
     """
     with _error_of(path, "cannot be written"):
         if os.path.lexists(path) and os.path.exists(path) and not os.path.isfile(path):
@@ -70,7 +69,7 @@ def _temporary(path: Path) -> Path:
 
 
 def _mode_of(path: Path) -> int:
-    """That of the file, or that of new ones."""
+    """Permissions of the file, or those of new files."""
     try:
         return stat.S_IMODE(os.stat(path).st_mode)
     except OSError:

@@ -9,8 +9,9 @@ from pathlib import Path
 
 
 def open_standard_streams() -> None:
-    """Those that the caller has closed lead nowhere: else files that are opened later would take
-    their numbers, and what is meant for the user would be written into them.
+    """Opens the standard streams that the caller has closed, on the null device. Otherwise a file
+    that is opened later would take a stream's number, and messages for the user would be written
+    into it.
     """
     while (number := os.open(os.devnull, os.O_RDWR)) < 3:
         pass
@@ -32,8 +33,8 @@ def silence_blender() -> None:
 
 
 def end_at_the_second(number: int) -> None:
-    """Once a signal has been heard its next one ends the process, whatever that does meanwhile:
-    also where Blender or a library of it hangs, and no Python runs.
+    """Makes the next signal of this kind end the process at once, even where Blender or one of its
+    libraries hangs and no Python code runs.
     """
     if not sys.platform.startswith("linux") or sys.maxsize < 2**32:
         return
@@ -54,7 +55,7 @@ def end_at_the_second(number: int) -> None:
 
 
 def remove_blenders_folder() -> None:
-    """That of its session in the folder for temporary files, which it removes itself only at an
+    """Removes Blender's folder for temporary files of this session; Blender does so only at an
     orderly end.
     """
     bpy = sys.modules.get("bpy")

@@ -9,14 +9,14 @@ from ..core.render.result import Progress
 
 
 def say(text: str) -> None:
-    """To standard error; where nobody reads it any more the render goes on all the same."""
+    """Writes to standard error. If nobody reads it any more, the render goes on."""
     with contextlib.suppress(OSError, ValueError):
         sys.stderr.write(text)
         sys.stderr.flush()
 
 
 class ProgressBar:
-    """On a terminal a bar that redraws itself, elsewhere a line at each tenth."""
+    """Shows a bar that redraws itself on a terminal, and a line at each tenth elsewhere."""
 
     def __init__(self) -> None:
         self.terminal = sys.stderr.isatty()

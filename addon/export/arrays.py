@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 FEW = 512
-"""Elements that are copied faster than it is found out whether they need be."""
+"""So few elements are copied without a check: copying them is faster than the check."""
 
 
 def read(collection: Any, attribute: str, dtype: DTypeLike, width: int = 1) -> NDArray:
@@ -38,7 +38,7 @@ def read_copy(collection: Any, attribute: str, dtype: DTypeLike, width: int = 1)
 
 
 def _view(collection: Any, attribute: str, dtype: np.dtype, width: int) -> NDArray | None:
-    """View of the elements' memory, or None if it is not one plain array of `dtype` that reads as
+    """A view of the elements' memory, or None where they are not one plain array of `dtype`, as
     Blender reads it.
     """
     count = len(collection)

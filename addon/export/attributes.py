@@ -22,7 +22,7 @@ from .nodes.random_numbers import name_random, number_random
 from .report import Report
 
 NUMBERS = {"FLOAT", "INT", "INT8", "BOOLEAN"}
-# Of a type of attribute: the property that holds its value, and how many numbers that is.
+# For each type of attribute: the property that holds its value, and its number of components.
 STORED = {
     "FLOAT_VECTOR": ("vector", 3),
     "FLOAT2": ("vector", 2),
@@ -46,7 +46,7 @@ def mesh_shading(
     shading = MeshShading()
 
     @cache
-    def triangles() -> Triangles:  # not all attributes ask for them
+    def triangles() -> Triangles:  # not every attribute needs them
         found = sound_triangles(mesh, name, Report())
         if found is None:
             raise ValueError(

@@ -10,12 +10,12 @@ class Cancelled(Exception):
 
 
 class Watch:
-    """Asked by all that may take long, once per object, node and image."""
+    """Whatever may take long asks it: once per object, node and image."""
 
     def __init__(self, should_cancel: Callable[[], bool] | None = None) -> None:
         self._should_cancel = should_cancel
 
     def go_on(self) -> None:
-        """Raises Cancelled where the render has been."""
+        """Raises Cancelled if the render has been cancelled."""
         if self._should_cancel is not None and self._should_cancel():
             raise Cancelled

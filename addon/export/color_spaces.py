@@ -1,5 +1,5 @@
-"""Colour spaces of images: what of them native code decodes by itself, and the others by Blender's
-own configuration.
+"""Colour spaces of images: native code decodes sRGB and linear, Blender's own configuration all
+others.
 """
 
 from __future__ import annotations

@@ -47,7 +47,7 @@ def _sums(
 
 
 def _unit(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Of length 1, or 0 where they are that."""
+    """Normalizes vectors; those of length 0 stay 0."""
     lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
     return np.nan_to_num(
         np.divide(vectors, lengths, out=np.zeros_like(vectors), where=lengths > 0.0)

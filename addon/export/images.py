@@ -54,7 +54,7 @@ class Textures:
         self.list: list[Texture] = []
         self._report, self._kept, self._watch = report, kept, watch or Watch()
         self._known: dict[tuple[Any, ...], int] = {}
-        # however many ways it is read in
+        # however many textures read it
         self._read: dict[tuple[int, str, int, bool], ImagePixels] = {}
 
     def add(self, texture: Texture) -> int:
@@ -73,7 +73,7 @@ class Textures:
         path = _path(image, node, tile) if image else ""
         found = self._once(image, path, owner, tile, straight)
         if found.pixels is PINK:
-            extension = Extension.EXTEND  # it is everywhere
+            extension = Extension.EXTEND  # the alpha is 1 everywhere
         key = (
             image.as_pointer() if image else 0,
             path,
@@ -203,8 +203,8 @@ def _decoded(
     named: str,
     report: Report,
 ) -> ImagePixels:
-    """Linear colours, times alpha. As in Cycles: multiplied before they are decoded, unless
-    somebody asks for the alpha too.
+    """Linear colours times alpha. As in Cycles, colours are multiplied before they are decoded,
+    unless somebody asks for the alpha too.
     """
     depends = False
     if pixels.dtype == np.uint8:

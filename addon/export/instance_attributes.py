@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from .arrays import read_copy
 from .report import Report
 
-NO_LEVEL = 0x7FFFFFFF  # in a persistent id, beyond its levels
-# Of a type of attribute: the property that holds its value, and how many numbers that is.
+NO_LEVEL = 0x7FFFFFFF  # number that fills the unused levels of a persistent id
+# For each type of attribute: the property that holds its value, and its number of components.
 STORED = {
     "FLOAT": ("value", 1),
     "INT": ("value", 1),

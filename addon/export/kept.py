@@ -1,4 +1,4 @@
-"""What one export leaves for the next: arrays of meshes and images that have not changed since."""
+"""Keeps arrays of meshes and images from one export to the next, as long as they do not change."""
 
 from __future__ import annotations
 
@@ -36,12 +36,12 @@ class Kept:
         return value
 
     def forget(self, sources: Iterable[int]) -> None:
-        """Drops what was made of any of these."""
+        """Drops what was made from any of these data-blocks."""
         changed = set(sources)
         self._values = {key: entry for key, entry in self._values.items() if not entry[2] & changed}
 
     def forget_unused(self) -> None:
-        """Drops what has not been asked for since the last call."""
+        """Drops what nobody has asked for since the last call."""
         self._values = {key: entry for key, entry in self._values.items() if key in self._used}
         self._used.clear()
 

@@ -17,7 +17,7 @@ from .visibility import lamp_seen_by
 
 FEW_BOUNCES = 1024  # Blender's default, more than any path has
 MOST_STRENGTH = 1e18
-"""Beyond it what is bright in the picture, and its square, is no number any more."""
+"""Brighter lamps are clipped: bright pixels, and their squares, would overflow."""
 KINDS = {
     "POINT": LightKind.POINT,
     "SPOT": LightKind.SPOT,

@@ -31,7 +31,7 @@ class Linking:
             self._make_groups(states)
 
     def group(self, instance: Any) -> int:
-        """That of an instance of the graph, or else of the object that makes it."""
+        """The group of an instance of the graph, or else of the object that makes it."""
         own = self._group_of.get(instance.object.original.as_pointer(), 0)
         if own == 0 and instance.is_instance and instance.parent is not None:
             return self._group_of.get(instance.parent.original.as_pointer(), 0)

@@ -172,7 +172,7 @@ def export_material(material: Any, owner: Owner, shading: Shading) -> Material:
 def _sides(
     material: Any, owner: Owner, compiled: Compiled, output: Any, shading: Shading
 ) -> tuple[Side, Side] | None:
-    """The two sides of a material that comes to that, else None."""
+    """The two sides of a material that amounts to Lambertian reflection and emission, else None."""
     if any(made.operation.name not in {"Diffuse", "Emission"} for made in compiled.statements):
         return None
     whole = lambertian(compiled)

@@ -62,13 +62,15 @@ class Objects:
         self._holdouts: list[bool] = []
         self._light_group_of = {name: i for i, name in enumerate(light_groups)}
         self._matrices: list[NDArray[np.float64]] = []
-        self._row_of: dict[int, int] = {}  # by place in the graph's list of instances
+        self._row_of: dict[int, int] = {}  # by index in the graph's list of instances
         self._attributes: list[InstanceAttribute] = []
         # flattened meshes: which triangles are left
         self._flat: dict[int, NDArray[np.bool_] | None] = {}
 
     def collect(self, depsgraph: Any, visible: Callable[[Any], bool] | None = None) -> None:
-        """Nothing of what the graph's iterator hands out is kept: it reuses its objects."""
+        """Blender reuses the objects that the graph's iterator returns, so none of them may be
+        kept.
+        """
         view_layer = depsgraph.view_layer
         override = view_layer.material_override
         linking = Linking(depsgraph, self._report)
@@ -227,8 +229,8 @@ class Objects:
         return len(self.meshes) - 1
 
     def _is_flat(self, matrix: NDArray[np.float64], name: str) -> bool | None:
-        """False: an ordinary matrix; True: it squeezes into a plane; None: nothing is left
-        (reported).
+        """False: an ordinary matrix. True: it flattens the mesh into a plane. None: it leaves
+        nothing (reported).
         """
         if not np.isfinite(matrix).all():
             self._report.warn(

@@ -72,7 +72,7 @@ class _World:
             self._program(world, output.inputs["Surface"])
 
     def _program(self, world: Any, surface: Any) -> None:
-        """Any other tree: a constant where it comes to that."""
+        """Any other tree: a program, or a constant where the tree amounts to one."""
         compiled = self.shading.compile(Owner(self.owner, world, of_world=True), surface)
         constant = lambertian(compiled)
         if constant is not None and constant[1][1] == NO_TEXTURE:

@@ -55,7 +55,7 @@ def indirect(
 
 @pytest.mark.parametrize(("world", "sun"), [(0.0, 20.0), (pi, 0.0)], ids=["sun", "world"])
 def test_guided_photons_are_unbiased(world: float, sun: float) -> None:
-    truth, noise, _ = indirect(keyhole(world, sun), Integrator.REFERENCE, 4, passes=256)
+    reference, noise, _ = indirect(keyhole(world, sun), Integrator.REFERENCE, 4, passes=256)
     ours, error, guided = indirect(
         keyhole(world, sun),
         Integrator.SPLAT,
@@ -66,8 +66,8 @@ def test_guided_photons_are_unbiased(world: float, sun: float) -> None:
     )
     # and with a narrow kernel: the automatic one blurs light about the spot, 2 % of the mean here
     assert guided
-    assert truth > 0
-    assert ours == pytest.approx(truth, abs=4 * np.hypot(noise, error) + 0.01 * truth)
+    assert reference > 0
+    assert ours == pytest.approx(reference, abs=4 * np.hypot(noise, error) + 0.01 * reference)
 
 
 def test_an_open_box_is_left_unguided() -> None:

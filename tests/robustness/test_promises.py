@@ -11,10 +11,11 @@ import pytest
 from photon_splat.core.render.result import RenderResult
 from photon_splat.core.render.session import PassSize, pass_that_fits, render
 from photon_splat.core.render.settings import Integrator, RenderSettings
-from photon_splat.core.scene import Scene
+from photon_splat.core.scene import Mesh, Scene
 
 from tests.robustness.test_degenerate import room
 from tests.support import corescene as c
+from tests.support.clock import Stopwatch
 from tests.support.paths import ROOT
 
 integrators = pytest.mark.parametrize("integrator", c.BOTH)
@@ -58,7 +59,6 @@ def _peak(photons: int) -> int:
         cwd=ROOT,
         capture_output=True,
         text=True,
-        timeout=120,
         check=True,
     )
     peak, traced = (int(word) for word in done.stdout.split())
@@ -106,10 +106,10 @@ def test_the_last_pass_gets_what_fits() -> None:
 
 
 def test_time_limit_is_kept() -> None:
-    began = time.monotonic()
+    began, watch = time.monotonic(), Stopwatch()
     result = c.shoot(room(pixels=64), passes=1_000_000, photons_per_pass=20_000, time_limit=1.0)
-    took = time.monotonic() - began
-    assert 0.5 < took < 1.3
+    assert time.monotonic() - began > 0.5
+    assert watch.seconds() < 1.3
     assert 1 < result.statistics["passes"] < 1_000_000
     assert not result.cancelled
 
@@ -119,17 +119,17 @@ def cancelled_render(
 ) -> tuple[RenderResult, float]:
     """Cancels `after` seconds into a render; its result, and how long it then went on."""
     began = time.monotonic()
-    asked: list[float] = []
+    asked: list[Stopwatch] = []
 
     def should_cancel() -> bool:
         if time.monotonic() - began < after:
             return False
-        asked.append(time.monotonic())
+        asked.append(Stopwatch())
         return True
 
     result = render(what, settings, started=began, should_cancel=should_cancel)
     assert result.cancelled
-    return result, time.monotonic() - asked[0]
+    return result, asked[0].seconds()
 
 
 @integrators
@@ -147,16 +147,25 @@ def test_cancel_within_a_fifth_of_a_second(integrator: Integrator, after: float)
 
 
 def test_cancel_while_embree_builds() -> None:
-    mesh = c.globe(1.0, 9)  # two million triangles
-    what = c.scene(c.perspective((0, 0, 4), (0, 0, 0), 8, 8), [(mesh, c.lambert(0.5))])
+    what = c.scene(c.perspective((0, 0, 4), (0, 0, 0), 8, 8), [(_hills(1000), c.lambert(0.5))])
     assert min(cancelled_render(what, RenderSettings(passes=1))[1] for _ in range(3)) < 0.2
+
+
+def _hills(side: int) -> Mesh:
+    """2 * side^2 triangles."""
+    x, y = np.meshgrid(*2 * (np.linspace(-1, 1, side + 1, dtype=np.float32),))
+    positions = np.stack([x, y, 0.1 * np.sin(9 * x) * np.cos(7 * y)], -1).reshape(-1, 3)
+    at = np.arange(side, dtype=np.uint32)
+    first = (at[:, None] * (side + 1) + at).ravel()
+    corners = [first, first + 1, first + side + 2, first, first + side + 2, first + side + 1]
+    return Mesh("hills", positions, np.stack(corners, -1).reshape(-1, 3).astype(np.uint32))
 
 
 def test_progress_rises_to_one() -> None:
     seen: list[float] = []
-    settings = RenderSettings(passes=12, photons_per_pass=200_000)
+    settings = RenderSettings(passes=6, photons_per_pass=100_000)
     render(
-        room(pixels=128),
+        room(pixels=64),
         settings,
         started=time.monotonic(),
         on_progress=lambda progress: seen.append(progress.fraction),

@@ -63,7 +63,7 @@ def test_the_two_sides_of_a_wall_through_the_middle_keep_their_light() -> None:
     )
     what = scene(view, things, [spot])
     ours = picture(what, passes=24, photons_per_pass=40_000)[:, :, 1].mean(0)
-    truth = picture(what, Integrator.REFERENCE, passes=256)[:, :, 1].mean(0)
+    reference = picture(what, Integrator.REFERENCE, passes=256)[:, :, 1].mean(0)
     x = ((np.arange(len(ours)) + 0.5) / len(ours) - 0.5) * 1.6
     foot = (x > 0.0) & (x < 0.15)
-    assert abs(ours[foot].mean() / truth[foot].mean() - 1.0) < 0.03
+    assert abs(ours[foot].mean() / reference[foot].mean() - 1.0) < 0.03

@@ -15,7 +15,6 @@ import os
 import subprocess
 import sys
 import tempfile
-import threading
 import traceback
 from collections.abc import Callable
 from pathlib import Path
@@ -23,9 +22,8 @@ from typing import Any
 
 import pytest
 
+from tests.support.hang import killed_if_hung
 from tests.support.paths import ROOT
-
-SECONDS = 40.0
 
 
 class Blender:
@@ -36,9 +34,7 @@ class Blender:
         self.process: subprocess.Popen[str] | None = None
 
     def call(self, check: Callable[..., None], arguments: dict[str, Any]) -> None:
-        """Calls `check` over there. The test fails if it raises, ends the process, or takes longer
-        than `SECONDS`.
-        """
+        """Calls `check` over there. The test fails if it raises, ends the process, or hangs."""
         if self.process is None or self.process.poll() is not None:
             self._start()
         process = self.process
@@ -53,10 +49,8 @@ class Blender:
         }
         process.stdin.write(json.dumps(request) + "\n")
         process.stdin.flush()
-        watch = threading.Timer(SECONDS, process.kill)
-        watch.start()
-        answer = process.stdout.readline()
-        watch.cancel()
+        with killed_if_hung(process):
+            answer = process.stdout.readline()
         if not answer:
             pytest.fail(f"Blender ended with status {process.wait()}", pytrace=False)
         error = json.loads(answer)

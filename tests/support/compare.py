@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 
 
 def mse_two_halves(picture: Array, half_1: Array, half_2: Array) -> float:
-    """Mean squared error of `picture` against the truth of which the halves are two independent
+    """Mean squared error of `picture` against the reference of which the halves are two independent
     estimates.
     """
     return float(np.mean((picture - half_1) * (picture - half_2)))

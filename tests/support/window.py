@@ -12,7 +12,8 @@ from typing import Any
 
 import numpy as np
 
-SECONDS = 20.0
+SECONDS = 600.0
+"""After which it is taken for hung."""
 
 
 class Engine:

@@ -18,9 +18,11 @@ from photon_splat.core.viewport import controller as viewport
 from photon_splat.core.viewport.controller import Controller, Pace, Picture, View, fitted, scaled
 
 from tests.support import corescene
+from tests.support.clock import Stopwatch
 
 SETTINGS = RenderSettings(passes=3, photons_per_pass=5000, threads=2)
-SECONDS = 20.0
+SECONDS = 600.0
+"""After which it is taken for hung."""
 
 
 def room(strength: float = 100.0, albedo: float = 0.5, moved: float = 0.0) -> Scene:
@@ -236,16 +238,16 @@ def test_closing_ends_the_thread_at_once(delay: float) -> None:
     controller.set_view(view(width=640, height=360))
     controller.set_scene(room(), replace(SETTINGS, passes=1000, photons_per_pass=200_000))
     time.sleep(delay)
-    began = time.monotonic()
+    watch = Stopwatch()
     controller.close()
-    assert time.monotonic() - began < 0.5
+    assert watch.seconds() < 0.5
     assert threading.active_count() == before
 
 
 def test_a_time_limit_ends_refinement(controller: Controller) -> None:
     controller.set_view(view())
-    controller.set_scene(room(), replace(SETTINGS, passes=1_000_000, time_limit=0.3))
-    wait(controller, lambda p: p.samples > 1)
+    controller.set_scene(room(), replace(SETTINGS, passes=1_000_000, time_limit=1.0))
+    wait(controller, lambda p: p.samples >= 1)
     deadline = time.monotonic() + SECONDS
     while controller.status()[0] and time.monotonic() < deadline:
         time.sleep(0.01)

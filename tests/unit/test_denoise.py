@@ -23,13 +23,13 @@ def _box() -> Scene:
 
 
 def test_less_noise_and_the_same_light() -> None:
-    truth = c.picture(_box(), passes=64, photons_per_pass=30_000, seed=5)
+    reference = c.picture(_box(), passes=64, photons_per_pass=30_000, seed=5)
     noisy, clean = (
         c.shoot(_box(), passes=1, photons_per_pass=5_000, denoise=on, final_gather=FinalGather.OFF)
         for on in (False, True)
     )
     error = {
-        name: float(((r.passes["Combined"][..., :3] - truth[..., :3]) ** 2).mean())
+        name: float(((r.passes["Combined"][..., :3] - reference[..., :3]) ** 2).mean())
         for name, r in (("noisy", noisy), ("clean", clean))
     }
     assert error["clean"] < 0.8 * error["noisy"]
@@ -45,15 +45,15 @@ def test_less_noise_and_the_same_light() -> None:
 def test_the_mixture_is_never_much_worse_than_either() -> None:
     """A blurred edge stays with the noisy picture, a noisy plain with the denoised one."""
     random = np.random.default_rng(4)
-    truth = np.ones((64, 64, 3), np.float32)
-    truth[:, 32:] = 3.0
+    reference = np.ones((64, 64, 3), np.float32)
+    reference[:, 32:] = 3.0
     sigma = 0.1
-    noisy = truth + sigma * random.standard_normal((64, 64, 1)).astype(np.float32)
-    blurred = truth.copy()
+    noisy = reference + sigma * random.standard_normal((64, 64, 1)).astype(np.float32)
+    blurred = reference.copy()
     blurred[:, 30:34] = 2.0
     mixed = denoise.blend(noisy, blurred, np.full((64, 64), sigma**2, np.float32), passes=64)
     error = {
-        name: ((p - truth) ** 2).mean()
+        name: ((p - reference) ** 2).mean()
         for name, p in (("noisy", noisy), ("blurred", blurred), ("mixed", mixed))
     }
     assert error["mixed"] < 0.5 * error["noisy"]

@@ -109,9 +109,9 @@ def graphics(scene: str) -> str:
     used it.
     """
     last = last_renders.get(scene)
-    name = last.statistics.get("gpu", {}).get("renderer") if last else None
-    if name:
-        return translated("The last render used {name}").format(name=name)
+    gpu = last.statistics.get("gpu") if last and last.statistics else None
+    if gpu:
+        return translated("The last render used {name}").format(name=gpu["renderer"])
     if not may_have_hardware():
         return translated("This machine shows no graphics card")
     return translated("The graphics card is named here after a render with it")

@@ -9,6 +9,7 @@ from typing import Any
 
 import bpy
 
+from ...core.render.statistics import Statistics
 from ..job import last_renders
 from ..registration import add_handlers, register_classes, remove_handlers, unregister_classes
 from ..told import names_in, told
@@ -76,11 +77,12 @@ class PHOTON_SPLAT_PT_plan(RenderPanel, bpy.types.Panel):
     @classmethod
     def poll(cls, context: Any) -> bool:
         last = last_renders.get(context.scene.name)
-        return bool(super().poll(context) and last and last.statistics.get("plan"))
+        return bool(super().poll(context) and last and last.statistics)
 
     def draw(self, context: Any) -> None:
-        for line in plan_lines(last_renders[context.scene.name].statistics["plan"]):
-            paragraph(self.layout, line)
+        statistics = last_renders[context.scene.name].statistics
+        for sentence in statistics["plan"]["sentences"] if statistics else ():
+            paragraph(self.layout, sentence)
 
 
 class PHOTON_SPLAT_PT_approximations(RenderPanel, bpy.types.Panel):
@@ -135,50 +137,30 @@ def users(context: Any, names: Collection[str]) -> Iterator[tuple[Any, int | Non
         yield ob, slot
 
 
-def statistics_lines(statistics: dict[str, Any]) -> Iterator[str]:
+def statistics_lines(statistics: Statistics | None) -> Iterator[str]:
     """The figures of a render as short lines."""
-    if not statistics:
+    if statistics is None:
         return
-    seconds, photons, error = (
-        statistics.get("seconds", {}),
-        statistics.get("photons", {}),
-        statistics.get("error", {}),
-    )
-    state = translated("cancelled after") if statistics.get("cancelled") else translated("in")
+    seconds, photons = statistics["seconds"], statistics["photons"]
     line = translated("{passes} passes {state} {seconds:.1f} s on {threads} threads, {backend}")
     yield line.format(
-        passes=statistics.get("passes", 0),
-        state=state,
-        seconds=seconds.get("total", 0.0),
-        threads=statistics.get("threads", 0),
-        backend=statistics.get("backend", "CPU"),
+        passes=statistics["passes"],
+        state=translated("cancelled after") if statistics["cancelled"] else translated("in"),
+        seconds=seconds["total"],
+        threads=statistics["threads"],
+        backend=statistics["backend"],
     )
-    if error.get("relative_rmse"):
+    if error := statistics["error"]["relative_rmse"]:
         line = translated("Estimated error {error:.2g} % of the mean brightness")
-        yield line.format(error=100 * error["relative_rmse"])
+        yield line.format(error=100 * error)
     line = translated("{traced:,} photons traced, {stored:,} stored, {rays:,} rays")
-    yield line.format(
-        traced=photons.get("traced", 0),
-        stored=photons.get("stored", 0),
-        rays=statistics.get("rays", 0),
-    )
-    for name, value in seconds.items():
-        if name != "total" and value >= 0.005:
+    yield line.format(traced=photons["traced"], stored=photons["stored"], rays=statistics["rays"])
+    for name, value in dict(seconds).items():
+        if name != "total" and isinstance(value, float) and value >= 0.005:
             yield f"    {translated(name.capitalize())}: {value:.2f} s"
     yield translated("Peak memory {memory:,.0f} MiB").format(
-        memory=statistics.get("peak_memory_bytes", 0) / 2**20
+        memory=statistics["peak_memory_bytes"] / 2**20
     )
-
-
-def plan_lines(plan: Any) -> Iterator[str]:
-    """A scene plan as short lines, whether it is a text, a list or a table."""
-    if isinstance(plan, str):
-        yield from plan.splitlines()
-    elif isinstance(plan, dict):
-        for key, value in plan.items():
-            yield f"{key}: {value}"
-    else:
-        yield from (str(line) for line in plan)
 
 
 CLASSES = (

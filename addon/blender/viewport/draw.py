@@ -8,15 +8,15 @@ from ...core.viewport.controller import Picture
 
 
 class Canvas:
-    """Keeps the picture that was drawn last on the graphics card."""
+    """Draws pictures, and keeps the texture of the latest one on the graphics card."""
 
     def __init__(self) -> None:
         self._texture: Any = None
         self.number = 0
 
     def draw(self, picture: Picture) -> None:
-        """Scene-linear and premultiplied, as Blender wants it: it does the colour management
-        afterwards.
+        """pixels are scene-linear and premultiplied, as Blender expects them; Blender does the
+        colour management afterwards.
         """
         import gpu
         from gpu_extras.presets import draw_texture_2d

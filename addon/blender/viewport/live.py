@@ -26,10 +26,10 @@ from .view import view_of
 
 POLL_SECONDS = 0.02
 NOWHERE = Camera(np.eye(4), (-1.0, 1.0, -1.0, 1.0))
-"""Of a scene whose view comes later."""
+"""A camera for a scene that gets its view later."""
 
 lives: list[Live] = []
-"""All of them."""
+"""All viewports in Rendered shading."""
 
 
 class Live:
@@ -43,7 +43,7 @@ class Live:
         self.error = ""
         self.warnings: list[str] = []
         self.seconds = {"export": 0.0, "draw": 0.0}
-        """Of Blender's own thread: the last export and the last draw."""
+        """Seconds of the last export and the last draw, both on Blender's thread."""
         self._scene: Scene | None = None
         self._bounds: NDArray[np.float64] | None = None
         self._told: tuple[Any, ...] = ()
@@ -101,7 +101,7 @@ class Live:
         self.seconds["draw"] = time.monotonic() - started
 
     def news(self) -> bool:
-        """Whether there is something to draw that has not been asked to be drawn."""
+        """Whether there is a new picture whose drawing has not been requested yet."""
         picture, (status, progress, error) = self.controller.picture(), self.controller.status()
         now = (picture.number if picture else 0, status, int(20 * progress), error)
         told, self._told = self._told, now

@@ -30,7 +30,7 @@ def view_of(
 
     scene   evaluated, for its render settings and its camera
     bounds  (2, 3) corners of what stands in the scene, m: an orthographic view, which begins behind
-    the eye, begins there
+            the eye, begins there
     local   the evaluated camera object of this viewport alone, if it has one
     """
     width, height = max(int(region.width), 1), max(int(region.height), 1)

@@ -1,4 +1,6 @@
-"""The points of a pass as textures, cut into atlases where one texture cannot hold them."""
+"""The gather points of a pass as textures, in several atlases where one texture cannot hold
+them.
+"""
 
 from __future__ import annotations
 
@@ -66,6 +68,6 @@ class Atlas:
         return np.concatenate(planes, axis=-1)
 
     def release(self) -> None:
-        """Not while its frame is the bound one."""
+        """Releases the textures. Their framebuffer must not be bound."""
         for thing in (self.frame, self.narrow, self.sums, self.plane, self.position):
             thing.release()

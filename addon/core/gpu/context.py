@@ -69,7 +69,7 @@ _graphics: Graphics | None = None
 
 
 def submit(task: Callable[..., Result], *args: Any) -> Future[Result]:
-    """Has the OpenGL thread do `task`, after all that it was given before."""
+    """Runs `task` on the OpenGL thread, after everything it was given before."""
     return _thread.submit(task, *args)
 
 
@@ -78,7 +78,7 @@ def is_hardware(renderer: str) -> bool:
 
 
 def may_have_hardware() -> bool:
-    """False where it is certain, without making a context, that there is no graphics card."""
+    """Whether there may be a graphics card, found out without making a context."""
     return not sys.platform.startswith("linux") or any(
         glob.glob(pattern) for pattern in LINUX_DEVICES
     )

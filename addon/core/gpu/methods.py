@@ -118,12 +118,12 @@ METHODS: dict[str, type[Quads] | type[Gather]] = {Quads.name: Quads, Gather.name
 
 
 def available(gl: moderngl.Context) -> dict[str, type[Quads] | type[Gather]]:
-    """Those that the card can do."""
+    """The methods that the card's OpenGL version allows."""
     return METHODS if gl.version_code >= GATHER_NEEDS else {Quads.name: Quads}
 
 
 def merged(runs: NDArray[np.uint32]) -> NDArray[np.uint32]:
-    """One run a block."""
+    """Joins the runs of a block to one."""
     starts = np.flatnonzero(np.diff(runs[:, 0], prepend=runs[:1, 0] + np.uint32(1)))
     return np.column_stack([runs[starts, :2], np.add.reduceat(runs[:, 2], starts)]).astype(
         np.uint32

@@ -32,8 +32,8 @@ PHOTONS_PER_ROW = 1024
 """As in estimate.glsl, and so is PAIRS_PER_ROW."""
 PAIRS_PER_ROW = 4096
 DRAW_SECONDS = 0.03
-"""Draws are cut to about this long, so that a cancelled render stops soon and no driver takes the
-card for hung.
+"""Seconds that one draw call may take, about: a cancelled render stops soon, and no driver takes
+the card for hung.
 """
 FEWEST_PAIRS, MOST_PAIRS = 1 << 13, 1 << 22
 
@@ -109,7 +109,7 @@ class Painter:
                 with self._timed():
                     self._draw(runs, batch.order, first, self._methods[name])
         self._finish(started)
-        # A method's first batch in a render is no measure: drivers compile and allocate then.
+        # The first batch of a method in a render is not timed: drivers compile and allocate then.
         if self.used[name] and not self._stop.is_set():
             self._graphics.rule.record(kind, name, len(batch.order), self.card_seconds - before)
         self.used[name] += 1
@@ -167,7 +167,8 @@ class Painter:
             yield runs[begin:end]
             pairs = int(ends[end - 1]) - int(runs[begin, 1])
             wanted = pairs * DRAW_SECONDS / max(time.monotonic() - started, 1e-6)
-            # A small piece tells little: it may halve or double the next one, not more.
+            # The time of a small piece is inexact: the next piece may be half or twice as large,
+            # not more.
             wanted = min(max(wanted, self._pairs_per_draw / 2), self._pairs_per_draw * 2)
             self._pairs_per_draw = int(min(max(wanted, FEWEST_PAIRS), MOST_PAIRS))
             begin = end

@@ -40,8 +40,8 @@ class Rule:
         return min(methods, key=lambda name: median(timed[name]))
 
     def record(self, kind: Kind, method: str, pairs: int, seconds: float) -> None:
-        """A batch of `pairs` took `seconds`. What comes after TRIALS is not kept: the choice
-        stays.
+        """Notes that a batch of `pairs` took `seconds`. After TRIALS batches nothing more is noted,
+        so the choice stays.
         """
         times = self._seconds.setdefault(kind, {}).setdefault(method, [])
         if len(times) < TRIALS:

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from ..native.library import load
 from ..render.settings import Backend
 from ..render.splatter import SplatterFailed
+from ..render.statistics import Gpu
 from . import context
 from .atlas import AtlasPoints, atlas_ranges
 from .painter import LONGEST_RUN, PHOTONS_PER_ROW, Batch, Painter
@@ -30,8 +31,8 @@ if TYPE_CHECKING:
 Result = TypeVar("Result")
 
 MOST_PAIRS = 1 << 22
-"""Pairs in one hand-over, about; a wide kernel reaches so many points that a batch of photons takes
-several.
+"""Pairs per batch, about. A wide kernel reaches so many points that the photons of one trace need
+several batches.
 """
 BUFFERS = 2
 """Batches handed over and not yet drawn."""
@@ -113,23 +114,18 @@ class GpuSplatter:
         wait([context.submit(self._painter.release)])
 
     def statistics(self) -> dict[str, Any]:
-        """busy_seconds: drawing, with copies to and fro; card_seconds: of that, copies to the card
-        and drawing by its own clock;
-        cpu_busy_seconds: tracing and pairing; wall_seconds: of both together; methods: batches
-        drawn by each.
-        """
         return {
-            "gpu": {
-                "renderer": self.name,
-                "busy_seconds": self._painter.busy_seconds,
-                "card_seconds": self._painter.card_seconds,
-                "cpu_busy_seconds": self._wall - self._waited,
-                "wall_seconds": self._wall,
-                "pairs": self._pairs,
-                "batches": self._batches,
-                "methods": dict(self._painter.used),
-                "atlases": len(self._ranges),
-            }
+            "gpu": Gpu(
+                renderer=self.name,
+                busy_seconds=self._painter.busy_seconds,
+                card_seconds=self._painter.card_seconds,
+                cpu_busy_seconds=self._wall - self._waited,
+                wall_seconds=self._wall,
+                pairs=self._pairs,
+                batches=self._batches,
+                methods=dict(self._painter.used),
+                atlases=len(self._ranges),
+            )
         }
 
     def _hand_over(self, task: Callable[..., None], *args: Any) -> None:

@@ -30,9 +30,7 @@ ANY_BOUNCES = 0xFFFFFFFF
 
 
 FAR = 100.0
-"""What stands wholly within a hundredth of the scene's size around the camera is near, and all else
-far from it.
-"""
+"""Objects within 1 / FAR of the scene's size around the camera count as near, all others as far."""
 
 
 def world_bounds(scene: Scene) -> NDArray[np.float64]:
@@ -83,11 +81,11 @@ def _box(mesh: Mesh) -> NDArray[np.float64]:
 
 
 def focus(scene: Scene) -> tuple[NDArray[np.float64], float]:
-    """Where coordinates count from, and the radius of what is near the camera, 0 where nothing is
-    very far from it.
+    """The origin of the renderer's coordinates, and the radius of the near objects (0: there are no
+    far ones).
 
-    Rounding errors grow with the distance from the origin: it is the middle of all, unless that is
-    far from what is seen best.
+    Rounding errors grow with the distance from the origin. It is the middle of the scene, or of the
+    near objects where others are very far away.
     """
     boxes = _instance_boxes(scene)
     bounds = _around(boxes, scene)
@@ -148,8 +146,8 @@ def fill_renderer(renderer: Renderer, scene: Scene, settings: RenderSettings) ->
 
 
 def replace_shading(renderer: Renderer, scene: Scene) -> None:
-    """Gives a renderer that is built the materials, textures, lights and world of `scene`, whose
-    geometry it has already.
+    """Replaces materials, textures, lights and world of a renderer whose geometry is that of
+    `scene`.
     """
     renderer.clear_shading()
     _add_materials(renderer, scene)
@@ -158,7 +156,8 @@ def replace_shading(renderer: Renderer, scene: Scene) -> None:
 
 
 def _add_materials(renderer: Renderer, scene: Scene) -> None:
-    # the first texture with these pixels; other readings of them share its memory
+    # index of the first texture with these pixels: the others only read them differently and share
+    # its memory
     stored: dict[int, int] = {}
     for index, texture in enumerate(scene.textures):
         first = stored.setdefault(id(texture.pixels), index)
@@ -229,7 +228,7 @@ def _add_lights(renderer: Renderer, scene: Scene) -> None:
 
 
 def place_camera(renderer: Renderer, camera: Camera, frame: Frame) -> None:
-    """A renderer that is built takes it with set_view()."""
+    """Sets the camera. A renderer that has been built takes it over with set_view()."""
     screen = [float(c) for c in camera.screen]
     renderer.set_shading_view(
         np.ascontiguousarray(camera.matrix, np.float64), screen, camera.orthographic
@@ -286,8 +285,8 @@ def _add_instances(renderer: Renderer, scene: Scene) -> None:
 
 
 def find_flat(scene: Scene) -> NDArray[np.bool_]:
-    """(I,) instances that are squeezed to nothing, which no renderer gets; adds the warnings about
-    them to `scene`.
+    """(I,) which instances a scale of 0 flattens. The renderer gets none of them; `scene` gets
+    warnings.
     """
     instances = scene.instances
     flat = _is_flat(scene)

@@ -21,12 +21,12 @@ FLOAT3 = 3
 QUALITY_BALANCED = 5
 LUMINANCE = (0.2126, 0.7152, 0.0722)
 WINDOW = 2
-"""Half the side of the square over which pixels share what is known of noise and blur."""
+"""Half the side, in pixels, of the square over which noise and blur are averaged."""
 MEDIUM_GREY = 0.18
 CAUTION = 8.0
 DOUBT = 2.0
-"""What noise is taken for, over its estimate, which may be half of the truth: with blur that was
-none noise comes back.
+"""Factor on the estimated variance, which may be half of the true one: an estimate that is too low
+would take noise for blur and mix it back in.
 """
 
 _MONITOR = ctypes.CFUNCTYPE(ctypes.c_bool, ctypes.c_void_p, ctypes.c_double)
@@ -114,7 +114,9 @@ def blend(
 
 
 def _alone(square: NDArray[np.float32]) -> NDArray[np.bool_]:
-    """Pixels of which fewer than two neighbours have a tenth of their square."""
+    """Whether a pixel differs by itself: fewer than two of its neighbours have a tenth of its
+    squared difference.
+    """
     height, width = square.shape
     around = np.pad(square, 1, mode="edge")
     alike = sum(
@@ -127,7 +129,7 @@ def _alone(square: NDArray[np.float32]) -> NDArray[np.bool_]:
 
 
 def _window_mean(values: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Over (2 WINDOW + 1)^2 pixels; the border's are repeated."""
+    """Mean over (2 WINDOW + 1)^2 pixels; pixels at the border are repeated outwards."""
     size = 2 * WINDOW + 1
     padded = np.pad(
         values.astype(np.float64), ((WINDOW + 1, WINDOW), (WINDOW + 1, WINDOW)), mode="edge"
@@ -148,14 +150,16 @@ def denoise(
     threads: int = 0,
     should_cancel: Callable[[], bool] | None = None,
 ) -> NDArray[np.float32]:
-    """`color` (height, width, 3), linear, without its noise, by the features, of the same shape.
+    """Returns `color` (height, width, 3), linear, without its noise; the features have its shape.
 
-    apart: a part of `color` with noise and edges of its own, as direct light has; it and the rest
-    are denoised one by one.
-    noisy_features: of few samples; their own noise, at edges and in textures, would come back in
-    the picture, so it is taken out first.
-    threads: 0 = all. A cancelled run returns `color` as it came. DenoiserMissing, or RuntimeError
-    with the library's message.
+    apart: a part of `color` with noise and edges of its own, such as direct light. It and the rest
+    are denoised separately.
+
+    noisy_features: albedo and normal come from few samples and are denoised first, or their own
+    noise would show in the picture.
+
+    threads: 0 = all. A cancelled run returns `color` unchanged. Raises DenoiserMissing, or
+    RuntimeError with the library's message.
     """
     library = _library()
     color, albedo, normal = (
@@ -194,9 +198,9 @@ def denoise(
 
 
 def _exposure(color: NDArray[np.float32]) -> float:
-    """The factor that makes the picture's mean luminance a medium grey. Parts of a picture share
-    it: one that is mostly black, as direct light may be, would by itself be brightened until its
-    highlights are lost. Specks count as far as 64 times the geometric mean.
+    """The factor that brings the picture's mean luminance to a medium grey. All parts of a picture
+    share it: a part that is mostly black, as direct light may be, would otherwise be brightened
+    until its highlights clip. A pixel counts up to 64 times the geometric mean.
     """
     light = np.maximum(color @ np.asarray(LUMINANCE, np.float32), 1e-8)
     mean = float(np.minimum(light, 64.0 * np.exp(np.log(light).mean())).mean())
@@ -204,7 +208,7 @@ def _exposure(color: NDArray[np.float32]) -> float:
 
 
 class _Run:
-    """Filters on one device; a cancelled one is the last."""
+    """Runs filters on one device; after a cancelled filter no other one runs."""
 
     def __init__(
         self, library: ctypes.CDLL, device: int, should_cancel: Callable[[], bool] | None
@@ -224,9 +228,9 @@ class _Run:
         prefilter: bool = False,
         exposure: float | None = None,
     ) -> NDArray[np.float32]:
-        """The first of the images without its noise, the others being features of it. prefilter: it
-        is a feature itself. exposure: the factor under which the denoiser sees it (None: of its own
-        choice).
+        """Returns the first image without its noise; the others are its features. prefilter: the
+        image is a feature itself. exposure: the factor that the denoiser multiplies the image by
+        (None: it chooses).
         """
         first = next(iter(images.values()))
         if self.cancelled:

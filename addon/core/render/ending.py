@@ -1,5 +1,5 @@
-"""How long a render goes on after its last pass: estimate of the error, arrays of the film,
-denoising. A time limit holds for all of it.
+"""Predicts the time between the last pass and the result: error estimate, film arrays, denoising. A
+time limit includes all of it.
 """
 
 from __future__ import annotations
@@ -13,27 +13,27 @@ import numpy as np
 from .denoise import DenoiserMissing, denoise
 
 SMALL_SIDE, LARGE_SIDE = 24, 128
-"""Of squares that are denoised to learn how long it takes: what goes with their area is of
-interest.
+"""Sides, in pixels, of the two squares that are denoised as a trial. The difference between their
+times gives the time per pixel.
 """
 TRIAL_SHARE = 1 / 16
-"""Of the picture, at most, that the large one has."""
+"""Largest share of the picture's pixels that the large square may have."""
 OF_SECOND_PART = 1.1
-"""Work of denoising two parts of a picture one by one, over that of one."""
+"""Extra work of denoising direct light separately, in runs of the denoiser."""
 OF_FEATURES = 1.0
-"""Work of filtering albedo and normal first, likewise."""
+"""Extra work of denoising albedo and normal first, in runs of the denoiser."""
 CAUTION = 1.1
 BLEND_SECONDS = 2e-7
-"""A pixel: mixing the noisy picture in again."""
+"""Seconds per pixel for mixing the noisy picture in again."""
 
 
 def denoising_runs(*, apart: bool, noisy_features: bool) -> float:
-    """How much work denoise() has, over that of one filter on one picture."""
+    """Work of denoise(), in runs of one filter on one picture."""
     return 1.0 + OF_SECOND_PART * apart + OF_FEATURES * noisy_features
 
 
 class Ending:
-    """Predicts the seconds from what it has measured so far; 0 for what it has not."""
+    """Predicts seconds from what has been measured so far; what has not been measured counts 0."""
 
     def __init__(self, width: int, height: int) -> None:
         self.pixels = width * height
@@ -42,15 +42,17 @@ class Ending:
         self._denoise_once, self._denoise_pixels = 0.0, 0.0
 
     def estimate(self, make: Callable[[], None], passes: int) -> None:
-        """Calls `make`, which estimates the error after `passes` passes: it looks at blocks of 1,
-        2, 4, ... of them.
+        """Calls `make` and measures it. `make` estimates the error after `passes` passes, from
+        blocks of 1, 2, 4, ... passes, so its work grows with the logarithm of `passes`.
         """
         began = time.monotonic()
         make()
         self._estimate, self._levels = time.monotonic() - began, passes.bit_length()
 
     def try_film(self, renderer: Any, channels: int) -> None:
-        """`channels`: of all arrays that the film will give in the end."""
+        """Measures how long the film's arrays take. channels: of all arrays that the result
+        needs.
+        """
         began = time.monotonic()
         renderer.film(["combined"])
         self._film = (time.monotonic() - began) * channels / 4
@@ -63,7 +65,7 @@ class Ending:
             _denoise_seconds(SMALL_SIDE, threads)  # loads the library
             small = _denoise_seconds(SMALL_SIDE, threads)
             seconds = _denoise_seconds(large, threads)
-        except (DenoiserMissing, RuntimeError):  # which is said when the picture is to be denoised
+        except (DenoiserMissing, RuntimeError):  # denoise() itself tells the user
             return
         area = large**2 - SMALL_SIDE**2
         self._denoise_once, self._denoise_pixels = (
@@ -72,7 +74,9 @@ class Ending:
         )
 
     def seconds(self, passes: int, runs: float) -> float:
-        """After `passes` passes, with `runs` of the denoiser (0: none)."""
+        """Seconds from the last of `passes` passes to the result, with `runs` runs of the
+        denoiser.
+        """
         denoising = runs * (self._denoise_once + self._denoise_pixels) if runs else 0.0
         return CAUTION * (
             self._estimate * passes.bit_length() / self._levels + self._film + denoising

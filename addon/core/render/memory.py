@@ -30,8 +30,8 @@ def current_memory_bytes() -> int:
 
 
 PICTURE_BYTES = 350
-"""A pixel, in a diffuse scene: a third is the film and what the next passes are chosen by, the rest
-is of the pass that is being made.
+"""Bytes per pixel in a diffuse scene. A third is the film and the adaptive sampler's data; the rest
+belongs to the pass being rendered.
 """
 
 
@@ -68,7 +68,9 @@ def _linux_free(file: Path = Path("/proc/meminfo")) -> int | None:
 
 
 def _group_free(root: Path = Path("/sys/fs/cgroup")) -> Iterator[int | None]:
-    """Of control groups of either version; what files take in memory can be given back."""
+    """Free memory by the limits of control groups, version 2 and 1. Cached files can be dropped and
+    count as free.
+    """
     for folder, limit, used, files in (
         (root, "memory.max", "memory.current", "inactive_file"),
         (root / "memory", "memory.limit_in_bytes", "memory.usage_in_bytes", "total_inactive_file"),

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 
 from ..scene import NO_PROGRAM, NO_TEXTURE, Scene
 from .settings import FinalGather, Integrator, RenderSettings
+from .statistics import Statistics
 
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """sentences: for the user. flags: component → whether it runs; what is off costs nothing."""
+    """sentences: for the user. flags: component -> whether it runs. A component that does not run
+    costs nothing.
+    """
 
     sentences: list[str] = field(default_factory=list)
     flags: dict[str, bool] = field(default_factory=dict)
@@ -39,7 +41,8 @@ def make_plan(scene: Scene, settings: RenderSettings) -> Plan:
     ]
     sides = [side for material in materials for side in (material.front, material.back)]
     lamps = [light for light in scene.lights if any(light.strength)]
-    programs = any(material.program != NO_PROGRAM for material in materials)  # may do anything
+    # a program may reflect, emit and read textures
+    programs = any(material.program != NO_PROGRAM for material in materials)
     world = any(scene.world) or bool(scene.sun_discs) or scene.world_program != NO_PROGRAM
     shining = programs or any(any(side.emission) for side in sides)
     white = programs or any(any(side.base_color) for side in sides)
@@ -111,21 +114,22 @@ def make_plan(scene: Scene, settings: RenderSettings) -> Plan:
 
 
 def _gathers(settings: RenderSettings) -> bool:
-    """A denoiser takes the noise of camera paths away, but not what discs blur. Caustics have to
-    come by photons of their own then.
+    """Final gathering trades the kernel's blur for noise, which a denoiser removes. It needs
+    caustics to have photons of their own.
     """
     if settings.final_gather == FinalGather.AUTO:
         return settings.denoise and not settings.error_threshold and settings.caustics
     return settings.final_gather == FinalGather.ON
 
 
-def pilot_sentences(statistics: dict[str, Any]) -> list[str]:
-    """What the pilot and the passes have found, from the native statistics."""
+def pilot_sentences(statistics: Statistics) -> list[str]:
+    """What was found while rendering, in sentences for the user."""
     sentences = []
     photons, discs = statistics["photons"], statistics["discs"]
     if photons["traced"] and "caustic" not in photons:
         sentences.append("No mirror, gloss or glass: no caustic photons.")
-    if any(part.get("guided") for part in photons.values() if isinstance(part, dict)):
+    maps = (photons.get("indirect"), photons.get("caustic"))
+    if any(counts["guided"] for counts in maps if counts):
         sentences.append("Few photons end in view: emission is guided to those that do.")
     reused = statistics["reused"]
     if reused["geometry"]:

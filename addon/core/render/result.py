@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .statistics import Statistics
+
 Passes = dict[str, NDArray[np.float32]]
 
 
@@ -74,13 +76,12 @@ class Progress:
 @dataclass(slots=True)
 class RenderResult:
     """passes: name → (height, width, channels) float32, row 0 at the bottom, of those that were
-    wanted. statistics: the --stats object.
-    noisy: the RGB of Combined before it was denoised, if it was.
+    wanted. noisy: the RGB of Combined before it was denoised, if it was.
     """
 
     passes: Passes
     cancelled: bool
-    statistics: dict[str, Any]
+    statistics: Statistics
     noisy: NDArray[np.float32] | None = None
 
 
@@ -90,7 +91,7 @@ def light_group_pass(name: str) -> PassInfo:
 
 
 def infos_of(passes: Passes) -> list[PassInfo]:
-    """Of all there are, those of light groups last."""
+    """All passes; those of light groups come last."""
     known = {info.name for info in PASSES}
     return [
         *PASSES,
@@ -99,28 +100,26 @@ def infos_of(passes: Passes) -> list[PassInfo]:
 
 
 def film_arrays(wanted: Collection[str] | None = None) -> list[str]:
-    """What passes_from_film() needs of a film for the passes `wanted` (None: all) and those of
-    light groups.
-    """
+    """Names of the film arrays for the passes `wanted` (None: all) and for light groups."""
     return [array for name, array in FILM_ARRAYS.items() if wanted is None or name in wanted] + [
         "light_groups"
     ]
 
 
 def channels_of_arrays(arrays: Collection[str]) -> int:
-    """Floats a pixel that arrays of the film have together, those of light groups aside."""
+    """Floats per pixel of these film arrays together, without light groups."""
     channels = {FILM_ARRAYS[info.name]: len(info.channels) for info in PASSES}
     return sum(channels.get(name, 3) for name in arrays if name != "light_groups")
 
 
 def passes_from_film(film: dict[str, Any], light_groups: Sequence[str] = ()) -> Passes:
-    """Those whose arrays are in `film`. `light_groups`: names of those that the film has."""
+    """The passes whose arrays are in `film`. light_groups: names of the film's light groups."""
     return {name: film[array] for name, array in FILM_ARRAYS.items() if array in film} | {
         light_group_pass(name).name: film["light_groups"][i] for i, name in enumerate(light_groups)
     }
 
 
 def black_passes(width: int, height: int, light_groups: Sequence[str] = ()) -> Passes:
-    """What a render that was cancelled before its first pass gives back."""
+    """The result of a render that was cancelled before its first pass."""
     infos = [*PASSES, *map(light_group_pass, light_groups)]
     return {p.name: np.zeros((height, width, len(p.channels)), np.float32) for p in infos}

@@ -31,6 +31,7 @@ from .result import (
 )
 from .settings import Backend, Integrator, RenderSettings
 from .splatter import CpuSplatter, Splatter, SplatterFailed
+from .statistics import Statistics
 
 LEAST_PHOTONS_PER_BATCH = 1 << 14
 BATCHES_PER_PASS = 8
@@ -43,9 +44,8 @@ FOR_DENOISING = ("albedo", "variance", "diffuse_direct")
 """And arrays of the film that are no passes."""
 SAMPLES_WORTH_TWO = 8.0
 """From so many camera samples a pixel on the diffuse direct light is denoised by itself, which
-takes a tenth of a second per 100,000
-pixels: after 14 samples relMSE is .90 (cornell_box), .95 (kitchen, street), .99 (interior) times as
-large.
+takes a tenth of a second per 100,000 pixels: after 14 samples relMSE is .90 (cornell_box), .95
+(kitchen, street), .99 (interior) times as large.
 """
 SAMPLES_OF_NOISY_FEATURES = 32.0
 """Up to so many the denoiser's features are noisier than it expects: filtered first, street after
@@ -89,9 +89,8 @@ def pass_that_fits(
     left: float, took: float, seconds: PassSize, last: PassSize, wanted: PassSize
 ) -> PassSize | None:
     """What of the pass `wanted` can be done in `left` seconds, if the last one took `took`,
-    `seconds` of them for its samples and
-    photons: one sample of each pixel, and the same part of all others and of photons, but not too
-    few photons; None if there is no time for that.
+    `seconds` of them for its samples and photons: one sample of each pixel, and the same part of
+    all others and of photons, but not too few photons; None if there is no time for that.
     """
     left -= took - sum(seconds)
     of_one = seconds.samples / last.samples  # in each pixel
@@ -490,7 +489,7 @@ def _denoise(
 
 def _statistics(
     start: Start, worker: _Worker, scene: Scene, started: float, export_seconds: float
-) -> dict[str, Any]:
+) -> Statistics:
     statistics = start.renderer.statistics()
     statistics["seconds"] |= {"export": export_seconds, "total": time.monotonic() - started}
     statistics |= {

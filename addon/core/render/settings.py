@@ -53,37 +53,36 @@ class RenderSettings:
 
     time_limit           seconds from `started` (0 = none)
     error_threshold      relative RMS error of the picture, as statistics["error"] estimates it (0 =
-    none)
+                         none)
     passes               passes; in each one camera sample per pixel, more where noise is
-    (adaptive_samples)
+                         (adaptive_samples)
     photons_per_pass     photon paths that start in the first pass, and with adaptive_samples off in
-    each
+                         each
     max_bounces          surface bounces between light and camera; 0 = direct light only
     radius_scale         multiplies the automatic kernel radius
     boundary_correction  divide by the kernel mass M(x) at patch boundaries
     caustics             photons of their own, aimed and with narrow kernels, for light through
-    sharp lobes; False: in with the others
+                         sharp lobes; False: in with the others
     denoise              run Open Image Denoise on the finished picture
     occlusion            look for things that stand inside of the discs, and for walls; part of
-    boundary_correction
+                         boundary_correction
     fallback             camera paths go on for indirect light where surfaces are too small, too
-    bent or too dark for photons
+                         bent or too dark for photons
     final_gather         photons light what camera paths meet after one more bounce, instead of what
-    they see first: noisier, and sharp.
-                         AUTO: where the picture is denoised and no error_threshold ends the render,
-                         else the plan makes OFF of it; and where it is less work by a trial, camera
-                         paths bring all of the indirect light, caustics excepted
+                         they see first: noisier, and sharp. AUTO: where the picture is denoised and
+                         no error_threshold ends the render, else the plan makes OFF of it; and
+                         where it is less work by a trial, camera paths bring all of the indirect
+                         light, caustics excepted
     adaptive_radius      radii per pixel, from how discs of two sizes have differed in earlier
-    passes
+                         passes
     adaptive_samples     more camera samples where lamps, edges and direct light are noisier than
-    the rest of the picture, and after the
-                         first pass a quarter to eight times as many photons, as is worth their work
-                         beside that of the camera samples
+                         the rest of the picture, and after the first pass a quarter to eight times
+                         as many photons, as is worth their work beside that of the camera samples
     threads              0 = all of the machine
     force                components that run although the plan would leave them out (of FORCEABLE):
-    what they cost, for tests
+                         what they cost, for tests
     point_spacing        visible points are this many kernel radii apart; 0 = one point per camera
-    sample
+                         sample
     """
 
     passes: int = 64

@@ -11,14 +11,14 @@ if TYPE_CHECKING:
 
 
 class SplatterFailed(Exception):
-    """The splatter cannot go on; its message says why. The pass can be splatted anew by another
-    one.
+    """The splatter cannot go on; the message says why. Another splatter can do the pass from its
+    beginning.
     """
 
 
 class Splatter(Protocol):
-    """Adds photons to the visible points of a pass. Photons and points are in the native renderer;
-    no camera is needed.
+    """Adds photons to the gather points of a pass. Photons and points live in the native renderer;
+    a splatter knows no camera.
 
     All calls come from the thread that runs the render. Each may raise SplatterFailed, or the
     native module's Cancelled.
@@ -30,20 +30,20 @@ class Splatter(Protocol):
         """Takes the points of the pass; call it after the renderer's make_points()."""
 
     def add_photons(self) -> None:
-        """Adds the renderer's latest batch of photons. They may be in use no longer when it
-        returns.
+        """Adds the renderer's latest batch of photons. The batch is free to be overwritten when
+        this returns.
         """
 
     def finish_pass(self) -> None:
-        """Sees to it that the points hold the sums of all photons, ready for the renderer's
+        """Waits until the points hold the sums of all photons, ready for the renderer's
         resolve().
         """
 
     def close(self) -> None:
-        """Gives everything back; called once, after an error or cancellation too."""
+        """Releases everything. Called once, after an error or a cancellation too."""
 
     def statistics(self) -> dict[str, Any]:
-        """What it adds to the statistics of the render."""
+        """Entries of Statistics that only this splatter has."""
 
 
 class CpuSplatter:

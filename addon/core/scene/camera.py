@@ -35,9 +35,9 @@ class Panorama:
     focal_length         mm, equisolid
     sensor               mm, (width, height) of the whole frame, equisolid and polynomial
     polynomial           coefficients of the polynomial fisheye: -(angle to the axis) in powers of
-    mm from the centre
+                         mm from the centre
     cylinder             (u min, u max, v min, v max): angles about the axis, and heights on a
-    cylinder of radius 1
+                         cylinder of radius 1
     """
 
     kind: PanoramaKind

@@ -25,28 +25,27 @@ class Light:
     honours it.
 
     strength      RGB with colour, temperature, exposure, light-node strength and energy already
-    multiplied in:
-                  radiant power in W as Blender's light setting means it (point, spot, area),
-                  irradiance in W/m^2 (sun)
+                  multiplied in: radiant power in W as Blender's light setting means it (point,
+                  spot, area), irradiance in W/m^2 (sun)
     radius        m; point and spot
     soft_falloff  point and spot: the emitter is a disc that faces the receiver instead of a sphere
     spot_size     full cone angle; spot_blend in 0..1
     angle         full angular diameter of a sun
     size          (x, y) of an area light, m, in local coordinates; `ellipse`: inscribed ellipse
-    instead of rectangle
+                  instead of rectangle
     spread        full angle of an area light's emission; pi = Lambertian
     normalize     area, point, spot: `strength` is total power (True), or does not depend on the
-    emitter's area (False)
+                  emitter's area (False)
     camera_visible  seen directly by camera rays
     program       index into Scene.programs: what it emits, per place and direction, is a factor of
-    `strength`
+                  `strength`
     lit_groups    bits of the Instances.group that it lights
     blockers      bits of the Instances.group that cast shadows in its light
     light_group   index into Scene.light_groups; -1: none
     seen_by       the rays (`Ray`) that bring its light; what shadow rays bring is scattered as if
-    by one of these
+                  by one of these
     max_bounces   of a path before it finds the lamp (photons count from the surface that they
-    light); None: any
+                  light); None: any
     met_by_rays   False: light samples find it, other rays do not
     casts_shadows False: nothing blocks its light samples
     """
@@ -89,8 +88,8 @@ class WorldMap:
 
 @dataclass(slots=True)
 class SunDisc:
-    """The sun of a sky: radiance (W/m^2/sr) at its lower and upper edge before limb darkening,
-    hidden below an elevation.
+    """The sun of a sky: radiance (W/m^2/sr) at its lower and upper edge before limb darkening. What
+    lies below the elevation `horizon` is hidden.
     """
 
     direction: tuple[float, float, float]

@@ -18,7 +18,7 @@ class Mesh:
     triangles       (T, 3) uint32, indices into positions; counter-clockwise seen from the front
     corner_normals  (T, 3, 3) float32 unit shading normals per corner, or None
     vertex_normals  (V, 3) float32 instead, where all corners at a vertex have the same; neither:
-    flat everywhere
+                    flat everywhere
     uv              (T, 3, 2) float32 of the render-active UV map, or None
     slots           (T,) uint16 material slot per triangle, or None: all 0
 

@@ -10,8 +10,8 @@ from enum import IntFlag, StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
-# id of the attribute that holds Generated coordinates where they are no linear function of the
-# position
+# The id of the attribute that holds Generated coordinates where they are no linear function of the
+# position.
 GENERATED = 0
 
 
@@ -75,7 +75,7 @@ class InstanceAttribute:
 
 @dataclass(slots=True)
 class GeneratedSpace:
-    """Generated coordinates of a mesh: its own coordinates times `scale` plus `offset`."""
+    """Generated coordinates of a mesh are its own coordinates times `scale` plus `offset`."""
 
     scale: tuple[float, float, float] = (1.0, 1.0, 1.0)
     offset: tuple[float, float, float] = (0.0, 0.0, 0.0)

@@ -6,8 +6,8 @@ from enum import IntFlag
 
 
 class Ray(IntFlag):
-    """Kinds of ray, as bits; native code has the same order (RayInfo::Kind). Light samples come by
-    shadow rays.
+    """Kinds of ray, as bits in the order of the native RayInfo::Kind. Light that a light sample
+    brings counts as brought by a shadow ray.
     """
 
     CAMERA = 1

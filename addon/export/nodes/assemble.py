@@ -27,9 +27,11 @@ from .values import (
 )
 
 ROOT = -1
-MOST_TOGETHER = 1024  # of Together's count
+MOST_TOGETHER = 1024  # the most noise textures that one Together instruction takes
 MOST_REGISTERS = 1024
-"""Of a program in steps: beyond, results are better used as soon as they are there."""
+"""Most registers of a program whose instructions are sorted into steps. A program that would need
+more uses each result as soon as possible instead.
+"""
 
 Order = list[tuple[str, Any]]
 
@@ -168,11 +170,9 @@ def _as_they_are(_: Graph, block: list[int]) -> Order:
 
 
 def _in_steps(graph: Graph, block: list[int]) -> Order:
-    """A block's instructions in steps of what does not depend on one another, so that a processor
-    can work at several of them.
-
-    The noise of textures that do not need one another's is computed together, after all else that
-    can be done before it.
+    """Sorts a block's instructions into steps of mutually independent ones, so that a processor can
+    work at several at a time. Noise textures that do not need one another are computed together,
+    after everything else that can be done before them.
     """
     depth: dict[int, int] = {}  # noise textures that come one after another before it
     step: dict[int, int] = {}

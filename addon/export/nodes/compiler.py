@@ -39,12 +39,12 @@ class _Mixer:
 
 @dataclass(slots=True)
 class Compiled:
-    """What a tree comes to, before registers."""
+    """A compiled tree, before registers are assigned."""
 
     graph: Graph
     statements: list[Statement]
     features: Feature
-    empty: bool = False  # nothing is linked, or nothing but what is known to shine with no light
+    empty: bool = False  # nothing is linked, or only what is known not to emit
 
     def program(self, name: str) -> Program:
         return assemble(name, self.graph, self.statements, self.features)
@@ -334,7 +334,7 @@ class Compiler:
                 yield f"Height{suffix}", socket, feed, at
 
     def _gives(self, feed: Feed) -> bool:
-        """False for nodes that give nothing: links from them count as not there."""
+        """False for nodes without any effect: links from them are ignored."""
         entry = NODES.get(feed.node.type)
         if feed.socket.type == "SHADER":
             said = "a shader is linked to a value; that link counts as not there"
@@ -366,7 +366,7 @@ class Compiler:
 
 
 def _shines(feed: Feed) -> bool:
-    """True for what gives nothing but light."""
+    """True for shaders that emit and do nothing else."""
     return (
         feed.node is None
         or feed.socket.type != "SHADER"

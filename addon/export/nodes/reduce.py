@@ -1,5 +1,5 @@
-"""Programs that come to Lambert's law and emission with constants or one image: the renderer has a
-faster way for those.
+"""Recognizes programs that amount to Lambertian reflection and emission with constants or one
+image, for which the renderer has a faster way.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ class Linear:
         return Linear(self.constant + other.constant, textured)
 
     def single(self) -> tuple[Rgb, int] | None:
-        """(factor, texture) if that is all there is to it."""
+        """(factor, texture) if the function is no more than that, else None."""
         used = {k: v for k, v in self.textured.items() if v.any()}
         if not used:
             return _triple(self.constant), NO_TEXTURE
@@ -93,7 +93,7 @@ def _parts(compiled: Compiled, value: Value) -> list[Value]:
 
 
 def _linear(compiled: Compiled, value: Value, known: dict[Value, Linear | None]) -> Linear | None:
-    """The same, of a value whose parts are known."""
+    """The linear function of a value whose inputs are already known."""
     if value.is_constant:
         return Linear(np.array(value.data, np.float64))
     instruction = compiled.graph.instructions[value.instruction]

@@ -17,7 +17,9 @@ BENDS_NOTHING = 1.0021
 
 
 def _roughness_features(*roughnesses: Value) -> Feature:
-    """REST, and SHARP where one of the roughnesses may be small."""
+    """Features of a closure with these roughnesses: REST, and SHARP if one may be below the
+    limit.
+    """
     sharp = any(not r.is_constant or r.data[0] < SHARP_BELOW for r in roughnesses)
     return Feature.REST | (Feature.SHARP if sharp else Feature(0))
 

@@ -25,9 +25,9 @@ class Entry:
     """A type of node (Node.type) as the user calls it.
 
     `compile`    its outputs by identifier (kind "shader": closures). None: unsupported, and links
-    from it count as not there.
+                 from it count as not there.
     `instead`    what an unsupported or partly supported node does; empty: it does all that Cycles
-    does.
+                 does.
     """
 
     kind: str

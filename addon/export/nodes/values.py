@@ -228,7 +228,7 @@ class Graph:
 
 
 class Folding:
-    """Works out results of operations on constants, by native code itself."""
+    """Computes operations on constants, by native code itself."""
 
     def __init__(self) -> None:
         self._renderer: Any = None

@@ -1,7 +1,7 @@
 """Is the error estimate true? `python -m tests.benchmarks.calibration.run [--to=SECONDS] [--fresh]
 [SCENE ...]` writes a table and a chart.
 
-The scenes of the charts against their truth (`tests/benchmarks/chart`; made once, kept in
+The scenes of the charts against their reference (`tests/benchmarks/chart`; made once, kept in
 build/chart), rendered with the default settings and two seeds. Of the first seed the picture after
 0.3, 1, 3, 10 and 30 s: true RMS error over the estimated one, for the whole picture and for the
 pixels of each decile of the estimate. A figure of 1 is a perfect estimate; the promise is 0.7 to
@@ -27,7 +27,7 @@ import numpy as np
 
 from tests.benchmarks.bench.scenes import ROOT, from_blend
 from tests.benchmarks.chart.plan import CASES
-from tests.benchmarks.chart.runs import truth
+from tests.benchmarks.chart.runs import reference
 from tests.support.compare import LUMINANCE
 
 HERE = Path(__file__).parent
@@ -39,12 +39,12 @@ SEEDS = {1: 30.0, 2: 3.0}
 NOTHING = 1e-4
 """Of the mean luminance: where both errors are smaller, in black, their ratio says nothing."""
 UNKNOWN = {"many_lights": 1e-3}
-"""Share of a scene's pixels that are left out: those of which the truth's two halves say the most
-different things. Where lamps all but touch a wall a few pixels have nearly all of the truth's
-noise: at one of them its halves are 19.7 and 16.3 and 2,048 samples of Cycles 11.9, and the product
-of what a picture differs from either is no squared error there. Three such pixels of 106,400 were
-two thirds of the sum. In other scenes what the truth knows least is also what a picture errs in
-most, and so it counts.
+"""Share of a scene's pixels that are left out: those of which the reference's two halves say the
+most different things. Where lamps all but touch a wall a few pixels have nearly all of the
+reference's noise: at one of them its halves are 19.7 and 16.3 and 2,048 samples of Cycles 11.9, and
+the product of what a picture differs from either is no squared error there. Three such pixels of
+106,400 were two thirds of the sum. In other scenes what the reference knows least is also what a
+picture errs in most, and so it counts.
 """
 KEPT = ROOT / "build" / "calibration"
 LOW, HIGH = 0.7, 1.5
@@ -53,16 +53,16 @@ Figures = dict[str, Any]
 
 
 def compare(
-    luminance: np.ndarray, estimate: np.ndarray, truth: np.ndarray, unknown: float
+    luminance: np.ndarray, estimate: np.ndarray, reference: np.ndarray, unknown: float
 ) -> Figures:
-    """luminance, estimate (H, W); truth (2, H, W); unknown: share of pixels left out. Ratios are
-    true over estimated RMS error.
+    """luminance, estimate (H, W); reference (2, H, W); unknown: share of pixels left out. Ratios
+    are true over estimated RMS error.
     """
-    known = np.argsort(np.abs(truth[0] - truth[1]).ravel(), kind="stable")[
+    known = np.argsort(np.abs(reference[0] - reference[1]).ravel(), kind="stable")[
         : round((1.0 - unknown) * estimate.size)
     ]
-    # free of the truth's noise
-    squared = ((luminance - truth[0]) * (luminance - truth[1])).ravel()[known]
+    # free of the reference's noise
+    squared = ((luminance - reference[0]) * (luminance - reference[1])).ravel()[known]
     said = estimate.astype(np.float64).ravel()[known] ** 2
     order = np.argsort(said, kind="stable")
 
@@ -70,11 +70,11 @@ def compare(
         true, estimated = max(squared[pixels].mean(), 0.0), max(said[pixels].mean(), 1e-30)
         return (
             1.0
-            if max(true, estimated) < (NOTHING * truth.mean()) ** 2
+            if max(true, estimated) < (NOTHING * reference.mean()) ** 2
             else float(np.sqrt(true / estimated))
         )
 
-    mean = truth.mean()
+    mean = reference.mean()
     return {
         "true": float(np.sqrt(max(squared.mean(), 0.0)) / mean),
         "ratio": ratio(order),
@@ -92,7 +92,7 @@ def follow(name: str, seed: int, budgets: tuple[float, ...]) -> Figures:
     from photon_splat.core.render.settings import RenderSettings
 
     case = SCENES[name]
-    halves = np.stack(truth(case)) @ LUMINANCE
+    halves = np.stack(reference(case)) @ LUMINANCE
     scene = from_blend(name, case.width, case.height)
     rows: list[Figures] = []
     stops: list[Figures] = []
@@ -177,7 +177,7 @@ def table(rows: list[Figures], stops: list[Figures]) -> str:
         "True over estimated RMS error of the luminance; 1 is perfect, 0.7 to 1.5 is promised. "
         "Made by `make calibration`.",
         *(
-            f"{name} without the {share:.1%} of pixels that the truth itself knows least: its "
+            f"{name} without the {share:.1%} of pixels that the reference itself knows least: its "
             "halves differ most there."
             for name, share in UNKNOWN.items()
         ),

@@ -52,7 +52,7 @@ def rivals_of(case: Case) -> list[Method]:
             try:
                 mean = float(
                     runs.shot(checked, method, MEAN_SECONDS, 1).picture.mean(dtype=np.float64)
-                    / np.mean(runs.truth(checked))
+                    / np.mean(runs.reference(checked))
                 )
             except RuntimeError as error:
                 print(f"   {method}: left out, as it failed: {error}")
@@ -60,7 +60,7 @@ def rivals_of(case: Case) -> list[Method]:
             if abs(mean - 1) > MEAN_TOLERANCE:
                 print(
                     f"   {method}: left out, as its mean on {checked.scene} is {mean:.4f} times "
-                    "the truth's"
+                    "the reference's"
                 )
             else:
                 fit.append(method)
@@ -71,7 +71,7 @@ def measure(
     case: Case, budgets: list[float], most_seeds: int, long: bool
 ) -> dict[Method, list[figures.Point]]:
     """`long`: renders Cycles' quarter of an hour; that is taken up wherever it has been made."""
-    halves = runs.truth(case)
+    halves = runs.reference(case)
     methods = [*METHODS, *rivals_of(case)]
     ours = (Method.SPLAT, Method.SPLAT_DENOISED)
     asked = [
@@ -97,7 +97,8 @@ def measure(
             found[method].append(point)
         else:
             print(
-                f"   {method}: after {budget:g} s nearer to the truth than its two halves are to "
+                f"   {method}: after {budget:g} s nearer to the reference than its two halves are "
+                "to "
                 "each other, left out"
             )
     return {method: points for method, points in found.items() if points}
@@ -194,7 +195,9 @@ def main(arguments: list[str]) -> int:
             print(f"   {method:24} slope {figures.slope(points):.2f}")
         print("\n".join(ratios(found)), flush=True)
         draw.chart(case, found, FOLDER / f"{case.scene}.png")
-        draw.equal_time(case, budgets, runs.truth(case), FOLDER / f"{case.scene}_equal_time.png")
+        draw.equal_time(
+            case, budgets, runs.reference(case), FOLDER / f"{case.scene}_equal_time.png"
+        )
     rows = sorted(_old_rows(rows) + rows, key=_place)
     with (FOLDER / "figures.csv").open("w", newline="") as file:
         writer = csv.DictWriter(file, list(rows[0]))

@@ -87,16 +87,16 @@ def equal_time(
     (blue).
     """
     budget = budgets[min(1, len(budgets) - 1)]
-    truth = (halves[0] + halves[1]) / 2
-    white = float(np.quantile(truth, 0.98))
+    reference = (halves[0] + halves[1]) / 2
+    white = float(np.quantile(reference, 0.98))
     figure, axes = plt.subplots(2, 5, figsize=(15, 6.4 * case.height / case.width + 0.6))
     pictures: list[tuple[str, Any]] = [
         (str(m), runs.shot(case, m, budget, 1).picture) for m in SHOWN
     ]
-    for column, (name, picture) in enumerate([*pictures, ("truth", truth)]):
+    for column, (name, picture) in enumerate([*pictures, ("reference", reference)]):
         axes[0, column].imshow(_tone(picture, white))
         axes[0, column].set_title(name, fontsize=9)
-        error = np.asarray(picture - truth).mean(-1)[::-1] / white
+        error = np.asarray(picture - reference).mean(-1)[::-1] / white
         axes[1, column].imshow(error, cmap="RdBu_r", vmin=-0.1, vmax=0.1)
     for axis in axes.flat:
         axis.axis("off")

@@ -1,4 +1,4 @@
-"""Figures of renders against the truth, and what follows from them: slopes, and how much faster
+"""Figures of renders against the reference, and what follows from them: slopes, and how much faster
 equal errors are reached.
 """
 
@@ -13,7 +13,7 @@ import numpy as np
 from tests.support.compare import rel_mse, rmse_two_halves
 
 EPSILON = 0.01
-"""Of relMSE = mean(error^2 / (truth^2 + EPSILON))."""
+"""Of relMSE = mean(error^2 / (reference^2 + EPSILON))."""
 Array = np.ndarray
 
 
@@ -34,7 +34,7 @@ class Point:
     renders: int
 
 
-def flip(picture: Array, truth: Array) -> float:
+def flip(picture: Array, reference: Array) -> float:
     """Mean HDR-FLIP (Andersson et al. 2021), by its authors' package `flip_evaluator` if that is
     installed; else NaN.
     """
@@ -42,14 +42,14 @@ def flip(picture: Array, truth: Array) -> float:
         import flip_evaluator
     except ImportError:
         return float("nan")
-    pictures = [np.ascontiguousarray(np.clip(p, 0, None), np.float32) for p in (truth, picture)]
+    pictures = [np.ascontiguousarray(np.clip(p, 0, None), np.float32) for p in (reference, picture)]
     return float(flip_evaluator.evaluate(*pictures, "HDR", applyMagma=False)[1])
 
 
 def point(
     budget: float, pictures: list[Array], seconds: list[float], halves: tuple[Array, Array]
 ) -> Point:
-    truth = (halves[0] + halves[1]) / 2
+    reference = (halves[0] + halves[1]) / 2
     wide = [picture.astype(np.float64) for picture in pictures]
     errors = [rmse_two_halves(picture, *halves) for picture in wide]
     return Point(
@@ -59,8 +59,8 @@ def point(
         float(np.quantile(errors, 0.1)),
         float(np.quantile(errors, 0.9)),
         median(max(rel_mse(picture, *halves, EPSILON), 0.0) for picture in wide),
-        flip(pictures[0], truth),
-        median(float(picture.mean() / truth.mean()) for picture in wide),
+        flip(pictures[0], reference),
+        median(float(picture.mean() / reference.mean()) for picture in wide),
         len(pictures),
     )
 

@@ -46,25 +46,26 @@ MEAN_TOLERANCE, MEAN_CASE, MEAN_SECONDS = 0.02, "cornell_box", 30.0
 
 @dataclass(frozen=True)
 class Case:
-    """truth: "paths" = the unbiased path tracer of this module; "photons" = long renders by photons
-    with final gathering, where hardly a path finds some of the light.
+    """reference: "paths" = the unbiased path tracer of this module; "photons" = long renders by
+    photons with final gathering, where hardly a path finds some of the light.
     """
 
     scene: str
     width: int
     height: int
     kind: str
-    truth: str = "paths"
-    truth_seconds: float = 75.0  # of each half
+    reference: str = "paths"
+    reference_seconds: float = 75.0  # of each half
 
 
 CASES = (
-    Case("cornell_box", 512, 512, "diffuse", truth_seconds=200.0),  # what it is to judge is quiet
+    # long, for the pictures that it is to judge have little noise
+    Case("cornell_box", 512, 512, "diffuse", reference_seconds=200.0),
     Case("interior", 400, 250, "interior"),
     # the sun in its pans: on the wall paths find it once in 10,000
     Case("kitchen", 360, 240, "textured", "photons", 120.0),
     # lamps all but touch surfaces: a few pixels have most of the noise
-    Case("many_lights", 400, 266, "many lights", truth_seconds=300.0),
+    Case("many_lights", 400, 266, "many lights", reference_seconds=300.0),
     Case("street", 360, 240, "outdoors", "photons", 150.0),  # the sun in its windows: as rare
     Case("caustic_glass", 400, 300, "caustic", "photons"),
     Case("caustic_pool", 400, 300, "pool", "photons"),

@@ -35,7 +35,7 @@ def version(method: str) -> str:
     """
     import bpy
 
-    if not method.startswith(("Photon", "truth-photons")):
+    if not method.startswith(("Photon", "reference-photons")):
         return bpy.app.version_string
     import photon_splat_native
 
@@ -100,10 +100,12 @@ def _render(method: str, case: Case, seconds: float, seed: int, path: Path) -> N
         path.write_bytes(output.read_bytes())
 
 
-def truth(case: Case) -> tuple[Array, Array]:
+def reference(case: Case) -> tuple[Array, Array]:
     """Two independent halves, (height, width, 3) float64."""
     halves = [
-        shot(case, f"truth-{case.truth}", case.truth_seconds, seed).picture.astype(np.float64)
+        shot(case, f"reference-{case.reference}", case.reference_seconds, seed).picture.astype(
+            np.float64
+        )
         for seed in (901, 902)
     ]
     return halves[0], halves[1]

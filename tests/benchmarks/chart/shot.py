@@ -1,10 +1,10 @@
 """One render in a process of its own: `python -m tests.benchmarks.chart.shot METHOD SCENE.blend
 WIDTH HEIGHT SECONDS SEED OUT.npz [PARTS]`.
 
-METHOD is a Method or "truth-paths" / "truth-photons". Writes pictures (height, width, 3) float32
-with the seconds of each: the render call alone, as Blender's user waits for it, export, start-up
-and denoising included; not Blender's own start. PARTS: folder for the parts of a long render
-(plan.LONG).
+METHOD is a Method or "reference-paths" / "reference-photons". Writes pictures (height, width, 3)
+float32 with the seconds of each: the render call alone, as Blender's user waits for it, export,
+start-up and denoising included; not Blender's own start. PARTS: folder for the parts of a long
+render (plan.LONG).
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ def main(arguments: list[str]) -> None:
         100,
     )
     scene.render.use_border = False
-    if method in (Method.SPLAT, Method.SPLAT_DENOISED, "truth-paths", "truth-photons"):
+    if method in (Method.SPLAT, Method.SPLAT_DENOISED, "reference-paths", "reference-photons"):
         found = _photon_splat(method, float(seconds), int(seed))
     else:
         found = _cycles(Method(method), float(seconds), int(seed), Path(*arguments[7:]))
@@ -65,9 +65,11 @@ def _photon_splat(method: str, seconds: float, seed: int) -> dict[str, object]:
             seed=seed,
             denoise=method == Method.SPLAT_DENOISED,
         )
-        if method == "truth-paths":
+        if method == "reference-paths":
             return replace(given, integrator=Integrator.REFERENCE, max_bounces=64)
-        return replace(given, final_gather=FinalGather.ON) if method == "truth-photons" else given
+        return (
+            replace(given, final_gather=FinalGather.ON) if method == "reference-photons" else given
+        )
 
     results: list[RenderResult] = []
     observer.settings = settings

@@ -2,8 +2,8 @@
 slopes and writes convergence.md and .png.
 
 Per scene the mean squared error of the whole picture (bounced and direct light) at pass 8, 16, ...
-512, against two path-traced halves (`--truth` makes them anew) and thus free of their noise; the
-slope of a straight line through them, log against log; and the same with all discs of one fixed
+512, against two path-traced halves (`--reference` makes them anew) and thus free of their noise;
+the slope of a straight line through them, log against log; and the same with all discs of one fixed
 radius, for a sweep of radii: at each number of photons the product is held against the best of
 these.
 """
@@ -31,7 +31,7 @@ from tests.support import corescene as c
 from tests.support.compare import LUMINANCE
 
 HERE = Path(__file__).parent
-TRUTH = HERE / "truth.npz"
+REFERENCE = HERE / "reference.npz"
 PIXELS = 40
 PHOTONS = 20_000
 """Paths in a pass."""
@@ -71,7 +71,7 @@ def table() -> Scene:
 class Case:
     make: Callable[[], Scene]
     slope: float
-    samples: int  # of each half of the truth
+    samples: int  # of each half of the reference
 
 
 def _fine(make: Callable[[], Scene]) -> Callable[[], Scene]:
@@ -127,8 +127,8 @@ def slope(values: np.ndarray) -> float:
     return float(np.polyfit(np.log(COUNTS), np.log(values), 1)[0])
 
 
-def make_truth(names: list[str]) -> None:
-    kept = dict(np.load(TRUTH)) if TRUTH.exists() else {}
+def make_reference(names: list[str]) -> None:
+    kept = dict(np.load(REFERENCE)) if REFERENCE.exists() else {}
     for name in names or CASES:
         settings = [
             RenderSettings(
@@ -151,12 +151,12 @@ def make_truth(names: list[str]) -> None:
             f"{np.sqrt(((halves[0] - halves[1]) ** 2).mean() / 2) / np.mean(halves):.4f}",
             flush=True,
         )
-        np.savez_compressed(TRUTH, **kept)
+        np.savez_compressed(REFERENCE, **kept)
 
 
 @cache
-def truth_of(name: str) -> np.ndarray:
-    with np.load(TRUTH) as file:
+def reference_of(name: str) -> np.ndarray:
+    with np.load(REFERENCE) as file:
         return file[name].astype(np.float64)
 
 
@@ -173,7 +173,7 @@ class Measured:
 
 
 def measure(name: str) -> Measured:
-    scene, halves = CASES[name].make(), truth_of(name)
+    scene, halves = CASES[name].make(), reference_of(name)
     product = np.mean([errors(scene, halves, seed) for seed in range(SEEDS)], axis=0)
     fixed = [errors(scene, halves, 0, radius) for radius in RADII]
     return Measured(product, np.maximum(np.array(fixed), 1e-12))
@@ -247,15 +247,16 @@ def main(arguments: list[str]) -> int:
     if unknown:
         print(f"no such scene: {', '.join(unknown)}; there are {', '.join(CASES)}", file=sys.stderr)
         return 2
-    if "--truth" in arguments:
-        make_truth(names)
+    if "--reference" in arguments:
+        make_reference(names)
         return 0
-    with np.load(TRUTH) as file:
+    with np.load(REFERENCE) as file:
         missing = [name for name in names or CASES if name not in file.files]
     if missing:
         print(
-            f"no truth yet for {', '.join(missing)}: python -m tests.benchmarks.convergence.run "
-            "--truth NAME "
+            f"no reference yet for {', '.join(missing)}: python -m "
+            "tests.benchmarks.convergence.run "
+            "--reference NAME "
             "makes it",
             file=sys.stderr,
         )

@@ -27,7 +27,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from tests.reference.stability.cases import CASES, PIXELS, Case
-from tests.reference.stability.reference import BLOCK, bounced, truth_of
+from tests.reference.stability.reference import BLOCK, bounced, reference_of
 from tests.support.compare import block_means
 
 if TYPE_CHECKING:
@@ -249,31 +249,31 @@ METHODS = {
 }
 
 
-def _bounced_truth(case: Case, passes: Passes) -> tuple[np.ndarray, np.ndarray]:
-    """Truth of the bounced light, and which pixels show diffuse surfaces alone."""
+def _bounced_reference(case: Case, passes: Passes) -> tuple[np.ndarray, np.ndarray]:
+    """Reference of the bounced light, and which pixels show diffuse surfaces alone."""
     if case.name == "furnace":
         return np.full((PIXELS, PIXELS), 0.5), np.ones((PIXELS, PIXELS), bool)
     if not case.whole:
-        return truth_of(case), np.ones((PIXELS, PIXELS), bool)
+        return reference_of(case), np.ones((PIXELS, PIXELS), bool)
     direct = (passes["Diffuse Direct"] * passes["Diffuse Color"]).mean(-1).astype(float)
     diffuse = passes["Diffuse Color"].mean(-1)
-    return truth_of(case) - direct, diffuse > 0.999 * diffuse.max()
+    return reference_of(case) - direct, diffuse > 0.999 * diffuse.max()
 
 
 def errors_of(case: Case) -> dict[str, float]:
-    """Worst block of the bounced light by each method, relative to the truth's mean (or the case's
-    unit).
+    """Worst block of the bounced light by each method, relative to the reference's mean (or the
+    case's unit).
     """
     scene = case.make()
     settings = RenderSettings(passes=case.passes, photons_per_pass=case.photons, max_bounces=64)
     passes = render(scene, settings, started=time.monotonic()).passes
-    truth, known = _bounced_truth(case, passes)
-    mean = truth[known].mean()
+    reference, known = _bounced_reference(case, passes)
+    mean = reference[known].mean()
     unit = mean if mean > 0 else case.unit
 
     def worst(picture: np.ndarray) -> float:
         return float(
-            np.abs(block_means(((picture - truth) * known)[..., None], BLOCK)).max() / unit
+            np.abs(block_means(((picture - reference) * known)[..., None], BLOCK)).max() / unit
         )
 
     out = {"Photon Splat": worst(bounced(passes))}

@@ -1,7 +1,7 @@
 """`python -m tests.benchmarks.stability.run [CASE ...]` compares the product with plain methods:
 methods.md and methods.png.
 
-`--truth [CASE ...]` path-traces what test_stability.py compares with.
+`--reference [CASE ...]` path-traces what test_stability.py compares with.
 """
 
 from __future__ import annotations
@@ -9,12 +9,12 @@ from __future__ import annotations
 import sys
 
 from tests.benchmarks.stability import methods
-from tests.reference.stability import reference as truth
+from tests.reference.stability import reference
 
 
 def main(arguments: list[str]) -> int:
-    if arguments[:1] == ["--truth"]:
-        truth.make(arguments[1:])
+    if arguments[:1] == ["--reference"]:
+        reference.make(arguments[1:])
     else:
         methods.main(arguments)
     return 0

@@ -23,7 +23,10 @@ from photon_splat.core.render.result import PASSES
 
 from tests.support import stage
 from tests.support.blender import ROOT, Blender
+from tests.support.clock import Stopwatch
 
+HANG_SECONDS = 600.0
+"""For what is to end at once."""
 RUN = [sys.executable, "-c", "from photon_splat.cli import run; run()", "render"]
 
 
@@ -85,7 +88,7 @@ def _render(tmp_path: Path, *arguments: object, **options: Any) -> tuple[int, st
     """Exit status and standard error."""
     process = _start(tmp_path, *arguments, **options)
     try:
-        output, errors = process.communicate(timeout=60)
+        output, errors = process.communicate()
     finally:
         process.kill()
     assert output == ""
@@ -286,12 +289,12 @@ def test_interrupting_writes_nothing(number: signal.Signals, scenes: Path, tmp_p
         assert process.stderr is not None
         assert " %" in process.stderr.readline()
         time.sleep(0.5)
-        asked = time.monotonic()
+        watch = Stopwatch()
         process.send_signal(number)
-        _, errors = process.communicate(timeout=20)
+        _, errors = process.communicate(timeout=HANG_SECONDS)
     finally:
         process.kill()
-    assert time.monotonic() - asked < 2.0
+    assert watch.seconds() < 2.0
     assert process.returncode == 1
     assert errors.splitlines()[-1] == "photon-splat: interrupted; nothing was written"
     assert _left(tmp_path) == []
@@ -364,7 +367,7 @@ def test_picture_and_statistics(scenes: Path, tmp_path: Path) -> None:
         assert spec.getattribute(f"photon_splat:{name}") == pytest.approx(value, rel=1e-5)
     assert said["warnings"] == []
     assert said["peak_memory_bytes"] > 50e6
-    assert 0 < said["seconds"]["export"] < said["seconds"]["total"] < 20
+    assert 0 < said["seconds"]["export"] < said["seconds"]["total"]
     assert said["startup_seconds"] > 0.1
     parts = [seconds for name, seconds in said["seconds"].items() if name != "total"]
     assert all(seconds >= 0 for seconds in parts)
@@ -414,6 +417,7 @@ def test_border_layers_and_warnings(scenes: Path, tmp_path: Path) -> None:
 
 def test_seconds_are_kept(scenes: Path, tmp_path: Path) -> None:
     options = ("--seconds", "2", "--photons-per-pass", "20000", "--resolution", "64x64")
+    watch = Stopwatch()
     assert (
         _render(
             tmp_path, scenes / "room.blend", "-o", "out.exr", "--stats", "stats.json", *options
@@ -421,7 +425,7 @@ def test_seconds_are_kept(scenes: Path, tmp_path: Path) -> None:
         == 0
     )
     said = json.loads((tmp_path / "stats.json").read_text())
-    assert said["seconds"]["total"] == pytest.approx(2, rel=0.2)
+    assert 1.6 < said["seconds"]["total"] < 2.4 + watch.waited()
     assert said["passes"] > 4
 
 
@@ -479,7 +483,6 @@ def _shell(tmp_path: Path, command: str, **options: Any) -> subprocess.Completed
         env=environment,
         capture_output=True,
         text=True,
-        timeout=60,
         check=False,
         **options,
     )
@@ -597,7 +600,7 @@ from photon_splat import cli
 def sleep(options):
     sys.stderr.write("here\\n")
     sys.stderr.flush()
-    ctypes.PyDLL(None).sleep(30)
+    ctypes.PyDLL(None).sleep(3600)
 cli.open_scene = sleep
 cli.run()
 """
@@ -625,7 +628,7 @@ def test_the_second_signal_ends_the_process_wherever_it_is(
         process.send_signal(number)
         time.sleep(0.2)
         process.send_signal(number)
-        assert process.wait(timeout=10) == -number
+        assert process.wait(timeout=HANG_SECONDS) == -number
     finally:
         process.kill()
 
@@ -656,7 +659,6 @@ def test_threads_that_the_system_refuses(tmp_path: Path) -> None:
         env=environment,
         capture_output=True,
         text=True,
-        timeout=60,
         check=False,
     )
     if "Permission" in done.stderr or "ModuleNotFound" in done.stderr:

@@ -72,7 +72,7 @@ def run(bare: Path, folder: Path, script: str) -> str:
     }
     command = [sys.executable, "-S", *script.split()]
     done = subprocess.run(
-        command, cwd=ROOT, env=environment, capture_output=True, text=True, timeout=120, check=False
+        command, cwd=ROOT, env=environment, capture_output=True, text=True, check=False
     )
     assert done.returncode == 0, done.stderr[-3000:]
     return done.stdout
@@ -110,7 +110,6 @@ def test_it_renders_the_picture_of_the_checkout(found: dict[str, Any], tmp_path:
         cwd=ROOT,
         env=environment,
         capture_output=True,
-        timeout=120,
         check=True,
     )
     expected = np.load(path)

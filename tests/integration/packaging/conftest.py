@@ -47,7 +47,6 @@ def run_python(tmp_path: Path) -> RunPython:
             env=clean | {"BLENDER_USER_RESOURCES": str(tmp_path)} | environment,
             capture_output=True,
             text=True,
-            timeout=120,
             check=False,
         )
 

@@ -56,15 +56,17 @@ def agreement(
     cap = FIREFLY * float(np.percentile(light[2] + light[3], 99.9)) / 2.0
     clipped = [np.minimum(picture, cap) for picture in light]
     a, b, r, s = (blocks(picture) for picture in clipped)
-    ours, truth = (a + b) / 2.0, (r + s) / 2.0
+    ours, reference = (a + b) / 2.0, (r + s) / 2.0
     # Noise of a block: its own two pairs of halves, and those of the whole picture as far as light
     # goes.
     own = ((a - b) ** 2 + (r - s) ** 2) / 4.0
-    scale = np.maximum(truth, 0.05 * truth.mean())
+    scale = np.maximum(reference, 0.05 * reference.mean())
     usual = float((own / scale**2).mean())
     noise = np.sqrt(0.5 * own + 0.5 * usual * scale**2)
-    off = np.abs(ours - truth) > SIGNIFICANT * noise + LEAST * (truth + 0.1 * truth.mean())
-    level = truth.mean()
+    off = np.abs(ours - reference) > SIGNIFICANT * noise + LEAST * (
+        reference + 0.1 * reference.mean()
+    )
+    level = reference.mean()
     mean_error = float(np.sqrt(own.mean() / own.size) / level)
     squared = ((light[0] - light[2]) * (light[0] - light[3]))[counted]
     true, known = float(squared.mean()), 3.0 * float(squared.std()) / np.sqrt(squared.size)

@@ -59,15 +59,19 @@ def measure(
 
 
 def sheet(path: Path, pictures: list[NDArray]) -> None:
-    ours, truth = (pictures[0] + pictures[1]) / 2, (pictures[2] + pictures[3]) / 2
-    scale = 0.75 / max(float(np.percentile(truth, 95)), 1e-9)
+    ours, reference = (pictures[0] + pictures[1]) / 2, (pictures[2] + pictures[3]) / 2
+    scale = 0.75 / max(float(np.percentile(reference, 95)), 1e-9)
 
     def mean4(x: NDArray) -> NDArray:
         h, w = (n // 4 for n in x.shape[:2])
         return x[: 4 * h, : 4 * w].reshape(h, 4, w, 4, -1).mean((1, 3, 4))
 
     d = np.clip(
-        (mean4(ours) - mean4(truth)) / (mean4(truth) + 0.05 * truth.mean() + 1e-12) / 0.3, -1, 1
+        (mean4(ours) - mean4(reference))
+        / (mean4(reference) + 0.05 * reference.mean() + 1e-12)
+        / 0.3,
+        -1,
+        1,
     )
     signed = (
         np.stack([1 - np.clip(-d, 0, 1), 1 - abs(d), 1 - np.clip(d, 0, 1)], -1)
@@ -76,7 +80,7 @@ def sheet(path: Path, pictures: list[NDArray]) -> None:
     )
     image = np.concatenate(
         [
-            np.clip(truth * scale, 0, 1) ** (1 / 2.2),
+            np.clip(reference * scale, 0, 1) ** (1 / 2.2),
             np.clip(ours * scale, 0, 1) ** (1 / 2.2),
             signed,
         ],

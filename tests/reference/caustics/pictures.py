@@ -1,5 +1,5 @@
-"""Scenes of blend_scenes/ under the cameras of truth.VIEWS; and what Cycles sees where formulas do
-not reach. Needs bpy.
+"""Scenes of blend_scenes/ under the cameras of reference.VIEWS; and what Cycles sees where formulas
+do not reach. Needs bpy.
 """
 
 from __future__ import annotations

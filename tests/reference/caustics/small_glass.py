@@ -2,9 +2,9 @@
 tests.reference.caustics.small_glass [SECONDS]`.
 
 small_glass.blend at 640x360. Prints the relative error of the pixels of the table where the caustic
-is as bright as all other light or brighter: sqrt(mean(((picture - truth)/truth)^2)), by Photon
-Splat and by Cycles in the same time. The truth is the caustic by tracer.py and all other light by
-Cycles; it takes minutes to make and is kept in out/caustics.
+is as bright as all other light or brighter: sqrt(mean(((picture - reference)/reference)^2)), by
+Photon Splat and by Cycles in the same time. The reference is the caustic by tracer.py and all other
+light by Cycles; it takes minutes to make and is kept in out/caustics.
 """
 
 from __future__ import annotations
@@ -26,14 +26,14 @@ from tests.support.paths import ROOT
 OUT = ROOT / "out" / "caustics"
 WIDTH, HEIGHT = 640, 360
 CELLS, PHOTONS, REST = 320, 30_000_000, 128
-"""Cells of the truth along the view's 16 cm, photons, and pixels of the other light."""
+"""Cells of the reference along the view's 16 cm, photons, and pixels of the other light."""
 
 
-def table_truth() -> tuple[np.ndarray, np.ndarray]:
+def table_reference() -> tuple[np.ndarray, np.ndarray]:
     """(2, CELLS, CELLS, 3) radiance of the caustic, two halves, and (REST, REST, 3) of the rest;
     seen from above.
     """
-    file = OUT / "truth.npz"
+    file = OUT / "reference.npz"
     if not file.is_file():
         from tests.reference.caustics.pictures import without_bent_light
 
@@ -124,17 +124,17 @@ def by_cycles(seconds: float) -> np.ndarray:
     return references.render_with_cycles(100_000, 7)[..., :3]
 
 
-def relative_error(picture: np.ndarray, truth: np.ndarray, part: np.ndarray) -> float:
-    """truth: two halves (2, height, width, 3), whose own noise is left out of the figure."""
-    mean = truth.mean(0).mean(-1)[part]
-    a, b = ((picture - half).mean(-1)[part] / mean for half in truth)
+def relative_error(picture: np.ndarray, reference: np.ndarray, part: np.ndarray) -> float:
+    """reference: two halves (2, height, width, 3), whose own noise is left out of the figure."""
+    mean = reference.mean(0).mean(-1)[part]
+    a, b = ((picture - half).mean(-1)[part] / mean for half in reference)
     return float(max(np.mean(a * b), 0.0) ** 0.5)
 
 
 def main() -> int:
     seconds = float(sys.argv[1]) if len(sys.argv) > 1 else 10.0
-    caustic, rest, seen = seen_by_camera(*table_truth())
-    truth = caustic + rest
+    caustic, rest, seen = seen_by_camera(*table_reference())
+    reference = caustic + rest
     part = seen & (caustic.mean((0, -1)) > rest.mean(-1))
     with tempfile.TemporaryDirectory(prefix="photon_splat_glass_") as scratch:
         worker = Worker(Path(scratch))
@@ -146,19 +146,19 @@ def main() -> int:
         worker.stop()
     ours = pictures[0, ..., :3]
     cycles = by_cycles(seconds)
-    shown = np.where(seen[..., None], truth.mean(0), 0.0)
+    shown = np.where(seen[..., None], reference.mean(0), 0.0)
     save_pictures(OUT, "small_glass", ours, shown)
     save_pictures(OUT, "small_glass_cycles", cycles, shown)
     width = SmallGlass.PROFILE[2][0] * 200
     print(
         f"{int(part.sum())} pixels of caustic of a glass {width:.0f} cm wide; mean radiance "
-        f"{truth[:, part].mean():.3f}"
+        f"{reference[:, part].mean():.3f}"
     )
     for name, picture in (("Photon Splat", ours), ("Cycles", cycles)):
-        ratio = picture[part].mean() / truth[:, part].mean()
+        ratio = picture[part].mean() / reference[:, part].mean()
         print(
-            f"{name:13} relative error {relative_error(picture, truth, part):.3f}, mean "
-            f"{ratio:.3f} of the truth's"
+            f"{name:13} relative error {relative_error(picture, reference, part):.3f}, mean "
+            f"{ratio:.3f} of the reference's"
         )
     print(
         f"{seconds:g} s each ({took:.1f} s with start and export, {statistics[0]['passes']} passes)"

@@ -59,21 +59,21 @@ def blurred(picture: np.ndarray, radius: float) -> np.ndarray:
     )
 
 
-def compare(name: str, ours: np.ndarray, truth: np.ndarray) -> None:
-    """ours: (K, height, width, 3); truth: (2, height, width, 3)."""
-    ratio, error = mean_ratio(ours, truth)
-    expected = truth.mean(0)
+def compare(name: str, ours: np.ndarray, reference: np.ndarray) -> None:
+    """ours: (K, height, width, 3); reference: (2, height, width, 3)."""
+    ratio, error = mean_ratio(ours, reference)
+    expected = reference.mean(0)
     moved = np.abs(block_means(blurred(expected, REACH) - expected, 8))
     result = block_test(
         Blocks.of(ours, independent_pixels=False),
-        Blocks.of(truth, independent_pixels=True),
+        Blocks.of(reference, independent_pixels=True),
         relative=RELATIVE,
-        absolute=DARK * float(truth.mean()) + 1.5 * moved,
+        absolute=DARK * float(reference.mean()) + 1.5 * moved,
     )
     if abs(ratio - 1) > 0.02 or not result.passed:
-        save_pictures(FAILURES, f"caustic_{name}", ours.mean(0), truth.mean(0))
+        save_pictures(FAILURES, f"caustic_{name}", ours.mean(0), reference.mean(0))
         pytest.fail(
-            f"{name}: mean {ratio:.4f} +- {error:.4f} of the truth's; {result}. Pictures: "
+            f"{name}: mean {ratio:.4f} +- {error:.4f} of the reference's; {result}. Pictures: "
             f"out/failures/caustic_{name}.*.png"
         )
 
@@ -113,12 +113,12 @@ def test_small_glass_in_a_big_room(worker: Worker) -> None:
 
 
 def test_the_comparison_can_fail() -> None:
-    truth = load("glass")
-    noisy = np.concatenate([truth, truth[::-1] * (1 + 1e-3), truth])
-    compare("glass", noisy, truth)
+    reference = load("glass")
+    noisy = np.concatenate([reference, reference[::-1] * (1 + 1e-3), reference])
+    compare("glass", noisy, reference)
     for broken in (noisy * 1.03, np.roll(noisy, 3, axis=2)):
         with pytest.raises(pytest.fail.Exception):
-            compare("glass", broken, truth)
+            compare("glass", broken, reference)
 
 
 # The tracer itself --------------------------------------------------------------------------------
@@ -178,7 +178,7 @@ def test_fresnel_at_the_brewster_and_critical_angles() -> None:
     assert reflectance[2] == 1.0
 
 
-def test_truth_of_the_pool_keeps_the_energy_of_flat_water() -> None:
+def test_reference_of_the_pool_keeps_the_energy_of_flat_water() -> None:
     """Waves move light about but, on average, floor light is the sun's through flat water plus what
     floor and surface throw back.
 

@@ -42,19 +42,19 @@ def test_splat_agrees_with_the_path_tracer(worker: Worker, name: str) -> None:
         photons_per_pass=case.photons_per_pass,
         max_bounces=64,
     )
-    truth, _ = worker.render(case, "reference", [21, 22], passes=200, max_bounces=64)
-    splat, truth = splat[..., :3], truth[..., :3]
-    ratio, error = mean_ratio(splat, truth)
+    reference, _ = worker.render(case, "reference", [21, 22], passes=200, max_bounces=64)
+    splat, reference = splat[..., :3], reference[..., :3]
+    ratio, error = mean_ratio(splat, reference)
     result = block_test(
         Blocks.of(splat, independent_pixels=False),
-        Blocks.of(truth, independent_pixels=True),
+        Blocks.of(reference, independent_pixels=True),
         relative=case.block_bias,
-        absolute=DARK * float(truth.mean()),
+        absolute=DARK * float(reference.mean()),
         family_level=0.01 / len(SCENES),
     )
-    known = within_known_bias(result, Blocks.of(truth, independent_pixels=True))
+    known = within_known_bias(result, Blocks.of(reference, independent_pixels=True))
     if abs(ratio - 1) > 0.01 or not (result.passed or known):
-        save_pictures(FAILURES, f"{name}.integrators", splat.mean(0), truth.mean(0))
+        save_pictures(FAILURES, f"{name}.integrators", splat.mean(0), reference.mean(0))
         pytest.fail(
             f"{name}: mean {ratio:.4f} +- {error:.4f} of the path tracer's; {result}. Pictures: "
             f"out/failures/{name}.integrators.*.png"

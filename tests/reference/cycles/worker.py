@@ -13,7 +13,6 @@ import json
 import os
 import subprocess
 import sys
-import threading
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
@@ -21,9 +20,8 @@ from typing import Any
 import numpy as np
 
 from tests.reference.cycles.cases import Case
+from tests.support.hang import killed_if_hung
 from tests.support.paths import ROOT
-
-SECONDS = 900.0
 
 
 class Worker:
@@ -66,10 +64,8 @@ class Worker:
         }
         process.stdin.write(json.dumps(request) + "\n")
         process.stdin.flush()
-        watch = threading.Timer(SECONDS, process.kill)
-        watch.start()
-        answer = process.stdout.readline()
-        watch.cancel()
+        with killed_if_hung(process):
+            answer = process.stdout.readline()
         if not answer:
             raise RuntimeError(
                 f"Blender ended with status {process.wait()} while it rendered {case.name}"

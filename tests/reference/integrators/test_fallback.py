@@ -40,7 +40,9 @@ def leaves(roughness: float | None = None) -> Scene:
 @pytest.mark.parametrize(("roughness", "photons"), [(0.05, 50), (0.3, 50), (0.3, 5_000)])
 def test_the_mean_is_the_path_tracers(roughness: float, photons: int) -> None:
     """With 50 photons a pass nearly all places fall back, with 5,000 the leaves do."""
-    truth = c.picture(leaves(roughness), Integrator.REFERENCE, passes=800, max_bounces=12, seed=1)
+    reference = c.picture(
+        leaves(roughness), Integrator.REFERENCE, passes=800, max_bounces=12, seed=1
+    )
     result = c.shoot(
         leaves(roughness),
         passes=250 if photons < 1000 else 100,
@@ -50,7 +52,7 @@ def test_the_mean_is_the_path_tracers(roughness: float, photons: int) -> None:
     )
     picture = result.passes["Combined"][..., :3].astype(np.float64)
     assert result.statistics["fallback"]["share"] > (0.8 if photons < 1000 else 0.1)
-    assert picture.mean() == pytest.approx(truth.mean(), rel=0.015)
+    assert picture.mean() == pytest.approx(reference.mean(), rel=0.015)
 
 
 def test_the_share_is_told() -> None:

@@ -24,7 +24,9 @@ ON = FinalGather.ON
 @pytest.mark.parametrize("roughness", [None, 0.05, 0.3])
 def test_the_mean_is_the_path_tracers(roughness: float | None) -> None:
     """Without shiny things, with caustic photons of their own, and with a gloss that both share."""
-    truth = c.picture(leaves(roughness), Integrator.REFERENCE, passes=800, max_bounces=12, seed=1)
+    reference = c.picture(
+        leaves(roughness), Integrator.REFERENCE, passes=800, max_bounces=12, seed=1
+    )
     picture = c.picture(
         leaves(roughness),
         passes=100,
@@ -33,16 +35,16 @@ def test_the_mean_is_the_path_tracers(roughness: float | None) -> None:
         seed=2,
         final_gather=ON,
     )
-    assert picture.mean() == pytest.approx(truth.mean(), rel=0.01)
+    assert picture.mean() == pytest.approx(reference.mean(), rel=0.01)
 
 
 @pytest.mark.parametrize("bounces", [1, 2])
 def test_bounces_are_counted_as_elsewhere(bounces: int) -> None:
-    truth = c.picture(room(), Integrator.REFERENCE, passes=600, max_bounces=bounces, seed=1)
+    reference = c.picture(room(), Integrator.REFERENCE, passes=600, max_bounces=bounces, seed=1)
     picture = c.picture(
         room(), passes=100, photons_per_pass=20_000, max_bounces=bounces, seed=2, final_gather=ON
     )
-    assert picture.mean() == pytest.approx(truth.mean(), rel=0.01)
+    assert picture.mean() == pytest.approx(reference.mean(), rel=0.01)
 
 
 def contact() -> Scene:
@@ -62,7 +64,7 @@ def contact() -> Scene:
 
 
 def test_shadows_of_contacts_are_not_blurred() -> None:
-    truth = c.picture(contact(), Integrator.REFERENCE, passes=1500, max_bounces=12, seed=1)
+    reference = c.picture(contact(), Integrator.REFERENCE, passes=1500, max_bounces=12, seed=1)
 
     def bias(gather: FinalGather) -> float:
         """Root of the mean square, free of noise, as two pictures of other seeds have none in
@@ -75,7 +77,9 @@ def test_shadows_of_contacts_are_not_blurred() -> None:
             "adaptive_samples": False,
         }
         one, two = (c.picture(contact(), seed=s, final_gather=gather, **same) for s in (2, 3))
-        return float(np.sqrt(max(0.0, ((one - truth) * (two - truth)).mean())) / truth.mean())
+        return float(
+            np.sqrt(max(0.0, ((one - reference) * (two - reference)).mean())) / reference.mean()
+        )
 
     assert bias(ON) < 0.5 * bias(FinalGather.OFF)
 
@@ -116,10 +120,10 @@ def test_paths_bring_all_where_photons_would_be_more_work(roughness: float | Non
         "bring all of the indirect light" in sentence
         for sentence in result.statistics["plan"]["sentences"]
     )
-    truth = c.picture(
+    reference = c.picture(
         leaves(roughness), passes=600, integrator=Integrator.REFERENCE, max_bounces=12, seed=3
     )
-    assert result.noisy.mean() == pytest.approx(truth.mean(), rel=0.015)
+    assert result.noisy.mean() == pytest.approx(reference.mean(), rel=0.015)
     again = c.shoot(leaves(roughness), passes=60, denoise=True, threads=3, **given)
     assert again.noisy is not None
     assert np.array_equal(again.noisy, result.noisy)

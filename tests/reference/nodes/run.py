@@ -28,15 +28,15 @@ STRAY = 0.006
 LARGEST = 1e6
 
 
-def worst(case: Any, ours: np.ndarray, truth: np.ndarray) -> tuple[float, float]:
+def worst(case: Any, ours: np.ndarray, reference: np.ndarray) -> tuple[float, float]:
     """(share of pixels that differ, largest difference among the rest) of a case; differences are
     relative above 1.
     """
     allowed = NOISE if case.noise else EXACT
-    ours, truth = (
-        np.clip(np.nan_to_num(picture, nan=0.0), -SHIFT, LARGEST) for picture in (ours, truth)
+    ours, reference = (
+        np.clip(np.nan_to_num(picture, nan=0.0), -SHIFT, LARGEST) for picture in (ours, reference)
     )
-    difference = (np.abs(ours - truth) / np.maximum(1.0, np.abs(truth))).max(axis=-1)
+    difference = (np.abs(ours - reference) / np.maximum(1.0, np.abs(reference))).max(axis=-1)
     off = difference > allowed
     return float(off.mean()), float(difference[~off].max(initial=0.0))
 
@@ -54,18 +54,18 @@ def compare(names: list[str], every: int, dump: Path | None = None) -> dict[str,
     ]
     stage.build(cases)
     started = time.monotonic()
-    truth, positions = stage.cycles()
+    reference, positions = stage.cycles()
     rendered = time.monotonic()
     ours, warnings = stage.ours(positions)
     failed = {}
     for k, case in enumerate(cases):
-        share, rest = worst(case, stage.cell(ours, k), stage.cell(truth, k))
+        share, rest = worst(case, stage.cell(ours, k), stage.cell(reference, k))
         if share > STRAY:
             failed[case.name] = {"differ": share, "rest": rest}
     seconds = {"cycles": rendered - started, "ours": time.monotonic() - rendered}
     if dump is not None:
         cells = {
-            case.name: (stage.cell(ours, k), stage.cell(truth, k))
+            case.name: (stage.cell(ours, k), stage.cell(reference, k))
             for k, case in enumerate(cases)
             if case.name in failed or len(cases) < 40
         }

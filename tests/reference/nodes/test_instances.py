@@ -85,10 +85,10 @@ def test_attributes_that_geometry_nodes_give_to_instances() -> None:
     scene.render.resolution_x, scene.render.resolution_y = 60, 10
     bpy.context.view_layer.update()
 
-    truth, positions = stage.cycles()
+    reference, positions = stage.cycles()
     ours, warnings = stage.ours(positions)
     assert warnings == []
-    middles = truth[5, 5::10]
+    middles = reference[5, 5::10]
     expected = [(k % 3 / 4.0, k // 3 / 2.0, 0.375) for k in range(6)]
     np.testing.assert_allclose(middles, expected, atol=1e-4)
-    np.testing.assert_allclose(ours, truth, atol=1e-4)
+    np.testing.assert_allclose(ours, reference, atol=1e-4)

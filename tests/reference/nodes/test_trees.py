@@ -197,9 +197,9 @@ def test_ten_thousand_nodes_in_a_row() -> None:
         (above.outputs[0], output.inputs["Surface"]),
     ):
         tree.links.new(start, end)
-    started = time.monotonic()
+    started = time.process_time()
     what = stage.exported()
-    assert time.monotonic() - started < 20
+    assert time.process_time() - started < 20
     assert what.warnings == []
     assert 9000 * 8 < _program_size(what) < 9000 * 8 + 100
     assert what.programs[0].registers < 20

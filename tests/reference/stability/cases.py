@@ -2,10 +2,10 @@
 answer.
 
 What is compared is light that has bounced (and emission with it, in the furnace); numbers are those
-of the project's list of failures. `truth` is a number where the answer is known exactly; elsewhere
-truth.npz holds a path-traced one, made by `python -m tests.benchmarks.stability.run --truth`.
-`tolerance` bounds the error of means over 4x4 pixels, relative to the truth's mean (to `unit` where
-that mean is 0).
+of the project's list of failures. `exact` is a number where the answer is known exactly; elsewhere
+reference.npz holds a path-traced picture, made by `python -m tests.benchmarks.stability.run
+--reference`. `tolerance` bounds the error of means over 4x4 pixels, relative to the reference's
+mean (to `unit` where that mean is 0).
 """
 
 from __future__ import annotations
@@ -28,12 +28,12 @@ class Case:
     failure: int
     make: Callable[[], Scene]
     tolerance: float
-    truth: float | None = None
+    exact: float | None = None
     unit: float = 1.0
     passes: int = 24
     photons: int = 40_000
     whole: bool = False  # compares the whole picture
-    samples: int = 6000  # of the path-traced truth
+    samples: int = 6000  # of the path-traced reference
     known: str = ""  # why it fails today
 
 
@@ -294,15 +294,15 @@ def hidden_light() -> Scene:
 
 
 CASES = (
-    Case("furnace", 1, furnace, 0.03, truth=2.0, whole=True),
+    Case("furnace", 1, furnace, 0.03, exact=2.0, whole=True),
     Case("free_edge", 2, free_edge, 0.10, passes=48),
     Case("unequal_corner", 3, unequal_corner, 0.15),
-    Case("thin_wall", 4, thin_wall, 1e-6, truth=0.0),
-    Case("floor_under_wall", 5, floor_under_wall, 0.05, truth=0.0),
+    Case("thin_wall", 4, thin_wall, 1e-6, exact=0.0),
+    Case("floor_under_wall", 5, floor_under_wall, 0.05, exact=0.0),
     Case("box_on_floor", 5, box_on_floor, 0.10),
     Case("dark_side", 6, dark_side, 0.10),
     # E a/(1 - a) a/pi of the bounced light
-    Case("globe", 8, globe, 0.06, truth=50.0 / (4 * np.pi * 1.5**2) * 0.5 / np.pi),
+    Case("globe", 8, globe, 0.06, exact=50.0 / (4 * np.pi * 1.5**2) * 0.5 / np.pi),
     Case("cylinder", 8, cylinder, 0.10),
     Case("low_poly_sphere", 10, low_poly_sphere, 0.12),
     Case("leaves", 11, leaves, 0.30),
@@ -319,5 +319,5 @@ CASES = (
     Case(
         "mirror_sees_caustic", 20, mirror_sees_caustic, 0.5, passes=48, whole=True, samples=20_000
     ),
-    Case("hidden_light", 22, hidden_light, 1e-6, truth=0.0),
+    Case("hidden_light", 22, hidden_light, 1e-6, exact=0.0),
 )

@@ -14,7 +14,7 @@ from photon_splat.core.render.settings import Integrator, RenderSettings
 from tests.reference.stability.cases import CASES, PIXELS, Case
 from tests.support.compare import block_means
 
-FILE = Path(__file__).with_name("truth.npz")
+FILE = Path(__file__).with_name("reference.npz")
 BLOCK = 4
 
 
@@ -41,7 +41,7 @@ def shoot(case: Case, **settings: object) -> np.ndarray:
 def make(names: list[str]) -> None:
     """Path-traces the cases without an exact answer, or those named. Minutes."""
     kept = _file() if names and FILE.exists() else {}
-    wanted = [case for case in CASES if case.truth is None]
+    wanted = [case for case in CASES if case.exact is None]
     kept = {case.name: kept[case.name] for case in wanted if case.name in kept}
     for case in wanted:
         if not names or case.name in names:
@@ -58,18 +58,20 @@ def _file() -> dict[str, np.ndarray]:
         return {name: file[name] for name in file.files}
 
 
-def truth_of(case: Case) -> np.ndarray:
+def reference_of(case: Case) -> np.ndarray:
     return (
         _file()[case.name].astype(np.float64)
-        if case.truth is None
-        else np.full((PIXELS, PIXELS), case.truth)
+        if case.exact is None
+        else np.full((PIXELS, PIXELS), case.exact)
     )
 
 
 def worst_block(case: Case, values: np.ndarray) -> float:
-    """Largest deviation of a 4x4 block's mean, relative to the truth's mean (or to the case's
+    """Largest deviation of a 4x4 block's mean, relative to the reference's mean (or to the case's
     unit).
     """
-    truth = truth_of(case)
-    difference = block_means((values - truth)[..., None], BLOCK)
-    return float(np.abs(difference).max() / (truth.mean() if truth.mean() > 0 else case.unit))
+    reference = reference_of(case)
+    difference = block_means((values - reference)[..., None], BLOCK)
+    return float(
+        np.abs(difference).max() / (reference.mean() if reference.mean() > 0 else case.unit)
+    )

@@ -28,9 +28,8 @@ PHOTONS = {
     "path.photongi.caustic.updatespp.minradius": 0.002,
 }
 """As its add-on for Blender sets the cache up, but for discs that fit scenes a metre wide and
-shrink, and photons that are ready within
-seconds: the add-on's twenty millions by its Metropolis sampler take minutes before the first
-sample.
+shrink, and photons that are ready within seconds: the add-on's twenty millions by its Metropolis
+sampler take minutes before the first sample.
 """
 
 
