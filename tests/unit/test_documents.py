@@ -82,3 +82,20 @@ def test_the_list_of_nodes_is_up_to_date(tmp_path: Path) -> None:
     page = tmp_path / "nodes.md"
     subprocess.run([sys.executable, "-m", made[1], str(page)], cwd=ROOT, check=True, timeout=120)
     assert page.read_text() == (ROOT / "docs/nodes.md").read_text()
+
+
+def test_the_manual_explains_every_option_and_setting() -> None:
+    manual = (ROOT / "docs/manual.md").read_text()
+    options = re.findall(r'"(--[\w-]+)"', (ROOT / "addon/cli/arguments.py").read_text())
+    settings = re.findall(r"^    (\w+): \w+Property\(", properties(), re.MULTILINE)
+    labels = re.findall(r'^        name="([^"]+)",$', properties(), re.MULTILINE)
+    assert len(options) > 15
+    assert len(settings) > 15
+    assert [option for option in options if f"`{option}" not in manual] == []
+    own = [name for name in settings if not name.startswith("use_pass_")]
+    assert [name for name in own if f"`{name}`" not in manual] == []
+    assert [label for label in labels if label.removeprefix("Viewport ") not in manual] == []
+
+
+def properties() -> str:
+    return (ROOT / "addon/blender/properties.py").read_text()
