@@ -160,8 +160,8 @@ wild: setup ## real files against Cycles: out/wild (WILD: the folder that holds 
 nodes: setup ## node trees against Cycles (NODE_OPTIONS: see python -m tests.reference.nodes.run --help)
 	$(PY) -m tests.reference.nodes.run $(NODE_OPTIONS)
 
-node-list: setup ## the README's list of nodes, from the exporter's own table
-	@$(PY) -m photon_splat.export.nodes.table
+node-list: setup ## docs/nodes.md, from the exporter's own table
+	@$(PY) -m photon_splat.export.nodes.table docs/nodes.md
 
 references: setup ## what tests/reference/cycles and tests/reference/caustics compare with, anew (long)
 	$(PY) -m tests.reference.cycles.references

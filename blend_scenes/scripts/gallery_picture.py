@@ -1,5 +1,5 @@
 """Renders a scene for the gallery: `python -m blend_scenes.scripts.gallery_picture NAME [--seconds
-S] [--resolution WxH] [--out FILE.png]`.
+S] [--resolution WxH] [--final-gather AUTO|ON|OFF] [--out FILE.png]`.
 
 Photon Splat with its denoiser, then the scene's own view transform, so that the picture is what
 Blender would show.
@@ -46,6 +46,7 @@ def main() -> int:
     parser.add_argument("name")
     parser.add_argument("--seconds", default="240")
     parser.add_argument("--resolution", default="480x320")
+    parser.add_argument("--final-gather", default="AUTO")
     parser.add_argument("--out", type=Path)
     options = parser.parse_args()
     scene = HERE / f"{options.name}.blend"
@@ -60,6 +61,8 @@ def main() -> int:
             "-o",
             str(exr),
             "--denoise",
+            "--final-gather",
+            options.final_gather,
         ]
         status = subprocess.run(
             [*command, "--seconds", options.seconds, "--resolution", options.resolution],

@@ -30,11 +30,3 @@ def test_every_node_agrees_with_cycles(tmp_path: Path) -> None:
     assert result["failed"] == {}
     assert result["passed"] >= 900
     assert result["warnings"] == []
-
-
-def test_the_readme_has_the_list_of_nodes() -> None:
-    """`make node-list` prints it anew."""
-    command = [sys.executable, "-m", "photon_splat.export.nodes.table"]
-    made = subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True).stdout
-    table = made[made.index("| nodes |") :].strip()
-    assert table in (ROOT / "README.md").read_text()
