@@ -19,10 +19,12 @@ VENV_OLD := .venv-3.11
 PY := $(VENV)/bin/python
 PY_OLD := $(VENV_OLD)/bin/python
 NATIVE_SOURCES := $(shell find native -path native/.cache -prune -o -path native/tests -prune -o -type f -print 2>/dev/null)
+# Tables (.inc, .def) keep the layout that their scripts gave them.
+CXX_SOURCES = $(shell find native -path native/.cache -prune -o -type f \( -name '*.cpp' -o -name '*.h' -o -name '*.inl' \) -print)
 # What is built in the virtual environment must find its tools there: cmake and ninja.
 IN_VENV = PATH="$(CURDIR)/$(@D)/bin:$$PATH"
 
-.PHONY: help setup setup-old setup-rivals render test lint test-native test-python test-old extension extension-test viewport-test bench bench-viewport bench-persistent bench-gpu bench-nodes chart stability convergence calibration references scenes oracle agreement wild nodes node-list sanitize wheel clean
+.PHONY: help setup setup-old setup-rivals render test lint format test-native test-python test-old extension extension-test viewport-test bench bench-viewport bench-persistent bench-gpu bench-nodes chart stability convergence calibration references scenes oracle agreement wild nodes node-list sanitize wheel clean
 
 help:
 	@sed -n 's/^\([a-z-]*\):.*## /  make \1\t/p' $(MAKEFILE_LIST) | expand -t 20
@@ -90,6 +92,11 @@ lint: setup ## formatter, linter and types
 	$(VENV)/bin/ruff check .
 	$(VENV)/bin/ruff format --check .
 	$(VENV)/bin/mypy
+	$(VENV)/bin/clang-format --dry-run -Werror $(CXX_SOURCES)
+
+format: setup ## lays out Python and C++ as make lint wants them
+	$(VENV)/bin/ruff format .
+	$(VENV)/bin/clang-format -i $(CXX_SOURCES)
 
 test-native: build/tests/.built ## C++ tests
 	$(VENV)/bin/ctest --test-dir build/tests --output-on-failure --timeout 120 --no-tests=error
@@ -123,7 +130,7 @@ viewport-test: extension ## the extension in a Blender with a window (VIEWPORT_O
 CMAKE_TESTS = $(VENV)/bin/cmake -S native -G Ninja -DCMAKE_MAKE_PROGRAM=$(CURDIR)/$(VENV)/bin/ninja \
 	-DPython_EXECUTABLE=$(CURDIR)/$(PY) -DPHOTON_SPLAT_MODULE=OFF -DPHOTON_SPLAT_TESTS=ON
 
-build/tests/.built: $(VENV)/.packages $(NATIVE_SOURCES) $(wildcard native/tests/*)
+build/tests/.built: $(VENV)/.packages $(NATIVE_SOURCES) $(shell find native/tests -type f)
 	$(CMAKE_TESTS) -B build/tests -DPHOTON_SPLAT_WERROR=ON
 	$(VENV)/bin/cmake --build build/tests
 	@touch $@

@@ -15,7 +15,8 @@ void Atlas::pack(const PointBlocks& blocks, float* position, uint32_t* plane, Th
       position[at] = b.x[l];
       position[at + 1] = b.y[l];
       position[at + 2] = b.z[l];
-      position[at + 3] = std::min(b.inverse_h2[l], std::numeric_limits<float>::max());  // GLSL 3.30 need not know infinity
+      // GLSL 3.30 need not know infinity
+      position[at + 3] = std::min(b.inverse_h2[l], std::numeric_limits<float>::max());
       plane[at] = std::bit_cast<uint32_t>(b.nx[l]);
       plane[at + 1] = std::bit_cast<uint32_t>(b.ny[l]);
       plane[at + 2] = std::bit_cast<uint32_t>(b.nz[l]);
@@ -24,7 +25,8 @@ void Atlas::pack(const PointBlocks& blocks, float* position, uint32_t* plane, Th
   });
 }
 
-void Atlas::unpack(const float* sums, PointBlocks& blocks, ThreadPool& pool, const CancelFlag& cancel) const {
+void Atlas::unpack(const float* sums, PointBlocks& blocks, ThreadPool& pool,
+                   const CancelFlag& cancel) const {
   pool.for_each(count, cancel, [&](size_t i, int) {
     PointBlock& b = blocks[first + i];
     for (size_t l = 0; l < kBlockSize; ++l) {

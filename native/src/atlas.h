@@ -8,8 +8,9 @@
 
 namespace photon_splat {
 
-// Blocks [first, first + count) as tiles, `columns` to a row, rows from the first up. Images are columns * 8 texels wide
-// and rows() * 8 high; lane l of a block is texel (l % 8, l / 8) of its tile.
+// Blocks [first, first + count) as tiles, `columns` to a row, rows from the first up. Images are
+// columns * 8 texels wide and rows() * 8 high; lane l of a block is texel (l % 8, l / 8) of its
+// tile.
 struct Atlas {
   static constexpr size_t kTile = 8;
 
@@ -19,16 +20,18 @@ struct Atlas {
   size_t texels() const { return rows() * columns * kTile * kTile; }
   size_t texel(size_t block, size_t lane) const {
     const size_t tile = block - first;
-    return (tile / columns * kTile + lane / kTile) * columns * kTile + tile % columns * kTile + lane % kTile;
+    return (tile / columns * kTile + lane / kTile) * columns * kTile + tile % columns * kTile +
+           lane % kTile;
   }
 
-  // position: x, y, z, 1/h^2 (the largest float where there is no point); plane: bits of the normal's x, y, z, and the
-  // key. Tiles beyond the last block are left as they are.
+  // position: x, y, z, 1/h^2 (the largest float where there is no point); plane: bits of the
+  // normal's x, y, z, and the key. Tiles beyond the last block are left as they are.
   void pack(const PointBlocks& blocks, float* position, uint32_t* plane, ThreadPool& pool,
             const CancelFlag& cancel) const;
   // sums: red, green, blue, count, narrow. They replace those of the blocks.
   static constexpr size_t kSums = 5;
-  void unpack(const float* sums, PointBlocks& blocks, ThreadPool& pool, const CancelFlag& cancel) const;
+  void unpack(const float* sums, PointBlocks& blocks, ThreadPool& pool,
+              const CancelFlag& cancel) const;
 };
 
 static_assert(Atlas::kTile * Atlas::kTile == kBlockSize);

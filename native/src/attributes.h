@@ -1,5 +1,6 @@
-// What shader programs read from meshes and instances beyond positions, normals and the render-active UV map. Only what some
-// program asks for is exported; ids are the exporter's and mean the same on every mesh.
+// What shader programs read from meshes and instances beyond positions, normals and the
+// render-active UV map. Only what some program asks for is exported; ids are the exporter's and
+// mean the same on every mesh.
 #pragma once
 
 #include <array>
@@ -15,12 +16,15 @@ struct MeshAttribute {
 
   uint32_t id = 0;
   Domain domain = Domain::kPoint;
-  uint32_t components = 1;     // 1 to 4
-  std::vector<float> floats;   // element after element (corner: 3 per triangle; face: per triangle), or
-  std::vector<uint8_t> bytes;  // sRGB-encoded RGBA (the fourth linear), decoded before interpolation
+  uint32_t components = 1;  // 1 to 4
+  // Element after element (corner: 3 per triangle; face: per triangle), or
+  std::vector<float> floats;
+  // sRGB-encoded RGBA (the fourth linear), decoded before interpolation
+  std::vector<uint8_t> bytes;
 
   // Value at barycentric (u, v) of a triangle, which may lie outside of it; absent components 0.
-  std::array<float, 4> at(const std::array<uint32_t, 3>& vertices, uint32_t triangle, float u, float v) const;
+  std::array<float, 4> at(const std::array<uint32_t, 3>& vertices, uint32_t triangle, float u,
+                          float v) const;
   // Exchanges the values of two corners; nothing where the domain is another.
   void swap_corners(size_t a, size_t b);
 };
@@ -40,7 +44,8 @@ struct GeneratedSpace {
 struct ShadingView {
   Affine camera_to_world;  // looks along +Z, Y up; relative to the scene's origin
   Affine world_to_camera;
-  float left = -1, right = 1, bottom = -1, top = 1;  // of the frame on z = 1 (perspective) or in metres
+  // Of the frame on z = 1 (perspective) or in metres
+  float left = -1, right = 1, bottom = -1, top = 1;
   bool orthographic = false;
 };
 

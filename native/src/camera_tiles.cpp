@@ -4,18 +4,23 @@
 namespace photon_splat {
 namespace {
 
-constexpr int kScoutEvery = 8, kScoutShift = 3;  // tiles: one in so many of a row, in the next row so many on
-constexpr size_t kFewTiles = 256;                // all of them are scouts
+// tiles: one in so many of a row, in the next row so many on
+constexpr int kScoutEvery = 8, kScoutShift = 3;
+constexpr size_t kFewTiles = 256;             // all of them are scouts
 constexpr uint32_t kLearningPaths = 1 << 16;  // at most about so many of a pass
 
 size_t tiles_along(int pixels) { return static_cast<size_t>((pixels + kTileSize - 1) / kTileSize); }
 
 // The place in the picture alone decides.
-bool is_scout(size_t tile, size_t across) { return (tile % across + kScoutShift * (tile / across)) % kScoutEvery == 0; }
+bool is_scout(size_t tile, size_t across) {
+  return (tile % across + kScoutShift * (tile / across)) % kScoutEvery == 0;
+}
 
 }  // namespace
 
-bool CameraTracer::sends_scouts(const PackedFilm& film) { return tiles_along(film.width) * tiles_along(film.height) >= kFewTiles; }
+bool CameraTracer::sends_scouts(const PackedFilm& film) {
+  return tiles_along(film.width) * tiles_along(film.height) >= kFewTiles;
+}
 
 void CameraTracer::Tile::clear() {
   rays = bad_samples = places = fallbacks = deep_rays = 0;
@@ -62,12 +67,16 @@ void CameraTracer::trace_tile(const Job& job, size_t t, PackedFilm& film) {
   tile.records.clear();
   tile.records.reserve(kTileSize * kTileSize);  // of most
   const size_t across = tiles_along(film.width);
-  const int x_begin = static_cast<int>(t % across) * kTileSize, y_begin = static_cast<int>(t / across) * kTileSize;
-  const int x_end = std::min(x_begin + kTileSize, film.width), y_end = std::min(y_begin + kTileSize, film.height);
+  const int x_begin = static_cast<int>(t % across) * kTileSize,
+            y_begin = static_cast<int>(t / across) * kTileSize;
+  const int x_end = std::min(x_begin + kTileSize, film.width),
+            y_end = std::min(y_begin + kTileSize, film.height);
   if (keeps_trial_) tile.deep.assign(kTileSize * kTileSize, 0.0f);
   PackedFilm::Tile pixels;
-  if (tile.again) film.get(t, pixels);
-  else pixels.fill({});
+  if (tile.again)
+    film.get(t, pixels);
+  else
+    pixels.fill({});
   size_t next = 0;  // of those kept, which are in the order of pixels
   for (int y = y_begin; y < y_end; ++y)
     for (int x = x_begin; x < x_end; ++x) {
@@ -76,11 +85,13 @@ void CameraTracer::trace_tile(const Job& job, size_t t, PackedFilm& film) {
         const size_t first = next;
         while (next < tile.kept.size() && tile.kept[next].pixel == pixel) ++next;
         if (first == next || !tile.changed[first]) {
-          tile.records.insert(tile.records.end(), tile.kept.begin() + first, tile.kept.begin() + next);
+          tile.records.insert(tile.records.end(), tile.kept.begin() + first,
+                              tile.kept.begin() + next);
           continue;
         }
       }
-      trace_pixel(job, x, y, film, pixels[static_cast<size_t>(y - y_begin) * kTileSize + (x - x_begin)], tile);
+      trace_pixel(job, x, y, film,
+                  pixels[static_cast<size_t>(y - y_begin) * kTileSize + (x - x_begin)], tile);
     }
   film.put(t, pixels);
   if (keeps_trial_) see_trial(tile, pixels, x_end - x_begin, y_end - y_begin);
@@ -89,9 +100,15 @@ void CameraTracer::trace_tile(const Job& job, size_t t, PackedFilm& film) {
 }
 
 void CameraTracer::see_trial(Tile& tile, const PackedFilm::Tile& pixels, int width, int height) {
-  const auto pixel = [&](int x, int y) -> const Pixel& { return pixels[static_cast<size_t>(y) * kTileSize + x]; };
-  const auto light = [&](int x, int y) { return luminance(pixel(x, y).combined()) * pixel(x, y).share(); };
-  const auto deep = [&](int x, int y) { return tile.deep[static_cast<size_t>(y) * kTileSize + x] * pixel(x, y).share(); };
+  const auto pixel = [&](int x, int y) -> const Pixel& {
+    return pixels[static_cast<size_t>(y) * kTileSize + x];
+  };
+  const auto light = [&](int x, int y) {
+    return luminance(pixel(x, y).combined()) * pixel(x, y).share();
+  };
+  const auto deep = [&](int x, int y) {
+    return tile.deep[static_cast<size_t>(y) * kTileSize + x] * pixel(x, y).share();
+  };
   double paths = 0;
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
@@ -114,9 +131,12 @@ bool CameraTracer::find_changed(Tile& tile) const {
   bool any = false;
   for (size_t first = 0, end; first < tile.records.size(); first = end) {
     bool changed = false;
-    for (end = first; end < tile.records.size() && tile.records[end].pixel == tile.records[first].pixel; ++end) {
+    for (end = first;
+         end < tile.records.size() && tile.records[end].pixel == tile.records[first].pixel; ++end) {
       const Record& r = tile.records[end];
-      changed = changed || (!r.caustics_only && fallback_->at(r.key, r.position, r.instance, r.triangle, radius_factor_, tile.near));
+      changed =
+          changed || (!r.caustics_only && fallback_->at(r.key, r.position, r.instance, r.triangle,
+                                                        radius_factor_, tile.near));
     }
     tile.changed[first] = changed;
     any |= changed;
@@ -125,8 +145,9 @@ bool CameraTracer::find_changed(Tile& tile) const {
   return any;
 }
 
-const Records& CameraTracer::trace(uint32_t pass, const SampleChoice& choice, SkyGuide& sky, int max_bounces, PackedFilm& film,
-                                   const CancelFlag& cancel, Tiles tiles) {
+const Records& CameraTracer::trace(uint32_t pass, const SampleChoice& choice, SkyGuide& sky,
+                                   int max_bounces, PackedFilm& film, const CancelFlag& cancel,
+                                   Tiles tiles) {
   const bool learns = sky.learning() && !lights_.environment().black();
   const uint32_t share = 1 + static_cast<uint32_t>(film.size() / kLearningPaths);
   trace_tiles({pass, &choice, max_bounces, true, tiles, learns, share}, film, cancel);
@@ -147,7 +168,8 @@ const Records& CameraTracer::trace(uint32_t pass, const SampleChoice& choice, Sk
   return records_;
 }
 
-void CameraTracer::trace_reference(uint32_t sample, int max_bounces, PackedFilm& film, const CancelFlag& cancel) {
+void CameraTracer::trace_reference(uint32_t sample, int max_bounces, PackedFilm& film,
+                                   const CancelFlag& cancel) {
   trace_tiles({sample, nullptr, max_bounces, false}, film, cancel);
 }
 

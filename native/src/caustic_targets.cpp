@@ -6,8 +6,9 @@ namespace photon_splat {
 namespace {
 
 constexpr size_t kMostTargets = 64;
-constexpr size_t kMostBoxes = 1 << 18;     // triangles looked at; of more, every n-th
-constexpr float kWorthSplitting = 0.8f;    // the halves' spheres together show at most this share of the whole's disc
+constexpr size_t kMostBoxes = 1 << 18;  // triangles looked at; of more, every n-th
+// The halves' spheres together show at most this share of the whole's disc
+constexpr float kWorthSplitting = 0.8f;
 
 struct Cluster {
   std::vector<Bounds> boxes;
@@ -45,7 +46,8 @@ std::vector<Bounds> sharp_triangles(const Scene& scene) {
   for (uint32_t i = 0; i < scene.instances.size(); ++i) {
     const Instance& instance = scene.instances[i];
     bool sharp = false;
-    for (uint32_t s = 0; s < instance.slot_count; ++s) sharp |= is_sharp(scene.slot_materials[instance.first_material + s]);
+    for (uint32_t s = 0; s < instance.slot_count; ++s)
+      sharp |= is_sharp(scene.slot_materials[instance.first_material + s]);
     if (!sharp) continue;
     instances.push_back(i);
     triangles += scene.meshes[instance.mesh].triangles.size();
@@ -57,9 +59,11 @@ std::vector<Bounds> sharp_triangles(const Scene& scene) {
     const Mesh& mesh = scene.meshes[instance.mesh];
     for (size_t t = 0; t < mesh.triangles.size(); t += step) {
       const Material& material = scene.material_of(i, static_cast<uint32_t>(t));
-      if (material.program < 0 || !(scene.programs[material.program].features & kProgramSharp)) continue;
+      if (material.program < 0 || !(scene.programs[material.program].features & kProgramSharp))
+        continue;
       Bounds b;
-      for (uint32_t corner : mesh.triangles[t]) b.add(instance.to_world.point(mesh.positions[corner]));
+      for (uint32_t corner : mesh.triangles[t])
+        b.add(instance.to_world.point(mesh.positions[corner]));
       boxes.push_back(b);
     }
   }
@@ -99,7 +103,8 @@ std::vector<EmissionTargets::Sphere> caustic_targets(const Scene& scene) {
   }
   std::vector<EmissionTargets::Sphere> spheres;
   const float least = std::max(1e-6f * scene.near_radius(), 1e-30f);
-  for (const Cluster& c : done) spheres.push_back({c.all.center(), std::max(0.5f * c.size(), least) * 1.001f});
+  for (const Cluster& c : done)
+    spheres.push_back({c.all.center(), std::max(0.5f * c.size(), least) * 1.001f});
   return spheres;
 }
 

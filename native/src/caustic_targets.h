@@ -6,7 +6,8 @@
 
 namespace photon_splat {
 
-// Spheres around clusters of triangles whose material has sharp lobes, at most 64. Things apart get spheres of their own.
+// Spheres around clusters of triangles whose material has sharp lobes, at most 64. Things apart get
+// spheres of their own.
 std::vector<EmissionTargets::Sphere> caustic_targets(const Scene& scene);
 
 }  // namespace photon_splat

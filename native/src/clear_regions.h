@@ -6,8 +6,9 @@
 
 namespace photon_splat {
 
-// Surfaces are divided into cubes of one to two kernel radii. Where the discs of enough points in one of them have all been clear,
-// most later ones are taken to be. Some still are looked at, and where one is not clear all are from then on.
+// Surfaces are divided into cubes of one to two kernel radii. Where the discs of enough points in
+// one of them have all been clear, most later ones are taken to be. Some still are looked at, and
+// where one is not clear all are from then on.
 class ClearRegions {
  public:
   // Of a disc of radius h about x on the surface `key`.
@@ -19,7 +20,8 @@ class ClearRegions {
   void learn(uint64_t region, bool clear);
 
  private:
-  static constexpr uint32_t kEnough = 16, kStill = 16;  // clear discs; one of so many is looked at all the same
+  // Clear discs; one of so many is looked at all the same
+  static constexpr uint32_t kEnough = 16, kStill = 16;
 
   CountTable clear_, obstructed_;
 };

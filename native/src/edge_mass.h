@@ -6,8 +6,9 @@
 namespace photon_splat {
 
 struct EdgeInPlane {
-  double distance;     // from x to the edge's line, positive when x is on the patch's side; in units of h
-  double begin, end;   // along the line from x's foot point, counter-clockwise
+  // From x to the edge's line, positive when x is on the patch's side; in units of h
+  double distance;
+  double begin, end;  // along the line from x's foot point, counter-clockwise
 };
 
 // Masses of the kernels of radius h and kNarrow * h.
@@ -16,10 +17,14 @@ struct Masses {
 };
 
 // The edge in units of `scale` of the old unit.
-inline EdgeInPlane rescaled(const EdgeInPlane& e, double scale) { return {e.distance / scale, e.begin / scale, e.end / scale}; }
+inline EdgeInPlane rescaled(const EdgeInPlane& e, double scale) {
+  return {e.distance / scale, e.begin / scale, e.end / scale};
+}
 
-// Projects an edge to the tangent plane; `front` is the normal about which the edge runs counter-clockwise.
-inline bool project(const Vec3& x, const Vec3& front, float h, const Vec3& a, const Vec3& b, EdgeInPlane& out) {
+// Projects an edge to the tangent plane; `front` is the normal about which the edge runs
+// counter-clockwise.
+inline bool project(const Vec3& x, const Vec3& front, float h, const Vec3& a, const Vec3& b,
+                    EdgeInPlane& out) {
   const Vec3 along = (b - a) - front * dot(b - a, front);
   const double len = length(along);
   if (!(len > 0)) return false;
@@ -31,7 +36,8 @@ inline bool project(const Vec3& x, const Vec3& front, float h, const Vec3& a, co
   return true;
 }
 
-// Angle and kernel integral of the triangle (x, begin, end), signed by the side of the edge on which x lies.
+// Angle and kernel integral of the triangle (x, begin, end), signed by the side of the edge on
+// which x lies.
 inline double triangle_mass(const EdgeInPlane& e) {
   const double d = e.distance;
   if (d == 0) return 0;

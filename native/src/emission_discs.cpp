@@ -3,11 +3,13 @@
 namespace photon_splat {
 namespace {
 
-constexpr float kStep = 0.25f;     // of radii
-constexpr float kRoom = 2;         // the smallest disc over what half of the view is in: its surroundings light it
-constexpr float kWorthIt = 0.5f;   // of the scene's radius: discs beyond would bring little
+constexpr float kStep = 0.25f;  // of radii
+// The smallest disc over what half of the view is in: its surroundings light it
+constexpr float kRoom = 2;
+constexpr float kWorthIt = 0.5f;  // of the scene's radius: discs beyond would bring little
 float squared(float x) { return x * x; }
-constexpr float kSlack = 1 + 1e-4f;  // rounding must not put a line outside the disc that it was drawn from
+// Rounding must not put a line outside the disc that it was drawn from
+constexpr float kSlack = 1 + 1e-4f;
 
 }  // namespace
 
@@ -19,7 +21,8 @@ void EmissionDiscs::focus(const Vec3& center, float radius) {
   if (!is_finite(center) || !(least > 1e-9f * radius_)) return;
   float width = kWorthIt * radius_;
   if (!(least < width)) return;
-  for (width = least; width < kWorthIt * radius_ && small_ < kMost; width /= kStep) width_[small_++] = width;
+  for (width = least; width < kWorthIt * radius_ && small_ < kMost; width /= kStep)
+    width_[small_++] = width;
   std::reverse(width_, width_ + small_);
   float sum = share_[0] = std::sqrt(radius_);
   for (int k = 0; k < small_; ++k) sum += share_[k + 1] = std::sqrt(width_[k]);
@@ -48,9 +51,11 @@ float EmissionDiscs::area(const Vec3& direction, const Vec3& on_line) const {
   };
   const float whole = kPi * radius_ * radius_;
   if (!small_) return whole;
-  double density = squared_distance(center_) <= squared(radius_) * kSlack ? share_[0] / double(whole) : 0;
+  double density =
+      squared_distance(center_) <= squared(radius_) * kSlack ? share_[0] / double(whole) : 0;
   const float d2 = squared_distance(focus_);
-  for (int k = 0; k < small_ && d2 <= squared(width_[k]) * kSlack; ++k) density += share_[k + 1] / (double(kPi) * squared(width_[k]));
+  for (int k = 0; k < small_ && d2 <= squared(width_[k]) * kSlack; ++k)
+    density += share_[k + 1] / (double(kPi) * squared(width_[k]));
   return density > 0 ? static_cast<float>(1 / density) : 0;
 }
 

@@ -32,7 +32,8 @@ void EmissionTargets::finish() {
   const double mean = useful / paths;
   std::vector<double> wishes;
   for (const Pair& pair : pairs_)  // drawn towards the mean of all by as much as one path weighs
-    wishes.push_back(pair.flux * std::max(kLeast, std::sqrt((pair.useful + mean) / ((pair.paths + 1.0) * mean))));
+    wishes.push_back(pair.flux * std::max(kLeast, std::sqrt((pair.useful + mean) /
+                                                            ((pair.paths + 1.0) * mean))));
   distribute(wishes);
 }
 

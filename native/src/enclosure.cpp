@@ -12,7 +12,8 @@ constexpr RayMask kStored = ray_bit(RayInfo::kDiffuse);  // what stops photons t
 
 bool is_dark(const Scene& scene, const Surface& hit, const Vec3& wo) {
   if (!hit.program) return is_black(hit.side->emission);
-  if (!(hit.program->features & (kProgramEmits | kProgramTransparent | kProgramTransmits))) return true;
+  if (!(hit.program->features & (kProgramEmits | kProgramTransparent | kProgramTransmits)))
+    return true;
   Bsdf bsdf(Transport::kRadiance, wo, hit.ng, hit.ns, hit.back);
   scene.shade(hit, wo, {}, bsdf);
   return is_black(bsdf.transparency()) && is_black(bsdf.emission()) && !bsdf.transmits();
@@ -27,9 +28,11 @@ unsigned Enclosures::hold(const Vec3* points, uint32_t count, unsigned which) {
   }
   Surface above[Scene::kPacket];
   unsigned inside = 0;
-  for (unsigned met = which & scene_.intersect_packet(origins, ways, count, above, kStored); met; met &= met - 1) {
+  for (unsigned met = which & scene_.intersect_packet(origins, ways, count, above, kStored); met;
+       met &= met - 1) {
     const int k = std::countr_zero(met);
-    if (above[k].back && above[k].key != key_ && holds_under(above[k], origins[k])) inside |= 1u << k;
+    if (above[k].back && above[k].key != key_ && holds_under(above[k], origins[k]))
+      inside |= 1u << k;
   }
   return inside;
 }
@@ -56,8 +59,11 @@ bool Enclosures::backs_all_around(const Vec3& origin) {
       origins[i] = origin;
       ways[i] = basis_.to_world(sample_cosine_hemisphere(random_.next2()));
     }
-    if (scene_.intersect_packet(origins, ways, kTogether, hits, kStored) != (1u << kTogether) - 1) return false;
-    if (!std::all_of(hits, hits + kTogether, [&](const Surface& hit) { return hit.back && hit.key != key_; })) return false;
+    if (scene_.intersect_packet(origins, ways, kTogether, hits, kStored) != (1u << kTogether) - 1)
+      return false;
+    if (!std::all_of(hits, hits + kTogether,
+                     [&](const Surface& hit) { return hit.back && hit.key != key_; }))
+      return false;
   }
   return true;
 }

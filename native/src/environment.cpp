@@ -3,8 +3,9 @@
 namespace photon_splat {
 namespace {
 
-constexpr double kUniformShare = 0.02;     // of the table's samples: no direction is ever left out
-constexpr float kLimbDarkening = 0.6f;     // Cycles' sun: 1 - 0.6 (1 - cos of the angle to the sun's own surface)
+constexpr double kUniformShare = 0.02;  // of the table's samples: no direction is ever left out
+// Cycles' sun: 1 - 0.6 (1 - cos of the angle to the sun's own surface)
+constexpr float kLimbDarkening = 0.6f;
 constexpr int kMostColumns = 2048;
 
 // Real spherical harmonics to the second degree.
@@ -27,11 +28,14 @@ Vec3 direction_at(float polar, float longitude) {
 
 }  // namespace
 
-Environment::Environment(Scene& scene) : scene_(scene), straight_(scene.world_map.to_lookup.m == Affine{}.m) {
+Environment::Environment(Scene& scene)
+    : scene_(scene), straight_(scene.world_map.to_lookup.m == Affine{}.m) {
   add_discs();
   find_kinds();
-  if (scene_.world_map.texture >= 0 || scene_.world_program >= 0) bake();
-  else measure({scene_.world}, 1, 1);
+  if (scene_.world_map.texture >= 0 || scene_.world_program >= 0)
+    bake();
+  else
+    measure({scene_.world}, 1, 1);
 }
 
 Rgb Environment::map_radiance(const Vec3& d) const {
@@ -49,7 +53,8 @@ Rgb Environment::map_radiance(const Vec3& d) const {
     if (!(len > 0)) return {};
     v = v / len;
   }
-  const Rgb texel = scene_.textures[map.texture].lookup(map.mirror_ball ? mirror_ball_uv(v) : equirectangular_uv(v));
+  const Rgb texel = scene_.textures[map.texture].lookup(map.mirror_ball ? mirror_ball_uv(v)
+                                                                        : equirectangular_uv(v));
   return max(texel, Vec3{}) * scene_.world;
 }
 
@@ -65,11 +70,14 @@ Rgb Environment::run(const Vec3& d, RayInfo ray) const {
   return max(bsdf.emission(), Vec3{});
 }
 
-Rgb Environment::radiance(const Vec3& d, const RayInfo& ray) const { return asks_camera_ ? run(d, ray) : radiance(d); }
+Rgb Environment::radiance(const Vec3& d, const RayInfo& ray) const {
+  return asks_camera_ ? run(d, ray) : radiance(d);
+}
 
 Rgb Environment::share(const Vec3& d, const RayInfo& ray) const {
   const Rgb seen = run(d, ray), all = map_radiance(d);
-  return {all.x > 0 ? seen.x / all.x : 0, all.y > 0 ? seen.y / all.y : 0, all.z > 0 ? seen.z / all.z : 0};
+  return {all.x > 0 ? seen.x / all.x : 0, all.y > 0 ? seen.y / all.y : 0,
+          all.z > 0 ? seen.z / all.z : 0};
 }
 
 RayInfo Environment::photon_ray(bool diffuse, bool transmitted, bool delta) {
@@ -102,7 +110,8 @@ void Environment::add_discs() {
     constexpr uint32_t kProbes = 1024;
     const Basis basis(disc.towards);
     for (uint32_t i = 0; i < kProbes; ++i)
-      sum += average(radiance_of(disc, basis.to_world(sample_cone(sobol_2d(i, 0, 0), disc.one_minus_cos))));
+      sum += average(
+          radiance_of(disc, basis.to_world(sample_cone(sobol_2d(i, 0, 0), disc.one_minus_cos))));
     disc.flux = sum / kProbes * 2 * kPi * disc.one_minus_cos;
     if (disc.flux > 0 && std::isfinite(disc.flux)) discs_.push_back(disc);
   }
@@ -115,7 +124,8 @@ Rgb Environment::radiance_of(const Disc& disc, const Vec3& d) const {
   const float elevation = std::asin(std::clamp(d.z, -1.0f, 1.0f));
   if (elevation < disc.sun.horizon) return {};
   const float height = (elevation - disc.low) / std::max(disc.high - disc.low, 1e-9f);
-  const Rgb color = disc.sun.bottom + (disc.sun.top - disc.sun.bottom) * std::clamp(height, 0.0f, 1.0f);
+  const Rgb color =
+      disc.sun.bottom + (disc.sun.top - disc.sun.bottom) * std::clamp(height, 0.0f, 1.0f);
   return max(color, Vec3{}) * (1 - kLimbDarkening * (1 - std::sqrt(1 - ratio2)));
 }
 
@@ -125,8 +135,9 @@ Rgb Environment::disc_radiance(const Vec3& d) const {
   return sum;
 }
 
-// Means over cells equal in longitude and polar angle; the radiance is looked at closely enough to see every texel. Between texels it
-// is interpolated: cells half as wide follow the rim of a sun of a few texels, and their middle is their mean.
+// Means over cells equal in longitude and polar angle; the radiance is looked at closely enough to
+// see every texel. Between texels it is interpolated: cells half as wide follow the rim of a sun of
+// a few texels, and their middle is their mean.
 void Environment::bake() {
   int columns = 512, finest = 1024;
   if (scene_.world_program < 0) {
@@ -135,16 +146,19 @@ void Environment::bake() {
     finest = std::clamp(std::max(texture.width, 2 * texture.height), columns, 16384);
   }
   const int rows = columns / 2;
-  const int fine = std::max(scene_.world_program < 0 && finest == columns ? 1 : 2, (finest + columns - 1) / columns);
+  const int fine = std::max(scene_.world_program < 0 && finest == columns ? 1 : 2,
+                            (finest + columns - 1) / columns);
   std::vector<Rgb> cells(static_cast<size_t>(columns) * rows);
   scene_.pool().for_each(rows, CancelFlag(), [&](size_t row, int) {
     for (int column = 0; column < columns; ++column) {
       Rgb sum{};
       for (int j = 0; j < fine; ++j)
         for (int i = 0; i < fine; ++i) {
-          const float polar = (static_cast<float>(row) + (static_cast<float>(j) + 0.5f) / static_cast<float>(fine)) * kPi /
-                              static_cast<float>(rows);
-          const float longitude = (static_cast<float>(column) + (static_cast<float>(i) + 0.5f) / static_cast<float>(fine)) *
+          const float polar = (static_cast<float>(row) +
+                               (static_cast<float>(j) + 0.5f) / static_cast<float>(fine)) *
+                              kPi / static_cast<float>(rows);
+          const float longitude = (static_cast<float>(column) +
+                                   (static_cast<float>(i) + 0.5f) / static_cast<float>(fine)) *
                                   2 * kPi / static_cast<float>(columns);
           sum += map_radiance(direction_at(polar, longitude));
         }
@@ -160,15 +174,18 @@ void Environment::measure(const std::vector<Rgb>& cells, int width, int height) 
   for (int row = 0; row < height; ++row)
     for (int column = 0; column < width; ++column) {
       const Rgb& c = cells[static_cast<size_t>(row) * width + column];
-      const double omega = DirectionTable::solid_angle(row, width, height), mean = std::isfinite(average(c)) ? average(c) : 0;
+      const double omega = DirectionTable::solid_angle(row, width, height),
+                   mean = std::isfinite(average(c)) ? average(c) : 0;
       for (int i = 0; i < 3; ++i) sum[i] += std::isfinite(c[i]) ? c[i] * omega : 0;
       squares += mean * mean * omega;
       power += mean * omega;
       float y[9];
-      const Vec3 d = direction_at((static_cast<float>(row) + 0.5f) * kPi / static_cast<float>(height),
-                                  (static_cast<float>(column) + 0.5f) * 2 * kPi / static_cast<float>(width));
+      const Vec3 d =
+          direction_at((static_cast<float>(row) + 0.5f) * kPi / static_cast<float>(height),
+                       (static_cast<float>(column) + 0.5f) * 2 * kPi / static_cast<float>(width));
       harmonics_at(d, y);
-      for (int i = 0; i < (cells.size() > 1 ? 9 : 1); ++i) harmonics_[i] += static_cast<float>(mean * omega) * y[i];
+      for (int i = 0; i < (cells.size() > 1 ? 9 : 1); ++i)
+        harmonics_[i] += static_cast<float>(mean * omega) * y[i];
     }
   double discs = 0;
   Rgb disc_mean{};
@@ -178,15 +195,21 @@ void Environment::measure(const std::vector<Rgb>& cells, int width, int height) 
     harmonics_at(disc.towards, y);
     for (int i = 0; i < 9; ++i) harmonics_[i] += static_cast<float>(disc.flux) * y[i];
     const double middle = average((disc.sun.bottom + disc.sun.top) * 0.5f);
-    if (middle > 0) disc_mean += (disc.sun.bottom + disc.sun.top) * static_cast<float>(0.5 * disc.flux / middle / (4 * kPi));
+    if (middle > 0)
+      disc_mean += (disc.sun.bottom + disc.sun.top) *
+                   static_cast<float>(0.5 * disc.flux / middle / (4 * kPi));
     disc_cdf_.push_back(static_cast<float>(discs));
   }
-  mean_ = Rgb{static_cast<float>(sum[0]), static_cast<float>(sum[1]), static_cast<float>(sum[2])} / (4 * kPi) + disc_mean;
+  mean_ = Rgb{static_cast<float>(sum[0]), static_cast<float>(sum[1]), static_cast<float>(sum[2])} /
+              (4 * kPi) +
+          disc_mean;
   if (discs > 0) {
-    disc_share_ = static_cast<float>(std::clamp(discs / (discs + power), 0.05, power > 0 ? 0.95 : 1.0));
+    disc_share_ =
+        static_cast<float>(std::clamp(discs / (discs + power), 0.05, power > 0 ? 0.95 : 1.0));
     for (float& c : disc_cdf_) c *= static_cast<float>(disc_share_ / discs);
   }
-  const double even = power > 0 ? power * power / (4 * kPi * squares) : 1;  // 1: the same from everywhere
+  // 1: the same from everywhere
+  const double even = power > 0 ? power * power / (4 * kPi * squares) : 1;
   contrast_ = static_cast<float>((discs + power * (1 - even)) / std::max(discs + power, 1e-300));
   if (cells.size() == 1 || !(power > 0) || 1 - even < 1e-4) return;  // as good as constant
   std::vector<float> density(cells.size());
@@ -198,9 +221,13 @@ void Environment::measure(const std::vector<Rgb>& cells, int width, int height) 
 }
 
 Vec3 Environment::sample_discs(const Vec2& u) const {
-  const size_t i = std::min<size_t>(std::upper_bound(disc_cdf_.begin(), disc_cdf_.end(), u.x) - disc_cdf_.begin(), discs_.size() - 1);
+  const size_t i = std::min<size_t>(
+      std::upper_bound(disc_cdf_.begin(), disc_cdf_.end(), u.x) - disc_cdf_.begin(),
+      discs_.size() - 1);
   const float low = i ? disc_cdf_[i - 1] : 0, share = std::max(disc_cdf_[i] - low, 1e-30f);
-  return Basis(discs_[i].towards).to_world(sample_cone({std::clamp((u.x - low) / share, 0.0f, kBelowOne), u.y}, discs_[i].one_minus_cos));
+  return Basis(discs_[i].towards)
+      .to_world(sample_cone({std::clamp((u.x - low) / share, 0.0f, kBelowOne), u.y},
+                            discs_[i].one_minus_cos));
 }
 
 Environment::Sample Environment::sample(const Vec2& u) const {
@@ -231,7 +258,8 @@ float Environment::disc_density(const Vec3& d) const {
 
 // Ramamoorthi & Hanrahan 2001, "An efficient representation for irradiance environment maps".
 float Environment::irradiance(const Vec3& n) const {
-  const float whole = harmonics_[0] * 2 * std::sqrt(kPi);  // integral of the radiance over all directions
+  // Integral of the radiance over all directions
+  const float whole = harmonics_[0] * 2 * std::sqrt(kPi);
   if (!(length2(n) > 0)) return 0.5f * whole;
   float y[9];
   harmonics_at(n, y);

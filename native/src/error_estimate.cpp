@@ -8,20 +8,27 @@
 namespace photon_splat {
 namespace {
 
-constexpr int kNear = 2, kFar = 8;       // half sides of the windows over which neighbours lend their statistics
-constexpr float kFarShare = 0.1f;        // what the wide one counts at first: no pixel is quiet only because nothing rare has hit it yet
-constexpr float kQuietPairs = 3, kQuietShare = 0.1f;  // from so many on, a pixel that has never varied takes less from its near ones
-constexpr float kLent = 4;               // statistics of how many pixels one has, its near neighbours' included
-constexpr int kSlopes = 9;               // a = 1, 1.25, ... 3
+// Half sides of the windows over which neighbours lend their statistics
+constexpr int kNear = 2, kFar = 8;
+// What the wide one counts at first: no pixel is quiet only because nothing rare has hit it yet
+constexpr float kFarShare = 0.1f;
+// From so many on, a pixel that has never varied takes less from its near ones
+constexpr float kQuietPairs = 3, kQuietShare = 0.1f;
+// Statistics of how many pixels one has, its near neighbours' included
+constexpr float kLent = 4;
+constexpr int kSlopes = 9;  // a = 1, 1.25, ... 3
 constexpr float kSlopeStep = 0.25f;
-constexpr int kGroups = 10;              // of pixels that are equally far off, by their estimates
-constexpr uint32_t kFirstGroups = 4, kAllGroups = 8;  // passes: before, groups count nothing, or half
-constexpr size_t kSorted = 20000;        // pixels that tell where groups end
-constexpr float kLentInGroup = 20;       // pixels' errors go with their neighbours': it is worth no more
-constexpr float kGroupStep = 4;          // at most, of the variance, up or down
+constexpr int kGroups = 10;  // of pixels that are equally far off, by their estimates
+// passes: before, groups count nothing, or half
+constexpr uint32_t kFirstGroups = 4, kAllGroups = 8;
+constexpr size_t kSorted = 20000;  // pixels that tell where groups end
+// pixels' errors go with their neighbours': it is worth no more
+constexpr float kLentInGroup = 20;
+constexpr float kGroupStep = 4;  // at most, of the variance, up or down
 constexpr float kMost = 1e37f;
-constexpr float kNoisePerDetail = 2;     // squared: see RadiusChoice
-constexpr float kBiasPerDetail = 2;      // bias ~ h^2: discs of h and h/sqrt(2) differ by half of it
+constexpr float kNoisePerDetail = 2;  // squared: see RadiusChoice
+// Bias ~ h^2: discs of h and h/sqrt(2) differ by half of it
+constexpr float kBiasPerDetail = 2;
 
 double mean_of(const std::vector<float>& values) {
   double sum = 0;
@@ -36,15 +43,18 @@ class PowerLaw {
     float slope, spread;
   };
   // `pairs` of blocks of k passes each; every D counts as the mean over `lent` pixels.
-  PowerLaw(uint32_t passes, const std::vector<float>& k, const std::vector<float>& pairs, float lent, Prior prior)
+  PowerLaw(uint32_t passes, const std::vector<float>& k, const std::vector<float>& pairs,
+           float lent, Prior prior)
       : levels_(k.size()), trust_(0.5f * lent * std::accumulate(pairs.begin(), pairs.end(), 0.0f)) {
     const float all = 2 * trust_ / lent;
     for (int s = 0; s < kSlopes; ++s) {
       const float a = 1 + kSlopeStep * static_cast<float>(s);
-      // The law holds for blocks that the sequence fills evenly: the passes are as many as the binary digits of their number say.
+      // The law holds for blocks that the sequence fills evenly: the passes are as many as the
+      // binary digits of their number say.
       double of_all = 0;
       for (uint32_t digit = 1; digit && digit <= passes; digit *= 2)
-        if (passes & digit) of_all += std::pow(double(digit) / passes, 2) * std::pow(double(digit), double(-a));
+        if (passes & digit)
+          of_all += std::pow(double(digit) / passes, 2) * std::pow(double(digit), double(-a));
       of_mean_[s] = static_cast<float>(of_all / (2 - std::exp2(1 - a)));
       penalty_[s] = (a - prior.slope) * (a - prior.slope) / (2 * prior.spread * prior.spread);
       for (size_t i = 0; i < levels_; ++i) {
@@ -86,7 +96,9 @@ void ErrorEstimate::reset(int width, int height) {
   passes_ = estimated_ = 0;
   levels_.clear();
   const size_t pixels = static_cast<size_t>(width) * height;
-  for (auto* sum : {&luminance_, &samples_, &noises_, &detail_, &detail_squares_, &error_, &variance_, &squared_bias_}) sum->assign(pixels, 0.0f);
+  for (auto* sum : {&luminance_, &samples_, &noises_, &detail_, &detail_squares_, &error_,
+                    &variance_, &squared_bias_})
+    sum->assign(pixels, 0.0f);
   figures_ = {};
 }
 
@@ -104,7 +116,8 @@ void ErrorEstimate::add(const PackedFilm& pass, ThreadPool& pool) {
     PackedFilm::Sums sums;
     pass.see(t, sums);
     pass.each(t, [&](size_t i, size_t place) {
-      float block = sums.luminance[place], samples = std::max(sums.samples[place], 1.0f), noise = std::sqrt(samples);
+      float block = sums.luminance[place], samples = std::max(sums.samples[place], 1.0f),
+            noise = std::sqrt(samples);
       const float detail = sums.detail[place] / samples;
       luminance_[i] += block;
       samples_[i] += samples;
@@ -112,9 +125,11 @@ void ErrorEstimate::add(const PackedFilm& pass, ThreadPool& pool) {
       detail_[i] += detail;
       detail_squares_[i] += detail * detail;
       for (uint32_t k = 0; k < carried; ++k) {
-        const float open = levels_[k].open[i], open_samples = levels_[k].open_samples[i], open_noise = levels_[k].open_noise[i];
+        const float open = levels_[k].open[i], open_samples = levels_[k].open_samples[i],
+                    open_noise = levels_[k].open_noise[i];
         const float difference = open / open_samples - block / samples;
-        const float expected = open_noise / (open_samples * open_samples) + noise / (samples * samples);
+        const float expected =
+            open_noise / (open_samples * open_samples) + noise / (samples * samples);
         levels_[k].squares[i] += difference * difference / (expected * expected);
         levels_[k].weights[i] += 1 / expected;
         block += open;
@@ -139,19 +154,24 @@ void ErrorEstimate::estimate_variance(ThreadPool& pool) {
   const bool alone = k.empty();
   if (alone) k = pairs = {1};
   const float far_share = kFarShare / (1 + std::accumulate(pairs.begin(), pairs.end(), 0.0f) / 8);
-  std::vector<std::vector<float>> own(k.size(), std::vector<float>(luminance_.size())), lent(k.size());  // D(k)
+  // D(k)
+  std::vector<std::vector<float>> own(k.size(), std::vector<float>(luminance_.size())),
+      lent(k.size());
   const CancelFlag never;
-  if (alone) own[0] = differences_of_neighbours(pool);
+  if (alone)
+    own[0] = differences_of_neighbours(pool);
   else
     pool.for_each(k.size(), never, [&](size_t i, int) {
       const float scale = static_cast<float>(passes_) / k[i];
       for (size_t at = 0; at < own[i].size(); ++at)
-        own[i][at] = levels_[i].squares[at] / levels_[i].weights[at] * scale * noises_[at] / (samples_[at] * samples_[at]);
+        own[i][at] = levels_[i].squares[at] / levels_[i].weights[at] * scale * noises_[at] /
+                     (samples_[at] * samples_[at]);
     });
   std::vector<std::vector<float>> around(k.size());
   pool.for_each(2 * k.size(), never, [&](size_t i, int) {
     const size_t level = i / 2;
-    i % 2 ? blur(own[level], width_, height_, kFar, around[level]) : blur(own[level], width_, height_, kNear, lent[level]);
+    i % 2 ? blur(own[level], width_, height_, kFar, around[level])
+          : blur(own[level], width_, height_, kNear, lent[level]);
   });
   pool.for_each(k.size(), never, [&](size_t i, int) {
     const std::vector<float>& far = around[i];
@@ -163,7 +183,8 @@ void ErrorEstimate::estimate_variance(ThreadPool& pool) {
   });
   const PowerLaw law(passes_, k, pairs, kLent, kOfPixel);
   pool.for_each(static_cast<size_t>(height_), never, [&](size_t row, int) {
-    for (size_t at = row * width_; at < (row + 1) * width_; ++at) variance_[at] = law.variance([&](size_t i) { return lent[i][at]; });
+    for (size_t at = row * width_; at < (row + 1) * width_; ++at)
+      variance_[at] = law.variance([&](size_t i) { return lent[i][at]; });
   });
   if (passes_ >= kFirstGroups) correct_by_group(own, k, pairs);
 }
@@ -174,18 +195,23 @@ std::vector<float> ErrorEstimate::differences_of_neighbours(ThreadPool& pool) co
   pool.for_each(static_cast<size_t>(height_), CancelFlag{}, [&](size_t y, int) {
     for (int x = 0; x < width_; ++x) {
       const size_t at = y * width_ + x;
-      const float right = luminance_[x + 1 < width_ ? at + 1 : at], up = luminance_[y + 1 < static_cast<size_t>(height_) ? at + width_ : at];
-      result[at] = 0.25f * ((luminance_[at] - right) * (luminance_[at] - right) + (luminance_[at] - up) * (luminance_[at] - up));
-      result[at] += kNoisePerDetail * detail_squares_[at];  // neighbours share most of their photons
+      const float right = luminance_[x + 1 < width_ ? at + 1 : at],
+                  up = luminance_[y + 1 < static_cast<size_t>(height_) ? at + width_ : at];
+      result[at] = 0.25f * ((luminance_[at] - right) * (luminance_[at] - right) +
+                            (luminance_[at] - up) * (luminance_[at] - up));
+      // Neighbours share most of their photons
+      result[at] += kNoisePerDetail * detail_squares_[at];
     }
   });
   return result;
 }
 
-// A pixel's slope is that of its small blocks, of which there are many. Large blocks are few, but a tenth of the picture has
-// enough of them: its variance is taken from blocks of a quarter of all passes or more. They say nothing about which pixel
-// falls into which tenth, so that no tenth is made of those that happened to look noisy.
-void ErrorEstimate::correct_by_group(const std::vector<std::vector<float>>& own, const std::vector<float>& k, const std::vector<float>& pairs) {
+// A pixel's slope is that of its small blocks, of which there are many. Large blocks are few, but a
+// tenth of the picture has enough of them: its variance is taken from blocks of a quarter of all
+// passes or more. They say nothing about which pixel falls into which tenth, so that no tenth is
+// made of those that happened to look noisy.
+void ErrorEstimate::correct_by_group(const std::vector<std::vector<float>>& own,
+                                     const std::vector<float>& k, const std::vector<float>& pairs) {
   std::vector<size_t> large;
   std::vector<float> large_k, large_pairs;
   for (size_t i = 0; i < k.size(); ++i)
@@ -195,11 +221,14 @@ void ErrorEstimate::correct_by_group(const std::vector<std::vector<float>>& own,
       large_pairs.push_back(pairs[i]);
     }
   std::vector<float> sorted;
-  for (size_t at = 0, step = 1 + variance_.size() / kSorted; at < variance_.size(); at += step) sorted.push_back(variance_[at]);
+  for (size_t at = 0, step = 1 + variance_.size() / kSorted; at < variance_.size(); at += step)
+    sorted.push_back(variance_[at]);
   std::sort(sorted.begin(), sorted.end());
   float limits[kGroups - 1];
   for (int g = 0; g + 1 < kGroups; ++g) limits[g] = sorted[sorted.size() * (g + 1) / kGroups];
-  const auto group_of = [&](size_t at) { return std::upper_bound(limits, limits + kGroups - 1, variance_[at]) - limits; };
+  const auto group_of = [&](size_t at) {
+    return std::upper_bound(limits, limits + kGroups - 1, variance_[at]) - limits;
+  };
   std::vector<double> sums(kGroups * (large.size() + 1)), count(kGroups);
   for (size_t at = 0; at < variance_.size(); ++at) {
     const size_t g = static_cast<size_t>(group_of(at));
@@ -211,10 +240,12 @@ void ErrorEstimate::correct_by_group(const std::vector<std::vector<float>>& own,
   float factor[kGroups];
   for (size_t g = 0; g < kGroups; ++g) {
     const double* sum = &sums[g * (large.size() + 1)];
-    const float variance = law.variance([&](size_t i) { return static_cast<float>(sum[i] / std::max(count[g], 1.0)); });
+    const float variance = law.variance(
+        [&](size_t i) { return static_cast<float>(sum[i] / std::max(count[g], 1.0)); });
     const double before = sum[large.size()] / std::max(count[g], 1.0);
     factor[g] = std::isfinite(variance) && before > 0 && std::isfinite(before)
-                    ? std::clamp(static_cast<float>(variance / before), 1 / kGroupStep, kGroupStep) : 1;
+                    ? std::clamp(static_cast<float>(variance / before), 1 / kGroupStep, kGroupStep)
+                    : 1;
     if (passes_ < kAllGroups) factor[g] = std::sqrt(factor[g]);
   }
   for (size_t at = 0; at < variance_.size(); ++at) variance_[at] *= factor[group_of(at)];
@@ -226,11 +257,14 @@ void ErrorEstimate::estimate_bias(ThreadPool& pool) {
   for (size_t i = 0; i < detail_.size(); ++i) {
     const float mean = detail_[i] / n;
     square[i] = mean * mean;
-    noise[i] = passes_ > 1 ? std::max(0.0f, detail_squares_[i] / n - mean * mean) / (n - 1) : square[i];
+    noise[i] =
+        passes_ > 1 ? std::max(0.0f, detail_squares_[i] / n - mean * mean) / (n - 1) : square[i];
   }
   std::vector<float> squares, noises;
   const CancelFlag never;
-  pool.for_each(2, never, [&](size_t i, int) { i ? blur(noise, width_, height_, 1, noises) : blur(square, width_, height_, 1, squares); });
+  pool.for_each(2, never, [&](size_t i, int) {
+    i ? blur(noise, width_, height_, 1, noises) : blur(square, width_, height_, 1, squares);
+  });
   for (size_t i = 0; i < squares.size(); ++i)
     squared_bias_[i] = kBiasPerDetail * kBiasPerDetail * std::max(0.0f, squares[i] - noises[i]);
 }
@@ -250,7 +284,9 @@ void ErrorEstimate::update(ThreadPool& pool) {
   for (size_t i = 0; i < means.size(); ++i) means[i] = luminance_[i] / samples_[i];
   const double mean = mean_of(means), variance = mean_of(variance_), bias = mean_of(squared_bias_);
   figures_ = {0, 0, 0, mean};
-  if (mean > 0) figures_ = {std::sqrt(variance + bias) / mean, std::sqrt(variance) / mean, std::sqrt(bias) / mean, mean};
+  if (mean > 0)
+    figures_ = {std::sqrt(variance + bias) / mean, std::sqrt(variance) / mean,
+                std::sqrt(bias) / mean, mean};
 }
 
 }  // namespace photon_splat

@@ -6,12 +6,15 @@
 namespace photon_splat {
 namespace {
 
-constexpr uint32_t kFewEdges = 48;         // planar patches up to here are summed whole, without cancellation
-constexpr float kGentle = 0.3f;               // h times curvature up to which the ball's mass is good to 0.3 %
+// Planar patches up to here are summed whole, without cancellation
+constexpr uint32_t kFewEdges = 48;
+// h times curvature up to which the ball's mass is good to 0.3 %
+constexpr float kGentle = 0.3f;
 constexpr float kRadiusOverCurvature = 0.7f;
 
 KernelMass positive(const Masses& mass, bool exact) {
-  return {std::max(static_cast<float>(mass.wide), kSmallestMass), exact, std::max(static_cast<float>(mass.narrow), kSmallestMass)};
+  return {std::max(static_cast<float>(mass.wide), kSmallestMass), exact,
+          std::max(static_cast<float>(mass.narrow), kSmallestMass)};
 }
 
 }  // namespace
@@ -26,10 +29,13 @@ float patch_width(const Scene& scene, uint32_t instance, uint32_t triangle) {
   const Instance& placed = scene.instances[instance];
   const Topology& topology = scene.meshes[placed.mesh].topology;
   const uint32_t patch = topology.patch[triangle];
-  return topology.patch_rim[patch] > 0 ? 2 * topology.patch_area[patch] / topology.patch_rim[patch] * placed.scale : INFINITY;
+  return topology.patch_rim[patch] > 0
+             ? 2 * topology.patch_area[patch] / topology.patch_rim[patch] * placed.scale
+             : INFINITY;
 }
 
-KernelMass kernel_mass(const Scene& scene, uint32_t instance, uint32_t triangle, const Vec3& x, const Vec3& normal, float h) {
+KernelMass kernel_mass(const Scene& scene, uint32_t instance, uint32_t triangle, const Vec3& x,
+                       const Vec3& normal, float h) {
   const Instance& placed = scene.instances[instance];
   const Mesh& mesh = scene.meshes[placed.mesh];
   const Topology& topology = mesh.topology;
@@ -60,7 +66,8 @@ KernelMass kernel_mass(const Scene& scene, uint32_t instance, uint32_t triangle,
       if (!project(x, world_front(edge), h, world(edge.a), world(edge.b), e)) continue;
       edges[used++] = e;
       const double half2 = 1 - e.distance * e.distance;  // does it come within the disc?
-      cut |= half2 > 0 && (e.begin < 0 || e.begin * e.begin < half2) && (e.end > 0 || e.end * e.end < half2);
+      cut |= half2 > 0 && (e.begin < 0 || e.begin * e.begin < half2) &&
+             (e.end > 0 || e.end * e.end < half2);
     }
     if (!cut) return {1, true, 1};
     for (uint32_t i = 0; i < used; ++i) {

@@ -1,5 +1,6 @@
-// Memory for large arrays that are filled once and soon: in pages of 2 MB where the system has them, as touching small ones takes
-// longer than a pass' arithmetic on them. resize() leaves what it adds as it comes, for the threads that fill it to touch first.
+// Memory for large arrays that are filled once and soon: in pages of 2 MB where the system has
+// them, as touching small ones takes longer than a pass' arithmetic on them. resize() leaves what
+// it adds as it comes, for the threads that fill it to touch first.
 #pragma once
 
 #include <cstddef>
@@ -47,7 +48,8 @@ struct LargePages {
 
   void deallocate(T* memory, std::size_t count) noexcept {
 #ifdef __linux__
-#if defined(__GNUC__) && !defined(__clang__)  // GCC takes the two ways of allocating for one, where it inlines both
+// GCC takes the two ways of allocating for one, where it inlines both.
+#if defined(__GNUC__) && !defined(__clang__)
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wmismatched-new-delete"
 #endif

@@ -20,13 +20,15 @@ Cone joined(const Cone& a, const Cone& b) {
   const Cone &wide = a.spread >= b.spread ? a : b, &narrow = a.spread >= b.spread ? b : a;
   const float emission = std::max(a.emission, b.emission);
   const float between = std::acos(std::clamp(dot(wide.axis, narrow.axis), -1.0f, 1.0f));
-  if (std::min(between + narrow.spread, kPi) <= wide.spread) return {wide.axis, wide.spread, emission};
+  if (std::min(between + narrow.spread, kPi) <= wide.spread)
+    return {wide.axis, wide.spread, emission};
   const float spread = 0.5f * (wide.spread + between + narrow.spread);
   const Vec3 across = narrow.axis - wide.axis * dot(wide.axis, narrow.axis);
   const float length_across = length(across);
   if (spread >= kPi || length_across < 1e-6f) return {wide.axis, kPi, emission};
   const float turn = spread - wide.spread;
-  return {normalize(wide.axis * std::cos(turn) + across * (std::sin(turn) / length_across)), spread, emission};
+  return {normalize(wide.axis * std::cos(turn) + across * (std::sin(turn) / length_across)), spread,
+          emission};
 }
 
 // Of a set of lights: how much a point at random sees of them, relative to others.
@@ -51,10 +53,13 @@ struct Group {
   }
   float cost() const {
     const float o = cone.spread, w = std::min(o + cone.emission, kPi);
-    const float orientation = 2 * kPi * (1 - std::cos(o)) +
-                              0.5f * kPi * (2 * w * std::sin(o) - std::cos(o - 2 * w) - 2 * o * std::sin(o) + std::cos(o));
+    const float orientation =
+        2 * kPi * (1 - std::cos(o)) +
+        0.5f * kPi *
+            (2 * w * std::sin(o) - std::cos(o - 2 * w) - 2 * o * std::sin(o) + std::cos(o));
     const Vec3 e = bounds.upper - bounds.lower;
-    return energy * std::max(orientation, 1e-3f) * (e.x * e.y + e.y * e.z + e.z * e.x + 1e-6f * dot(e, e));
+    return energy * std::max(orientation, 1e-3f) *
+           (e.x * e.y + e.y * e.z + e.z * e.x + 1e-6f * dot(e, e));
   }
 };
 
@@ -70,7 +75,8 @@ void LightTree::build(const std::vector<Item>& items) {
   add(items, order.data(), order.data() + order.size(), 0, 0);
 }
 
-uint32_t LightTree::add(const std::vector<Item>& items, uint32_t* begin, uint32_t* end, uint32_t parent, int depth) {
+uint32_t LightTree::add(const std::vector<Item>& items, uint32_t* begin, uint32_t* end,
+                        uint32_t parent, int depth) {
   const uint32_t index = static_cast<uint32_t>(nodes_.size());
   Group all;
   Bounds reach, centers;
@@ -79,7 +85,8 @@ uint32_t LightTree::add(const std::vector<Item>& items, uint32_t* begin, uint32_
     if (!items[*i].reach.empty()) reach.add(items[*i].reach);
     centers.add(items[*i].bounds.center());
   }
-  nodes_.push_back({all.bounds, reach, all.cone.axis, all.cone.spread, all.cone.emission, all.energy, *begin, *begin, parent, true});
+  nodes_.push_back({all.bounds, reach, all.cone.axis, all.cone.spread, all.cone.emission,
+                    all.energy, *begin, *begin, parent, true});
   if (end - begin == 1) {
     leaf_of_item_[*begin] = index;
     return index;
@@ -115,7 +122,9 @@ uint32_t LightTree::add(const std::vector<Item>& items, uint32_t* begin, uint32_
         }
       }
     }
-    if (best_axis >= 0) middle = std::partition(begin, end, [&](uint32_t item) { return bin_of(item, best_axis) < best_bin; });
+    if (best_axis >= 0)
+      middle = std::partition(begin, end,
+                              [&](uint32_t item) { return bin_of(item, best_axis) < best_bin; });
   }
   if (middle == begin || middle == end) middle = begin + (end - begin) / 2;
   const uint32_t first = add(items, begin, middle, index, depth + 1);
@@ -139,10 +148,12 @@ float LightTree::importance(const Node& node, const Vec3& x, const Vec3& n) {
     if (incoming >= 0.5f * kPi) return 0;
     cosine = std::cos(std::max(incoming, 0.0f));
   }
-  const float outgoing = std::acos(std::clamp(-dot(node.axis, w), -1.0f, 1.0f)) - node.spread - seen;
+  const float outgoing =
+      std::acos(std::clamp(-dot(node.axis, w), -1.0f, 1.0f)) - node.spread - seen;
   if (outgoing >= node.emission) return 0;
   // Lights need not be Lambertian: what leaves sideways counts for something.
-  return falloff * std::max(cosine, 0.05f) * std::max(std::cos(std::clamp(outgoing, 0.0f, 0.5f * kPi)), 0.05f);
+  return falloff * std::max(cosine, 0.05f) *
+         std::max(std::cos(std::clamp(outgoing, 0.0f, 0.5f * kPi)), 0.05f);
 }
 
 std::optional<LightTree::Choice> LightTree::pick(const Vec3& x, const Vec3& n, float u) const {
@@ -150,7 +161,8 @@ std::optional<LightTree::Choice> LightTree::pick(const Vec3& x, const Vec3& n, f
   uint32_t at = 0;
   float probability = 1;
   while (!nodes_[at].leaf) {
-    const float first = importance(nodes_[nodes_[at].first], x, n), second = importance(nodes_[nodes_[at].second], x, n);
+    const float first = importance(nodes_[nodes_[at].first], x, n),
+                second = importance(nodes_[nodes_[at].second], x, n);
     const float sum = first + second;
     if (!(sum > 0)) return std::nullopt;
     const float share = first / sum;
@@ -167,7 +179,8 @@ float LightTree::probability(uint32_t item, const Vec3& x, const Vec3& n) const 
   float probability = 1;
   for (uint32_t at = leaf_of_item_[item]; at != 0; at = nodes_[at].parent) {
     const Node& parent = nodes_[nodes_[at].parent];
-    const float first = importance(nodes_[parent.first], x, n), second = importance(nodes_[parent.second], x, n);
+    const float first = importance(nodes_[parent.first], x, n),
+                second = importance(nodes_[parent.second], x, n);
     if (!(first + second > 0)) return 0;
     const float share = first / (first + second);
     probability *= at == parent.first ? share : 1 - share;
@@ -178,7 +191,8 @@ float LightTree::probability(uint32_t item, const Vec3& x, const Vec3& n) const 
 bool LightTree::meets(const Bounds& b, const Vec3& origin, const Vec3& inverse, float far) {
   float from = 0, to = far;
   for (int axis = 0; axis < 3; ++axis) {
-    float near_side = (b.lower[axis] - origin[axis]) * inverse[axis], far_side = (b.upper[axis] - origin[axis]) * inverse[axis];
+    float near_side = (b.lower[axis] - origin[axis]) * inverse[axis],
+          far_side = (b.upper[axis] - origin[axis]) * inverse[axis];
     if (near_side > far_side) std::swap(near_side, far_side);
     if (near_side > from) from = near_side;  // a NaN (a ray within a slab's plane) changes nothing
     if (far_side < to) to = far_side;
@@ -188,11 +202,13 @@ bool LightTree::meets(const Bounds& b, const Vec3& origin, const Vec3& inverse, 
 
 bool LightTree::reached(const Vec3& x) const {
   bool found = false;
-  descend([&](const Node& node) {
-    const Bounds& b = node.reach;
-    return !found && !b.empty() && x.x >= b.lower.x && x.y >= b.lower.y && x.z >= b.lower.z && x.x <= b.upper.x && x.y <= b.upper.y &&
-           x.z <= b.upper.z;
-  }, [&](uint32_t) { found = true; });
+  descend(
+      [&](const Node& node) {
+        const Bounds& b = node.reach;
+        return !found && !b.empty() && x.x >= b.lower.x && x.y >= b.lower.y && x.z >= b.lower.z &&
+               x.x <= b.upper.x && x.y <= b.upper.y && x.z <= b.upper.z;
+      },
+      [&](uint32_t) { found = true; });
   return found;
 }
 

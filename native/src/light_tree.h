@@ -1,5 +1,5 @@
-// A tree over many lights by which one is drawn in about its share of the light at a point (Conty Estevez & Kulla 2018,
-// "Importance sampling of many lights with adaptive tree splitting").
+// A tree over many lights by which one is drawn in about its share of the light at a point (Conty
+// Estevez & Kulla 2018, "Importance sampling of many lights with adaptive tree splitting").
 #pragma once
 
 #include <optional>
@@ -11,13 +11,15 @@ namespace photon_splat {
 
 class LightTree {
  public:
-  // What a light may do at most. Its light leaves within `emission` of directions that lie within `spread` of `axis`.
+  // What a light may do at most. Its light leaves within `emission` of directions that lie within
+  // `spread` of `axis`.
   struct Item {
     Bounds bounds;
     Vec3 axis{0, 0, 1};
     float spread = kPi, emission = kPi / 2;  // radians
     float energy = 0;                        // about radiant intensity, W/sr
-    Bounds reach;                            // where BSDF rays share its light: see Lights::shares_with_rays
+    // Where BSDF rays share its light: see Lights::shares_with_rays
+    Bounds reach;
   };
 
   void build(const std::vector<Item>& items);
@@ -27,12 +29,15 @@ class LightTree {
     uint32_t item;
     float probability;
   };
-  // One item for the point x with normal n (0: none), drawn by u in [0, 1). nullopt: none can shine there.
+  // One item for the point x with normal n (0: none), drawn by u in [0, 1). nullopt: none can shine
+  // there.
   std::optional<Choice> pick(const Vec3& x, const Vec3& n, float u) const;
   // With which pick() would draw it.
   float probability(uint32_t item, const Vec3& x, const Vec3& n) const;
   // About the irradiance of all at x, never 0 where there is light.
-  float importance(const Vec3& x, const Vec3& n) const { return empty() ? 0 : importance(nodes_[0], x, n); }
+  float importance(const Vec3& x, const Vec3& n) const {
+    return empty() ? 0 : importance(nodes_[0], x, n);
+  }
 
   // Calls visit(item) for every item whose bounds a ray meets before `far`.
   template <class Visit>
@@ -54,7 +59,8 @@ class LightTree {
   };
   static constexpr int kDeepest = 128;  // of the stack: binned splits halve, now and then badly
 
-  uint32_t add(const std::vector<Item>& items, uint32_t* begin, uint32_t* end, uint32_t parent, int depth);
+  uint32_t add(const std::vector<Item>& items, uint32_t* begin, uint32_t* end, uint32_t parent,
+               int depth);
   static float importance(const Node& node, const Vec3& x, const Vec3& n);
   static bool meets(const Bounds& b, const Vec3& origin, const Vec3& inverse, float far);
 

@@ -1,11 +1,13 @@
-// Lamps of a few flat triangles, seen from near: sampled by solid angle, which leaves of direct light's noise only shadows and
-// the receiver's cosine; or, where that is known, by solid angle times cosine, which leaves the shadows.
+// Lamps of a few flat triangles, seen from near: sampled by solid angle, which leaves of direct
+// light's noise only shadows and the receiver's cosine; or, where that is known, by solid angle
+// times cosine, which leaves the shadows.
 #include "lights.h"
 
 namespace photon_splat {
 namespace {
 
-constexpr float kClose = 16;          // times the emitter's radius; from further off all of it looks alike
+// Times the emitter's radius; from further off all of it looks alike
+constexpr float kClose = 16;
 constexpr float kLeastSolidAngle = 5e-3f;  // of each triangle, sr: smaller ones lose digits
 constexpr float kMostSolidAngle = 5;       // of all
 constexpr float kMostByCosine = 2;         // of all: cosines are taken as linear over a triangle
@@ -16,11 +18,15 @@ float sample_linear(float u, float a, float b) {
   return std::min(u * (a + b) / (a + std::sqrt(a * a + u * (b * b - a * a))), 1.0f);
 }
 
-// A number r in [0, 1] of a density that goes as r times what is linear from a to b there, neither of which is under a tenth of the other.
+// A number r in [0, 1] of a density that goes as r times what is linear from a to b there, neither
+// of which is under a tenth of the other.
 float sample_linear_from_corner(float u, float a, float b) {
   const float d = b - a, target = u * (a + 2 * b) / 3;
   float r = std::sqrt(sample_linear(u, a, b));
-  for (int i = 0; i < 2; ++i) r = std::clamp(r - (r * r * (a + d * r * (2.0f / 3)) - target) / std::max(2 * r * (a + d * r), 1e-12f), 0.0f, 1.0f);
+  for (int i = 0; i < 2; ++i)
+    r = std::clamp(
+        r - (r * r * (a + d * r * (2.0f / 3)) - target) / std::max(2 * r * (a + d * r), 1e-12f),
+        0.0f, 1.0f);
   return r;
 }
 
@@ -47,19 +53,23 @@ bool Lights::see_close(const Emitter& e, const Receiver& to, CloseLamp& out) con
       if (const Vec3* const c = e.triangles[i].corner; !add(i, c[0], c[1], c[2])) return false;
   } else {
     const Lamp& lamp = lamps_[e.lamp];
-    if (lamp.s.kind != LampKind::kArea || lamp.s.ellipse || lamp.normalize_spread != 0) return false;
+    if (lamp.s.kind != LampKind::kArea || lamp.s.ellipse || lamp.normalize_spread != 0)
+      return false;
     const Vec3 right = lamp.axis_x * lamp.half_x, up = lamp.axis_y * lamp.half_y;
     const Vec3 low = lamp.center - right - up, high = lamp.center + right + up;
     out.count = 2;
-    if (!add(0, low, lamp.center + right - up, high) || !add(1, low, high, lamp.center - right + up)) return false;
+    if (!add(0, low, lamp.center + right - up, high) ||
+        !add(1, low, high, lamp.center - right + up))
+      return false;
   }
   if (!(out.total < kMostSolidAngle)) return false;
   if (out.total < kMostByCosine && to.diffuse()) out.weigh_by_cosine(to.ns);
   return true;
 }
 
-// Cosines are warped in as linear over the triangle, after a thought of Hart and others (Practical product sampling by fitting and composing
-// warps, 2020): in the unit square that SphericalTriangle::sample() takes, x cuts the edge from a to c, and y goes from the corner b to
+// Cosines are warped in as linear over the triangle, after a thought of Hart and others (Practical
+// product sampling by fitting and composing warps, 2020): in the unit square that
+// SphericalTriangle::sample() takes, x cuts the edge from a to c, and y goes from the corner b to
 // there, as the square of the distance.
 void Lights::CloseLamp::weigh_by_cosine(const Vec3& ns) {
   float largest = 0;

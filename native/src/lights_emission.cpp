@@ -1,5 +1,5 @@
-// Starting many photons at once. Each step is a loop over all of them, so that none waits for the steps of another, and what a step reads
-// of large tables is fetched by the one before it.
+// Starting many photons at once. Each step is a loop over all of them, so that none waits for the
+// steps of another, and what a step reads of large tables is fetched by the one before it.
 #include "lights.h"
 
 namespace photon_splat {
@@ -44,24 +44,33 @@ void Lights::emit(const EmissionPrimary* primaries, uint32_t count, PhotonStart*
   const bool plain = !scene_.has_far_things();
   for (uint32_t i = 0; i < count; ++i) {
     const EmissionPrimary& p = primaries[i];
-    const Emitter* e = plain && p.emitter < emitters_.size() && !emitters_[p.emitter].exact ? &emitters_[p.emitter] : nullptr;
-    if (e && e->lamp < 0) meshes[mesh_count++] = i;
-    else if (e && lamps_[e->lamp].s.kind == LampKind::kArea && lamps_[e->lamp].angle_cdf.empty()) areas[area_count++] = i;
-    else out[i] = emit(p);
+    const Emitter* e = plain && p.emitter < emitters_.size() && !emitters_[p.emitter].exact
+                           ? &emitters_[p.emitter]
+                           : nullptr;
+    if (e && e->lamp < 0)
+      meshes[mesh_count++] = i;
+    else if (e && lamps_[e->lamp].s.kind == LampKind::kArea && lamps_[e->lamp].angle_cdf.empty())
+      areas[area_count++] = i;
+    else
+      out[i] = emit(p);
   }
   if (mesh_count) emit_meshes(primaries, meshes, mesh_count, out);
   if (area_count) emit_areas(primaries, areas, area_count, out);
 }
 
 // emit_mesh()
-void Lights::emit_meshes(const EmissionPrimary* primaries, const uint32_t* which, uint32_t count, PhotonStart* out) const {
+void Lights::emit_meshes(const EmissionPrimary* primaries, const uint32_t* which, uint32_t count,
+                         PhotonStart* out) const {
   const uint32_t* starts[kMost];
   const EmissiveTriangle* triangles[kMost];
   uint32_t numbers[kMost];
   bool back[kMost];
-  alignas(64) float target[kMost], root[kMost] = {}, turn[kMost] = {}, u[kMost], v[kMost], way_x[kMost] = {}, way_y[kMost] = {};
+  alignas(64) float target[kMost], root[kMost] = {}, turn[kMost] = {}, u[kMost], v[kMost],
+                                   way_x[kMost] = {}, way_y[kMost] = {};
   Lanes places{}, normals, ways;
-  const auto emitter = [&](uint32_t k) -> const Emitter& { return emitters_[primaries[which[k]].emitter]; };
+  const auto emitter = [&](uint32_t k) -> const Emitter& {
+    return emitters_[primaries[which[k]].emitter];
+  };
   for (uint32_t k = 0; k < count; ++k) {
     const EmissionPrimary& p = primaries[which[k]];
     const Emitter& e = emitter(k);
@@ -108,10 +117,12 @@ void Lights::emit_meshes(const EmissionPrimary* primaries, const uint32_t* which
 }
 
 // emit_lamp() of area lamps that shine as much in all directions
-void Lights::emit_areas(const EmissionPrimary* primaries, const uint32_t* which, uint32_t count, PhotonStart* out) const {
+void Lights::emit_areas(const EmissionPrimary* primaries, const uint32_t* which, uint32_t count,
+                        PhotonStart* out) const {
   alignas(64) float sine2[kMost] = {}, turn[kMost] = {}, tangent[kMost];
   Lanes ways;
-  for (uint32_t k = 0; k < count; ++k) sine2[k] = primaries[which[k]].way.x, turn[k] = primaries[which[k]].way.y;
+  for (uint32_t k = 0; k < count; ++k)
+    sine2[k] = primaries[which[k]].way.x, turn[k] = primaries[which[k]].way.y;
   for (uint32_t k = 0; k < whole_vectors(count); ++k) {
     const float cosine = std::sqrt(std::max(0.0f, 1 - sine2[k]));
     const float sine = std::sqrt(std::max(0.0f, 1 - cosine * cosine));
@@ -122,9 +133,11 @@ void Lights::emit_areas(const EmissionPrimary* primaries, const uint32_t* which,
   for (uint32_t k = 0; k < count; ++k) {
     const EmissionPrimary& p = primaries[which[k]];
     const Lamp& lamp = lamps_[emitters_[p.emitter].lamp];
-    const Vec2 place = lamp.s.ellipse ? sample_disk(p.place) : Vec2{2 * p.place.x - 1, 2 * p.place.y - 1};
+    const Vec2 place =
+        lamp.s.ellipse ? sample_disk(p.place) : Vec2{2 * p.place.x - 1, 2 * p.place.y - 1};
     PhotonStart& start = out[which[k]] = PhotonStart{};
-    start.origin = lamp.center + lamp.axis_x * (place.x * lamp.half_x) + lamp.axis_y * (place.y * lamp.half_y);
+    start.origin =
+        lamp.center + lamp.axis_x * (place.x * lamp.half_x) + lamp.axis_y * (place.y * lamp.half_y);
     start.direction = Basis(lamp.forward).to_world(ways.at(k));
     start.power = lamp.radiance * (lamp.area * kPi * spread_attenuation(lamp, tangent[k]));
     finished(start, p);

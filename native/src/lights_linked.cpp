@@ -3,10 +3,11 @@
 
 namespace photon_splat {
 
-// Light samples pass the same surfaces, so both ways of finding a light see the same light. Surfaces of the emitter itself
-// block or not like any other: each place where the ray meets it counts.
-Rgb Lights::linked_met(const Receiver& to, const Vec3& origin, const Vec3& direction, float bsdf_pdf, const RayInfo& ray,
-                       GroupLight* groups) const {
+// Light samples pass the same surfaces, so both ways of finding a light see the same light.
+// Surfaces of the emitter itself block or not like any other: each place where the ray meets it
+// counts.
+Rgb Lights::linked_met(const Receiver& to, const Vec3& origin, const Vec3& direction,
+                       float bsdf_pdf, const RayInfo& ray, GroupLight* groups) const {
   Rgb sum{};
   const auto add = [&](const Rgb& light, const Emitter& e) {
     sum += light;
@@ -22,11 +23,15 @@ Rgb Lights::linked_met(const Receiver& to, const Vec3& origin, const Vec3& direc
     }
     float distance = INFINITY;
     const Rgb light = lamp_met(i, to, direction, 0, INFINITY, bsdf_pdf, &distance);
-    if (!is_black(light)) add(light * scene_.transmittance(origin, direction, distance * (1 - 1e-5f), ray, e.blockers), e);
+    if (!is_black(light))
+      add(light * scene_.transmittance(origin, direction, distance * (1 - 1e-5f), ray, e.blockers),
+          e);
   }
   Surface s;
   RayInfo info = ray;
-  for (float near = 0; meshes && scene_.intersect(origin, direction, near, INFINITY, false, s, to.ray); near = past(s)) {
+  for (float near = 0;
+       meshes && scene_.intersect(origin, direction, near, INFINITY, false, s, to.ray);
+       near = past(s)) {
     const int32_t index = emitter_of_instance_[s.instance];
     if (index < 0) continue;
     const Emitter& e = emitters_[index];

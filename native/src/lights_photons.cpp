@@ -21,8 +21,9 @@ Vec3 around_axis(const Vec3& x, const Vec3& y, const Vec3& z, float cosine, floa
 
 namespace {
 
-// The matrix of a lamp that may be flattened, as Cycles has it: a point lamp has no axes to lose and a sun but one, so that others take the
-// place of those that are lost. What is flat still after that emits nothing.
+// The matrix of a lamp that may be flattened, as Cycles has it: a point lamp has no axes to lose
+// and a sun but one, so that others take the place of those that are lost. What is flat still after
+// that emits nothing.
 Affine with_all_axes(const LampSettings& s) {
   Affine m = s.to_world;
   Vec3 axis[3] = {m.column(0), m.column(1), m.column(2)};
@@ -63,9 +64,11 @@ void Lights::add_lamp(const LampSettings& settings) {
   switch (settings.kind) {
     case LampKind::kPoint:
     case LampKind::kSpot: {
-      // Blender's watts are spread over all directions: I = P / (4 pi); without `normalize` L = P / pi.
+      // Blender's watts are spread over all directions: I = P / (4 pi); without `normalize` L = P /
+      // pi.
       const float r = settings.radius, disc = kPi * r * r;
-      lamp.intensity = settings.normalize ? strength / (4 * kPi) : strength * ((r > 0 ? disc : 1.0f) / kPi);
+      lamp.intensity =
+          settings.normalize ? strength / (4 * kPi) : strength * ((r > 0 ? disc : 1.0f) / kPi);
       if (r > 0) lamp.radiance = lamp.intensity / disc;
       const bool crowded = r > 0 && scene_.anything_within(lamp.center, r);
       lamp.holds_geometry = crowded && !settings.soft_falloff;
@@ -91,8 +94,10 @@ void Lights::add_lamp(const LampSettings& settings) {
       const float half = 0.5f * std::clamp(settings.angle, 0.0f, kPi), sine = std::sin(half);
       lamp.one_minus_cos = 2 * std::sin(0.5f * half) * std::sin(0.5f * half);
       lamp.intensity = strength;
-      if (lamp.one_minus_cos > 0) lamp.radiance = settings.normalize ? strength / (kPi * sine * sine) : strength;
-      const Rgb through_disc = lamp.one_minus_cos > 0 ? lamp.radiance * (2 * kPi * lamp.one_minus_cos) : strength;
+      if (lamp.one_minus_cos > 0)
+        lamp.radiance = settings.normalize ? strength / (kPi * sine * sine) : strength;
+      const Rgb through_disc =
+          lamp.one_minus_cos > 0 ? lamp.radiance * (2 * kPi * lamp.one_minus_cos) : strength;
       e.importance = average(through_disc);
       e.parallel_flux = average(through_disc);
       e.power = e.parallel_flux * discs_.least_area();
@@ -148,7 +153,9 @@ void Lights::add_lamp(const LampSettings& settings) {
   const bool flat = settings.kind == LampKind::kArea;
   for (const float i : {-1.0f, 1.0f})
     for (const float j : {-1.0f, 1.0f})
-      e.bounds.add(lamp.center + (flat ? lamp.axis_x * (i * lamp.half_x) + lamp.axis_y * (j * lamp.half_y) : Vec3{1, 1, 1} * (i * e.radius)));
+      e.bounds.add(lamp.center +
+                   (flat ? lamp.axis_x * (i * lamp.half_x) + lamp.axis_y * (j * lamp.half_y)
+                         : Vec3{1, 1, 1} * (i * e.radius)));
   lamps_.push_back(std::move(lamp));
   emitters_.push_back(std::move(e));
 }
@@ -163,9 +170,11 @@ bool may_emit(const Scene& scene, const Material& m) {
 }
 
 // About the mean over the triangle, RGB averaged; textures of plain materials count as white.
-float mean_emission(const Scene& scene, const Material& m, uint32_t instance, uint32_t triangle, bool back) {
+float mean_emission(const Scene& scene, const Material& m, uint32_t instance, uint32_t triangle,
+                    bool back) {
   if (m.program < 0) return average((back ? m.back : m.front).emission);
-  static constexpr float kProbes[4][2] = {{1 / 3.0f, 1 / 3.0f}, {0.15f, 0.15f}, {0.7f, 0.15f}, {0.15f, 0.7f}};
+  static constexpr float kProbes[4][2] = {
+      {1 / 3.0f, 1 / 3.0f}, {0.15f, 0.15f}, {0.7f, 0.15f}, {0.15f, 0.7f}};
   const int probes = scene.programs[m.program].features & kProgramConstantEmission ? 1 : 4;
   float sum = 0;
   for (int i = 0; i < probes; ++i) {
@@ -183,7 +192,8 @@ void Lights::add_emissive_instances() {
     const Instance& instance = scene_.instances[i];
     bool emissive = false;
     for (uint32_t s = 0; s < instance.slot_count; ++s)
-      emissive |= may_emit(scene_, scene_.materials[scene_.slot_materials[instance.first_material + s]]);
+      emissive |=
+          may_emit(scene_, scene_.materials[scene_.slot_materials[instance.first_material + s]]);
     if (!emissive || !(instance.seen_by & kScatteredRays)) continue;
     Emitter e;
     e.instance = i;
@@ -197,7 +207,8 @@ void Lights::add_emissive_instances() {
     if (!(sum > 0) || !std::isfinite(sum)) continue;
     e.cdf_start.resize(e.cdf.size());
     for (size_t bucket = 0, i = 0; bucket < e.cdf_start.size(); ++bucket) {
-      const float target = e.cdf.back() * static_cast<float>(bucket) / static_cast<float>(e.cdf_start.size());
+      const float target =
+          e.cdf.back() * static_cast<float>(bucket) / static_cast<float>(e.cdf_start.size());
       while (i + 1 < e.cdf.size() && e.cdf[i] <= target) ++i;
       e.cdf_start[bucket] = static_cast<uint32_t>(i);
     }
@@ -210,7 +221,8 @@ void Lights::add_emissive_instances() {
       double close = 0;
       for (size_t t = 0; t < e.cdf.size(); ++t) {
         const Vec3* corner = e.triangles[t].corner;
-        close += double(e.cdf[t] - (t ? e.cdf[t - 1] : 0)) * near_share((corner[0] + corner[1] + corner[2]) / 3.0f);
+        close += double(e.cdf[t] - (t ? e.cdf[t - 1] : 0)) *
+                 near_share((corner[0] + corner[1] + corner[2]) / 3.0f);
       }
       e.power = std::max(close, 1e-12 * sum) * kPi;
     }
@@ -219,10 +231,13 @@ void Lights::add_emissive_instances() {
   }
 }
 
-// Picks triangles by area times mean emission. What a program emits is probed at a few points; between them it may emit
-// more, so that no triangle it covers gets less than a share of the mesh's mean.
-void Lights::add_emissive_triangles(uint32_t instance, Emitter& e, Bounds& bounds, double& sum) const {
-  const uint32_t count = static_cast<uint32_t>(scene_.meshes[scene_.instances[instance].mesh].triangles.size());
+// Picks triangles by area times mean emission. What a program emits is probed at a few points;
+// between them it may emit more, so that no triangle it covers gets less than a share of the mesh's
+// mean.
+void Lights::add_emissive_triangles(uint32_t instance, Emitter& e, Bounds& bounds,
+                                    double& sum) const {
+  const uint32_t count =
+      static_cast<uint32_t>(scene_.meshes[scene_.instances[instance].mesh].triangles.size());
   std::vector<float> areas, front, back;
   double probed_power = 0, probed_area = 0;
   for (uint32_t t = 0; t < count; ++t) {
@@ -245,7 +260,8 @@ void Lights::add_emissive_triangles(uint32_t instance, Emitter& e, Bounds& bound
     probed_power += double(area) * (front.back() + back.back());
     probed_area += area;
   }
-  const float floor = probed_area > 0 ? static_cast<float>(kProbeFloor * probed_power / probed_area) : 0;
+  const float floor =
+      probed_area > 0 ? static_cast<float>(kProbeFloor * probed_power / probed_area) : 0;
   for (size_t i = 0; i < areas.size(); ++i) {
     const int program = scene_.materials[e.triangles[i].material].program;
     if (program >= 0 && !(scene_.programs[program].features & kProgramConstantEmission)) {
@@ -262,9 +278,10 @@ void Lights::add_emissive_triangles(uint32_t instance, Emitter& e, Bounds& bound
   }
 }
 
-// From far outside of a scene that is huge against what is seen nothing could be hit precisely: unless something far off stands in the
-// way, the path starts nearer.
-Vec3 Lights::parallel_origin(const Vec3& direction, const Vec3& through, const Vec3& outside, float width) const {
+// From far outside of a scene that is huge against what is seen nothing could be hit precisely:
+// unless something far off stands in the way, the path starts nearer.
+Vec3 Lights::parallel_origin(const Vec3& direction, const Vec3& through, const Vec3& outside,
+                             float width) const {
   if (!discs_.focused() || discs_.radius() < kHugeScene * width) return outside;
   const Vec3 near = through - direction * (kStartsAt * width);
   return scene_.occluded(near, -direction, 0, INFINITY) ? outside : near;
@@ -288,17 +305,21 @@ PhotonStart Lights::emit_world(const Vec2& place, const Vec2& way) const {
   return start;
 }
 
-PhotonStart Lights::emit_lamp(const Lamp& lamp, float coin, const Vec2& place, const Vec2& way) const {
+PhotonStart Lights::emit_lamp(const Lamp& lamp, float coin, const Vec2& place,
+                              const Vec2& way) const {
   if (lamp.s.kind == LampKind::kSun) {
-    PhotonStart start = emit_parallel(Basis(lamp.forward).to_world(sample_cone(way, lamp.one_minus_cos)), place);
-    start.power *= lamp.one_minus_cos > 0 ? lamp.radiance * (2 * kPi * lamp.one_minus_cos) : lamp.intensity;
+    PhotonStart start =
+        emit_parallel(Basis(lamp.forward).to_world(sample_cone(way, lamp.one_minus_cos)), place);
+    start.power *=
+        lamp.one_minus_cos > 0 ? lamp.radiance * (2 * kPi * lamp.one_minus_cos) : lamp.intensity;
     return start;
   }
   PhotonStart start;
   if (lamp.s.kind == LampKind::kArea) {
     Vec2 p{2 * place.x - 1, 2 * place.y - 1};
     if (lamp.s.ellipse) p = sample_disk(place);
-    start.origin = lamp.center + lamp.axis_x * (p.x * lamp.half_x) + lamp.axis_y * (p.y * lamp.half_y);
+    start.origin =
+        lamp.center + lamp.axis_x * (p.x * lamp.half_x) + lamp.axis_y * (p.y * lamp.half_y);
     float sin2 = way.x, pdf = 1;  // of sin^2: cosine-weighted directions are uniform in it
     if (!lamp.angle_cdf.empty()) {
       const TableSample s = sample_table(lamp.angle_cdf, 0, lamp.angle_high, way.x);
@@ -308,7 +329,9 @@ PhotonStart Lights::emit_lamp(const Lamp& lamp, float coin, const Vec2& place, c
     const float cosine = std::sqrt(std::max(0.0f, 1 - sin2));
     const Basis basis(lamp.forward);
     start.direction = around_axis(basis.tangent, basis.bitangent, basis.normal, cosine, way.y);
-    start.power = lamp.radiance * (lamp.area * kPi * spread_attenuation(lamp, std::sqrt(sin2 / std::max(1 - sin2, 1e-12f))) / pdf);
+    start.power = lamp.radiance *
+                  (lamp.area * kPi *
+                   spread_attenuation(lamp, std::sqrt(sin2 / std::max(1 - sin2, 1e-12f))) / pdf);
     return start;
   }
   // Point and spot: lines of uniform density that pass the centre within the radius.
@@ -322,18 +345,21 @@ PhotonStart Lights::emit_lamp(const Lamp& lamp, float coin, const Vec2& place, c
     const Vec3 scaled{local.x * lamp.scale_x, local.y * lamp.scale_y, local.z * lamp.scale_z};
     const float len = length(scaled);
     const float jacobian = lamp.scale_x * lamp.scale_y * lamp.scale_z / (len * len * len);
-    start.direction = normalize(lamp.axis_x * scaled.x + lamp.axis_y * scaled.y + lamp.forward * scaled.z);
+    start.direction =
+        normalize(lamp.axis_x * scaled.x + lamp.axis_y * scaled.y + lamp.forward * scaled.z);
     start.power = lamp.intensity * (2 * kPi * t * t * (3 - 2 * t) * jacobian / s.pdf);
   }
   // A spherical spot's cone holds outside it alone: inside it is a point lamp.
-  if (lamp.s.kind == LampKind::kSpot && lamp.holds_geometry && coin < 0.5f) start.direction = sample_sphere(way);
+  if (lamp.s.kind == LampKind::kSpot && lamp.holds_geometry && coin < 0.5f)
+    start.direction = sample_sphere(way);
   start.origin = lamp.center;
   const float r = lamp.s.radius;
   if (r > 0) {
     const Vec2 p = sample_disk(place);
     const float half = r * std::sqrt(std::max(0.0f, 1 - p.x * p.x - p.y * p.y));
     const float ahead = !lamp.s.soft_falloff ? half : lamp.faces_geometry ? -half : 0;
-    // What stands inside a spherical lamp is lit by its far wall and does not shadow what is outside: either photons.
+    // What stands inside a spherical lamp is lit by its far wall and does not shadow what is
+    // outside: either photons.
     const bool inside = lamp.holds_geometry && coin < 0.5f;
     start.origin += Basis(start.direction).to_world({p.x * r, p.y * r, inside ? -ahead : ahead});
     if (inside) {
@@ -364,7 +390,8 @@ Lights::MeshPoint Lights::point_on_mesh(const Emitter& e, float pick, const Vec2
   return p;
 }
 
-PhotonStart Lights::emit_mesh(const Emitter& e, float pick, const Vec2& place, const Vec2& way) const {
+PhotonStart Lights::emit_mesh(const Emitter& e, float pick, const Vec2& place,
+                              const Vec2& way) const {
   const MeshPoint p = point_on_mesh(e, pick, place);
   const EmissiveTriangle& t = *p.triangle;
   const bool on_back = p.side >= t.front_share;
@@ -372,12 +399,15 @@ PhotonStart Lights::emit_mesh(const Emitter& e, float pick, const Vec2& place, c
   PhotonStart start;
   start.origin = p.position + normal * ray_epsilon(p.position, 0);
   start.direction = Basis(normal).to_world(sample_cosine_hemisphere(way));
-  start.power = emission_of(e, t, p.u, p.v, on_back, start.direction) * (kPi / (t.pdf * (on_back ? 1 - t.front_share : t.front_share)));
+  start.power = emission_of(e, t, p.u, p.v, on_back, start.direction) *
+                (kPi / (t.pdf * (on_back ? 1 - t.front_share : t.front_share)));
   return start;
 }
 
-void Lights::primaries(uint64_t first, uint32_t count, uint32_t seed, const EmissionGuide* guide, EmissionPrimary* out) const {
-  const uint32_t low = static_cast<uint32_t>(first), key = hash_combine(seed, static_cast<uint32_t>(first >> 32));
+void Lights::primaries(uint64_t first, uint32_t count, uint32_t seed, const EmissionGuide* guide,
+                       EmissionPrimary* out) const {
+  const uint32_t low = static_cast<uint32_t>(first),
+                 key = hash_combine(seed, static_cast<uint32_t>(first >> 32));
   if (count > 1 && low + (count - 1) < low) {  // the upper half of the index changes on the way
     const uint32_t before = 0u - low;
     primaries(first, before, seed, guide, out);
@@ -395,7 +425,8 @@ void Lights::primaries(uint64_t first, uint32_t count, uint32_t seed, const Emis
       continue;
     }
     const double target = p.pick.x * total_power_;
-    const size_t chosen = std::upper_bound(power_cdf_.begin(), power_cdf_.end(), target) - power_cdf_.begin();
+    const size_t chosen =
+        std::upper_bound(power_cdf_.begin(), power_cdf_.end(), target) - power_cdf_.begin();
     p.emitter = static_cast<uint32_t>(std::min(chosen, emitters_.size()));
   }
 }
@@ -408,7 +439,8 @@ PhotonStart Lights::emit(const EmissionPrimary& p) const {
     start = emit_world(p.place, p.way);
   } else {
     const Emitter& e = emitters_[p.emitter];
-    start = e.lamp >= 0 ? emit_lamp(lamps_[e.lamp], p.pick.y, p.place, p.way) : emit_mesh(e, p.pick.y, p.place, p.way);
+    start = e.lamp >= 0 ? emit_lamp(lamps_[e.lamp], p.pick.y, p.place, p.way)
+                        : emit_mesh(e, p.pick.y, p.place, p.way);
   }
   return finished(start, p);
 }
@@ -418,14 +450,20 @@ EmissionGuide Lights::make_guide() const {
   int fine = 8;
   while (fine > 1 && emitters_.size() * fine * fine * fine * fine > kGuideCells) fine /= 2;
   const auto divided = [fine](bool by_place, bool by_way) {
-    return EmissionGuide::Division{by_place ? fine * fine : by_way ? 1 : fine, by_way ? fine * fine : by_place ? 1 : fine};
+    return EmissionGuide::Division{by_place ? fine * fine
+                                   : by_way ? 1
+                                            : fine,
+                                   by_way     ? fine * fine
+                                   : by_place ? 1
+                                              : fine};
   };
   std::vector<double> powers;
   std::vector<EmissionGuide::Division> divisions;
   for (const Emitter& e : emitters_) {
     powers.push_back(e.power);
     const LampKind kind = e.lamp >= 0 ? lamps_[e.lamp].s.kind : LampKind::kArea;
-    divisions.push_back(divided(kind == LampKind::kSun, kind == LampKind::kPoint || kind == LampKind::kSpot));
+    divisions.push_back(
+        divided(kind == LampKind::kSun, kind == LampKind::kPoint || kind == LampKind::kSpot));
   }
   powers.push_back(world_power_);
   divisions.push_back(divided(false, false));

@@ -14,7 +14,9 @@ constexpr size_t kPixels = PackedFilm::kSide * PackedFilm::kSide;
 ChannelMask not_summed() { return channels_of(&Pixel::depth, &Pixel::surface_id, &Pixel::detail); }
 
 bool is_in(size_t channel, ChannelMask mask) { return mask >> channel & 1; }
-size_t size_of(ChannelMask varying) { return kPixelChannels + std::popcount(varying) * (kPixels - 1); }
+size_t size_of(ChannelMask varying) {
+  return kPixelChannels + std::popcount(varying) * (kPixels - 1);
+}
 
 // A packed tile's channels one by one.
 class Reader {
@@ -41,8 +43,9 @@ class Reader {
 }  // namespace
 
 ChannelMask channels_of_passes() {
-  return channels_of(&Pixel::diffuse_direct, &Pixel::diffuse_indirect, &Pixel::glossy_direct, &Pixel::glossy_indirect,
-                     &Pixel::transmission_direct, &Pixel::transmission_indirect, &Pixel::emission, &Pixel::environment) |
+  return channels_of(&Pixel::diffuse_direct, &Pixel::diffuse_indirect, &Pixel::glossy_direct,
+                     &Pixel::glossy_indirect, &Pixel::transmission_direct,
+                     &Pixel::transmission_indirect, &Pixel::emission, &Pixel::environment) |
          channels_of(&Pixel::alpha, &Pixel::samples, &Pixel::detail);
 }
 
@@ -126,12 +129,16 @@ void PackedFilm::see(size_t t, Sums& sums) const {
   std::array<Reader::Channel, kPixelChannels> channels;
   Reader reader(tiles_[t].varying, tiles_[t].values.data());
   for (Reader::Channel& channel : channels) channel = reader.next();
-  const auto channel_of = [&](auto member) { return static_cast<size_t>(std::countr_zero(channels_of(member))); };
+  const auto channel_of = [&](auto member) {
+    return static_cast<size_t>(std::countr_zero(channels_of(member)));
+  };
   Rgb light[kPixels];
   bool begun = false;
-  for (const size_t c : {channel_of(&Pixel::diffuse_direct), channel_of(&Pixel::diffuse_indirect), channel_of(&Pixel::glossy_direct),
-                         channel_of(&Pixel::glossy_indirect), channel_of(&Pixel::transmission_direct),
-                         channel_of(&Pixel::transmission_indirect), channel_of(&Pixel::emission), channel_of(&Pixel::environment)}) {
+  for (const size_t c :
+       {channel_of(&Pixel::diffuse_direct), channel_of(&Pixel::diffuse_indirect),
+        channel_of(&Pixel::glossy_direct), channel_of(&Pixel::glossy_indirect),
+        channel_of(&Pixel::transmission_direct), channel_of(&Pixel::transmission_indirect),
+        channel_of(&Pixel::emission), channel_of(&Pixel::environment)}) {
     const Reader::Channel r = channels[c], g = channels[c + 1], b = channels[c + 2];
     if (begun && !r.step && !g.step && !b.step && r[0] == 0 && g[0] == 0 && b[0] == 0) continue;
     for (size_t i = 0; i < kPixels; ++i) {
@@ -140,7 +147,8 @@ void PackedFilm::see(size_t t, Sums& sums) const {
     }
     begun = true;
   }
-  const Reader::Channel samples = channels[channel_of(&Pixel::samples)], detail = channels[channel_of(&Pixel::detail)];
+  const Reader::Channel samples = channels[channel_of(&Pixel::samples)],
+                        detail = channels[channel_of(&Pixel::detail)];
   for (size_t i = 0; i < kPixels; ++i) {
     sums.luminance[i] = luminance(light[i]);
     sums.samples[i] = samples[i];
@@ -190,7 +198,8 @@ void add_pass(PackedFilm& sum, PackedFilm& pass, ThreadPool& pool) {
   pool.for_each(sum.tiles(), never, [&](size_t t, int) {
     PackedFilm::add(sum.tiles_[t], pass.tiles_[t]);
     sum.each(t, [&](size_t i, size_t) {
-      for (int g = 0; g < sum.light_groups; ++g) sum.groups_of(i)[g] += pass.by_group[i * sum.light_groups + g];
+      for (int g = 0; g < sum.light_groups; ++g)
+        sum.groups_of(i)[g] += pass.by_group[i * sum.light_groups + g];
     });
   });
 }

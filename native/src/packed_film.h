@@ -1,4 +1,5 @@
-// A film in tiles, each with memory for what differs between its pixels alone: most sums of a pixel are 0 in most tiles.
+// A film in tiles, each with memory for what differs between its pixels alone: most sums of a pixel
+// are 0 in most tiles.
 #pragma once
 
 #include <algorithm>
@@ -19,7 +20,9 @@ template <class... Member>
 ChannelMask channels_of(Member Pixel::*... members) {
   const Pixel pixel;
   const auto of_one = [&](const auto& member) {
-    const size_t first = (reinterpret_cast<const char*>(&member) - reinterpret_cast<const char*>(&pixel)) / sizeof(float);
+    const size_t first =
+        (reinterpret_cast<const char*>(&member) - reinterpret_cast<const char*>(&pixel)) /
+        sizeof(float);
     return ((ChannelMask{1} << sizeof(member) / sizeof(float)) - 1) << first;
   };
   return (of_one(pixel.*members) | ... | ChannelMask{0});
@@ -31,7 +34,8 @@ ChannelMask channels_of_passes();
 class PackedFilm {
  public:
   static constexpr int kSide = 16;  // pixels along a tile
-  using Tile = std::array<Pixel, kSide * kSide>;  // row by row; pixels beyond the film's edges are there and mean nothing
+  // Row by row; pixels beyond the film's edges are there and mean nothing
+  using Tile = std::array<Pixel, kSide * kSide>;
   struct Sums {
     float luminance[kSide * kSide], samples[kSide * kSide], detail[kSide * kSide];
   };
@@ -39,8 +43,9 @@ class PackedFilm {
   int width = 0, height = 0;
   uint32_t passes = 0;  // in it so far
   int light_groups = 0;
-  LargeArray<Rgb> by_group;            // of each pixel its light by group, sums like those of the pixel
-  ChannelMask kept = kAllChannels;     // of what is put; the rest is 0
+  // Of each pixel its light by group, sums like those of the pixel
+  LargeArray<Rgb> by_group;
+  ChannelMask kept = kAllChannels;  // of what is put; the rest is 0
 
   PackedFilm() = default;
   PackedFilm(const Film& film);
@@ -59,14 +64,18 @@ class PackedFilm {
       for (size_t i = 0; i < count; ++i) work(first + i, place + i);
     });
   }
-  // The same for rows: work(place of the first in the film, pixels, place of the first in the tile).
+  // The same for rows: work(place of the first in the film, pixels, place of the first in the
+  // tile).
   template <class Work>
   void each_run(size_t t, Work&& work) const {
     const size_t across = tiles_along(width), x = t % across * kSide, y = t / across * kSide;
-    const size_t columns = std::min<size_t>(kSide, width - x), rows = std::min<size_t>(kSide, height - y);
+    const size_t columns = std::min<size_t>(kSide, width - x),
+                 rows = std::min<size_t>(kSide, height - y);
     for (size_t row = 0; row < rows; ++row) work((y + row) * width + x, columns, row * kSide);
   }
-  size_t place_in_tile(size_t pixel) const { return pixel / width % kSide * kSide + pixel % width % kSide; }
+  size_t place_in_tile(size_t pixel) const {
+    return pixel / width % kSide * kSide + pixel % width % kSide;
+  }
 
   void put(size_t t, const Tile& pixels);
   void get(size_t t, Tile& pixels) const;
@@ -83,13 +92,16 @@ class PackedFilm {
     LargeArray<float> values;
     void resize(size_t count);
   };
-  static size_t tiles_along(int pixels) { return static_cast<size_t>((pixels + kSide - 1) / kSide); }
+  static size_t tiles_along(int pixels) {
+    return static_cast<size_t>((pixels + kSide - 1) / kSide);
+  }
   static void add(Packed& sum, const Packed& pass);
 
   std::vector<Packed> tiles_;
 };
 
-// Adds one pass' film to the sum. The first one becomes the sum, and gives depth and surface id; `pass` is then of no use.
+// Adds one pass' film to the sum. The first one becomes the sum, and gives depth and surface id;
+// `pass` is then of no use.
 void add_pass(PackedFilm& sum, PackedFilm& pass, class ThreadPool& pool);
 
 }  // namespace photon_splat

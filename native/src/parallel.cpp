@@ -12,10 +12,13 @@ ThreadPool::ThreadPool(int threads, const Start& start) {
   try {
     for (int i = 1; i < wanted_; ++i) {
       const auto work = [this, i] { worker_loop(i); };
-      if (start) workers_.push_back(start(work));
-      else workers_.emplace_back(work);
+      if (start)
+        workers_.push_back(start(work));
+      else
+        workers_.emplace_back(work);
     }
-  } catch (const std::system_error&) {  // a limit of processes or memory: those that are there do the work
+    // a limit of processes or memory: those that are there do the work
+  } catch (const std::system_error&) {
   } catch (...) {
     stop();
     throw;
@@ -77,7 +80,8 @@ void ThreadPool::run_on_all(const std::function<void(int)>& work) {
   if (error) std::rethrow_exception(error);
 }
 
-void ThreadPool::for_each(size_t count, const CancelFlag& cancel, const std::function<void(size_t, int)>& work) {
+void ThreadPool::for_each(size_t count, const CancelFlag& cancel,
+                          const std::function<void(size_t, int)>& work) {
   std::atomic<size_t> next{0};
   std::atomic<bool> failed{false};
   run_on_all([&](int worker) {

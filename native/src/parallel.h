@@ -24,17 +24,21 @@ class CancelFlag {
   void set() { value_.store(true, std::memory_order_relaxed); }
   void clear() { value_.store(false, std::memory_order_relaxed); }
   bool is_set() const { return value_.load(std::memory_order_relaxed); }
-  void check() const { if (is_set()) throw Cancelled(); }
+  void check() const {
+    if (is_set()) throw Cancelled();
+  }
 
  private:
   std::atomic<bool> value_{false};
 };
 
-// A fixed set of threads; the caller is one of them. Calls from two threads at once are not allowed.
+// A fixed set of threads; the caller is one of them. Calls from two threads at once are not
+// allowed.
 class ThreadPool {
  public:
   using Start = std::function<std::thread(std::function<void()> work)>;
-  // threads: 0 = all of the machine. Where the system starts no more of them (std::system_error) there are fewer; start: for tests.
+  // threads: 0 = all of the machine. Where the system starts no more of them (std::system_error)
+  // there are fewer; start: for tests.
   explicit ThreadPool(int threads, const Start& start = {});
   ~ThreadPool();
   ThreadPool(const ThreadPool&) = delete;
@@ -43,17 +47,22 @@ class ThreadPool {
   int size() const { return static_cast<int>(workers_.size()) + 1; }
   int wanted() const { return wanted_; }
 
-  // Calls work(worker) once on every thread and returns when all have finished; rethrows the first exception.
+  // Calls work(worker) once on every thread and returns when all have finished; rethrows the first
+  // exception.
   void run_on_all(const std::function<void(int worker)>& work);
 
-  // Calls work(chunk, worker) for chunks 0 .. count-1 in any order; stops with Cancelled when `cancel` is set.
-  void for_each(size_t count, const CancelFlag& cancel, const std::function<void(size_t chunk, int worker)>& work);
+  // Calls work(chunk, worker) for chunks 0 .. count-1 in any order; stops with Cancelled when
+  // `cancel` is set.
+  void for_each(size_t count, const CancelFlag& cancel,
+                const std::function<void(size_t chunk, int worker)>& work);
 
-  // Calls work(begin, end) for parts of 0 .. count, in any order; what is one part alone wakes no thread.
+  // Calls work(begin, end) for parts of 0 .. count, in any order; what is one part alone wakes no
+  // thread.
   template <class Work>
   void for_parts(size_t count, size_t part, const CancelFlag& cancel, Work&& work) {
     if (count <= part) return work(size_t{0}, count);
-    for_each((count + part - 1) / part, cancel, [&](size_t i, int) { work(i * part, std::min(count, (i + 1) * part)); });
+    for_each((count + part - 1) / part, cancel,
+             [&](size_t i, int) { work(i * part, std::min(count, (i + 1) * part)); });
   }
 
  private:

@@ -82,7 +82,10 @@ void PhotonJoin::finish(ThreadPool& pool, const CancelFlag& cancel) {
     places.push_back(photons_.size());
     count(*runs_[i]);
   }
-  pool.for_each(places.size(), cancel, [&](size_t i, int) { put(*runs_[first + i], photons_.data() + places[i], groups_.data() + (with_groups_ ? places[i] : 0)); });
+  pool.for_each(places.size(), cancel, [&](size_t i, int) {
+    put(*runs_[first + i], photons_.data() + places[i],
+        groups_.data() + (with_groups_ ? places[i] : 0));
+  });
   runs_.clear();
   if (spare_.size() > static_cast<size_t>(pool.size())) spare_.resize(pool.size());
 }

@@ -11,16 +11,17 @@
 namespace photon_splat {
 
 struct Photon {
-  Vec3 position;       // m, relative to the scene's origin
-  uint32_t key;        // surface patch and side
-  uint16_t normal;     // geometric normal on the side it hit, encoded
-  uint16_t from;       // direction towards where it came from, encoded
-  Rgb power;           // W; the shading normal's factor |w.ns|/|w.ng| is in it
+  Vec3 position;    // m, relative to the scene's origin
+  uint32_t key;     // surface patch and side
+  uint16_t normal;  // geometric normal on the side it hit, encoded
+  uint16_t from;    // direction towards where it came from, encoded
+  Rgb power;        // W; the shading normal's factor |w.ns|/|w.ng| is in it
 };
 static_assert(sizeof(Photon) == 32);
 using Photons = LargeArray<Photon>;
 
-// Mean square of their powers over the squared mean, 1 to 32: so many times the noise of equal photons is that of these.
+// Mean square of their powers over the squared mean, 1 to 32: so many times the noise of equal
+// photons is that of these.
 float power_dispersion(const Photons& photons);
 
 struct PhotonRun {
@@ -37,8 +38,9 @@ struct PhotonRun {
   }
 };
 
-// Runs are copied to their place as soon as those before them are there, while they are still in the thread's cache; their memory
-// serves again. Where there are more photons than were expected, the others follow at the end.
+// Runs are copied to their place as soon as those before them are there, while they are still in
+// the thread's cache; their memory serves again. Where there are more photons than were expected,
+// the others follow at the end.
 class PhotonJoin {
  public:
   void begin(size_t runs, size_t expected_photons, bool with_groups);
@@ -64,9 +66,10 @@ class PhotonJoin {
   bool with_groups_ = false;
   uint64_t rays_ = 0, shaded_ = 0;
   std::vector<float> ray_log_;
-  std::unique_ptr<std::mutex> mutex_ = std::make_unique<std::mutex>();  // of what follows, and of the sizes of what is above
+  // Of what follows, and of the sizes of what is above
+  std::unique_ptr<std::mutex> mutex_ = std::make_unique<std::mutex>();
   std::vector<std::unique_ptr<PhotonRun>> runs_, spare_;
-  size_t next_ = 0;   // run to be put into its place
+  size_t next_ = 0;  // run to be put into its place
 };
 
 }  // namespace photon_splat

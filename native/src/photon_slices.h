@@ -1,4 +1,5 @@
-// Photons of a render's passes, kept for renders of other views: slice by slice what a run of paths has left anywhere.
+// Photons of a render's passes, kept for renders of other views: slice by slice what a run of paths
+// has left anywhere.
 #pragma once
 
 #include <map>
@@ -19,9 +20,10 @@ class PhotonSlices {
     const auto it = slices_.find(first);
     return it == slices_.end() || it->second.paths != count ? nullptr : &it->second;
   }
-  // Keeps a copy of them, if it takes no more than `most_bytes`; from the first that does not fit on, none is taken.
-  void add(uint64_t first, uint64_t count, const Photons& photons, const std::vector<int16_t>& light_groups,
-           size_t most_bytes) {
+  // Keeps a copy of them, if it takes no more than `most_bytes`; from the first that does not fit
+  // on, none is taken.
+  void add(uint64_t first, uint64_t count, const Photons& photons,
+           const std::vector<int16_t>& light_groups, size_t most_bytes) {
     const size_t size = photons.size() * sizeof(Photon) + light_groups.size() * sizeof(int16_t);
     full_ = full_ || size > most_bytes;
     if (full_ || slices_.contains(first)) return;

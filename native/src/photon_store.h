@@ -1,5 +1,6 @@
-// Photons that are kept while the camera moves: traced without regard to any view, they serve every view. With them come
-// the radii that their density asks for, so that a surface looks the same from wherever it is seen, and nothing flickers.
+// Photons that are kept while the camera moves: traced without regard to any view, they serve every
+// view. With them come the radii that their density asks for, so that a surface looks the same from
+// wherever it is seen, and nothing flickers.
 #pragma once
 
 #include <optional>
@@ -10,10 +11,12 @@ namespace photon_splat {
 
 class PhotonStore {
  public:
-  PhotonStore(Scene& scene, const Lights& lights, int max_bounces, PhotonStream stream, uint32_t seed)
+  PhotonStore(Scene& scene, const Lights& lights, int max_bounces, PhotonStream stream,
+              uint32_t seed)
       : scene_(scene), tracer_(scene, lights, max_bounces, stream), seed_(seed) {}
 
-  // Traces `paths` more; the first call learns where photons start that come to lie anywhere at all. Photons beyond `most_bytes` of memory are not taken in, nor are the paths that left them.
+  // Traces `paths` more; the first call learns where photons start that come to lie anywhere at
+  // all. Photons beyond `most_bytes` of memory are not taken in, nor are the paths that left them.
   // What was there stays as it is if this is cancelled.
   void trace(uint64_t paths, size_t most_bytes, const CancelFlag& cancel);
 

@@ -33,41 +33,53 @@ struct PhotonCounts {
   uint64_t shaded = 0;  // surfaces met whose programs ran
 };
 
-// Light that came through sharp lobes only, from the light to where it lands, makes caustics: it wants narrow kernels and
-// photons aimed at what focuses it. A path's share in them is the product of its lobes' sharpness, which falls from 1 to 0
-// over a range of roughness: caustic photons carry this share of the path's power, indirect ones the rest.
+// Light that came through sharp lobes only, from the light to where it lands, makes caustics: it
+// wants narrow kernels and photons aimed at what focuses it. A path's share in them is the product
+// of its lobes' sharpness, which falls from 1 to 0 over a range of roughness: caustic photons carry
+// this share of the path's power, indirect ones the rest.
 enum class PhotonStream : uint8_t { kAll, kIndirect, kCaustic };
 
-// "generic", "sse42", "avx2", "avx512"; empty: the widest that this machine runs. nullptr where it does not run.
+// "generic", "sse42", "avx2", "avx512"; empty: the widest that this machine runs. nullptr where it
+// does not run.
 BounceKernel choose_bounce_kernel(const std::string& name = {});
 
-// Traces photon paths first .. first + count - 1 of the stream `seed` and returns what they left on surfaces of
-// `visible`. Powers are those of a set of `total` paths. Their order follows the index, not the thread.
+// Traces photon paths first .. first + count - 1 of the stream `seed` and returns what they left on
+// surfaces of `visible`. Powers are those of a set of `total` paths. Their order follows the index,
+// not the thread.
 class PhotonTracer {
  public:
   PhotonTracer(Scene& scene, const Lights& lights, int max_bounces, PhotonStream stream)
-      : scene_(scene), lights_(lights), max_bounces_(max_bounces), stream_(stream), bounce_(choose_bounce_kernel()) {}
+      : scene_(scene),
+        lights_(lights),
+        max_bounces_(max_bounces),
+        stream_(stream),
+        bounce_(choose_bounce_kernel()) {}
 
   const Photons& trace(uint64_t first, uint64_t count, double total, uint32_t seed,
-                                   const KeyFilter& visible, const CancelFlag& cancel);
-  // Who is to see what the photons leave: Bump looks as far apart as that one's samples are wide (nullptr: nobody in particular).
+                       const KeyFilter& visible, const CancelFlag& cancel);
+  // Who is to see what the photons leave: Bump looks as far apart as that one's samples are wide
+  // (nullptr: nobody in particular).
   void set_viewer(const Camera* viewer) { viewer_ = viewer; }
-  // From now on light_groups() tells the group of the light that each of the photons last traced came from; else it is empty.
+  // From now on light_groups() tells the group of the light that each of the photons last traced
+  // came from; else it is empty.
   void keep_light_groups() { keeps_groups_ = true; }
   const std::vector<int16_t>& light_groups() const { return join_.groups(); }
   const PhotonCounts& counts() const { return counts_; }
   const PhotonCounts& last_counts() const { return last_counts_; }  // of the last trace()
 
-  // Traces a pilot and learns from it where photons that end on visible surfaces start. Guided emission is taken up
-  // only where few unguided paths are of use; where not, the pilot's photons are as good as those of any other paths, and are
-  // returned (null otherwise; valid until the next trace()). Caustic photons are aimed at what can focus light instead.
-  // `stored`: surfaces whose photons are returned, all visible ones among them. `places`: where on visible surfaces photons are of use
-  // (nullptr: everywhere).
-  const Photons* learn_emission(uint64_t paths, uint32_t seed, const KeyFilter& visible, const KeyFilter& stored, const SeenPlaces* places,
+  // Traces a pilot and learns from it where photons that end on visible surfaces start. Guided
+  // emission is taken up only where few unguided paths are of use; where not, the pilot's photons
+  // are as good as those of any other paths, and are returned (null otherwise; valid until the next
+  // trace()). Caustic photons are aimed at what can focus light instead. `stored`: surfaces whose
+  // photons are returned, all visible ones among them. `places`: where on visible surfaces photons
+  // are of use (nullptr: everywhere).
+  const Photons* learn_emission(uint64_t paths, uint32_t seed, const KeyFilter& visible,
+                                const KeyFilter& stored, const SeenPlaces* places,
                                 const CancelFlag& cancel);
   bool guided() const { return guide_.has_value() || targets_.has_value(); }
 
-  // For the benchmark: every ray that path tracing asks for, as origin, near, direction, far (8 floats a ray).
+  // For the benchmark: every ray that path tracing asks for, as origin, near, direction, far (8
+  // floats a ray).
   std::vector<float>* ray_log = nullptr;
 
  private:
@@ -76,8 +88,10 @@ class PhotonTracer {
     uint32_t place;       // among the chunk's paths as they started
     float travelled = 0;  // before the present ray, since the last bounce
     uint16_t passed = 0;  // transparent surfaces
-    float soft_from = 0, soft_to = INFINITY;  // where a lamp that faces its receivers lights them, after PhotonStart::soft_nearest
-    // Kind of the camera path's ray that looks back along this one, where `guessed`: see scatter_by_program.
+    // Where a lamp that faces its receivers lights them, after PhotonStart::soft_nearest
+    float soft_from = 0, soft_to = INFINITY;
+    // Kind of the camera path's ray that looks back along this one, where `guessed`: see
+    // scatter_by_program.
     RayInfo::Kind kind = RayInfo::kDiffuse;
     bool guessed = false;
     bool unshadowed = false;  // passed what would have blocked the light of another lamp
@@ -90,7 +104,8 @@ class PhotonTracer {
     uint16_t bounces = 0;  // lobes
     float caustic = 1;     // share of caustic light
   };
-  // The paths of a chunk on their way; a worker's own, so that it stays in its cache from chunk to chunk.
+  // The paths of a chunk on their way; a worker's own, so that it stays in its cache from chunk to
+  // chunk.
   struct Travellers {
     std::vector<PhotonStart> starts;  // of all
     PhotonPaths paths{};              // those that are left
@@ -102,24 +117,28 @@ class PhotonTracer {
   // Where a path's next direction comes from.
   struct Draws {
     const SobolPair& first_bounce;
-    uint32_t index;           // of the path
+    uint32_t index;  // of the path
 
-    Vec2 next(Path& path) const { return path.bounces == 0 ? first_bounce.at(index) : path.random.next2(); }
+    Vec2 next(Path& path) const {
+      return path.bounces == 0 ? first_bounce.at(index) : path.random.next2();
+    }
   };
-  uint32_t start_all(uint64_t first, uint32_t count, double total, uint32_t seed, Travellers& travellers) const;
-  // What each path has stored, of what `filter` and `places` let pass where there are any: the number of photons, which diffuse surfaces
-  // leave all alike, times the path's squared power over the mean one's; of a caustic path the sum of their squared powers over its own
-  // at the start.
+  uint32_t start_all(uint64_t first, uint32_t count, double total, uint32_t seed,
+                     Travellers& travellers) const;
+  // What each path has stored, of what `filter` and `places` let pass where there are any: the
+  // number of photons, which diffuse surfaces leave all alike, times the path's squared power over
+  // the mean one's; of a caustic path the sum of their squared powers over its own at the start.
   struct Usefulness {
     const KeyFilter* filter = nullptr;
     const SeenPlaces* places = nullptr;
     bool counts(const Photon& photon) const;
     std::vector<float> of_path;  // from the first one traced
   };
-  const Photons& trace(uint64_t first, uint64_t count, double total, uint32_t seed, const KeyFilter& visible, const CancelFlag& cancel,
-                       Usefulness* useful);
-  void trace_chunk(uint64_t first, uint64_t count, double total, uint32_t seed, const KeyFilter& visible,
-                   const Usefulness* filter, float* useful, Travellers& travellers, PhotonRun& run) const;
+  const Photons& trace(uint64_t first, uint64_t count, double total, uint32_t seed,
+                       const KeyFilter& visible, const CancelFlag& cancel, Usefulness* useful);
+  void trace_chunk(uint64_t first, uint64_t count, double total, uint32_t seed,
+                   const KeyFilter& visible, const Usefulness* filter, float* useful,
+                   Travellers& travellers, PhotonRun& run) const;
   float use_of(const Photon& photon, const PhotonStart& start, double total) const;
   PhotonStart start(uint64_t index, uint32_t seed) const;
   void start(uint64_t first, uint32_t count, uint32_t seed, PhotonStart* starts) const;
@@ -128,9 +147,10 @@ class PhotonTracer {
   }
   bool lit(const Path& path, const Surface& hit, const PhotonStart& start) const;
   bool blocks(const Path& path, const Surface& hit, const PhotonStart& start) const;
-  bool shade(Path& path, const Surface& hit, const PhotonStart& start, const Draws& draws, const KeyFilter& visible,
-             Vec3& origin, Vec3& direction, Photons& photons) const;
-  // Kind of ray that looks back along the path's present way: what it does not see the photon lights and passes.
+  bool shade(Path& path, const Surface& hit, const PhotonStart& start, const Draws& draws,
+             const KeyFilter& visible, Vec3& origin, Vec3& direction, Photons& photons) const;
+  // Kind of ray that looks back along the path's present way: what it does not see the photon
+  // lights and passes.
   static RayInfo::Kind kind_of_way(const Rest& rest, uint32_t bounces) {
     return rest.guessed ? rest.kind : bounces == 0 ? RayInfo::kShadow : RayInfo::kDiffuse;
   }
@@ -138,14 +158,19 @@ class PhotonTracer {
   // Of the hits `which` those on instances that all rays see.
   unsigned seen_by_all(const RayHits& hits, unsigned which) const;
   static RayInfo::Kind guess_kind(Random& random, RayInfo::Kind first, float* chance);
-  void keep_bounced(Travellers& travellers, uint32_t from, uint32_t to, const Bounced& bounced, uint32_t k) const;
-  bool pass_before_lamp(Path& path, const Surface& hit, const Vec3& direction, const PhotonStart& start, Vec3& origin) const;
+  void keep_bounced(Travellers& travellers, uint32_t from, uint32_t to, const Bounced& bounced,
+                    uint32_t k) const;
+  bool pass_before_lamp(Path& path, const Surface& hit, const Vec3& direction,
+                        const PhotonStart& start, Vec3& origin) const;
   bool go_straight_on(Path& path, const Surface& hit, const Rgb& weight, Vec3& origin) const;
-  void store(const Path& path, const Surface& hit, const Vec3& direction, const KeyFilter& visible, Photons& photons) const;
+  void store(const Path& path, const Surface& hit, const Vec3& direction, const KeyFilter& visible,
+             Photons& photons) const;
   bool light_up(Path& path, const Surface& hit, const PhotonStart& start) const;
-  bool light_up_by_ray(Path& path, const PhotonStart& start, const Rgb& diffuse, bool transmitted, bool delta) const;
-  bool scatter_by_program(Path& path, const Surface& hit, const PhotonStart& start, const Draws& draws, const KeyFilter& visible,
-                          Vec3& origin, Vec3& direction, Photons& photons) const;
+  bool light_up_by_ray(Path& path, const PhotonStart& start, const Rgb& diffuse, bool transmitted,
+                       bool delta) const;
+  bool scatter_by_program(Path& path, const Surface& hit, const PhotonStart& start,
+                          const Draws& draws, const KeyFilter& visible, Vec3& origin,
+                          Vec3& direction, Photons& photons) const;
 
   Scene& scene_;
   const Lights& lights_;

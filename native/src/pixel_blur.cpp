@@ -13,7 +13,8 @@ void blur(const std::vector<float>& in, int width, int height, int r, std::vecto
     const float* from = &in[static_cast<size_t>(y) * width];
     float* to = &rows[static_cast<size_t>(y) * width];
     double sum = 0;
-    const auto value = [from](int x) { return from[x] < kMost ? from[x] : kMost; };  // a sum that slides never gets rid of infinity
+    // a sum that slides never gets rid of infinity
+    const auto value = [from](int x) { return from[x] < kMost ? from[x] : kMost; };
     for (int x = 0; x < std::min(r, width); ++x) sum += value(x);
     for (int x = 0; x < width; ++x) {
       if (x + r < width) sum += value(x + r);
@@ -31,7 +32,8 @@ void blur(const std::vector<float>& in, int width, int height, int r, std::vecto
     if (y + r < height) add_row(y + r, 1);
     if (y - r > 0) add_row(y - r - 1, -1);
     const double weight = 1.0 / (std::min(height - 1, y + r) - std::max(0, y - r) + 1);
-    for (int x = 0; x < width; ++x) out[static_cast<size_t>(y) * width + x] = static_cast<float>(std::max(0.0, sums[x] * weight));
+    for (int x = 0; x < width; ++x)
+      out[static_cast<size_t>(y) * width + x] = static_cast<float>(std::max(0.0, sums[x] * weight));
   }
 }
 

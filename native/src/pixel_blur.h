@@ -6,8 +6,8 @@
 
 namespace photon_splat {
 
-// Means over the square of 2r + 1 pixels around each one, cut off at the picture's border; never below 0. `in` holds rows of
-// `width` values.
+// Means over the square of 2r + 1 pixels around each one, cut off at the picture's border; never
+// below 0. `in` holds rows of `width` values.
 void blur(const std::vector<float>& in, int width, int height, int r, std::vector<float>& out);
 
 }  // namespace photon_splat

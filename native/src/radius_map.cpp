@@ -4,18 +4,23 @@ namespace photon_splat {
 namespace {
 
 constexpr float kLargestOfScene = 0.25f;  // discs, of the scene's radius
-constexpr float kLargestOfSeen = 0.5f;    // and of that of half of what is seen: what is wider shows one light all over
-constexpr float kSeenShare = 16;          // times that radius the octree begins with
+// And of that of half of what is seen: what is wider shows one light all over
+constexpr float kLargestOfSeen = 0.5f;
+constexpr float kSeenShare = 16;  // times that radius the octree begins with
 
 }  // namespace
 
-RadiusMap::RadiusMap(const Scene& scene, const Photons& pilot, double pilot_paths, const Settings& settings)
+RadiusMap::RadiusMap(const Scene& scene, const Photons& pilot, double pilot_paths,
+                     const Settings& settings)
     : pilot_paths_(std::max(pilot_paths, 1.0)) {
-  const bool small = kSeenShare * settings.reach < scene.near_radius();  // against a scene that is seen in part
+  // Against a scene that is seen in part
+  const bool small = kSeenShare * settings.reach < scene.near_radius();
   const float r = small ? std::max(kSeenShare * settings.reach, 1e-20f) : scene.near_radius();
-  corner_ = (small ? settings.middle : scene.near_center()) - Vec3{r, r, r};  // cells go on beyond, however far
+  // Cells go on beyond, however far
+  corner_ = (small ? settings.middle : scene.near_center()) - Vec3{r, r, r};
   size_ = 2 * r;
-  largest_ = std::min(kLargestOfScene * scene.radius(), std::max(kLargestOfSeen * settings.reach, 1e-20f));
+  largest_ =
+      std::min(kLargestOfScene * scene.radius(), std::max(kLargestOfSeen * settings.reach, 1e-20f));
   std::vector<float> powers(pilot.size(), 1.0f);
   if (!settings.alike)
     for (size_t i = 0; i < pilot.size(); ++i) powers[i] = luminance(pilot[i].power);
@@ -47,16 +52,20 @@ RadiusMap::RadiusMap(const Scene& scene, const Photons& pilot, double pilot_path
 uint64_t RadiusMap::index_at(const Vec3& x, int level) const {
   const float scale = static_cast<float>(1 << level) / size_;
   const Vec3 p = (x - corner_) * scale;
-  const auto index = [](float f) { return static_cast<uint64_t>(static_cast<int64_t>(std::floor(f)) & 0xffff); };
+  const auto index = [](float f) {
+    return static_cast<uint64_t>(static_cast<int64_t>(std::floor(f)) & 0xffff);
+  };
   return index(p.x) | index(p.y) << 16 | index(p.z) << 32;
 }
 
 uint64_t RadiusMap::cell(uint32_t key, const Vec3& x, int level) const {
-  return hash64((uint64_t{key} << 5 | static_cast<uint64_t>(level)) * 0x9e3779b97f4a7c15ull ^ hash64(index_at(x, level)));
+  return hash64((uint64_t{key} << 5 | static_cast<uint64_t>(level)) * 0x9e3779b97f4a7c15ull ^
+                hash64(index_at(x, level)));
 }
 
-// A cell that holds a sliver of the patch shows too low a density, so the densest of the nested cells is believed. The first of
-// them that is not kept, or the smallest of all, is where the answer holds.
+// A cell that holds a sliver of the patch shows too low a density, so the densest of the nested
+// cells is believed. The first of them that is not kept, or the smallest of all, is where the
+// answer holds.
 void RadiusMap::look_up(uint32_t key, const Vec3& x, Memory& memory) const {
   const auto photons = [](const Power* power) { return power ? power->photons() : 0.0; };
   memory = {key, photons(on_surface_.find(hash64(key))), 0, 0, 0};
@@ -69,10 +78,13 @@ void RadiusMap::look_up(uint32_t key, const Vec3& x, Memory& memory) const {
   memory.index = index_at(x, memory.level);
 }
 
-float RadiusMap::radius(uint32_t key, const Vec3& x, double photons, double paths, Memory& memory) const {
-  if (memory.level < 0 || memory.key != key || memory.index != index_at(x, memory.level)) look_up(key, x, memory);
+float RadiusMap::radius(uint32_t key, const Vec3& x, double photons, double paths,
+                        Memory& memory) const {
+  if (memory.level < 0 || memory.key != key || memory.index != index_at(x, memory.level))
+    look_up(key, x, memory);
   if (!(memory.densest > 0)) return largest_;
-  return std::min(largest_, static_cast<float>(std::sqrt(photons * pilot_paths_ / (kPi * memory.densest * paths))));
+  return std::min(largest_, static_cast<float>(std::sqrt(photons * pilot_paths_ /
+                                                         (kPi * memory.densest * paths))));
 }
 
 }  // namespace photon_splat

@@ -6,18 +6,23 @@
 
 namespace photon_splat {
 
-// An octree per surface key over the pilot's photons, kept as a hash of the cells that hold enough of them.
+// An octree per surface key over the pilot's photons, kept as a hash of the cells that hold enough
+// of them.
 class RadiusMap {
  public:
   struct Settings {
-    Vec3 middle{};           // of what is seen, and
-    float reach = INFINITY;  // how far half of that is from it, m: the octree's cells and the largest disc are made for it
-    bool alike = false;  // every photon counts one; else as many as equal ones would say as much (Kish's effective sample size)
+    Vec3 middle{};  // of what is seen, and
+    // How far half of that is from it, m: the octree's cells and the largest disc are made for it
+    float reach = INFINITY;
+    // Every photon counts one; else as many as equal ones would say as much (Kish's effective
+    // sample size)
+    bool alike = false;
   };
   // `pilot_paths` is the number of paths that left `pilot`.
   RadiusMap(const Scene& scene, const Photons& pilot, double pilot_paths, const Settings& settings);
 
-  // What was found out of a place, to be kept by who asks: the answer is the same all over a cell, and neighbours ask for neighbours.
+  // What was found out of a place, to be kept by who asks: the answer is the same all over a cell,
+  // and neighbours ask for neighbours.
   struct Memory {
     uint32_t key = 0;
     double on_surface = 0;
@@ -26,13 +31,19 @@ class RadiusMap {
     double densest = 0;
   };
 
-  // Radius of the disc around x on surface `key` that about `photons` of a set of `paths` paths are to fall in.
+  // Radius of the disc around x on surface `key` that about `photons` of a set of `paths` paths are
+  // to fall in.
   float radius(uint32_t key, const Vec3& x, double photons, double paths, Memory& memory) const;
   float largest() const { return largest_; }
-  // How many of a set of `paths` paths come to lie on the surface of the place asked for last, anywhere on it.
-  double photons_on_surface(const Memory& last, double paths) const { return last.on_surface * paths / pilot_paths_; }
+  // How many of a set of `paths` paths come to lie on the surface of the place asked for last,
+  // anywhere on it.
+  double photons_on_surface(const Memory& last, double paths) const {
+    return last.on_surface * paths / pilot_paths_;
+  }
   // And how many on a square metre there.
-  double density(const Memory& last, double paths) const { return last.densest * paths / pilot_paths_; }
+  double density(const Memory& last, double paths) const {
+    return last.densest * paths / pilot_paths_;
+  }
 
  private:
   static constexpr int kLevels = 11;

@@ -1,5 +1,6 @@
-// Light groups: what each of them adds to the picture is kept apart. A photon knows its light's group by the number beside it;
-// photons are splatted group by group, so that each is splatted once.
+// Light groups: what each of them adds to the picture is kept apart. A photon knows its light's
+// group by the number beside it; photons are splatted group by group, so that each is splatted
+// once.
 #include <stdexcept>
 
 #include "renderer.h"
@@ -8,7 +9,8 @@ namespace photon_splat {
 
 void Renderer::check_light_groups() const {
   const auto check = [&](int16_t group) {
-    if (group < kNoLightGroup || group >= scene.light_groups) throw std::invalid_argument("a light is of a light group that does not exist");
+    if (group < kNoLightGroup || group >= scene.light_groups)
+      throw std::invalid_argument("a light is of a light group that does not exist");
   };
   for (const LampSettings& lamp : lamps) check(lamp.light_group);
   for (const Instance& instance : scene.instances) check(instance.light_group);

@@ -1,13 +1,16 @@
-// Another camera without another build: for renders of the same scene, and for a viewport, whose pictures come from a store.
+// Another camera without another build: for renders of the same scene, and for a viewport, whose
+// pictures come from a store.
 #include "nodes/sees_view.h"
 #include "renderer.h"
 
 namespace photon_splat {
 namespace {
 
-// A view from the store is splatted once, not averaged over passes: so many times the photons in each disc of a render's pass.
+// A view from the store is splatted once, not averaged over passes: so many times the photons in
+// each disc of a render's pass.
 constexpr double kStoreMore = 2;
-// Radii shrink until the store has so many photons: more of them make the picture less noisy instead of sharper.
+// Radii shrink until the store has so many photons: more of them make the picture less noisy
+// instead of sharper.
 constexpr double kStorePhotons = 1 << 17;
 
 }  // namespace
@@ -28,7 +31,8 @@ void Renderer::relight() {
   scene.update_features();
   lights_ = std::make_unique<Lights>(scene, lamps);
   focus_on_geometry();
-  camera_tracer_ = std::make_unique<CameraTracer>(scene, *lights_, *camera_, hash_combine(options.seed, 2));
+  camera_tracer_ =
+      std::make_unique<CameraTracer>(scene, *lights_, *camera_, hash_combine(options.seed, 2));
   set_photons({});
   make_layers();
   set_view();
@@ -40,7 +44,8 @@ void Renderer::begin_again() {
   set_photons({});
   if (std::any_of(scene.programs.begin(), scene.programs.end(), sees_view)) return relight();
   learn_sky_anew();
-  camera_tracer_ = std::make_unique<CameraTracer>(scene, *lights_, *camera_, hash_combine(options.seed, 2));
+  camera_tracer_ =
+      std::make_unique<CameraTracer>(scene, *lights_, *camera_, hash_combine(options.seed, 2));
   for (const auto& layer : layers_) {
     layer->before = layer->tracer->counts();
     layer->pilot = {};
@@ -55,21 +60,25 @@ void Renderer::begin_again() {
 void Renderer::trace_store(uint64_t paths, size_t most_bytes) {
   selected();
   for (const auto& layer : layers_) {
-    if (!layer->store) layer->store.emplace(scene, *lights_, options.max_bounces, layer->stream, hash_combine(layer->seed, 5));
+    if (!layer->store)
+      layer->store.emplace(scene, *lights_, options.max_bounces, layer->stream,
+                           hash_combine(layer->seed, 5));
     layer->store->trace(paths, most_bytes / layers_.size(), cancel_);
   }
 }
 
 void Renderer::draw_store() {
   for (const auto& layer : layers_)
-    if (!layer->store || !layer->store->radii()) throw std::logic_error("trace_store() comes before draw_store()");
+    if (!layer->store || !layer->store->radii())
+      throw std::logic_error("trace_store() comes before draw_store()");
   set_view();
   trace_records(0);
   for (const auto& layer : layers_) {
     const PhotonStore& store = *layer->store;
     PointSettings s;
     s.photons_per_disc = kStoreMore * layer->photons_per_disc;
-    const double paths = static_cast<double>(store.paths()), photons = static_cast<double>(store.photons().size());
+    const double paths = static_cast<double>(store.paths()),
+                 photons = static_cast<double>(store.photons().size());
     s.paths_per_pass = paths * std::min(1.0, kStorePhotons / std::max(photons, 1.0));
     s.radius_factor = options.radius_scale;
     s.spacing = options.point_spacing;
@@ -77,7 +86,8 @@ void Renderer::draw_store() {
     s.caustics = layer->stream == PhotonStream::kCaustic;
     s.steady = true;
     layer->points.build(scene, *records_, *store.radii(), s, 0, layer->seed, cancel_);
-    layer->group_sums.assign(layer->points.blocks().size() * scene.light_groups, GroupSums{});  // all of the light is the rest
+    // All of the light is the rest
+    layer->group_sums.assign(layer->points.blocks().size() * scene.light_groups, GroupSums{});
     if (options.boundary_correction) layer->points.correct_boundaries(scene, cancel_);
     layer->splatter->set_blocks(layer->points.block_bounds());
     layer->splatter->splat(store.photons(), layer->points.blocks(), scene.pool(), cancel_);

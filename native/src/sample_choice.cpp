@@ -6,20 +6,25 @@
 namespace photon_splat {
 namespace {
 
-constexpr int kReach = 2;           // pixels around one that tell after one sample
-constexpr float kFurther = 0.1f;    // weight of those that are not next to it
-constexpr double kMost = 256;       // samples of a pixel in one pass
-constexpr double kMostMean = 3;     // of all pixels: passes stay short
-constexpr double kOutlier = 100;    // times the mean deviation: more counts as that much
+constexpr int kReach = 2;         // pixels around one that tell after one sample
+constexpr float kFurther = 0.1f;  // weight of those that are not next to it
+constexpr double kMost = 256;     // samples of a pixel in one pass
+constexpr double kMostMean = 3;   // of all pixels: passes stay short
+constexpr double kOutlier = 100;  // times the mean deviation: more counts as that much
 constexpr double kLeastWork = 0.05;
-constexpr double kWithBlur = 1.5;    // times the variance of photons is their squared error, where radii balance the two: see RadiusChoice
-// Variance of low-discrepancy samples over that of random ones: before it is known, and the smallest that is believed.
+// Times the variance of photons is their squared error, where radii balance the two: see
+// RadiusChoice
+constexpr double kWithBlur = 1.5;
+// Variance of low-discrepancy samples over that of random ones: before it is known, and the
+// smallest that is believed.
 constexpr double kUsualOrder = 0.5, kBestOrder = 0.05;
 
 float known(float variance) { return variance < 1e30f ? variance : 0; }
 
 // Powers of two, the nearest in ratio.
-uint32_t rounded(double samples, double least) { return std::bit_floor(static_cast<uint32_t>(std::clamp(samples, least, kMost) * std::sqrt(2.0))); }
+uint32_t rounded(double samples, double least) {
+  return std::bit_floor(static_cast<uint32_t>(std::clamp(samples, least, kMost) * std::sqrt(2.0)));
+}
 
 }  // namespace
 
@@ -73,10 +78,14 @@ void SampleChoice::see(const PackedFilm& pass, Moments& moments, ThreadPool& poo
 }
 
 double SampleChoice::mean_count() const {
-  return count_.empty() ? 1 : std::accumulate(count_.begin(), count_.end(), 0.0) / static_cast<double>(count_.size());
+  return count_.empty() ? 1
+                        : std::accumulate(count_.begin(), count_.end(), 0.0) /
+                              static_cast<double>(count_.size());
 }
 
-void SampleChoice::see_camera(const PackedFilm& pass, ThreadPool& pool) { see(pass, camera_, pool); }
+void SampleChoice::see_camera(const PackedFilm& pass, ThreadPool& pool) {
+  see(pass, camera_, pool);
+}
 
 double SampleChoice::photon_count() const {
   double first = 0, next = 0;
@@ -95,7 +104,8 @@ void SampleChoice::end_pass(const PackedFilm& pass, const PassWork& work, Thread
     pass.see(t, sums);
     pass.each(t, [&](size_t i, size_t place) {
       samples_[i] += sums.samples[place];
-      for (const PhotonSet& set : photons_) by_photons_[i] += sums.samples[place] * set.noise[i] * set.noise[i];
+      for (const PhotonSet& set : photons_)
+        by_photons_[i] += sums.samples[place] * set.noise[i] * set.noise[i];
       extra_[i] += count_[i] - 1u;
     });
   });
@@ -126,26 +136,30 @@ void SampleChoice::begin_pass(ThreadPool& pool) {
   to_choose_ = false;
 }
 
-// Of one sample, as the eight pixels around tell. The pixel's own samples have no say: what is bright by chance would get more company
-// than what is dark by chance, and the mean come out too dark. What edges do to the light of photons counts as well.
+// Of one sample, as the eight pixels around tell. The pixel's own samples have no say: what is
+// bright by chance would get more company than what is dark by chance, and the mean come out too
+// dark. What edges do to the light of photons counts as well.
 std::vector<float> SampleChoice::deviations(ThreadPool& pool) const {
   std::vector<float> own(samples_.size()), result(samples_.size());
   const CancelFlag never;
   pool.for_each(static_cast<size_t>(height_), never, [&](size_t row, int) {
     for (size_t i = row * width_; i < (row + 1) * width_; ++i) {
       const float samples = std::max(samples_[i], 1.0f), passes = static_cast<float>(passes_);
-      const float all = known(all_.variance(i, samples, passes)), camera = known(camera_.variance(i, samples, passes));
+      const float all = known(all_.variance(i, samples, passes)),
+                  camera = known(camera_.variance(i, samples, passes));
       own[i] = std::max(camera, all - known(by_photons_[i] / passes));
     }
   });
   pool.for_each(static_cast<size_t>(height_), never, [&](size_t row, int) {
-    const int top = std::max(static_cast<int>(row) - 1, 0), bottom = std::min(static_cast<int>(row) + 1, height_ - 1);
+    const int top = std::max(static_cast<int>(row) - 1, 0),
+              bottom = std::min(static_cast<int>(row) + 1, height_ - 1);
     for (int x = 0; x < width_; ++x) {
       const int left = std::max(x - 1, 0), right = std::min(x + 1, width_ - 1);
       float sum = 0;
       for (int y = top; y <= bottom; ++y)
         for (int at = left; at <= right; ++at)
-          if (at != x || y != static_cast<int>(row)) sum += own[static_cast<size_t>(y) * width_ + at];
+          if (at != x || y != static_cast<int>(row))
+            sum += own[static_cast<size_t>(y) * width_ + at];
       const int count = (bottom - top + 1) * (right - left + 1) - 1;
       result[row * width_ + x] = count ? std::sqrt(sum / static_cast<float>(count)) : 0;
     }
@@ -153,14 +167,17 @@ std::vector<float> SampleChoice::deviations(ThreadPool& pool) const {
   return result;
 }
 
-// The same after one sample of each pixel: as those next to each other differ, at most two pixels away. What is seen only further than
-// one away counts little, but an edge that is as bright as a lamp is not to be missed. What photons add differs little so close by, but
-// at edges.
+// The same after one sample of each pixel: as those next to each other differ, at most two pixels
+// away. What is seen only further than one away counts little, but an edge that is as bright as a
+// lamp is not to be missed. What photons add differs little so close by, but at edges.
 std::vector<float> SampleChoice::first_deviations(ThreadPool& pool) const {
   const std::vector<float>& light = all_.sum;
   std::vector<float> across(light.size()), down(light.size()), result(light.size());
   const CancelFlag never;
-  const auto rows = [&](auto&& work) { pool.for_each(static_cast<size_t>(height_), never, [&](size_t row, int) { work(static_cast<int>(row)); }); };
+  const auto rows = [&](auto&& work) {
+    pool.for_each(static_cast<size_t>(height_), never,
+                  [&](size_t row, int) { work(static_cast<int>(row)); });
+  };
   const auto half_square = [](float a, float b) { return known(0.5f * (a - b) * (a - b)); };
   rows([&](int y) {  // each pixel and the next one of its row, or of the next row
     for (int x = 0; x < width_; ++x) {
@@ -212,7 +229,8 @@ void SampleChoice::choose(const std::vector<float>& deviations) {
   }
   const double relative_work = photon_work > 0 ? work_.samples / photon_work : 1;
   const double worth = std::sqrt(photons / pixels * std::max(relative_work, kLeastWork));
-  const double least = std::clamp(worth > 0 ? wanted / pixels / worth : kMost, 1.0, static_cast<double>(least_));
+  const double least =
+      std::clamp(worth > 0 ? wanted / pixels / worth : kMost, 1.0, static_cast<double>(least_));
   const double unit = std::max(worth, wanted / pixels / kMostMean);
   double remaining = 0;
   for (size_t i = 0; i < count_.size(); ++i) {
@@ -223,8 +241,8 @@ void SampleChoice::choose(const std::vector<float>& deviations) {
   choose_photons(limit, remaining * gain_of_order(deviations, limit));
 }
 
-// By how much the mean of low-discrepancy samples varies less than that of random ones with the same deviations, as the passes since
-// the last choice differ from those before it.
+// By how much the mean of low-discrepancy samples varies less than that of random ones with the
+// same deviations, as the passes since the last choice differ from those before it.
 double SampleChoice::gain_of_order(const std::vector<float>& deviations, double limit) {
   double found = 0, random = 0;
   if (passes_ > 1)
@@ -245,7 +263,10 @@ void SampleChoice::choose_photons(double limit, double camera_variance) {
   for (PhotonSet& set : photons_) {
     const double variance = set.variance(limit);
     if (!(set.work > 0)) continue;
-    const double wanted = variance > 0 ? std::sqrt(kWithBlur * variance / camera_variance * (others / set.unit_work())) : 0;
+    const double wanted =
+        variance > 0
+            ? std::sqrt(kWithBlur * variance / camera_variance * (others / set.unit_work()))
+            : 0;
     set.count = std::clamp(wanted, set.fewest, set.most);
   }
 }

@@ -10,33 +10,38 @@
 namespace photon_splat {
 namespace {
 
-bool report_progress(void* cancel, double) { return !static_cast<const CancelFlag*>(cancel)->is_set(); }
+bool report_progress(void* cancel, double) {
+  return !static_cast<const CancelFlag*>(cancel)->is_set();
+}
 
 RTCGeometry make_geometry(RTCDevice device, const Mesh& mesh) {
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
   // positions has one element more than the mesh: Embree may read 16 bytes at the last vertex.
-  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh.positions.data(), 0,
-                             sizeof(Vec3), mesh.positions.size() - 1);
-  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.triangles.data(), 0,
-                             sizeof(Triangle), mesh.triangles.size());
+  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                             mesh.positions.data(), 0, sizeof(Vec3), mesh.positions.size() - 1);
+  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                             mesh.triangles.data(), 0, sizeof(Triangle), mesh.triangles.size());
   rtcCommitGeometry(geometry);
   return geometry;
 }
 
 float largest_stretch(const Affine& a) {
-  // The Frobenius norm over sqrt(3) is exact for similarities; the longest column covers the rest well enough.
+  // The Frobenius norm over sqrt(3) is exact for similarities; the longest column covers the rest
+  // well enough.
   return std::max({length(a.column(0)), length(a.column(1)), length(a.column(2))});
 }
 
 Vec3 transform_exactly(const std::array<double, 12>& m, const Vec3& p) {
   const auto row = [&](int r) {
-    return static_cast<float>(m[4 * r] * p.x + m[4 * r + 1] * p.y + m[4 * r + 2] * p.z + m[4 * r + 3]);
+    return static_cast<float>(m[4 * r] * p.x + m[4 * r + 1] * p.y + m[4 * r + 2] * p.z +
+                              m[4 * r + 3]);
   };
   return {row(0), row(1), row(2)};
 }
 
 template <class Change>
-void change_all(LargeArray<Vec3>& values, ThreadPool& pool, const CancelFlag& cancel, Change&& change) {
+void change_all(LargeArray<Vec3>& values, ThreadPool& pool, const CancelFlag& cancel,
+                Change&& change) {
   pool.for_parts(values.size(), 1 << 14, cancel, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) change(values[i]);
   });
@@ -45,8 +50,10 @@ void change_all(LargeArray<Vec3>& values, ThreadPool& pool, const CancelFlag& ca
 }  // namespace
 
 Scene::Scene(int threads) : pool_(threads) {
-  // A thread count given to Embree limits TBB, and so Blender, while the device lives: given only when asked for.
-  const bool restricted = threads > 0 && static_cast<unsigned>(threads) < std::thread::hardware_concurrency();
+  // A thread count given to Embree limits TBB, and so Blender, while the device lives: given only
+  // when asked for.
+  const bool restricted =
+      threads > 0 && static_cast<unsigned>(threads) < std::thread::hardware_concurrency();
   const std::string n = std::to_string(pool_.size());
   device_ = rtcNewDevice(restricted ? ("threads=" + n + ",user_threads=" + n).c_str() : nullptr);
   if (!device_) throw std::runtime_error("Embree could not be started");
@@ -60,8 +67,10 @@ Scene::~Scene() {
   rtcReleaseDevice(device_);
 }
 
-void Scene::add_instance(uint32_t mesh, const std::array<double, 12>& exact, const std::vector<int32_t>& slots) {
-  if (mesh >= meshes.size()) throw std::invalid_argument("an instance names a mesh that does not exist");
+void Scene::add_instance(uint32_t mesh, const std::array<double, 12>& exact,
+                         const std::vector<int32_t>& slots) {
+  if (mesh >= meshes.size())
+    throw std::invalid_argument("an instance names a mesh that does not exist");
   Affine to_world;
   for (int i = 0; i < 12; ++i) to_world.m[i] = static_cast<float>(exact[i]);
   Instance instance;
@@ -97,11 +106,13 @@ void Mesh::describe_surface(const CancelFlag& cancel) {
   surface_tree = std::make_unique<SurfaceTree>(positions, triangles, topology, cancel);
 }
 
-void Scene::commit(RTCScene scene, const CancelFlag& cancel, const std::function<void()>& meanwhile) {
+void Scene::commit(RTCScene scene, const CancelFlag& cancel,
+                   const std::function<void()>& meanwhile) {
   rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
   rtcSetSceneProgressMonitorFunction(scene, report_progress, const_cast<CancelFlag*>(&cancel));
   pool_.run_on_all([&](int worker) {
-    const bool begins = worker == pool_.size() - 1;  // one with Embree, the others with what can be done meanwhile
+    // One with Embree, the others with what can be done meanwhile
+    const bool begins = worker == pool_.size() - 1;
     if (!begins && meanwhile) meanwhile();
     rtcJoinCommitScene(scene);
     if (begins && meanwhile) meanwhile();
@@ -120,7 +131,8 @@ void Scene::build(const CancelFlag& cancel) {
     if (instance.shared) continue;
     Mesh& mesh = meshes[instance.mesh];
     cancel.check();
-    change_all(mesh.positions, pool_, cancel, [&](Vec3& p) { p = transform_exactly(instance.exact, p); });
+    change_all(mesh.positions, pool_, cancel,
+               [&](Vec3& p) { p = transform_exactly(instance.exact, p); });
     change_all(mesh.corner_normals, pool_, cancel, [&](Vec3& n) {
       const Vec3 world = instance.to_local.transposed_vector(n);
       const float len = length(world);
@@ -129,9 +141,11 @@ void Scene::build(const CancelFlag& cancel) {
     if (instance.mirrored) {  // restore the winding, so that the front stays the front
       for (size_t t = 0; t < mesh.triangles.size(); ++t) {
         std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
-        if (!mesh.corner_normals.empty()) std::swap(mesh.corner_normals[3 * t + 1], mesh.corner_normals[3 * t + 2]);
+        if (!mesh.corner_normals.empty())
+          std::swap(mesh.corner_normals[3 * t + 1], mesh.corner_normals[3 * t + 2]);
         if (!mesh.uv.empty()) std::swap(mesh.uv[3 * t + 1], mesh.uv[3 * t + 2]);
-        for (MeshAttribute& attribute : mesh.attributes) attribute.swap_corners(3 * t + 1, 3 * t + 2);
+        for (MeshAttribute& attribute : mesh.attributes)
+          attribute.swap_corners(3 * t + 1, 3 * t + 2);
       }
     }
     instance.to_world = instance.to_local = Affine{};
@@ -161,7 +175,8 @@ void Scene::build(const CancelFlag& cancel) {
       }
       geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_INSTANCE);
       rtcSetGeometryInstancedScene(geometry, inner);
-      rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, instance.to_world.m.data());
+      rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR,
+                              instance.to_world.m.data());
       if (limits_rays()) rtcSetGeometryMask(geometry, instance.seen_by);
       rtcCommitGeometry(geometry);
     } else {
@@ -200,13 +215,17 @@ void Scene::see_limits() {
   kinds_differ_ = first_kinds_differ_ = false;
   for (const Instance& instance : instances) {
     const RayMask seen_by = instance.seen_by, scattered = seen_by & kScatteredRays;
-    const auto same = [&](RayInfo::Kind a, RayInfo::Kind b) { return !(seen_by & ray_bit(a)) == !(seen_by & ray_bit(b)); };
+    const auto same = [&](RayInfo::Kind a, RayInfo::Kind b) {
+      return !(seen_by & ray_bit(a)) == !(seen_by & ray_bit(b));
+    };
     if (seen_by != kAllRays) any_ray_ = 0;
     kinds_differ_ |= scattered != 0 && scattered != kScatteredRays;
-    first_kinds_differ_ |= !same(RayInfo::kShadow, RayInfo::kGlossy) || !same(RayInfo::kShadow, RayInfo::kTransmission);
+    first_kinds_differ_ |= !same(RayInfo::kShadow, RayInfo::kGlossy) ||
+                           !same(RayInfo::kShadow, RayInfo::kTransmission);
   }
   if (limits_rays() && !rtcGetDeviceProperty(device_, RTC_DEVICE_PROPERTY_RAY_MASK_SUPPORTED))
-    throw std::runtime_error("this Embree has no ray masks, which the visibility of objects to rays needs");
+    throw std::runtime_error(
+        "this Embree has no ray masks, which the visibility of objects to rays needs");
 }
 
 void Scene::update_features() {
@@ -217,10 +236,11 @@ void Scene::update_features() {
   }
 }
 
-bool Scene::intersect(const Vec3& origin, const Vec3& direction, float near, float far, bool coherent, Surface& surface,
-                      RayMask kinds) const {
+bool Scene::intersect(const Vec3& origin, const Vec3& direction, float near, float far,
+                      bool coherent, Surface& surface, RayMask kinds) const {
   RTCRayHit hit;
-  hit.ray = {origin.x, origin.y, origin.z, near, direction.x, direction.y, direction.z, 0, far, kinds | any_ray_, 0, 0};
+  hit.ray = {origin.x, origin.y,         origin.z, near, direction.x, direction.y, direction.z, 0,
+             far,      kinds | any_ray_, 0,        0};
   hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   hit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
   RTCIntersectArguments arguments;
@@ -232,7 +252,8 @@ bool Scene::intersect(const Vec3& origin, const Vec3& direction, float near, flo
   const uint32_t instance = instanced ? hit.hit.instID[0] : hit.hit.geomID;
   Vec3 normal{hit.hit.Ng_x, hit.hit.Ng_y, hit.hit.Ng_z};
   if (instanced) normal = instances[instance].to_local.transposed_vector(normal);
-  fill_surface({instance, hit.hit.primID, hit.hit.u, hit.hit.v, hit.ray.tfar, origin + direction * hit.ray.tfar, normalize(normal)},
+  fill_surface({instance, hit.hit.primID, hit.hit.u, hit.hit.v, hit.ray.tfar,
+                origin + direction * hit.ray.tfar, normalize(normal)},
                direction, surface);
   return true;
 }
@@ -244,10 +265,12 @@ void Scene::make_lookups() {
   lookups_.clear();
   for (const Instance& instance : instances) {
     const Mesh& mesh = meshes[instance.mesh];
-    const bool flat = mesh.corner_normals.empty(), one_patch = mesh.topology.planar.size() == 1, one_slot = mesh.slots.empty();
-    lookups_.push_back({flat ? kNoNormals : mesh.corner_normals.data(), one_patch ? &kOnePatch : mesh.topology.patch.data(),
-                        one_slot ? &kOneSlot : mesh.slots.data(), flat ? 0 : ~0u, one_patch ? 0 : ~0u, one_slot ? 0 : ~0u, instance.seed,
-                        instance.shared});
+    const bool flat = mesh.corner_normals.empty(), one_patch = mesh.topology.planar.size() == 1,
+               one_slot = mesh.slots.empty();
+    lookups_.push_back({flat ? kNoNormals : mesh.corner_normals.data(),
+                        one_patch ? &kOnePatch : mesh.topology.patch.data(),
+                        one_slot ? &kOneSlot : mesh.slots.data(), flat ? 0 : ~0u,
+                        one_patch ? 0 : ~0u, one_slot ? 0 : ~0u, instance.seed, instance.shared});
   }
 }
 
@@ -259,7 +282,8 @@ inline void Scene::Lookup::fetch_ahead(uint32_t triangle) const {
 }
 
 inline uint32_t Scene::Lookup::key(uint32_t triangle, bool back) const {
-  // An odd multiplier keeps patches of one instance apart; the seed is random, so that those of others rarely meet.
+  // An odd multiplier keeps patches of one instance apart; the seed is random, so that those of
+  // others rarely meet.
   return ((seed ^ patches[triangle & patches_mask] * 0x9e3779b1u) << 1) | (back ? 1u : 0u);
 }
 
@@ -271,10 +295,12 @@ inline Vec3 Scene::smooth_normal(uint32_t index, uint32_t triangle, float u, flo
   return lookup.shared ? instances[index].to_local.transposed_vector(ns) : ns;
 }
 
-// Rays `place` and the next seven, as far as there are any. Normals are as Embree has them, of the instanced mesh where `back` says that
-// there is one; `instance` is RTC_INVALID_GEOMETRY_ID where nothing was met.
+// Rays `place` and the next seven, as far as there are any. Normals are as Embree has them, of the
+// instanced mesh where `back` says that there is one; `instance` is RTC_INVALID_GEOMETRY_ID where
+// nothing was met.
 void Scene::intersect_eight(const Rays& rays, uint32_t count, RayHits& hits, uint32_t place) const {
-  const auto take = [&](uint32_t k, uint32_t geometry, uint32_t instance, uint32_t triangle, float u, float v, float distance, const Vec3& normal) {
+  const auto take = [&](uint32_t k, uint32_t geometry, uint32_t instance, uint32_t triangle,
+                        float u, float v, float distance, const Vec3& normal) {
     hits.back[k] = instance != RTC_INVALID_GEOMETRY_ID;
     hits.instance[k] = hits.back[k] ? instance : geometry;
     hits.triangle[k] = triangle;
@@ -288,16 +314,30 @@ void Scene::intersect_eight(const Rays& rays, uint32_t count, RayHits& hits, uin
     for (uint32_t k = place; k < place + kPacket; ++k) {
       RTCRayHit hit{};
       const Vec3 d = rays.direction(k);
-      hit.ray = {rays.origin_x[k], rays.origin_y[k], rays.origin_z[k], 0, d.x, d.y, d.z, 0, INFINITY, rays.kinds ? rays.kinds[k] : kAllRays, 0, 0};
+      hit.ray = {rays.origin_x[k],
+                 rays.origin_y[k],
+                 rays.origin_z[k],
+                 0,
+                 d.x,
+                 d.y,
+                 d.z,
+                 0,
+                 INFINITY,
+                 rays.kinds ? rays.kinds[k] : kAllRays,
+                 0,
+                 0};
       hit.hit.geomID = hit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
       if (k < count) rtcIntersect1(top_, &hit, &arguments);
-      take(k, hit.hit.geomID, hit.hit.instID[0], hit.hit.primID, hit.hit.u, hit.hit.v, hit.ray.tfar, {hit.hit.Ng_x, hit.hit.Ng_y, hit.hit.Ng_z});
+      take(k, hit.hit.geomID, hit.hit.instID[0], hit.hit.primID, hit.hit.u, hit.hit.v, hit.ray.tfar,
+           {hit.hit.Ng_x, hit.hit.Ng_y, hit.hit.Ng_z});
     }
     return;
   }
   alignas(64) RTCRayHit8 hit;
   alignas(64) int valid[kPacket];
-  const auto copy = [place](const float* from, float* to) { std::copy_n(from + place, kPacket, to); };
+  const auto copy = [place](const float* from, float* to) {
+    std::copy_n(from + place, kPacket, to);
+  };
   copy(rays.origin_x, hit.ray.org_x);
   copy(rays.origin_y, hit.ray.org_y);
   copy(rays.origin_z, hit.ray.org_z);
@@ -317,16 +357,18 @@ void Scene::intersect_eight(const Rays& rays, uint32_t count, RayHits& hits, uin
   }
   rtcIntersect8(valid, top_, &hit, &arguments);
   for (uint32_t k = 0; k < kPacket; ++k)
-    take(place + k, hit.hit.geomID[k], hit.hit.instID[0][k], hit.hit.primID[k], hit.hit.u[k], hit.hit.v[k], hit.ray.tfar[k],
-         {hit.hit.Ng_x[k], hit.hit.Ng_y[k], hit.hit.Ng_z[k]});
+    take(place + k, hit.hit.geomID[k], hit.hit.instID[0][k], hit.hit.primID[k], hit.hit.u[k],
+         hit.hit.v[k], hit.ray.tfar[k], {hit.hit.Ng_x[k], hit.hit.Ng_y[k], hit.hit.Ng_z[k]});
 }
 
 unsigned Scene::intersect(const Rays& rays, uint32_t count, RayHits& hits) const {
   constexpr uint32_t kMost = RayHits::kMost;
   static_assert(kMost % kPacket == 0);
   for (uint32_t place = 0; place < kMost; place += kPacket) {
-    if (place < count) intersect_eight(rays, count, hits, place);
-    else std::fill_n(hits.instance + place, kPacket, RTC_INVALID_GEOMETRY_ID);
+    if (place < count)
+      intersect_eight(rays, count, hits, place);
+    else
+      std::fill_n(hits.instance + place, kPacket, RTC_INVALID_GEOMETRY_ID);
   }
   unsigned found = 0;
   for (uint32_t k = 0; k < kMost; ++k) {
@@ -334,7 +376,8 @@ unsigned Scene::intersect(const Rays& rays, uint32_t count, RayHits& hits) const
     found |= 1u << k;
     lookups_[hits.instance[k]].fetch_ahead(hits.triangle[k]);
     if (!hits.back[k]) continue;
-    const Vec3 n = instances[hits.instance[k]].to_local.transposed_vector({hits.nx[k], hits.ny[k], hits.nz[k]});
+    const Vec3 n = instances[hits.instance[k]].to_local.transposed_vector(
+        {hits.nx[k], hits.ny[k], hits.nz[k]});
     hits.nx[k] = n.x, hits.ny[k] = n.y, hits.nz[k] = n.z;
   }
   // All side by side, those that missed as well.
@@ -355,14 +398,17 @@ unsigned Scene::intersect(const Rays& rays, uint32_t count, RayHits& hits) const
 unsigned Scene::plain_surfaces(const RayHits& hits, unsigned which, PlainSurfaces& out) const {
   unsigned plain = 0;
   for (unsigned rest = which; rest; rest &= rest - 1) {
-    const uint32_t k = static_cast<uint32_t>(std::countr_zero(rest)), instance = hits.instance[k], triangle = hits.triangle[k];
+    const uint32_t k = static_cast<uint32_t>(std::countr_zero(rest)), instance = hits.instance[k],
+                   triangle = hits.triangle[k];
     const Material& material = material_of(instance, triangle);
     if (material.program >= 0) continue;
     plain |= 1u << k;
     const MaterialSide& side = hits.back[k] ? material.back : material.front;
     const Vec3 n = smooth_normal(instance, triangle, hits.u[k], hits.v[k]);
     Rgb albedo = side.albedo;
-    if (side.albedo_texture >= 0) albedo *= textures[side.albedo_texture].lookup(uv_at(instance, triangle, hits.u[k], hits.v[k]));
+    if (side.albedo_texture >= 0)
+      albedo *=
+          textures[side.albedo_texture].lookup(uv_at(instance, triangle, hits.u[k], hits.v[k]));
     out.nx[k] = n.x, out.ny[k] = n.y, out.nz[k] = n.z;
     out.red[k] = albedo.x, out.green[k] = albedo.y, out.blue[k] = albedo.z;
     out.key[k] = lookups_[instance].key(triangle, hits.back[k]);
@@ -373,30 +419,39 @@ unsigned Scene::plain_surfaces(const RayHits& hits, unsigned which, PlainSurface
 Surface Scene::surface_of(const RayHits& hits, uint32_t k, const Vec3& direction) const {
   const Vec3 n{hits.nx[k], hits.ny[k], hits.nz[k]};
   Surface s;
-  fill_surface({hits.instance[k], hits.triangle[k], hits.u[k], hits.v[k], hits.distance[k], {hits.x[k], hits.y[k], hits.z[k]},
+  fill_surface({hits.instance[k],
+                hits.triangle[k],
+                hits.u[k],
+                hits.v[k],
+                hits.distance[k],
+                {hits.x[k], hits.y[k], hits.z[k]},
                 hits.back[k] ? -n : n},
                direction, s);
   return s;
 }
 
-unsigned Scene::intersect_packet(const Vec3* origins, const Vec3* directions, uint32_t count, Surface* surfaces,
-                                 RayMask kinds) const {
+unsigned Scene::intersect_packet(const Vec3* origins, const Vec3* directions, uint32_t count,
+                                 Surface* surfaces, RayMask kinds) const {
   alignas(64) float ray[6][RayHits::kMost] = {};
   for (uint32_t k = 0; k < count; ++k) {
-    const float all[6] = {origins[k].x, origins[k].y, origins[k].z, directions[k].x, directions[k].y, directions[k].z};
+    const float all[6] = {origins[k].x,    origins[k].y,    origins[k].z,
+                          directions[k].x, directions[k].y, directions[k].z};
     for (int i = 0; i < 6; ++i) ray[i][k] = all[i];
   }
   RayMask masks[RayHits::kMost];
   std::fill_n(masks, RayHits::kMost, kinds | any_ray_);
   RayHits hits;
-  const unsigned found = intersect({ray[0], ray[1], ray[2], ray[3], ray[4], ray[5], masks}, count, hits);
+  const unsigned found =
+      intersect({ray[0], ray[1], ray[2], ray[3], ray[4], ray[5], masks}, count, hits);
   for (uint32_t k = 0; k < count; ++k)
     if (found >> k & 1) surfaces[k] = surface_of(hits, k, directions[k]);
   return found;
 }
 
-bool Scene::occluded(const Vec3& origin, const Vec3& direction, float near, float far, RayMask kinds) const {
-  RTCRay ray{origin.x, origin.y, origin.z, near, direction.x, direction.y, direction.z, 0, far, kinds | any_ray_, 0, 0};
+bool Scene::occluded(const Vec3& origin, const Vec3& direction, float near, float far,
+                     RayMask kinds) const {
+  RTCRay ray{origin.x, origin.y,         origin.z, near, direction.x, direction.y, direction.z, 0,
+             far,      kinds | any_ray_, 0,        0};
   RTCOccludedArguments arguments;
   rtcInitOccludedArguments(&arguments);
   arguments.flags = RTC_RAY_QUERY_FLAG_INCOHERENT;
@@ -404,10 +459,12 @@ bool Scene::occluded(const Vec3& origin, const Vec3& direction, float near, floa
   return ray.tfar < 0;
 }
 
-unsigned Scene::occluded_packet(const Vec3* origins, uint32_t count, const Vec3& direction, float far, RayMask kinds) const {
+unsigned Scene::occluded_packet(const Vec3* origins, uint32_t count, const Vec3& direction,
+                                float far, RayMask kinds) const {
   unsigned found = 0;
   if (!packets_) {
-    for (uint32_t k = 0; k < count; ++k) found |= unsigned(occluded(origins[k], direction, 0, far, kinds)) << k;
+    for (uint32_t k = 0; k < count; ++k)
+      found |= unsigned(occluded(origins[k], direction, 0, far, kinds)) << k;
     return found;
   }
   alignas(64) RTCRay8 ray;
@@ -415,8 +472,12 @@ unsigned Scene::occluded_packet(const Vec3* origins, uint32_t count, const Vec3&
   for (uint32_t k = 0; k < kPacket; ++k) {
     const Vec3& origin = origins[std::min(k, count - 1)];
     valid[k] = k < count ? -1 : 0;
-    ray.org_x[k] = origin.x; ray.org_y[k] = origin.y; ray.org_z[k] = origin.z;
-    ray.dir_x[k] = direction.x; ray.dir_y[k] = direction.y; ray.dir_z[k] = direction.z;
+    ray.org_x[k] = origin.x;
+    ray.org_y[k] = origin.y;
+    ray.org_z[k] = origin.z;
+    ray.dir_x[k] = direction.x;
+    ray.dir_y[k] = direction.y;
+    ray.dir_z[k] = direction.z;
     ray.tnear[k] = ray.time[k] = 0;
     ray.tfar[k] = far;
     ray.mask[k] = kinds | any_ray_;
@@ -476,8 +537,9 @@ Surface Scene::surface_at(uint32_t index, uint32_t triangle, float u, float v, b
   const Vec3 normal = cross(ab, ac);
   const Vec3 front = instance.shared ? instance.to_local.transposed_vector(normal) : normal;
   Surface s;
-  fill_surface({index, triangle, u, v, 0, instance.to_world.point(a + ab * u + ac * v), normalize(front)},
-               normalize(back ? front : -front), s);
+  fill_surface(
+      {index, triangle, u, v, 0, instance.to_world.point(a + ab * u + ac * v), normalize(front)},
+      normalize(back ? front : -front), s);
   return s;
 }
 
@@ -512,8 +574,8 @@ void Scene::shade(const Surface& s, const Vec3& wo, const RayInfo& ray, Bsdf& bs
   bsdf.finish();
 }
 
-Rgb Scene::emission_at(const Material& material, uint32_t instance, uint32_t triangle, float u, float v, bool back,
-                       const Vec3& wo) const {
+Rgb Scene::emission_at(const Material& material, uint32_t instance, uint32_t triangle, float u,
+                       float v, bool back, const Vec3& wo) const {
   const MaterialSide& side = back ? material.back : material.front;
   if (material.program < 0 && side.emission_texture < 0) return side.emission;
   return emission(surface_at(instance, triangle, u, v, back), wo, {RayInfo::kEmission});
@@ -527,7 +589,8 @@ Rgb Scene::emission(const Surface& s, const Vec3& wo, const RayInfo& ray) const 
   return bsdf.emission();
 }
 
-Rgb Scene::transmittance(const Vec3& origin, const Vec3& direction, float far, const RayInfo& ray, uint64_t blockers) const {
+Rgb Scene::transmittance(const Vec3& origin, const Vec3& direction, float far, const RayInfo& ray,
+                         uint64_t blockers) const {
   constexpr RayMask kShadow = ray_bit(RayInfo::kShadow);
   if (!blockers || !occluded(origin, direction, 0, far, kShadow)) return {1, 1, 1};
   if (!~blockers && !(features_ & kProgramTransparent)) return {};
@@ -552,7 +615,8 @@ Rgb Scene::transmittance(const Vec3& origin, const Vec3& direction, float far, c
 const Material& Scene::material_of(uint32_t instance_index, uint32_t triangle) const {
   const Instance& instance = instances[instance_index];
   const Lookup& lookup = lookups_[instance_index];
-  const uint32_t slot = std::min<uint32_t>(lookup.slots[triangle & lookup.slots_mask], instance.slot_count - 1);
+  const uint32_t slot =
+      std::min<uint32_t>(lookup.slots[triangle & lookup.slots_mask], instance.slot_count - 1);
   return materials[slot_materials[instance.first_material + slot]];
 }
 

@@ -6,7 +6,8 @@
 
 namespace photon_splat {
 
-// Cells of surfaces, each a fourth to a half as wide as it is far from the middle of what is seen, or as half of that reaches.
+// Cells of surfaces, each a fourth to a half as wide as it is far from the middle of what is seen,
+// or as half of that reaches.
 class SeenPlaces {
  public:
   SeenPlaces(const Vec3& middle, float reach) : middle_(middle), reach_(reach) {}
@@ -17,7 +18,8 @@ class SeenPlaces {
 
  private:
   uint32_t cell(uint32_t key, const Vec3& x) const {
-    return static_cast<uint32_t>(ClearRegions::region(key, x, kWidth * std::max(length(x - middle_), reach_)) >> 32);
+    return static_cast<uint32_t>(
+        ClearRegions::region(key, x, kWidth * std::max(length(x - middle_), reach_)) >> 32);
   }
   static constexpr float kWidth = 0.25f;
 

@@ -6,13 +6,16 @@
 namespace photon_splat {
 namespace {
 
-constexpr float kCells = 16;               // along the longest side of what the camera sees
-constexpr uint64_t kCoarser = 4;           // from level to level
-constexpr uint32_t kEnough = 24;           // sightings of the world before a histogram is believed
-constexpr float kFree = 0.5f;              // of a surface's rays meet the world: their own sampling is good enough
-constexpr float kContrast = 0.3f;          // of a world: from here on a guide helps there, too
-constexpr float kOwn = 0.5f;               // of a sighting's weight goes to its part, the rest to the four around it
-constexpr double kDoubt = 32;              // sightings' worth of what the environment alone would draw
+constexpr float kCells = 16;      // along the longest side of what the camera sees
+constexpr uint64_t kCoarser = 4;  // from level to level
+constexpr uint32_t kEnough = 24;  // sightings of the world before a histogram is believed
+// Of a surface's rays meet the world: their own sampling is good enough
+constexpr float kFree = 0.5f;
+constexpr float kContrast = 0.3f;  // of a world: from here on a guide helps there, too
+// Of a sighting's weight goes to its part, the rest to the four around it
+constexpr float kOwn = 0.5f;
+// sightings' worth of what the environment alone would draw
+constexpr double kDoubt = 32;
 
 }  // namespace
 
@@ -26,13 +29,19 @@ Environment::Sample SkyGuide::Cell::sample(const Environment& environment, const
   return environment.sample_part(part, {within(part ? cdf_[part - 1] : 0, cdf_[part], u.x), u.y});
 }
 
-float SkyGuide::Cell::pdf(const Environment& environment, const Environment::Density& density) const {
-  return environment.pdf_by_parts([this](int part) {
-    return part == Environment::kDiscs ? 1 - cdf_[part - 1] : cdf_[part] - (part ? cdf_[part - 1] : 0);
-  }, density);
+float SkyGuide::Cell::pdf(const Environment& environment,
+                          const Environment::Density& density) const {
+  return environment.pdf_by_parts(
+      [this](int part) {
+        return part == Environment::kDiscs ? 1 - cdf_[part - 1]
+                                           : cdf_[part] - (part ? cdf_[part - 1] : 0);
+      },
+      density);
 }
 
-void SkyGuide::learn(const std::vector<Sighting>& sightings) { waiting_.insert(waiting_.end(), sightings.begin(), sightings.end()); }
+void SkyGuide::learn(const std::vector<Sighting>& sightings) {
+  waiting_.insert(waiting_.end(), sightings.begin(), sightings.end());
+}
 
 uint64_t SkyGuide::key(int level, const Vec3& x, const Vec3& n) const {
   const auto along = [&](float at, float low) {
@@ -82,13 +91,15 @@ void SkyGuide::add(Found& cell, const Sighting& s) const {
     cell.sums[part] += s.weight;
     return;
   }
-  // What is seen beside the sun says nothing of the sun, and what is seen of the sun little of the sky beside it.
+  // What is seen beside the sun says nothing of the sun, and what is seen of the sun little of the
+  // sky beside it.
   const float share = environment_->part_share(part);
   cell.sums[part] += s.weight * kOwn;
   const auto give = [&](int band, int sector) {
     const int other = std::clamp(band, 0, DirectionTable::kBands - 1) * DirectionTable::kSectors +
                       (sector + DirectionTable::kSectors) % DirectionTable::kSectors;
-    const float given = s.weight * (1 - kOwn) / 4, kept = share > 0 ? std::min(1.0f, environment_->part_share(other) / share) : 1;
+    const float given = s.weight * (1 - kOwn) / 4,
+                kept = share > 0 ? std::min(1.0f, environment_->part_share(other) / share) : 1;
     cell.sums[other] += given * kept;
     cell.sums[part] += given * (1 - kept);
   };
@@ -102,7 +113,8 @@ void SkyGuide::add(Found& cell, const Sighting& s) const {
 void SkyGuide::end_pass() {
   if (!learning()) return;
   ++passes_;
-  if (!(scale_[0] > 0) && !waiting_.empty()) {  // cells fit what the first pass has seen; what lies outside shares the outermost ones
+  // Cells fit what the first pass has seen; what lies outside shares the outermost ones
+  if (!(scale_[0] > 0) && !waiting_.empty()) {
     low_ = waiting_.front().x;
     Vec3 high = low_;
     for (const Sighting& s : waiting_) {
@@ -137,7 +149,9 @@ int32_t SkyGuide::believe(const Found& cell, bool uneven) {
   const bool hidden = static_cast<float>(cell.seen) < kFree * static_cast<float>(cell.rays);
   if (!(total > 0) || !(uneven || hidden)) return kNoGuide;
   const double doubt = kDoubt / (kDoubt + cell.found);
-  const auto share = [&](int part) { return (1 - doubt) * cell.sums[part] / total + doubt * environment_->part_share(part); };
+  const auto share = [&](int part) {
+    return (1 - doubt) * cell.sums[part] / total + doubt * environment_->part_share(part);
+  };
   const double discs = share(Environment::kDiscs);
   Cell& made = cells_.emplace_back();
   double sum = 0;
@@ -166,7 +180,8 @@ int32_t SkyGuide::look_up(int level, uint64_t key) const {
 const SkyGuide::Cell* SkyGuide::find(const Vec3& x, const Vec3& n) const {
   if (cells_.empty()) return nullptr;
   for (int level = 0; level < kLevels; ++level)
-    if (const int32_t cell = look_up(level, key(level, x, n)); cell != kUnknown) return cell >= 0 ? &cells_[cell] : nullptr;
+    if (const int32_t cell = look_up(level, key(level, x, n)); cell != kUnknown)
+      return cell >= 0 ? &cells_[cell] : nullptr;
   return nullptr;
 }
 

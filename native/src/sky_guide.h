@@ -1,4 +1,5 @@
-// Where the world is seen from: directions in which camera paths have found it, place by place, so that later ones look there.
+// Where the world is seen from: directions in which camera paths have found it, place by place, so
+// that later ones look there.
 #pragma once
 
 #include <unordered_map>
@@ -8,14 +9,16 @@
 
 namespace photon_splat {
 
-// An even sky through a window is found by few of the rays that surfaces send out, and a small sun in an image is wasted on walls in
-// shadow. What rays and light samples have found is kept in cells of space and of the surface's orientation, as an estimate of radiance
-// times cosine times visibility in each part of the environment; within a part directions are drawn as the environment draws them. It
-// is learnt between passes and fixed during them.
+// An even sky through a window is found by few of the rays that surfaces send out, and a small sun
+// in an image is wasted on walls in shadow. What rays and light samples have found is kept in cells
+// of space and of the surface's orientation, as an estimate of radiance times cosine times
+// visibility in each part of the environment; within a part directions are drawn as the environment
+// draws them. It is learnt between passes and fixed during them.
 class SkyGuide {
  public:
-  // What was met in a direction from the place x, of unit normal n (0: any). weight: its radiance times cosine over the density it
-  // was found with, 0 where something stood in the way. ray: found by the surface's own sampling.
+  // What was met in a direction from the place x, of unit normal n (0: any). weight: its radiance
+  // times cosine over the density it was found with, 0 where something stood in the way. ray: found
+  // by the surface's own sampling.
   struct Sighting {
     Vec3 x, n, direction;
     float weight;
@@ -25,11 +28,13 @@ class SkyGuide {
   class alignas(64) Cell {
    public:
     Environment::Sample sample(const Environment& environment, const Vec2& u) const;
-    float pdf(const Environment& environment, const Environment::Density& density) const;  // solid angle
+    // Solid angle
+    float pdf(const Environment& environment, const Environment::Density& density) const;
 
    private:
     friend class SkyGuide;
-    float band_cdf_[DirectionTable::kBands];   // the patches' share of all up to the end of each band; what is left is the discs'
+    // The patches' share of all up to the end of each band; what is left is the discs'
+    float band_cdf_[DirectionTable::kBands];
     float cdf_[DirectionTable::kPatches];
   };
 
@@ -43,7 +48,8 @@ class SkyGuide {
   void learn(const std::vector<Sighting>& sightings);
   void end_pass();
 
-  // None where the guide knows too little, or where so even a world is seen so freely that no guide is needed.
+  // None where the guide knows too little, or where so even a world is seen so freely that no guide
+  // is needed.
   const Cell* find(const Vec3& x, const Vec3& n) const;
 
  private:
@@ -51,8 +57,9 @@ class SkyGuide {
   static constexpr int kLevels = 3;
   // What has been found, and what directions are drawn by.
   struct Found {
-    std::vector<float> sums;                 // by part; none before anything is found
-    uint32_t rays = 0, seen = 0, found = 0;  // of the surface's own; those of them that met the world; all that did
+    std::vector<float> sums;  // by part; none before anything is found
+    // Of the surface's own; those of them that met the world; all that did
+    uint32_t rays = 0, seen = 0, found = 0;
   };
   // Cells by their keys, to be looked up.
   struct Slot {
@@ -64,14 +71,16 @@ class SkyGuide {
   static uint64_t parent_of(uint64_t key);  // one level up
   void add(Found& cell, const Sighting& s) const;
   void join_levels();
-  int32_t believe(const Found& cell, bool uneven);  // makes a distribution of what it has found, if that is enough
+  // Makes a distribution of what it has found, if that is enough
+  int32_t believe(const Found& cell, bool uneven);
   void keep(int level, uint64_t key, int32_t cell);
   int32_t look_up(int level, uint64_t key) const;
 
   const Environment* environment_ = nullptr;
   uint32_t passes_ = 0;
   Vec3 low_{};
-  float scale_[kLevels] = {};      // 1 over the edge of a level's cells, 1/m, the finest first; 0: nothing learnt yet
+  // 1 over the edge of a level's cells, 1/m, the finest first; 0: nothing learnt yet
+  float scale_[kLevels] = {};
   std::vector<Sighting> waiting_;  // of the pass
   std::unordered_map<uint64_t, Found> found_[kLevels];
   std::vector<Cell> cells_;

@@ -1,23 +1,25 @@
-// Light scattered once on its way from the sun to the eye (Nishita et al. 1993), at 21 wavelengths, in the Earth's atmosphere
-// of air, aerosols and ozone. Constants are those of Blender's Sky Texture, so that pictures agree.
+// Light scattered once on its way from the sun to the eye (Nishita et al. 1993), at 21 wavelengths,
+// in the Earth's atmosphere of air, aerosols and ozone. Constants are those of Blender's Sky
+// Texture, so that pictures agree.
 #include "sky_table.h"
 
 namespace photon_splat {
 namespace {
 
-constexpr float kEarth = 6360e3f, kAtmosphere = 6420e3f;         // radii, m
-constexpr float kAirScale = 8e3f, kAerosolScale = 1.2e3f;        // heights over which densities fall to 1/e, m
-constexpr float kAerosolScattering = 2e-5f;                      // 1/m at sea level
+constexpr float kEarth = 6360e3f, kAtmosphere = 6420e3f;  // radii, m
+// Heights over which densities fall to 1/e, m
+constexpr float kAirScale = 8e3f, kAerosolScale = 1.2e3f;
+constexpr float kAerosolScattering = 2e-5f;  // 1/m at sea level
 constexpr float kAerosolExtinction = 1.11f * kAerosolScattering;
 constexpr float kAnisotropy = 0.76f;
 constexpr int kSegments = 32;
-constexpr int kWavelengths = 21;                                 // 380 nm to 780 nm
-constexpr float kStep = 20;                                      // nm
+constexpr int kWavelengths = 21;  // 380 nm to 780 nm
+constexpr float kStep = 20;       // nm
 
 struct Wavelength {
-  float irradiance;   // of the sun outside the atmosphere, W/m^2/nm
-  float air, ozone;   // scattering and absorption at density 1, 1/m
-  Vec3 xyz;           // CIE 1931 colour matching functions
+  float irradiance;  // of the sun outside the atmosphere, W/m^2/nm
+  float air, ozone;  // scattering and absorption at density 1, 1/m
+  Vec3 xyz;          // CIE 1931 colour matching functions
 };
 constexpr Wavelength kSpectrum[kWavelengths] = {
     {1.45756830f, 5.42482009e-5f, 3.25126850e-9f, {0.001368f, 0.000039f, 0.006450001f}},
@@ -42,7 +44,8 @@ constexpr Wavelength kSpectrum[kWavelengths] = {
     {1.25174963f, 3.39051255e-6f, 1.48791293e-7f, {0.0001661505f, 0.00006f, 0}},
     {1.19975999f, 3.05591532e-6f, 1.68286234e-7f, {0.00004150994f, 0.00001499f, 0}}};
 
-// Gauss-Laguerre nodes of order 8 over 25, weights times e^node over 25: densities fall exponentially along a ray.
+// Gauss-Laguerre nodes of order 8 over 25, weights times e^node over 25: densities fall
+// exponentially along a ray.
 constexpr float kNodes[8] = {0.006811185292f, 0.03614807107f, 0.09004346519f, 0.1706680068f,
                              0.2818362161f,   0.4303406404f,  0.6296271457f,  0.9145252695f};
 constexpr float kWeights[8] = {0.01750893642f, 0.04135477391f, 0.06678839063f, 0.09507698807f,
@@ -62,7 +65,9 @@ float to_sphere(const Vec3& from, const Vec3& direction, float radius) {
 Vec3 depth_to_space(const Vec3& from, const Vec3& direction) {
   const float length_of_ray = to_sphere(from, direction, kAtmosphere);
   Vec3 depth{};
-  for (int i = 0; i < 8; ++i) depth += densities(length(from + direction * (kNodes[i] * length_of_ray)) - kEarth) * kWeights[i];
+  for (int i = 0; i < 8; ++i)
+    depth +=
+        densities(length(from + direction * (kNodes[i] * length_of_ray)) - kEarth) * kWeights[i];
   return depth * length_of_ray;
 }
 
@@ -79,7 +84,8 @@ Vec3 scattered_once(const SkySettings& s, const Vec3& direction, const Vec3& sun
   const float cosine = dot(direction, sun), g2 = kAnisotropy * kAnisotropy;
   const float air_phase = 3 / (16 * kPi) * (1 + cosine * cosine);
   const float aerosol_phase =
-      3 * (1 - g2) * (1 + cosine * cosine) / (8 * kPi * (2 + g2) * std::pow(1 + g2 - 2 * kAnisotropy * cosine, 1.5f));
+      3 * (1 - g2) * (1 + cosine * cosine) /
+      (8 * kPi * (2 + g2) * std::pow(1 + g2 - 2 * kAnisotropy * cosine, 1.5f));
   Vec3 depth{};
   float spectrum[kWavelengths] = {};
   for (int i = 0; i < kSegments; ++i) {
@@ -90,8 +96,11 @@ Vec3 scattered_once(const SkySettings& s, const Vec3& direction, const Vec3& sun
     const Vec3 whole = depth + scale * depth_to_space(at, sun);
     for (int w = 0; w < kWavelengths; ++w) {
       const Wavelength& l = kSpectrum[w];
-      const float through = std::exp(-(whole.x * l.air + whole.y * kAerosolExtinction + whole.z * l.ozone));
-      spectrum[w] += through * (air_phase * here.x * l.air + aerosol_phase * here.y * kAerosolScattering) * l.irradiance * step;
+      const float through =
+          std::exp(-(whole.x * l.air + whole.y * kAerosolExtinction + whole.z * l.ozone));
+      spectrum[w] += through *
+                     (air_phase * here.x * l.air + aerosol_phase * here.y * kAerosolScattering) *
+                     l.irradiance * step;
     }
   }
   Vec3 xyz{};
@@ -110,8 +119,10 @@ std::vector<Vec3> single_scattering_table(const SkySettings& s, ThreadPool& pool
     const float t = static_cast<float>(row) / half - 1, latitude = 0.5f * kPi * t * t;
     for (int column = 0; column < kSkyColumns / 2; ++column) {
       const float longitude = 2 * kPi / kSkyColumns * static_cast<float>(column) - kPi;
-      const Vec3 direction{std::cos(latitude) * std::cos(longitude), std::cos(latitude) * std::sin(longitude), std::sin(latitude)};
-      table[row * kSkyColumns + column] = table[row * kSkyColumns + kSkyColumns - 1 - column] = scattered_once(s, direction, sun);
+      const Vec3 direction{std::cos(latitude) * std::cos(longitude),
+                           std::cos(latitude) * std::sin(longitude), std::sin(latitude)};
+      table[row * kSkyColumns + column] = table[row * kSkyColumns + kSkyColumns - 1 - column] =
+          scattered_once(s, direction, sun);
     }
   });
   return table;
@@ -122,7 +133,9 @@ Vec3 single_scattering_sun(const SkySettings& s, float elevation, float solid_an
   const Vec3 depth = depth_to_space(eye(s), {std::cos(e), 0, std::sin(e)});
   Vec3 xyz{};
   for (const Wavelength& l : kSpectrum)
-    xyz += l.xyz * (l.irradiance * std::exp(-(l.air * depth.x * s.air + kAerosolExtinction * depth.y * s.aerosol)));
+    xyz +=
+        l.xyz * (l.irradiance *
+                 std::exp(-(l.air * depth.x * s.air + kAerosolExtinction * depth.y * s.aerosol)));
   return xyz * (kStep / solid_angle);
 }
 

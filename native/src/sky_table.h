@@ -7,7 +7,8 @@
 
 namespace photon_splat {
 
-inline constexpr int kSkyColumns = 512, kSkyRows = 256;  // of Blender's table: its interpolation is part of the look
+// Of Blender's table: its interpolation is part of the look
+inline constexpr int kSkyColumns = 512, kSkyRows = 256;
 
 // Rows from the nadir to the zenith, columns of longitude from -180 degrees; XYZ as a vector.
 std::vector<Vec3> single_scattering_table(const SkySettings& settings, ThreadPool& pool);

@@ -20,13 +20,17 @@ void sine_cosine(float x, float& sine, float& cosine) {
     return;
   }
   const float x2 = x * x;
-  sine = x * (1 + x2 * (-1.0f / 6 + x2 * (1.0f / 120 + x2 * (-1.0f / 5040 + x2 * (1.0f / 362880 - x2 / 39916800)))));
-  cosine = 1 + x2 * (-0.5f + x2 * (1.0f / 24 + x2 * (-1.0f / 720 + x2 * (1.0f / 40320 - x2 / 3628800))));
+  sine = x *
+         (1 + x2 * (-1.0f / 6 + x2 * (1.0f / 120 +
+                                      x2 * (-1.0f / 5040 + x2 * (1.0f / 362880 - x2 / 39916800)))));
+  cosine =
+      1 + x2 * (-0.5f + x2 * (1.0f / 24 + x2 * (-1.0f / 720 + x2 * (1.0f / 40320 - x2 / 3628800))));
 }
 
 }  // namespace
 
-// Solid angle by Van Oosterom & Strackee (1983); the triple product is taken of edges, so that small triangles keep their digits.
+// Solid angle by Van Oosterom & Strackee (1983); the triple product is taken of edges, so that
+// small triangles keep their digits.
 void SphericalTriangle::see(const Vec3& p0, const Vec3& p1, const Vec3& p2) {
   solid_angle_ = 0;
   const float l0 = length(p0), l1 = length(p1), l2 = length(p2);
@@ -40,17 +44,21 @@ void SphericalTriangle::see(const Vec3& p0, const Vec3& p1, const Vec3& p2) {
   if (!std::isfinite(solid_angle_)) solid_angle_ = 0;
 }
 
-// The first number cuts the triangle by an arc from b to a point between a and c that leaves that share of the area, the
-// second one picks a place on the arc.
+// The first number cuts the triangle by an arc from b to a point between a and c that leaves that
+// share of the area, the second one picks a place on the arc.
 Vec3 SphericalTriangle::sample(const Vec2& u) const {
   const Vec3 to_b = across(b_, a_), to_c = across(c_, a_);
-  const float cos_alpha = std::clamp(dot(to_b, to_c), -1.0f, 1.0f), sin_alpha = length(cross(to_b, to_c));
+  const float cos_alpha = std::clamp(dot(to_b, to_c), -1.0f, 1.0f),
+              sin_alpha = length(cross(to_b, to_c));
   float sine, cosine;
   sine_cosine(u.x * solid_angle_, sine, cosine);
-  const float s = sine * cos_alpha - cosine * sin_alpha, t = cosine * cos_alpha + sine * sin_alpha;  // of that less alpha
+  // Of that less alpha
+  const float s = sine * cos_alpha - cosine * sin_alpha, t = cosine * cos_alpha + sine * sin_alpha;
   const float along = t - cos_alpha, up = s + sin_alpha * dot(a_, b_);
   const float below = (up * s + along * t) * sin_alpha;
-  const float q = std::abs(below) > 1e-12f ? std::clamp(((up * t - along * s) * cos_alpha - up) / below, -1.0f, 1.0f) : 1;
+  const float q = std::abs(below) > 1e-12f
+                      ? std::clamp(((up * t - along * s) * cos_alpha - up) / below, -1.0f, 1.0f)
+                      : 1;
   const Vec3 cut = a_ * q + to_c * std::sqrt(std::max(0.0f, 1 - q * q));
   const float z = 1 - u.y * (1 - dot(cut, b_));
   return b_ * z + across(cut, b_) * std::sqrt(std::max(0.0f, 1 - z * z));

@@ -10,12 +10,14 @@ namespace photon_splat {
 namespace {
 
 constexpr float kRounded = 1.000001f;  // no photon within a disc is outside its bounds
-constexpr float kSafeAngle = 0.005f;   // radians, far more than rounding: where a normal's weight is taken to be full it is
+// Radians, far more than rounding: where a normal's weight is taken to be full it is
+constexpr float kSafeAngle = 0.005f;
 
 // Bit i: point i of a block, of the kPartSize from `first` on, catches something.
 uint64_t used_places(const PointBlock& block, uint32_t first) {
   uint64_t used = 0;
-  for (uint32_t i = first; i < first + kPartSize; ++i) used |= uint64_t{std::isfinite(block.inverse_h2[i])} << i;
+  for (uint32_t i = first; i < first + kPartSize; ++i)
+    used |= uint64_t{std::isfinite(block.inverse_h2[i])} << i;
   return used;
 }
 
@@ -38,14 +40,27 @@ SplatPart make_part(const PointBlock& block, uint32_t first, uint64_t places) {
     bounds.add(x + Vec3{h, h, h});
     sum = sum + normal(i);
   }
-  // Points whose normals are a from the axis at most: photons have the full weight whose normals are 60 degrees - a from it.
+  // Points whose normals are a from the axis at most: photons have the full weight whose normals
+  // are 60 degrees - a from it.
   const float size = length(sum);
   const Vec3 axis = size > 0 ? sum / size : Vec3{};
   float least = 1;
-  for (uint64_t left = places; left; left &= left - 1) least = std::min(least, dot(normal(static_cast<uint32_t>(std::countr_zero(left))), axis));
-  const float wide = std::acos(1 / kNormalWeightSlope) - std::acos(std::clamp(least, -1.0f, 1.0f)) - kSafeAngle;
-  return {bounds.lower.x, bounds.lower.y, bounds.lower.z, bounds.upper.x, bounds.upper.y, bounds.upper.z,
-          block.key[std::countr_zero(places)], first, axis.x, axis.y, axis.z, wide > 0 ? std::cos(wide) : INFINITY};
+  for (uint64_t left = places; left; left &= left - 1)
+    least = std::min(least, dot(normal(static_cast<uint32_t>(std::countr_zero(left))), axis));
+  const float wide =
+      std::acos(1 / kNormalWeightSlope) - std::acos(std::clamp(least, -1.0f, 1.0f)) - kSafeAngle;
+  return {bounds.lower.x,
+          bounds.lower.y,
+          bounds.lower.z,
+          bounds.upper.x,
+          bounds.upper.y,
+          bounds.upper.z,
+          block.key[std::countr_zero(places)],
+          first,
+          axis.x,
+          axis.y,
+          axis.z,
+          wide > 0 ? std::cos(wide) : INFINITY};
 }
 
 }  // namespace

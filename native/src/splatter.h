@@ -9,24 +9,28 @@
 
 namespace photon_splat {
 
-// The fastest kernel this machine runs, or the one asked for: "avx512", "avx2", "sse42", "generic", "" = fastest.
-// Throws std::invalid_argument for one that this machine or build does not have.
+// The fastest kernel this machine runs, or the one asked for: "avx512", "avx2", "sse42", "generic",
+// "" = fastest. Throws std::invalid_argument for one that this machine or build does not have.
 SplatKernel choose_kernel(const std::string& name, std::string* chosen = nullptr);
 
 class Splatter {
  public:
-  explicit Splatter(const std::string& kernel = "") : kernel_(choose_kernel(kernel, &kernel_name_)) {}
+  explicit Splatter(const std::string& kernel = "")
+      : kernel_(choose_kernel(kernel, &kernel_name_)) {}
 
   // Makes the search tree over block bounds (grown by kernel radii). Call after the points changed.
   void set_blocks(const std::vector<Bounds>& bounds);
 
-  // Adds photons to the sums of all blocks they may reach. They are sorted along a space-filling curve first, and search
-  // together in groups of neighbours; each block takes them in that order, so that the sums are the same for any number of threads.
-  void splat(const Photons& photons, PointBlocks& blocks, ThreadPool& pool, const CancelFlag& cancel);
+  // Adds photons to the sums of all blocks they may reach. They are sorted along a space-filling
+  // curve first, and search together in groups of neighbours; each block takes them in that order,
+  // so that the sums are the same for any number of threads.
+  void splat(const Photons& photons, PointBlocks& blocks, ThreadPool& pool,
+             const CancelFlag& cancel);
 
-  // Which photons each block may catch, for a splatter elsewhere: block b those of order()[first()[b] .. first()[b + 1]),
-  // ascending.
-  void find_pairs(const Photon* photons, size_t count, size_t block_count, ThreadPool& pool, const CancelFlag& cancel);
+  // Which photons each block may catch, for a splatter elsewhere: block b those of
+  // order()[first()[b] .. first()[b + 1]), ascending.
+  void find_pairs(const Photon* photons, size_t count, size_t block_count, ThreadPool& pool,
+                  const CancelFlag& cancel);
   const std::vector<uint32_t>& first() const { return first_; }
   const std::vector<uint32_t>& order() const { return order_; }
 
@@ -54,9 +58,10 @@ class Splatter {
 
   std::string kernel_name_;
   SplatKernel kernel_;
-  std::vector<std::vector<Node>> levels_;  // level 0: the blocks by fours; each further level the nodes of the one below
-  Bounds bounds_;                          // of all blocks
-  std::vector<Parts> parts_;               // of the blocks, or none yet
+  // Level 0: the blocks by fours; each further level the nodes of the one below
+  std::vector<std::vector<Node>> levels_;
+  Bounds bounds_;             // of all blocks
+  std::vector<Parts> parts_;  // of the blocks, or none yet
   std::vector<std::vector<Pair>> chunk_pairs_;
   std::vector<uint32_t> first_, order_;
   LargeArray<uint64_t> curve_, curve_scratch_;  // place on the curve and index of each photon

@@ -8,7 +8,8 @@
 namespace photon_splat {
 namespace {
 
-// Integrals over a surface of 1, position, position times its transpose, and normal; doubles, as variances are differences.
+// Integrals over a surface of 1, position, position times its transpose, and normal; doubles, as
+// variances are differences.
 struct Moments {
   double area = 0, first[3] = {}, second[6] = {}, normal[3] = {};
 
@@ -19,12 +20,14 @@ struct Moments {
   }
 };
 
-constexpr int kPlaceBits = 30;        // of place_in()
-constexpr size_t kUsedOfLeaf = 4;     // triangles in a leaf, about
+constexpr int kPlaceBits = 30;     // of place_in()
+constexpr size_t kUsedOfLeaf = 4;  // triangles in a leaf, about
 
-constexpr int kPairs[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}};  // axes of the entries of a symmetric matrix
+// Axes of the entries of a symmetric matrix
+constexpr int kPairs[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}};
 
-// Among 1,024 cells along the longest axis of the bounds, the same on all axes, for branches to be compact.
+// Among 1,024 cells along the longest axis of the bounds, the same on all axes, for branches to be
+// compact.
 uint64_t place_in(const Bounds& b, const Vec3& p) {
   const float size = max_component(b.upper - b.lower);
   const auto cell = [&](int axis) {
@@ -50,7 +53,8 @@ struct SurfaceTree::Builder {
 
   // About `origin`.
   Moments moments(uint32_t t, const Vec3& origin) const {
-    const Vec3 a = positions[triangles[t][0]] - origin, b = positions[triangles[t][1]] - origin, c = positions[triangles[t][2]] - origin;
+    const Vec3 a = positions[triangles[t][0]] - origin, b = positions[triangles[t][1]] - origin,
+               c = positions[triangles[t][2]] - origin;
     const Vec3 n = cross(b - a, c - a), sum = a + b + c;
     Moments m;
     m.area = 0.5 * length(n);
@@ -60,7 +64,9 @@ struct SurfaceTree::Builder {
     }
     for (int i = 0; i < 6; ++i) {
       const auto [p, q] = kPairs[i];
-      m.second[i] = m.area / 12 * (double(a[p]) * a[q] + double(b[p]) * b[q] + double(c[p]) * c[q] + double(sum[p]) * sum[q]);
+      m.second[i] = m.area / 12 *
+                    (double(a[p]) * a[q] + double(b[p]) * b[q] + double(c[p]) * c[q] +
+                     double(sum[p]) * sum[q]);
     }
     return m;
   }
@@ -70,7 +76,9 @@ struct SurfaceTree::Builder {
     const uint64_t differ = keys[first] ^ keys[end - 1];
     if (!differ) return (first + end) / 2;
     const uint64_t bit = std::bit_floor(differ);
-    return static_cast<uint32_t>(std::partition_point(keys.begin() + first, keys.begin() + end, [&](uint64_t k) { return !(k & bit); }) - keys.begin());
+    return static_cast<uint32_t>(std::partition_point(keys.begin() + first, keys.begin() + end,
+                                                      [&](uint64_t k) { return !(k & bit); }) -
+                                 keys.begin());
   }
 
   Moments build(uint32_t first, uint32_t end, const Vec3& origin) {
@@ -91,19 +99,23 @@ struct SurfaceTree::Builder {
     SurfaceNode node;
     const double scale = m.area > 0 ? 1 / m.area : 0;
     const double mean[3] = {m.first[0] * scale, m.first[1] * scale, m.first[2] * scale};
-    const Vec3 offset{static_cast<float>(mean[0]), static_cast<float>(mean[1]), static_cast<float>(mean[2])};
+    const Vec3 offset{static_cast<float>(mean[0]), static_cast<float>(mean[1]),
+                      static_cast<float>(mean[2])};
     node.centre = m.area > 0 ? origin + offset : centroid(tree.order_[first]);
-    node.normal = {static_cast<float>(m.normal[0] * scale), static_cast<float>(m.normal[1] * scale), static_cast<float>(m.normal[2] * scale)};
+    node.normal = {static_cast<float>(m.normal[0] * scale), static_cast<float>(m.normal[1] * scale),
+                   static_cast<float>(m.normal[2] * scale)};
     node.even = length(node.normal);
     node.area = static_cast<float>(m.area);
     for (int i = 0; i < 6; ++i)
-      node.spread[i] = static_cast<float>(m.second[i] * scale - mean[kPairs[i][0]] * mean[kPairs[i][1]]);
+      node.spread[i] =
+          static_cast<float>(m.second[i] * scale - mean[kPairs[i][0]] * mean[kPairs[i][1]]);
     if (right) {
       for (const SurfaceNode* child : {&tree.nodes_[index + 1], &tree.nodes_[right]})
         radius = std::max(radius, length(child->centre - node.centre) + child->radius);
     } else {
       for (uint32_t i = first; i < end; ++i)
-        for (uint32_t v : triangles[tree.order_[i]]) radius = std::max(radius, length(positions[v] - node.centre));
+        for (uint32_t v : triangles[tree.order_[i]])
+          radius = std::max(radius, length(positions[v] - node.centre));
     }
     node.radius = radius;
     node.first = first;
@@ -114,8 +126,8 @@ struct SurfaceTree::Builder {
   }
 };
 
-SurfaceTree::SurfaceTree(std::span<const Vec3> positions, std::span<const Triangle> triangles, const Topology& topology,
-                         const CancelFlag& cancel) {
+SurfaceTree::SurfaceTree(std::span<const Vec3> positions, std::span<const Triangle> triangles,
+                         const Topology& topology, const CancelFlag& cancel) {
   const size_t patches = topology.planar.size();
   std::vector<Bounds> bounds(patches);
   Builder builder{positions, triangles, *this, cancel, {}};
@@ -136,7 +148,8 @@ SurfaceTree::SurfaceTree(std::span<const Vec3> positions, std::span<const Triang
     if (const uint32_t p = topology.patch[t]; !topology.planar[p])
       sorted.push_back({uint64_t{p} << kPlaceBits | place_in(bounds[p], builder.centroid(t)), t});
   cancel.check();
-  radix_sort(sorted, scratch, 0, kPlaceBits + std::bit_width(patches - 1), nullptr, [](const Placed& placed) { return placed.key; });
+  radix_sort(sorted, scratch, 0, kPlaceBits + std::bit_width(patches - 1), nullptr,
+             [](const Placed& placed) { return placed.key; });
   cancel.check();
   order_.reserve(count);
   builder.keys.reserve(count);
@@ -150,8 +163,10 @@ SurfaceTree::SurfaceTree(std::span<const Vec3> positions, std::span<const Triang
   roots_.assign(patches, kNone);
   for (uint32_t first = 0, end; first < count; first = end) {
     const uint64_t patch = builder.keys[first] >> kPlaceBits;
-    end = static_cast<uint32_t>(std::partition_point(builder.keys.begin() + first, builder.keys.end(), [&](uint64_t k) { return k >> kPlaceBits == patch; }) -
-                                builder.keys.begin());
+    end = static_cast<uint32_t>(
+        std::partition_point(builder.keys.begin() + first, builder.keys.end(),
+                             [&](uint64_t k) { return k >> kPlaceBits == patch; }) -
+        builder.keys.begin());
     roots_[patch] = static_cast<uint32_t>(nodes_.size());
     builder.build(first, end, bounds[patch].center());
   }

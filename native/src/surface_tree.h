@@ -1,5 +1,5 @@
-// The triangles of bent patches in a tree, with the moments of every branch: a kernel's integral over a surface then costs what its
-// rim costs, however finely the surface is tessellated.
+// The triangles of bent patches in a tree, with the moments of every branch: a kernel's integral
+// over a surface then costs what its rim costs, however finely the surface is tessellated.
 #pragma once
 
 #include "large_pages.h"
@@ -9,31 +9,31 @@ namespace photon_splat {
 
 // Lengths in mesh coordinates.
 struct SurfaceNode {
-  Vec3 centre;       // mean position over the area
-  float radius;      // of a ball about `centre` that holds all triangles
-  Vec3 normal;       // mean of the unit normals over the area: the shorter, the more they differ
-  float even;        // length of that mean
+  Vec3 centre;   // mean position over the area
+  float radius;  // of a ball about `centre` that holds all triangles
+  Vec3 normal;   // mean of the unit normals over the area: the shorter, the more they differ
+  float even;    // length of that mean
   float area;
-  float spread[6];   // covariance of positions over the area, m^2: xx, yy, zz, xy, xz, yz
-  uint32_t first;    // of its triangles, in order()
+  float spread[6];  // covariance of positions over the area, m^2: xx, yy, zz, xy, xz, yz
+  uint32_t first;   // of its triangles, in order()
   uint32_t count;
-  uint32_t right;    // second child, the first being the next node; 0: a leaf
+  uint32_t right;  // second child, the first being the next node; 0: a leaf
 
   // Of v.x over its points x.
   double variance_along(const Vec3& v) const {
-    const float along = v.x * (v.x * spread[0] + 2 * (v.y * spread[3] + v.z * spread[4])) + v.y * (v.y * spread[1] + 2 * v.z * spread[5]) +
-                        v.z * v.z * spread[2];
+    const float along = v.x * (v.x * spread[0] + 2 * (v.y * spread[3] + v.z * spread[4])) +
+                        v.y * (v.y * spread[1] + 2 * v.z * spread[5]) + v.z * v.z * spread[2];
     return std::max(along, 0.0f);
   }
 };
 
 class SurfaceTree {
  public:
-  SurfaceTree(std::span<const Vec3> positions, std::span<const Triangle> triangles, const Topology& topology,
-              const CancelFlag& cancel);
+  SurfaceTree(std::span<const Vec3> positions, std::span<const Triangle> triangles,
+              const Topology& topology, const CancelFlag& cancel);
 
-  // Descends from a bent patch' root: enter(node) says whether to look at its children; leaf(triangle) is called below leaves that
-  // were entered.
+  // Descends from a bent patch' root: enter(node) says whether to look at its children;
+  // leaf(triangle) is called below leaves that were entered.
   template <class Enter, class Leaf>
   void visit(uint32_t patch, Enter&& enter, Leaf&& leaf) const {
     if (roots_.empty() || roots_[patch] == kNone) return;

@@ -16,7 +16,8 @@ std::vector<float> tabulate(float low, float high, Density density) {
   double sum = 0;
   const float step = (high - low) / kTableSize;
   for (int i = 0; i < kTableSize; ++i) {
-    // A floor keeps every place that may emit reachable; the exact weight of a sample makes good for it.
+    // A floor keeps every place that may emit reachable; the exact weight of a sample makes good
+    // for it.
     const float value = density(low + (static_cast<float>(i) + 0.5f) * step);
     sum += std::max(value, 1e-4f) * step;
     cdf[i] = static_cast<float>(sum);

@@ -16,11 +16,17 @@ uint16_t to_half(float x) {  // cut off, not rounded
   const uint32_t bits = std::bit_cast<uint32_t>(std::abs(x) * 0x1p-112f) >> 13;
   return static_cast<uint16_t>(bits | (std::signbit(x) ? 0x8000u : 0u));
 }
-bool fits_half(float x) { return x == 0 || (std::abs(x) >= 0x1p-14f && std::abs(x) <= 65504.0f && from_half(to_half(x)) == x); }
-uint16_t to_short(float x) { return static_cast<uint16_t>(std::clamp(x, 0.0f, 1.0f) * 65535.0f + 0.5f); }
+bool fits_half(float x) {
+  return x == 0 ||
+         (std::abs(x) >= 0x1p-14f && std::abs(x) <= 65504.0f && from_half(to_half(x)) == x);
+}
+uint16_t to_short(float x) {
+  return static_cast<uint16_t>(std::clamp(x, 0.0f, 1.0f) * 65535.0f + 0.5f);
+}
 bool fits_short(float x) { return static_cast<float>(to_short(x)) * kShortUnit == x; }
 
-// Drops channels of RGBA pixels that say nothing: an alpha of `opaque` everywhere, then colours that are all grey.
+// Drops channels of RGBA pixels that say nothing: an alpha of `opaque` everywhere, then colours
+// that are all grey.
 template <class T>
 int drop_channels(std::vector<T>& pixels, T opaque) {
   bool alpha = false, color = false;
@@ -61,7 +67,8 @@ int wrap(int i, int size, Extension extension) {
   return 0;
 }
 
-// A coordinate that shows the same but keeps whole pixels in the range of integers; 0 for what is not finite.
+// A coordinate that shows the same but keeps whole pixels in the range of integers; 0 for what is
+// not finite.
 float near_image(float x, Extension extension) {
   constexpr float kFar = 1e4f;
   if (std::abs(x) < kFar) return x;
@@ -73,7 +80,8 @@ float near_image(float x, Extension extension) {
 // Weights of the uniform cubic B-spline for the texels -1, 0, 1, 2 around a fraction t.
 std::array<float, 4> spline_weights(float t) {
   const float t2 = t * t, t3 = t2 * t, s = 1 - t;
-  return {s * s * s * (1.0f / 6), (4 - 6 * t2 + 3 * t3) * (1.0f / 6), (1 + 3 * t + 3 * t2 - 3 * t3) * (1.0f / 6), t3 * (1.0f / 6)};
+  return {s * s * s * (1.0f / 6), (4 - 6 * t2 + 3 * t3) * (1.0f / 6),
+          (1 + 3 * t + 3 * t2 - 3 * t3) * (1.0f / 6), t3 * (1.0f / 6)};
 }
 
 struct SrgbTable {
@@ -97,7 +105,8 @@ float decode_srgb_byte(uint8_t c) {
 
 namespace {
 
-// Sum of size x size texels by the products of their weights. Columns and rows under 0 are outside of the image and black.
+// Sum of size x size texels by the products of their weights. Columns and rows under 0 are outside
+// of the image and black.
 template <int size>
 struct Window {
   int column[size], row[size];
@@ -118,12 +127,16 @@ struct Window {
     return sum;
   }
   template <class T, class Value>
-  std::array<float, 4> sum_of(const Texture& kept, const std::vector<T>& pixels, Value&& value) const {
+  std::array<float, 4> sum_of(const Texture& kept, const std::vector<T>& pixels,
+                              Value&& value) const {
     if (kept.channels == 1) return sum<1>(pixels.data(), kept.width, value);
-    return kept.channels == 3 ? sum<3>(pixels.data(), kept.width, value) : sum<4>(pixels.data(), kept.width, value);
+    return kept.channels == 3 ? sum<3>(pixels.data(), kept.width, value)
+                              : sum<4>(pixels.data(), kept.width, value);
   }
   std::array<float, 4> sum_of(const Texture& kept) const {
-    if (!kept.bytes.empty()) return sum_of(kept, kept.bytes, [](uint8_t x) { return static_cast<float>(x) * (1.0f / 255.0f); });
+    if (!kept.bytes.empty())
+      return sum_of(kept, kept.bytes,
+                    [](uint8_t x) { return static_cast<float>(x) * (1.0f / 255.0f); });
     if (!kept.floats.empty()) return sum_of(kept, kept.floats, [](float x) { return x; });
     if (kept.half) return sum_of(kept, kept.shorts, from_half);
     return sum_of(kept, kept.shorts, [](uint16_t x) { return static_cast<float>(x) * kShortUnit; });
@@ -131,7 +144,8 @@ struct Window {
 };
 
 template <int size>
-Window<size> window(const Texture& texture, int x, int y, const std::array<float, size>& across, const std::array<float, size>& up) {
+Window<size> window(const Texture& texture, int x, int y, const std::array<float, size>& across,
+                    const std::array<float, size>& up) {
   Window<size> w;
   for (int i = 0; i < size; ++i) {
     w.column[i] = wrap(x + i, texture.width, texture.extension);
@@ -180,11 +194,14 @@ std::array<float, 4> Texture::interpolated(Vec2 uv) const {
   uv = {near_image(uv.x, extension), near_image(uv.y, extension)};
   const float x = uv.x * static_cast<float>(width), y = uv.y * static_cast<float>(height);
   if (interpolation == Interpolation::kClosest)
-    return window<1>(*this, static_cast<int>(std::floor(x)), static_cast<int>(std::floor(y)), {1}, {1}).sum_of(kept);
+    return window<1>(*this, static_cast<int>(std::floor(x)), static_cast<int>(std::floor(y)), {1},
+                     {1})
+        .sum_of(kept);
   const float fx = std::floor(x - 0.5f), fy = std::floor(y - 0.5f);
   const float s = x - 0.5f - fx, t = y - 0.5f - fy;
   const int ix = static_cast<int>(fx), iy = static_cast<int>(fy);
-  if (interpolation == Interpolation::kCubic) return window<4>(*this, ix - 1, iy - 1, spline_weights(s), spline_weights(t)).sum_of(kept);
+  if (interpolation == Interpolation::kCubic)
+    return window<4>(*this, ix - 1, iy - 1, spline_weights(s), spline_weights(t)).sum_of(kept);
   return window<2>(*this, ix, iy, {1 - s, s}, {1 - t, t}).sum_of(kept);
 }
 

@@ -26,9 +26,10 @@ struct Texture {
   std::vector<uint8_t> bytes;
   std::vector<uint16_t> shorts;  // of 65535, or half floats
   std::vector<float> floats;
-  bool half = false;             // what `shorts` are
-  int channels = 4;              // RGBA; 3: opaque; 1: grey, opaque
-  std::shared_ptr<const Texture> pixels_of;  // whose pixels these are, where an image is read in several ways: its own are empty
+  bool half = false;  // what `shorts` are
+  int channels = 4;   // RGBA; 3: opaque; 1: grey, opaque
+  // Whose pixels these are, where an image is read in several ways: its own are empty
+  std::shared_ptr<const Texture> pixels_of;
 
   // Keeps the same pixels in as few channels and bits as lose nothing.
   void compact();
@@ -36,7 +37,8 @@ struct Texture {
   Texture reading(Interpolation other_interpolation, Extension other_extension);
   size_t memory() const { return bytes.size() + 2 * shorts.size() + 4 * floats.size(); }
 
-  // Linear RGB at uv; black where kClip ends the image. Stored values are interpolated, then decoded, as Cycles does.
+  // Linear RGB at uv; black where kClip ends the image. Stored values are interpolated, then
+  // decoded, as Cycles does.
   Rgb lookup(Vec2 uv) const;
   // The same with alpha; `unassociate`: colour is divided by alpha before it is decoded.
   std::array<float, 4> lookup_rgba(Vec2 uv, bool unassociate) const;

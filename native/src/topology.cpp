@@ -48,7 +48,8 @@ struct HalfEdges {
   std::vector<uint32_t> first;
   LargeArray<End> ends;
 
-  HalfEdges(const std::vector<uint32_t>& welded, std::span<const Triangle> triangles, const CancelFlag& cancel)
+  HalfEdges(const std::vector<uint32_t>& welded, std::span<const Triangle> triangles,
+            const CancelFlag& cancel)
       : first(welded.size() + 1), ends(3 * triangles.size()) {
     const auto vertices = [&](uint32_t half) {
       const Triangle& t = triangles[half / 3];
@@ -65,17 +66,21 @@ struct HalfEdges {
       ends[next[low]++] = {high, h};
     }
     for (size_t v = 0; v + 1 < first.size(); ++v)
-      std::sort(ends.begin() + first[v], ends.begin() + first[v + 1], [](const End& a, const End& b) { return a.other < b.other; });
+      std::sort(ends.begin() + first[v], ends.begin() + first[v + 1],
+                [](const End& a, const End& b) { return a.other < b.other; });
   }
 };
 
-// partner[half] is the one other half-edge on the same edge, or kNone where there is none or more than one.
+// partner[half] is the one other half-edge on the same edge, or kNone where there is none or more
+// than one.
 LargeArray<uint32_t> find_partners(const HalfEdges& half, const CancelFlag& cancel) {
   LargeArray<uint32_t> partner(half.ends.size(), kNone);
   for (size_t v = 0; v + 1 < half.first.size(); ++v) {
     check_now_and_then(v, cancel);
     for (uint32_t begin = half.first[v], end; begin < half.first[v + 1]; begin = end) {
-      for (end = begin + 1; end < half.first[v + 1] && half.ends[end].other == half.ends[begin].other;) ++end;
+      for (end = begin + 1;
+           end < half.first[v + 1] && half.ends[end].other == half.ends[begin].other;)
+        ++end;
       if (end - begin != 2) continue;
       partner[half.ends[begin].id] = half.ends[begin + 1].id;
       partner[half.ends[begin + 1].id] = half.ends[begin].id;
@@ -94,11 +99,13 @@ uint32_t find_root(std::vector<uint32_t>& parent, uint32_t i) {
 Topology build_topology(std::span<const Vec3> positions, std::span<const Triangle> triangles,
                         const CancelFlag& cancel) {
   const uint32_t count = static_cast<uint32_t>(triangles.size());
-  const LargeArray<uint32_t> partner = find_partners(HalfEdges(weld(positions, cancel), triangles, cancel), cancel);
+  const LargeArray<uint32_t> partner =
+      find_partners(HalfEdges(weld(positions, cancel), triangles, cancel), cancel);
   LargeArray<Vec3> normal(count);
   std::vector<float> area(count);
   for (uint32_t t = 0; t < count; ++t) {
-    const Vec3 &a = positions[triangles[t][0]], &b = positions[triangles[t][1]], &c = positions[triangles[t][2]];
+    const Vec3 &a = positions[triangles[t][0]], &b = positions[triangles[t][1]],
+               &c = positions[triangles[t][2]];
     const Vec3 n = cross(b - a, c - a);
     const float len = length(n);
     area[t] = 0.5f * len;
@@ -140,20 +147,24 @@ Topology build_topology(std::span<const Vec3> positions, std::span<const Triangl
       if (!joined(h)) continue;
       const uint32_t t = h / 3, other = partner[h] / 3;
       const float turn = length(cross(normal[t], normal[other]));
-      const float edge = length(positions[triangles[t][(h + 1) % 3]] - positions[triangles[t][h % 3]]);
-      const float across = edge > 0 ? (area[t] + area[other]) / edge : 0.0f;  // mean height over the edge
+      const float edge =
+          length(positions[triangles[t][(h + 1) % 3]] - positions[triangles[t][h % 3]]);
+      // Mean height over the edge
+      const float across = edge > 0 ? (area[t] + area[other]) / edge : 0.0f;
       if (turn > 1e-4f && across > 0) out.curvature[t] = std::max(out.curvature[t], turn / across);
     }
   }
 
   out.patch_curvature.assign(patches, 0.0f);
   for (uint32_t t = 0; t < count && !all_planar; ++t)
-    out.patch_curvature[out.patch[t]] = std::max(out.patch_curvature[out.patch[t]], out.curvature[t]);
+    out.patch_curvature[out.patch[t]] =
+        std::max(out.patch_curvature[out.patch[t]], out.curvature[t]);
 
   out.patch_area.assign(patches, 0.0f);
   for (uint32_t t = 0; t < count; ++t) out.patch_area[out.patch[t]] += area[t];
 
-  // A crease between triangles that are joined some other way round is no end: photons beyond it count.
+  // A crease between triangles that are joined some other way round is no end: photons beyond it
+  // count.
   const auto is_boundary = [&](uint32_t half) {
     return partner[half] == kNone || out.patch[half / 3] != out.patch[partner[half] / 3];
   };
@@ -169,7 +180,8 @@ Topology build_topology(std::span<const Vec3> positions, std::span<const Triangl
     if (!is_boundary(h)) continue;
     const Triangle& t = triangles[h / 3];
     const uint32_t patch = out.patch[h / 3];
-    const BoundaryEdge& edge = out.edges[next[patch]++] = {positions[t[h % 3]], positions[t[(h + 1) % 3]], normal[h / 3], patch};
+    const BoundaryEdge& edge = out.edges[next[patch]++] = {
+        positions[t[h % 3]], positions[t[(h + 1) % 3]], normal[h / 3], patch};
     out.patch_rim[patch] += length(edge.b - edge.a);
   }
   return out;
@@ -192,9 +204,10 @@ uint32_t EdgeTree::build(uint32_t first, uint32_t count) {
   const Vec3 size = bounds.upper - bounds.lower;
   const int axis = size.x > size.y ? (size.x > size.z ? 0 : 2) : (size.y > size.z ? 1 : 2);
   const uint32_t half = count / 2;
-  std::nth_element(order_.begin() + first, order_.begin() + first + half, order_.begin() + first + count,
-                   [&](uint32_t i, uint32_t j) {
-                     const float a = edges_[i].a[axis] + edges_[i].b[axis], b = edges_[j].a[axis] + edges_[j].b[axis];
+  std::nth_element(order_.begin() + first, order_.begin() + first + half,
+                   order_.begin() + first + count, [&](uint32_t i, uint32_t j) {
+                     const float a = edges_[i].a[axis] + edges_[i].b[axis],
+                                 b = edges_[j].a[axis] + edges_[j].b[axis];
                      return a < b || (a == b && i < j);
                    });
   nodes_[index].count = 0;

@@ -18,20 +18,24 @@ struct BoundaryEdge {
   uint32_t patch;
 };
 
-// Triangles joined across edges whose dihedral angle is below the crease angle make a patch. Vertices at the same
-// position count as one, whatever their index; an edge shared by three or more triangles ends a patch.
+// Triangles joined across edges whose dihedral angle is below the crease angle make a patch.
+// Vertices at the same position count as one, whatever their index; an edge shared by three or more
+// triangles ends a patch.
 struct Topology {
   static constexpr float kCreaseCosine = 0.9063f;  // 25 degrees
 
-  std::vector<uint32_t> patch;           // per triangle
-  std::vector<uint8_t> planar;           // per patch
-  std::vector<float> curvature;          // 1/m in mesh coordinates per triangle; empty when all patches are planar
-  std::vector<float> patch_curvature;    // the largest of each patch
+  std::vector<uint32_t> patch;  // per triangle
+  std::vector<uint8_t> planar;  // per patch
+  // 1/m in mesh coordinates per triangle; empty when all patches are planar
+  std::vector<float> curvature;
+  std::vector<float> patch_curvature;        // the largest of each patch
   std::vector<float> patch_area, patch_rim;  // m^2; length of its boundary, m: in mesh coordinates
-  std::vector<BoundaryEdge> edges;       // sorted by patch
-  std::vector<uint32_t> first_edge;      // per patch, and one past the end
+  std::vector<BoundaryEdge> edges;           // sorted by patch
+  std::vector<uint32_t> first_edge;          // per patch, and one past the end
 
-  float curvature_of(uint32_t triangle) const { return curvature.empty() ? 0.0f : curvature[triangle]; }
+  float curvature_of(uint32_t triangle) const {
+    return curvature.empty() ? 0.0f : curvature[triangle];
+  }
 };
 
 // Throws Cancelled.

@@ -15,9 +15,24 @@ struct Vec3 {
 
   float operator[](int i) const { return i == 0 ? x : i == 1 ? y : z; }
   Vec3 operator-() const { return {-x, -y, -z}; }
-  Vec3& operator+=(const Vec3& b) { x += b.x; y += b.y; z += b.z; return *this; }
-  Vec3& operator*=(const Vec3& b) { x *= b.x; y *= b.y; z *= b.z; return *this; }
-  Vec3& operator*=(float s) { x *= s; y *= s; z *= s; return *this; }
+  Vec3& operator+=(const Vec3& b) {
+    x += b.x;
+    y += b.y;
+    z += b.z;
+    return *this;
+  }
+  Vec3& operator*=(const Vec3& b) {
+    x *= b.x;
+    y *= b.y;
+    z *= b.z;
+    return *this;
+  }
+  Vec3& operator*=(float s) {
+    x *= s;
+    y *= s;
+    z *= s;
+    return *this;
+  }
 };
 using Rgb = Vec3;
 
@@ -35,28 +50,48 @@ inline float length2(const Vec3& a) { return dot(a, a); }
 inline float length(const Vec3& a) { return std::sqrt(length2(a)); }
 inline Vec3 normalize(const Vec3& a) { return a / length(a); }
 inline float max_component(const Vec3& a) { return std::max({a.x, a.y, a.z}); }
-inline float luminance(const Vec3& rgb) { return 0.2126f * rgb.x + 0.7152f * rgb.y + 0.0722f * rgb.z; }  // Rec. 709
+// Rec. 709
+inline float luminance(const Vec3& rgb) {
+  return 0.2126f * rgb.x + 0.7152f * rgb.y + 0.0722f * rgb.z;
+}
 inline float average(const Vec3& a) { return (a.x + a.y + a.z) * (1.0f / 3.0f); }
 inline bool is_black(const Vec3& a) { return a.x <= 0 && a.y <= 0 && a.z <= 0; }
 // Far below the largest float: whatever is summed of these stays finite. NaN is none.
 inline constexpr float kMostLight = 1e28f;
-inline bool can_be_added(const Vec3& a) { return std::abs(a.x) < kMostLight && std::abs(a.y) < kMostLight && std::abs(a.z) < kMostLight; }
-inline bool is_finite(const Vec3& a) { return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z); }
-inline Vec3 min(const Vec3& a, const Vec3& b) { return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)}; }
-inline Vec3 max(const Vec3& a, const Vec3& b) { return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)}; }
-inline float max_abs(const Vec3& a) { return std::max({std::abs(a.x), std::abs(a.y), std::abs(a.z)}); }
+inline bool can_be_added(const Vec3& a) {
+  return std::abs(a.x) < kMostLight && std::abs(a.y) < kMostLight && std::abs(a.z) < kMostLight;
+}
+inline bool is_finite(const Vec3& a) {
+  return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);
+}
+inline Vec3 min(const Vec3& a, const Vec3& b) {
+  return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)};
+}
+inline Vec3 max(const Vec3& a, const Vec3& b) {
+  return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)};
+}
+inline float max_abs(const Vec3& a) {
+  return std::max({std::abs(a.x), std::abs(a.y), std::abs(a.z)});
+}
 
 struct Bounds {
   Vec3 lower{INFINITY, INFINITY, INFINITY}, upper{-INFINITY, -INFINITY, -INFINITY};
 
-  void add(const Vec3& p) { lower = min(lower, p); upper = max(upper, p); }
-  void add(const Bounds& b) { lower = min(lower, b.lower); upper = max(upper, b.upper); }
+  void add(const Vec3& p) {
+    lower = min(lower, p);
+    upper = max(upper, p);
+  }
+  void add(const Bounds& b) {
+    lower = min(lower, b.lower);
+    upper = max(upper, b.upper);
+  }
   bool empty() const { return lower.x > upper.x; }
   Vec3 center() const { return (lower + upper) * 0.5f; }
   float diagonal() const { return empty() ? 0.0f : length(upper - lower); }
 };
 
-// Orthonormal frame around a unit normal (Duff et al. 2017, "Building an orthonormal basis, revisited").
+// Orthonormal frame around a unit normal (Duff et al. 2017, "Building an orthonormal basis,
+// revisited").
 struct Basis {
   Vec3 tangent, bitangent, normal;
 
@@ -75,7 +110,8 @@ struct Affine {
   std::array<float, 12> m{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
 
   Vec3 point(const Vec3& p) const {
-    return {m[0] * p.x + m[1] * p.y + m[2] * p.z + m[3], m[4] * p.x + m[5] * p.y + m[6] * p.z + m[7],
+    return {m[0] * p.x + m[1] * p.y + m[2] * p.z + m[3],
+            m[4] * p.x + m[5] * p.y + m[6] * p.z + m[7],
             m[8] * p.x + m[9] * p.y + m[10] * p.z + m[11]};
   }
   Vec3 vector(const Vec3& v) const {
@@ -93,8 +129,8 @@ struct Affine {
 double determinant(const Affine& a);
 Affine inverse(const Affine& a);  // throws std::invalid_argument for a singular matrix
 
-// Unit vector in 16 bits, to about a degree: octahedral (Cigolle et al. 2014, "A survey of efficient representations
-// for independent unit vectors").
+// Unit vector in 16 bits, to about a degree: octahedral (Cigolle et al. 2014, "A survey of
+// efficient representations for independent unit vectors").
 inline uint16_t encode_direction(const Vec3& d) {
   const float s = 1.0f / (std::abs(d.x) + std::abs(d.y) + std::abs(d.z));
   float u = d.x * s, v = d.y * s;
@@ -104,7 +140,9 @@ inline uint16_t encode_direction(const Vec3& d) {
     u = t;
   }
   // 127 steps to either side of 0, so that the axes are exact.
-  const auto quantize = [](float f) { return static_cast<uint16_t>(std::clamp(f, -1.0f, 1.0f) * 127.0f + 127.5f); };
+  const auto quantize = [](float f) {
+    return static_cast<uint16_t>(std::clamp(f, -1.0f, 1.0f) * 127.0f + 127.5f);
+  };
   return static_cast<uint16_t>(quantize(u) | quantize(v) << 8);
 }
 

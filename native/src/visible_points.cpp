@@ -13,16 +13,20 @@ namespace {
 
 constexpr size_t kChunk = 4096;
 constexpr size_t kShards = 64;
-constexpr float kTrustedMass = 0.2f;      // of a curved patch
+constexpr float kTrustedMass = 0.2f;  // of a curved patch
 constexpr int kMostHalvings = 8;
-constexpr float kLeastOnStrips = 0.2f;        // of the radius: a fifth of its photons remain, since the strip is narrower than both
-constexpr float kLeastOfDensityRadius = 0.2f;  // curvature takes no more than this: 1/25 of the photons remain
-constexpr float kWhole = 0.999f;          // mass of a disc that no edge cuts
-constexpr float kClearOfWall = 0.9f;      // of the distance to it
-constexpr float kLeastOfWalledRadius = 0.18f;  // closer to a wall a disc of this size is moved away from it
-constexpr float kLeastBetweenWalls = 0.5f;     // of that, where there is no room for it
-constexpr float kLeastUnhidden = 0.1f;    // of a kernel's mass, whatever the probes say
-constexpr float kFootprintFloor = 2.0f;   // of a kernel's radius in camera samples, in the first pass
+// Of the radius: a fifth of its photons remain, since the strip is narrower than both
+constexpr float kLeastOnStrips = 0.2f;
+// Curvature takes no more than this: 1/25 of the photons remain
+constexpr float kLeastOfDensityRadius = 0.2f;
+constexpr float kWhole = 0.999f;      // mass of a disc that no edge cuts
+constexpr float kClearOfWall = 0.9f;  // of the distance to it
+// Closer to a wall a disc of this size is moved away from it
+constexpr float kLeastOfWalledRadius = 0.18f;
+constexpr float kLeastBetweenWalls = 0.5f;  // of that, where there is no room for it
+constexpr float kLeastUnhidden = 0.1f;      // of a kernel's mass, whatever the probes say
+// Of a kernel's radius in camera samples, in the first pass
+constexpr float kFootprintFloor = 2.0f;
 
 size_t chunks_of(size_t count) { return (count + kChunk - 1) / kChunk; }
 
@@ -30,13 +34,15 @@ size_t chunks_of(size_t count) { return (count + kChunk - 1) / kChunk; }
 float quantized(float h) { return std::exp2(std::round(std::log2(h) * 4) / 4); }
 
 uint32_t seed_of(const Vec3& x) {
-  return hash_combine(std::bit_cast<uint32_t>(x.x), hash_combine(std::bit_cast<uint32_t>(x.y), std::bit_cast<uint32_t>(x.z)));
+  return hash_combine(std::bit_cast<uint32_t>(x.x),
+                      hash_combine(std::bit_cast<uint32_t>(x.y), std::bit_cast<uint32_t>(x.z)));
 }
 
 }  // namespace
 
 void VisiblePoints::build(Scene& scene, const Records& records, const RadiusMap& radii,
-                          const PointSettings& settings, uint32_t pass, uint32_t seed, const CancelFlag& cancel) {
+                          const PointSettings& settings, uint32_t pass, uint32_t seed,
+                          const CancelFlag& cancel) {
   find_cells(scene, records, radii, settings, pass, seed, cancel);
   pick_points(scene, cancel);
   looks_.clear();
@@ -45,12 +51,15 @@ void VisiblePoints::build(Scene& scene, const Records& records, const RadiusMap&
 }
 
 void VisiblePoints::find_cells(Scene& scene, const Records& records, const RadiusMap& radii,
-                               const PointSettings& s, uint32_t pass, uint32_t seed, const CancelFlag& cancel) {
+                               const PointSettings& s, uint32_t pass, uint32_t seed,
+                               const CancelFlag& cancel) {
   cells_.resize(records.size());
   Random random(pass, hash_combine(seed, 0x9017u));
   const Vec3 shift{random.next(), random.next(), random.next()};
   // Rounding takes part of a disc's place; of things far off the disc's own footprint is larger.
-  const float magnitude = scene.has_far_things() ? scene.near : std::max(max_abs(scene.bounds().lower), max_abs(scene.bounds().upper));
+  const float magnitude = scene.has_far_things() ? scene.near
+                                                 : std::max(max_abs(scene.bounds().lower),
+                                                            max_abs(scene.bounds().upper));
   const float smallest = std::max(1e-6f * (std::isfinite(magnitude) ? magnitude : 1.0f), 1e-30f);
   scene.pool().for_each(chunks_of(records.size()), cancel, [&](size_t c, int) {
     const size_t end = std::min(records.size(), (c + 1) * kChunk);
@@ -61,15 +70,21 @@ void VisiblePoints::find_cells(Scene& scene, const Records& records, const Radiu
         cells_[i] = {};
         continue;
       }
-      const float factor = s.radius_factor * (s.pixel_factors && !r.wandered ? s.pixel_factors[r.pixel] : 1.0f);
+      const float factor =
+          s.radius_factor * (s.pixel_factors && !r.wandered ? s.pixel_factors[r.pixel] : 1.0f);
       float whole = radii.radius(r.key, r.position, s.photons_per_disc, s.paths_per_pass, near);
-      // Discs of any size that reach across a strip agree with each other, however the light changes across it: passes begin with
-      // such as do not, and widen them where nothing is seen to change.
-      whole = std::max(std::min(whole, patch_width(scene, r.instance, r.triangle)), kLeastOnStrips * whole);
+      // Discs of any size that reach across a strip agree with each other, however the light
+      // changes across it: passes begin with such as do not, and widen them where nothing is seen
+      // to change.
+      whole = std::max(std::min(whole, patch_width(scene, r.instance, r.triangle)),
+                       kLeastOnStrips * whole);
       float h = factor * whole;
-      h = std::min(std::max(h, kFootprintFloor * std::min(factor, 1.0f) * r.footprint), radii.largest());
-      // Where the surface bends a disc blurs over its normals; where photons are few that is the lesser evil.
-      h = std::max(std::min(h, curvature_radius_limit(scene, r.instance, r.triangle)), kLeastOfDensityRadius * h);
+      h = std::min(std::max(h, kFootprintFloor * std::min(factor, 1.0f) * r.footprint),
+                   radii.largest());
+      // Where the surface bends a disc blurs over its normals; where photons are few that is the
+      // lesser evil.
+      h = std::max(std::min(h, curvature_radius_limit(scene, r.instance, r.triangle)),
+                   kLeastOfDensityRadius * h);
       h = s.fixed_radius > 0 ? s.fixed_radius : quantized(std::max(h, smallest));
       uint64_t hash = i;
       uint32_t rank = hash_combine(static_cast<uint32_t>(i), pass);
@@ -80,11 +95,16 @@ void VisiblePoints::find_cells(Scene& scene, const Records& records, const Radiu
           return static_cast<uint64_t>(static_cast<int64_t>(std::floor(p * inverse + d)));
         };
         if (s.steady) {
-          const auto off = [&](float p, float d) { return p * inverse + d - std::floor(p * inverse + d) - 0.5f; };
-          const Vec3 from_middle{off(r.position.x, shift.x), off(r.position.y, shift.y), off(r.position.z, shift.z)};
-          rank = std::bit_cast<uint32_t>(length2(from_middle));  // of floats that are not negative: in the same order
+          const auto off = [&](float p, float d) {
+            return p * inverse + d - std::floor(p * inverse + d) - 0.5f;
+          };
+          const Vec3 from_middle{off(r.position.x, shift.x), off(r.position.y, shift.y),
+                                 off(r.position.z, shift.z)};
+          // Of floats that are not negative: in the same order
+          rank = std::bit_cast<uint32_t>(length2(from_middle));
         }
-        const uint64_t place = hash64(index(r.position.x, shift.x)) ^ hash64(index(r.position.y, shift.y) + 0x51ed27ull) * 3 ^
+        const uint64_t place = hash64(index(r.position.x, shift.x)) ^
+                               hash64(index(r.position.y, shift.y) + 0x51ed27ull) * 3 ^
                                hash64(index(r.position.z, shift.z) + 0xa0761dull) * 5;
         const auto size = static_cast<uint32_t>(std::lround(std::log2(h) * 4));
         hash = hash64(place ^ (uint64_t{r.key} << 32 | (sparse ? ~size : size)));
@@ -94,8 +114,9 @@ void VisiblePoints::find_cells(Scene& scene, const Records& records, const Radiu
   });
 }
 
-// The record of lowest rank gives each cell's point its place. Cells are dealt to shards by their hash and
-// each shard is worked off in record order, so that the outcome does not depend on threads.
+// The record of lowest rank gives each cell's point its place. Cells are dealt to shards by their
+// hash and each shard is worked off in record order, so that the outcome does not depend on
+// threads.
 void VisiblePoints::pick_points(Scene& scene, const CancelFlag& cancel) {
   const size_t count = cells_.size(), chunk_count = chunks_of(count);
   std::vector<uint32_t> dealt(chunk_count * kShards);
@@ -118,7 +139,8 @@ void VisiblePoints::pick_points(Scene& scene, const CancelFlag& cancel) {
   std::vector<uint32_t> order(at);
   scene.pool().for_each(chunk_count, cancel, [&](size_t c, int) {
     for (size_t i = c * kChunk; i < std::min(count, (c + 1) * kChunk); ++i)
-      if (cells_[i].h > 0) order[dealt[c * kShards + shard_of(cells_[i].hash)]++] = static_cast<uint32_t>(i);
+      if (cells_[i].h > 0)
+        order[dealt[c * kShards + shard_of(cells_[i].hash)]++] = static_cast<uint32_t>(i);
   });
 
   point_of_record_.assign(count, kNone);
@@ -133,7 +155,8 @@ void VisiblePoints::pick_points(Scene& scene, const CancelFlag& cancel) {
     for (uint32_t k = begin; k < end; ++k) {
       const uint32_t i = order[k];
       uint32_t slot = static_cast<uint32_t>(cells_[i].hash) & (capacity - 1);
-      while (table[slot] != ~0u && cells_[points[table[slot]].record].hash != cells_[i].hash) slot = (slot + 1) & (capacity - 1);
+      while (table[slot] != ~0u && cells_[points[table[slot]].record].hash != cells_[i].hash)
+        slot = (slot + 1) & (capacity - 1);
       const uint32_t draw = cells_[i].rank;
       if (table[slot] == ~0u) {
         table[slot] = static_cast<uint32_t>(points.size());
@@ -151,8 +174,10 @@ void VisiblePoints::pick_points(Scene& scene, const CancelFlag& cancel) {
     offset[shard + 1] = offset[shard] + static_cast<uint32_t>(shard_points[shard].size());
   points_.resize(offset[kShards]);
   scene.pool().for_each(kShards, cancel, [&](size_t shard, int) {
-    std::copy(shard_points[shard].begin(), shard_points[shard].end(), points_.begin() + offset[shard]);
-    for (uint32_t k = first[shard]; k < first[shard + 1]; ++k) point_of_record_[order[k]] += offset[shard];
+    std::copy(shard_points[shard].begin(), shard_points[shard].end(),
+              points_.begin() + offset[shard]);
+    for (uint32_t k = first[shard]; k < first[shard + 1]; ++k)
+      point_of_record_[order[k]] += offset[shard];
   });
 }
 
@@ -161,14 +186,17 @@ VisiblePoints::Look VisiblePoints::look(Scene& scene, const Record& r, float h) 
   Look look;
   look.region = ClearRegions::region(r.key, r.position, h);
   look.done = clear_regions_.to_look_at(look.region, hash32(seed));
-  look.found = look.done ? disc_occlusion(scene, r.instance, r.triangle, r.key, r.position, r.ng, h, seed) : DiscOcclusion{0, 0, h};
+  look.found = look.done
+                   ? disc_occlusion(scene, r.instance, r.triangle, r.key, r.position, r.ng, h, seed)
+                   : DiscOcclusion{0, 0, h};
   return look;
 }
 
 void VisiblePoints::split_at_walls(Scene& scene, const Records& records, const CancelFlag& cancel) {
   looks_.resize(points_.size());
   scene.pool().for_parts(points_.size(), 64, cancel, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) looks_[i] = look(scene, records[points_[i].record], points_[i].h);
+    for (size_t i = begin; i < end; ++i)
+      looks_[i] = look(scene, records[points_[i].record], points_[i].h);
   });
   std::vector<std::vector<uint32_t>> behind(chunks_of(records.size()));  // records, in their order
   scene.pool().for_each(behind.size(), cancel, [&](size_t c, int) {
@@ -199,7 +227,8 @@ void VisiblePoints::split_at_walls(Scene& scene, const Records& records, const C
   }
   looks_.resize(points_.size());
   scene.pool().for_parts(points_.size() - before, 64, cancel, [&](size_t begin, size_t end) {
-    for (size_t i = before + begin; i < before + end; ++i) looks_[i] = look(scene, records[points_[i].record], points_[i].h);
+    for (size_t i = before + begin; i < before + end; ++i)
+      looks_[i] = look(scene, records[points_[i].record], points_[i].h);
   });
   for (size_t i = 0; i < looks_.size(); ++i)
     if (looks_[i].done) clear_regions_.learn(looks_[i].region, looks_[i].clear(points_[i].h));
@@ -214,7 +243,9 @@ void VisiblePoints::fill_blocks(Scene& scene, const Records& records, const Canc
   std::vector<std::pair<uint64_t, uint32_t>> order(points_.size());
   for (uint32_t i = 0; i < order.size(); ++i) {
     const Vec3 q = (records[points_[i].record].position - all.lower) * (2097151.0f / extent);
-    order[i] = {morton(static_cast<uint64_t>(q.x), static_cast<uint64_t>(q.y), static_cast<uint64_t>(q.z)), i};
+    order[i] = {
+        morton(static_cast<uint64_t>(q.x), static_cast<uint64_t>(q.y), static_cast<uint64_t>(q.z)),
+        i};
   }
   decltype(order) scratch;
   radix_sort(order, scratch, 0, 63, &scene.pool(), [](const auto& placed) { return placed.first; });
@@ -247,7 +278,8 @@ void VisiblePoints::fill_blocks(Scene& scene, const Records& records, const Canc
       const size_t at = b * kBlockSize + lane;
       block.r[lane] = block.g[lane] = block.b[lane] = block.count[lane] = block.narrow[lane] = 0;
       if (at >= order.size()) {
-        block.x[lane] = block.y[lane] = block.z[lane] = block.nx[lane] = block.ny[lane] = block.nz[lane] = 0;
+        block.x[lane] = block.y[lane] = block.z[lane] = block.nx[lane] = block.ny[lane] =
+            block.nz[lane] = 0;
         block.key[lane] = 0;
         block.inverse_h2[lane] = INFINITY;
         block.scale[lane] = block.narrow_scale[lane] = 0;
@@ -305,7 +337,8 @@ void VisiblePoints::correct_boundaries(Scene& scene, const CancelFlag& cancel) {
       }
       KernelMass m = kernel_mass(scene, instance, triangle, x, n, h);
       // Where the mass is a guess because edges crowd, a smaller disc sees less of the trouble.
-      for (int halving = 0; !m.exact && m.mass < kTrustedMass && halving < kMostHalvings; ++halving) {
+      for (int halving = 0; !m.exact && m.mass < kTrustedMass && halving < kMostHalvings;
+           ++halving) {
         h *= 0.5f;
         m = kernel_mass(scene, instance, triangle, x, n, h);
       }

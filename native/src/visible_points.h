@@ -1,5 +1,5 @@
-// Where irradiance is wanted: points on surfaces, in blocks. They come from records but are no pixels: many records
-// share a point, and the splatter that fills them knows no camera.
+// Where irradiance is wanted: points on surfaces, in blocks. They come from records but are no
+// pixels: many records share a point, and the splatter that fills them knows no camera.
 #pragma once
 
 #include "camera_tracer.h"
@@ -12,26 +12,29 @@
 namespace photon_splat {
 
 struct PointSettings {
-  double photons_per_disc = 0;   // wanted in each kernel disc from one pass
+  double photons_per_disc = 0;  // wanted in each kernel disc from one pass
   double paths_per_pass = 0;
-  float radius_factor = 1;       // user's scale times the shrinking over passes
-  float spacing = 1.0f / 3.0f;   // of points, in kernel radii; 0: a point per record
-  float wandered_spacing = 0;    // of points for records of paths that went on, if it is more
-  bool occlusion = false;        // what stands in discs is looked for
+  float radius_factor = 1;      // user's scale times the shrinking over passes
+  float spacing = 1.0f / 3.0f;  // of points, in kernel radii; 0: a point per record
+  float wandered_spacing = 0;   // of points for records of paths that went on, if it is more
+  bool occlusion = false;       // what stands in discs is looked for
   const float* pixel_factors = nullptr;  // on the radius, by the record's pixel; none: 1
-  bool caustics = false;         // these points are for caustics: records that want nothing else count
-  float fixed_radius = 0;        // metres; 0: chosen
-  bool steady = false;           // the record next to the middle of its cell gives the point, whatever the camera: no flicker
+  // These points are for caustics: records that want nothing else count
+  bool caustics = false;
+  float fixed_radius = 0;  // metres; 0: chosen
+  // The record next to the middle of its cell gives the point, whatever the camera: no flicker
+  bool steady = false;
 };
 
 class VisiblePoints {
  public:
   // Chooses radii and points for `records`; `pass` decides the random places of the cells.
-  void build(Scene& scene, const Records& records, const RadiusMap& radii, const PointSettings& settings,
-             uint32_t pass, uint32_t seed, const CancelFlag& cancel);
+  void build(Scene& scene, const Records& records, const RadiusMap& radii,
+             const PointSettings& settings, uint32_t pass, uint32_t seed, const CancelFlag& cancel);
 
-  // Kernel masses of all points (the seed's boundary term), kept apart so that it can be timed; with PointSettings::occlusion less what
-  // things that stand on the surface hide, and of discs that do not reach past walls.
+  // Kernel masses of all points (the seed's boundary term), kept apart so that it can be timed;
+  // with PointSettings::occlusion less what things that stand on the surface hide, and of discs
+  // that do not reach past walls.
   void correct_boundaries(Scene& scene, const CancelFlag& cancel);
 
   // Another view learns anew, so that its picture does not depend on those before.
@@ -39,7 +42,8 @@ class VisiblePoints {
 
   // What correct_boundaries() has met, over all calls.
   struct Counts {
-    uint64_t points = 0, cut = 0, obstructed = 0;  // all; with an edge in the disc; with a thing or wall in it
+    // all; with an edge in the disc; with a thing or wall in it
+    uint64_t points = 0, cut = 0, obstructed = 0;
   };
   const Counts& counts() const { return counts_; }
 
@@ -69,8 +73,8 @@ class VisiblePoints {
     float h;        // 0: none
     uint32_t rank;  // the lowest of a cell gives the point
   };
-  void find_cells(Scene& scene, const Records& records, const RadiusMap& radii, const PointSettings& s,
-                  uint32_t pass, uint32_t seed, const CancelFlag& cancel);
+  void find_cells(Scene& scene, const Records& records, const RadiusMap& radii,
+                  const PointSettings& s, uint32_t pass, uint32_t seed, const CancelFlag& cancel);
   void pick_points(Scene& scene, const CancelFlag& cancel);
   Look look(Scene& scene, const Record& r, float h) const;
   // Records that see their point only through a wall get one of their own.
@@ -79,8 +83,10 @@ class VisiblePoints {
 
   std::vector<Cell> cells_;
   std::vector<Point> points_;
-  std::vector<Look> looks_;  // per point, first as they are found, then in block order; none without occlusion
-  std::vector<std::pair<uint32_t, uint32_t>> places_;  // instance and triangle per point, in block order
+  // Per point, first as they are found, then in block order; none without occlusion
+  std::vector<Look> looks_;
+  // Instance and triangle per point, in block order
+  std::vector<std::pair<uint32_t, uint32_t>> places_;
   std::vector<uint32_t> point_of_record_;
   PointBlocks blocks_;
   std::vector<Bounds> bounds_;

@@ -13,7 +13,8 @@ struct BsdfCase {
   std::string name;
   std::function<void(Bsdf&)> fill;
   bool reciprocal = false;
-  double furnace = -1;  // directional albedo that it must have at every angle; -1: just no more than 1
+  // Directional albedo that it must have at every angle; -1: just no more than 1
+  double furnace = -1;
 };
 
 inline const Vec3 kUp{0, 0, 1};
@@ -34,7 +35,8 @@ inline Vec3 direction(float cosine, float azimuth) {
   return {s * std::cos(azimuth), s * std::sin(azimuth), cosine};
 }
 
-inline Bsdf make_bsdf(const BsdfCase& c, const Vec3& wo, Transport transport = Transport::kRadiance) {
+inline Bsdf make_bsdf(const BsdfCase& c, const Vec3& wo,
+                      Transport transport = Transport::kRadiance) {
   const bool back = wo.z < 0;
   const Vec3 n = back ? -kUp : kUp;
   Bsdf bsdf(transport, wo, n, n, back);

@@ -9,7 +9,8 @@
 
 namespace photon_splat {
 
-// Collects instructions; operands are given by name, those left out are 0, the first mode, or not wanted.
+// Collects instructions; operands are given by name, those left out are 0, the first mode, or not
+// wanted.
 class ProgramWriter {
  public:
   using Values = std::map<std::string, uint32_t>;
@@ -29,10 +30,14 @@ class ProgramWriter {
     for (const nodes::Operand& operand : nodes::operations()[static_cast<size_t>(op)].operands) {
       const auto given = values.find(operand.name);
       uint32_t word = 0;
-      if (given != values.end()) word = given->second;
-      else if (operand.code == Kind::kOutFloat || operand.code == Kind::kOutVector) word = nodes::kUnused;
-      else if (operand.code == Kind::kFloat || operand.code == Kind::kVector) word = constant({0, 0, 0});
-      else if (operand.code == Kind::kTexture || operand.code == Kind::kAttribute) word = nodes::kNone;
+      if (given != values.end())
+        word = given->second;
+      else if (operand.code == Kind::kOutFloat || operand.code == Kind::kOutVector)
+        word = nodes::kUnused;
+      else if (operand.code == Kind::kFloat || operand.code == Kind::kVector)
+        word = constant({0, 0, 0});
+      else if (operand.code == Kind::kTexture || operand.code == Kind::kAttribute)
+        word = nodes::kNone;
       program_.code.push_back(word);
     }
   }
@@ -64,7 +69,8 @@ inline ShadingPoint point_on(const Scene& scene, float u, float v, bool back = f
   const Mesh& mesh = scene.meshes[scene.instances[0].mesh];
   const Triangle& t = mesh.triangles[0];
   ShadingPoint point;
-  point.position = mesh.positions[t[0]] * (1 - u - v) + mesh.positions[t[1]] * u + mesh.positions[t[2]] * v;
+  point.position =
+      mesh.positions[t[0]] * (1 - u - v) + mesh.positions[t[1]] * u + mesh.positions[t[2]] * v;
   point.ng = point.ns = point.wo = Vec3{0, 0, back ? -1.0f : 1.0f};
   point.back = back;
   point.instance = point.triangle = 0;

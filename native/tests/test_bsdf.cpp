@@ -34,10 +34,11 @@ Sums operator+(const Sums& a, const Sums& b) {
   return out;
 }
 
-// Integral of density, f and rest over a cell of one hemisphere's equal-area map on the disc, x = wx / sqrt(1 + |wz|): quartered
-// until the quarters agree with the whole and the cell holds few of the `points` where light is known to go.
-Sums integrate(const Bsdf& bsdf, double side, const Points& around, double x0, double y0, double size, int depth,
-               double tolerance = 2e-4) {
+// Integral of density, f and rest over a cell of one hemisphere's equal-area map on the disc, x =
+// wx / sqrt(1 + |wz|): quartered until the quarters agree with the whole and the cell holds few of
+// the `points` where light is known to go.
+Sums integrate(const Bsdf& bsdf, double side, const Points& around, double x0, double y0,
+               double size, int depth, double tolerance = 2e-4) {
   Points points;
   for (const auto& [x, y] : around)
     if (x >= x0 && x <= x0 + size && y >= y0 && y <= y0 + size) points.push_back({x, y});
@@ -45,27 +46,33 @@ Sums integrate(const Bsdf& bsdf, double side, const Points& around, double x0, d
     Sums sums{};
     for (double s : {0.2113248654, 0.7886751346})
       for (double t : {0.2113248654, 0.7886751346}) {
-        const double x = cx + width * s, y = cy + width * t, z = 1 - x * x - y * y, r = std::sqrt(1 + z);
+        const double x = cx + width * s, y = cy + width * t, z = 1 - x * x - y * y,
+                     r = std::sqrt(1 + z);
         if (z <= 0) continue;
         float pdf = 0;
         Rgb rest;
         const Rgb f = bsdf.evaluate({float(r * x), float(r * y), float(side * z)}, &pdf, &rest);
         const float values[7] = {pdf, f.x, f.y, f.z, rest.x, rest.y, rest.z};
-        for (size_t i = 0; i < 7; ++i) sums[i] += width * width / 2 * double(values[i]);  // the map halves areas
+        // The map halves areas
+        for (size_t i = 0; i < 7; ++i) sums[i] += width * width / 2 * double(values[i]);
       }
     return sums;
   };
   const double half = size / 2;
   const Sums whole = rule(x0, y0, size);
-  const Sums parts = rule(x0, y0, half) + rule(x0 + half, y0, half) + rule(x0, y0 + half, half) + rule(x0 + half, y0 + half, half);
+  const Sums parts = rule(x0, y0, half) + rule(x0 + half, y0, half) + rule(x0, y0 + half, half) +
+                     rule(x0 + half, y0 + half, half);
   double worst = 0;
   for (size_t i = 0; i < 7; ++i) worst = std::max(worst, std::abs(whole[i] - parts[i]));
-  const double far = std::hypot(std::max(std::abs(x0), std::abs(x0 + size)), std::max(std::abs(y0), std::abs(y0 + size)));
-  const double near = std::hypot(x0 * (x0 + size) < 0 ? 0 : std::min(std::abs(x0), std::abs(x0 + size)),
-                                 y0 * (y0 + size) < 0 ? 0 : std::min(std::abs(y0), std::abs(y0 + size)));
+  const double far = std::hypot(std::max(std::abs(x0), std::abs(x0 + size)),
+                                std::max(std::abs(y0), std::abs(y0 + size)));
+  const double near =
+      std::hypot(x0 * (x0 + size) < 0 ? 0 : std::min(std::abs(x0), std::abs(x0 + size)),
+                 y0 * (y0 + size) < 0 ? 0 : std::min(std::abs(y0), std::abs(y0 + size)));
   const bool horizon = near < 1 && far > 1 && size > 0.04;
   if (depth <= 0 || (!horizon && points.size() <= 4 && worst < tolerance)) return parts;
-  return integrate(bsdf, side, points, x0, y0, half, depth - 1, tolerance) + integrate(bsdf, side, points, x0 + half, y0, half, depth - 1, tolerance) +
+  return integrate(bsdf, side, points, x0, y0, half, depth - 1, tolerance) +
+         integrate(bsdf, side, points, x0 + half, y0, half, depth - 1, tolerance) +
          integrate(bsdf, side, points, x0, y0 + half, half, depth - 1, tolerance) +
          integrate(bsdf, side, points, x0 + half, y0 + half, half, depth - 1, tolerance);
 }
@@ -77,7 +84,8 @@ Sums integrate(const Bsdf& bsdf) {
     for (int i = 0; i < 256; ++i)
       if (const auto s = bsdf.sample(sobol_2d(uint32_t(i), 1, 11).x, sobol_2d(uint32_t(i), 0, 11)))
         if (const double z = side * double(s->direction.z); z > 0)
-          points.push_back({double(s->direction.x) / std::sqrt(1 + z), double(s->direction.y) / std::sqrt(1 + z)});
+          points.push_back({double(s->direction.x) / std::sqrt(1 + z),
+                            double(s->direction.y) / std::sqrt(1 + z)});
     sums = sums + integrate(bsdf, side, points, -1, -1, 2, 12);
   }
   return sums;
@@ -85,7 +93,8 @@ Sums integrate(const Bsdf& bsdf) {
 
 }  // namespace
 
-TEST_CASE("sampling and evaluation agree: mean weight is the integral of f, the density integrates to the samples kept") {
+TEST_CASE(
+    "sampling and evaluation agree: mean weight is the integral of f, the density integrates to the samples kept") {
   for (const BsdfCase& c : bsdf_cases())
     for (float cosine : kCosines)
       for (Transport transport : {Transport::kRadiance, Transport::kFlux})
@@ -127,8 +136,10 @@ TEST_CASE("reciprocal closures give the same for exchanged directions") {
       for (int i = 0; i < 50; ++i) {
         CAPTURE(c.name);
         const Vec2 u = sobol_2d(uint32_t(i), 0, 7), v = sobol_2d(uint32_t(i), 1, 7);
-        const Vec3 a = direction(0.05f + 0.9f * u.x, 6.28f * u.y), b = direction((i % 4 ? 1.0f : -1.0f) * (0.05f + 0.9f * v.x), 6.28f * v.y);
-        const Rgb ab = make_bsdf(c, a).evaluate(b, nullptr) / std::abs(b.z), ba = make_bsdf(c, b).evaluate(a, nullptr) / std::abs(a.z);
+        const Vec3 a = direction(0.05f + 0.9f * u.x, 6.28f * u.y),
+                   b = direction((i % 4 ? 1.0f : -1.0f) * (0.05f + 0.9f * v.x), 6.28f * v.y);
+        const Rgb ab = make_bsdf(c, a).evaluate(b, nullptr) / std::abs(b.z),
+                  ba = make_bsdf(c, b).evaluate(a, nullptr) / std::abs(a.z);
         for (int k = 0; k < 3; ++k) CHECK(ab[k] == doctest::Approx(ba[k]).epsilon(2e-3));
       }
 }
@@ -166,29 +177,37 @@ TEST_CASE("samples fall as the density says: chi-square over cells of both hemis
             const double r = 1 / std::sqrt(1 + side * double(s->direction.z));
             const double x = double(s->direction.x) * r, y = double(s->direction.y) * r;
             if (points.size() < 256) points.push_back({x, y});
-            const auto cell = [](double v) { return std::clamp(int((v + 1) / 2 * kSide), 0, kSide - 1); };
+            const auto cell = [](double v) {
+              return std::clamp(int((v + 1) / 2 * kSide), 0, kSide - 1);
+            };
             ++counts[size_t(cell(y) * kSide + cell(x))];
             ++kept;
           }
           for (int y = 0; y < kSide; ++y)
             for (int x = 0; x < kSide; ++x) {
-              expected.push_back(kSamples * integrate(bsdf, side, points, x * 2.0 / kSide - 1, y * 2.0 / kSide - 1, 2.0 / kSide, 8, 1e-5)[0]);
+              expected.push_back(kSamples * integrate(bsdf, side, points, x * 2.0 / kSide - 1,
+                                                      y * 2.0 / kSide - 1, 2.0 / kSide, 8,
+                                                      1e-5)[0]);
               seen.push_back(counts[size_t(y * kSide + x)]);
             }
         }
-        expected.push_back(std::max(0.0, kSamples - std::accumulate(expected.begin(), expected.end(), 0.0)));
+        expected.push_back(
+            std::max(0.0, kSamples - std::accumulate(expected.begin(), expected.end(), 0.0)));
         seen.push_back(kSamples - kept);
         double statistic = 0, rare_expected = 0, rare_seen = 0;
         int freedom = -1;
         const auto add = [&](double e, double o) { statistic += (o - e) * (o - e) / e, ++freedom; };
         for (size_t i = 0; i < expected.size(); ++i) {
-          if (expected[i] >= 8) add(expected[i], seen[i]);
-          else rare_expected += expected[i], rare_seen += seen[i];
+          if (expected[i] >= 8)
+            add(expected[i], seen[i]);
+          else
+            rare_expected += expected[i], rare_seen += seen[i];
         }
         if (rare_expected >= 8) add(rare_expected, rare_seen);
         if (freedom < 1) continue;
         ++tests;
-        // Wilson & Hilferty 1931: the cube root is nearly normal. 5 sigma, over some hundred tests; 0.5 % for the quadrature.
+        // Wilson & Hilferty 1931: the cube root is nearly normal. 5 sigma, over some hundred tests;
+        // 0.5 % for the quadrature.
         const double k = freedom, spread = 2 / (9 * k);
         const double z = (std::cbrt(statistic / k) - (1 - spread)) / std::sqrt(spread);
         CAPTURE(c.name);
@@ -214,7 +233,9 @@ TEST_CASE("samples of sharp lobes alone: as much light by them as by all samples
     for (uint32_t i = 0; i < kCount; ++i) {
       const float choice = sobol_2d(i, 0, 1).x;
       const Vec2 u = sobol_2d(i, 1, 1);
-      const auto caustic = [](const BsdfSample& s) { return s.diffuse ? 0 : double(s.weight.x) * sharpness(s.roughness) / kCount; };
+      const auto caustic = [](const BsdfSample& s) {
+        return s.diffuse ? 0 : double(s.weight.x) * sharpness(s.roughness) / kCount;
+      };
       if (const auto s = bsdf.sample(choice, u)) all += caustic(*s);
       if (const auto s = bsdf.sample_sharp(choice, u)) {
         CHECK(sharpness(s->roughness) > 0);

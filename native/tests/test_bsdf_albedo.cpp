@@ -29,7 +29,9 @@ const std::vector<Measured>& measured() {
 
 Rgb world(const Vec3& w, bool lobes) {
   if (!lobes) return kWhite;
-  const auto lobe = [&](const Vec3& axis) { return std::pow(saturate(0.5f + 0.5f * dot(w, axis)), 8.0f); };
+  const auto lobe = [&](const Vec3& axis) {
+    return std::pow(saturate(0.5f + 0.5f * dot(w, axis)), 8.0f);
+  };
   return {1, lobe(kUp), lobe(normalize({1, 0, 0.5f}))};
 }
 
@@ -46,7 +48,8 @@ TEST_CASE("closures scatter the light that they scatter in Cycles") {
       constexpr int count = 1 << 13;
       double sum[3] = {};
       for (int i = 0; i < count; ++i)
-        if (const auto s = bsdf.sample(sobol_2d(uint32_t(i), 1, 3).x, sobol_2d(uint32_t(i), 0, 3))) {
+        if (const auto s =
+                bsdf.sample(sobol_2d(uint32_t(i), 1, 3).x, sobol_2d(uint32_t(i), 0, 3))) {
           const Rgb light = s->weight * world(s->direction, m.lobes);
           for (int k = 0; k < 3; ++k) sum[k] += double(light[k]) / count;
         }
@@ -55,7 +58,8 @@ TEST_CASE("closures scatter the light that they scatter in Cycles") {
       CAPTURE(view.wo.z);
       for (int k = 0; k < 3; ++k) {
         CAPTURE(k);
-        CHECK(std::abs(sum[k] + double(straight[k] - view.light[k])) < 0.01 * double(view.light[k]) + 0.0015);
+        CHECK(std::abs(sum[k] + double(straight[k] - view.light[k])) <
+              0.01 * double(view.light[k]) + 0.0015);
       }
     }
 }

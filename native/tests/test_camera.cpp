@@ -31,9 +31,11 @@ void check_direction(const std::optional<Vec3>& is, const Vec3& should) {
   CHECK(length(*is - normalize(should)) < 1e-5f);
 }
 
-constexpr PanoramaKind kAll[] = {PanoramaKind::kEquirectangular, PanoramaKind::kEquiangularCubeFace, PanoramaKind::kMirrorBall,
-                                 PanoramaKind::kFisheyeEquidistant, PanoramaKind::kFisheyeEquisolid,
-                                 PanoramaKind::kFisheyePolynomial, PanoramaKind::kCentralCylindrical};
+constexpr PanoramaKind kAll[] = {
+    PanoramaKind::kEquirectangular,   PanoramaKind::kEquiangularCubeFace,
+    PanoramaKind::kMirrorBall,        PanoramaKind::kFisheyeEquidistant,
+    PanoramaKind::kFisheyeEquisolid,  PanoramaKind::kFisheyePolynomial,
+    PanoramaKind::kCentralCylindrical};
 
 }  // namespace
 
@@ -43,7 +45,8 @@ TEST_CASE("every panorama looks along the viewing axis at its centre and gives u
     check_direction(panorama_direction(p, 0.5f, 0.5f), {0, 0, -1});
     for (float u = -0.05f; u < 1.1f; u += 0.05f)
       for (float v = -0.05f; v < 1.1f; v += 0.05f)
-        if (const auto d = panorama_direction(p, u, v)) CHECK(length(*d) == doctest::Approx(1).epsilon(1e-5));
+        if (const auto d = panorama_direction(p, u, v))
+          CHECK(length(*d) == doctest::Approx(1).epsilon(1e-5));
     // Right is right and up is up.
     CHECK(panorama_direction(p, 0.6f, 0.5f)->x > 0);
     CHECK(panorama_direction(p, 0.5f, 0.6f)->y > 0);
@@ -51,23 +54,30 @@ TEST_CASE("every panorama looks along the viewing axis at its centre and gives u
 }
 
 TEST_CASE("places of known direction on each panorama") {
-  check_direction(panorama_direction(panorama_of(PanoramaKind::kEquirectangular), 0.75f, 0.5f), {1, 0, 0});
-  check_direction(panorama_direction(panorama_of(PanoramaKind::kEquirectangular), 0.3f, 1), {0, 1, 0});
-  check_direction(panorama_direction(panorama_of(PanoramaKind::kEquiangularCubeFace), 1, 0), {1, -1, -1});
+  check_direction(panorama_direction(panorama_of(PanoramaKind::kEquirectangular), 0.75f, 0.5f),
+                  {1, 0, 0});
+  check_direction(panorama_direction(panorama_of(PanoramaKind::kEquirectangular), 0.3f, 1),
+                  {0, 1, 0});
+  check_direction(panorama_direction(panorama_of(PanoramaKind::kEquiangularCubeFace), 1, 0),
+                  {1, -1, -1});
   check_direction(panorama_direction(panorama_of(PanoramaKind::kMirrorBall), 1, 0.5f), {0, 0, 1});
-  check_direction(panorama_direction(panorama_of(PanoramaKind::kFisheyeEquidistant), 1, 0.5f), {1, 0, 0});
-  check_direction(panorama_direction(panorama_of(PanoramaKind::kCentralCylindrical), 0.75f, 1), {1, 1, 0});
+  check_direction(panorama_direction(panorama_of(PanoramaKind::kFisheyeEquidistant), 1, 0.5f),
+                  {1, 0, 0});
+  check_direction(panorama_direction(panorama_of(PanoramaKind::kCentralCylindrical), 0.75f, 1),
+                  {1, 1, 0});
   CHECK_FALSE(panorama_direction(panorama_of(PanoramaKind::kFisheyeEquidistant), 0.9f, 0.9f));
   CHECK_FALSE(panorama_direction(panorama_of(PanoramaKind::kMirrorBall), 0.9f, 0.9f));
   PanoramaSettings equisolid = panorama_of(PanoramaKind::kFisheyeEquisolid);
   equisolid.focal_length = 10;
   equisolid.fov = 2.001f;
   const float edge = 20 * std::sin(0.5f) / 36;  // 1 radian off the axis: r = 2 f sin(angle / 2)
-  check_direction(panorama_direction(equisolid, 0.5f, 0.5f + edge), {0, std::sin(1.0f), -std::cos(1.0f)});
+  check_direction(panorama_direction(equisolid, 0.5f, 0.5f + edge),
+                  {0, std::sin(1.0f), -std::cos(1.0f)});
   CHECK_FALSE(panorama_direction(equisolid, 0.5f, 0.5f + edge * 1.01f));
 }
 
-TEST_CASE("an aperture blurs nothing at the distance of focus and by the thin lens' circle elsewhere") {
+TEST_CASE(
+    "an aperture blurs nothing at the distance of focus and by the thin lens' circle elsewhere") {
   for (const bool orthographic : {false, true}) {
     CameraSettings s = settings_of();
     s.orthographic = orthographic;
@@ -84,11 +94,14 @@ TEST_CASE("an aperture blurs nothing at the distance of focus and by the thin le
       CHECK(length(through->direction) == doctest::Approx(1).epsilon(1e-5));
       CHECK(through->near * through->cosine == doctest::Approx(0.5).epsilon(1e-4));
       CHECK(through->cosine == doctest::Approx(-through->direction.z).epsilon(1e-5));
-      const auto at_depth = [](const CameraRay& r, float depth) { return r.origin + r.direction * (depth / r.cosine); };
+      const auto at_depth = [](const CameraRay& r, float depth) {
+        return r.origin + r.direction * (depth / r.cosine);
+      };
       CHECK(length(at_depth(*through, 4) - at_depth(*centre, 4)) < 1e-5f);
       widest = std::max(widest, length(at_depth(*through, 8) - at_depth(*centre, 8)));
     }
-    CHECK(widest == doctest::Approx(0.1).epsilon(0.05));  // as far behind the focus as the lens is before it
+    // As far behind the focus as the lens is before it
+    CHECK(widest == doctest::Approx(0.1).epsilon(0.05));
     CHECK(widest <= 0.1001f);
   }
 }
@@ -107,11 +120,12 @@ TEST_CASE("an aperture of blades is its regular polygon, uniformly filled") {
     area += std::abs(a) < 0.25f && std::abs(b) < 0.25f;
     moment += a * a;
   }
-  CHECK(area / count == doctest::Approx(0.25 / 2).epsilon(0.02));       // a square of side sqrt 2
+  CHECK(area / count == doctest::Approx(0.25 / 2).epsilon(0.02));  // a square of side sqrt 2
   CHECK(moment / count == doctest::Approx(2.0 / 12).epsilon(0.02));
 }
 
-TEST_CASE("a panorama's depth is distance, its footprint an angle, and its lens focuses at that distance") {
+TEST_CASE(
+    "a panorama's depth is distance, its footprint an angle, and its lens focuses at that distance") {
   for (const PanoramaKind kind : kAll) {
     CameraSettings s = settings_of(64, 64);
     s.left = s.bottom = 0;

@@ -16,7 +16,8 @@ int looks_of_800(const ClearRegions& regions, uint64_t region) {
 
 TEST_CASE("few discs of a region are looked at once many have been clear") {
   ClearRegions regions;
-  const uint64_t here = ClearRegions::region(7, {0.1f, 0.2f, 0.3f}, 0.1f), there = ClearRegions::region(7, {5, 5, 5}, 0.1f);
+  const uint64_t here = ClearRegions::region(7, {0.1f, 0.2f, 0.3f}, 0.1f),
+                 there = ClearRegions::region(7, {5, 5, 5}, 0.1f);
   for (int i = 0; i < 15; ++i) regions.learn(here, true);
   CHECK(looks_of_800(regions, here) == 800);
   regions.learn(here, true);

@@ -2,4 +2,6 @@
 
 #include <doctest/doctest.h>
 
-TEST_CASE("the Embree that we are built for is accepted") { CHECK_NOTHROW(photon_splat::check_embree_version()); }
+TEST_CASE("the Embree that we are built for is accepted") {
+  CHECK_NOTHROW(photon_splat::check_embree_version());
+}

@@ -16,7 +16,8 @@ struct Estimate {
 
 // Power of the photons of `draw` that pass through a sphere, W, mean over RGB.
 template <class Draw>
-std::vector<Estimate> flux_through(const std::vector<EmissionTargets::Sphere>& spheres, uint64_t count, Draw&& draw) {
+std::vector<Estimate> flux_through(const std::vector<EmissionTargets::Sphere>& spheres,
+                                   uint64_t count, Draw&& draw) {
   std::vector<double> sum(spheres.size() + 1), squares(spheres.size() + 1);
   for (uint64_t i = 0; i < count; ++i) {
     const PhotonStart start = draw(i);
@@ -91,7 +92,11 @@ std::vector<Named> lights_of_every_kind() {
   all.push_back({"elliptic area of narrow spread", {s}});
   all.push_back({"world", {}, 0.7f});
   all.push_back({"mesh", {}, 0, true});
-  all.push_back({"several", {lamp_of(LampKind::kPoint, {2, 1, 2}), lamp_of(LampKind::kArea), lamp_of(LampKind::kSun)}, 0.3f, true});
+  all.push_back(
+      {"several",
+       {lamp_of(LampKind::kPoint, {2, 1, 2}), lamp_of(LampKind::kArea), lamp_of(LampKind::kSun)},
+       0.3f,
+       true});
   return all;
 }
 
@@ -111,9 +116,11 @@ void fill_for(Scene& scene, const Named& lights) {
 
 }  // namespace
 
-TEST_CASE("aimed emission brings the flux that natural emission brings, to its targets and elsewhere") {
+TEST_CASE(
+    "aimed emission brings the flux that natural emission brings, to its targets and elsewhere") {
   constexpr uint64_t count = 1 << 16;
-  const std::vector<EmissionTargets::Sphere> targets{{{0.4f, 0.6f, 0.9f}, 0.05f, 50}, {{0.9f, 0.2f, 0.3f}, 0.4f, 1}};
+  const std::vector<EmissionTargets::Sphere> targets{{{0.4f, 0.6f, 0.9f}, 0.05f, 50},
+                                                     {{0.9f, 0.2f, 0.3f}, 0.4f, 1}};
   std::vector<EmissionTargets::Sphere> probes = targets;
   probes.push_back({{-0.2f, 0.9f, 0.5f}, 0.5f});
   for (const Named& lights : lights_of_every_kind()) {
@@ -122,8 +129,10 @@ TEST_CASE("aimed emission brings the flux that natural emission brings, to its t
     fill_for(scene, lights);
     const Lights all(scene, lights.lamps);
     const EmissionTargets aimed = all.aim_at(targets);
-    const auto natural = flux_through(probes, 8 * count, [&](uint64_t i) { return all.emit(all.primary(i, 1, nullptr)); });
-    const auto towards = flux_through(probes, count, [&](uint64_t i) { return all.emit_towards(aimed, i, 2); });
+    const auto natural = flux_through(
+        probes, 8 * count, [&](uint64_t i) { return all.emit(all.primary(i, 1, nullptr)); });
+    const auto towards =
+        flux_through(probes, count, [&](uint64_t i) { return all.emit_towards(aimed, i, 2); });
     for (size_t s = 0; s < natural.size(); ++s) {
       CAPTURE(s);
       CAPTURE(natural[s].mean);
@@ -132,31 +141,41 @@ TEST_CASE("aimed emission brings the flux that natural emission brings, to its t
       CHECK(std::abs(natural[s].mean - towards[s].mean) < 4 * error + 1e-3 * natural[s].mean);
     }
     // What it is for: per photon, what reaches the small target is known far better.
-    const double gain = natural[0].error * std::sqrt(8.0) / natural[0].mean / (towards[0].error / towards[0].mean);
+    const double gain =
+        natural[0].error * std::sqrt(8.0) / natural[0].mean / (towards[0].error / towards[0].mean);
     CAPTURE(gain);
     CHECK(gain > 2);
   }
 }
 
-TEST_CASE("emission focused on what is seen brings the same flux everywhere, and far more photons there") {
+TEST_CASE(
+    "emission focused on what is seen brings the same flux everywhere, and far more photons there") {
   constexpr uint64_t count = 1 << 16;
   const Vec3 seen{0.4f, 0.6f, 0.9f};
-  const std::vector<EmissionTargets::Sphere> probes{{seen, 0.01f}, {{0.43f, 0.6f, 0.88f}, 0.02f}, {{0.9f, 0.2f, 0.3f}, 0.3f}, {{-0.2f, 0.9f, 0.5f}, 0.4f}};
+  const std::vector<EmissionTargets::Sphere> probes{{seen, 0.01f},
+                                                    {{0.43f, 0.6f, 0.88f}, 0.02f},
+                                                    {{0.9f, 0.2f, 0.3f}, 0.3f},
+                                                    {{-0.2f, 0.9f, 0.5f}, 0.4f}};
   for (const Named& lights : lights_of_every_kind()) {
     if (lights.name != "world" && lights.name.find(" sun") == std::string::npos) continue;
     CAPTURE(lights.name);
     Scene scene(1);
     fill_for(scene, lights);
     Lights all(scene, lights.lamps);
-    const std::vector<EmissionTargets::Sphere> targets{{{0.9f, 0.2f, 0.3f}, 0.2f, 1}, {seen, 0.02f, 1}};
-    const auto wide = flux_through(probes, 32 * count, [&](uint64_t i) { return all.emit(all.primary(i, 1, nullptr)); });
+    const std::vector<EmissionTargets::Sphere> targets{{{0.9f, 0.2f, 0.3f}, 0.2f, 1},
+                                                       {seen, 0.02f, 1}};
+    const auto wide = flux_through(
+        probes, 32 * count, [&](uint64_t i) { return all.emit(all.primary(i, 1, nullptr)); });
     all.focus(seen, 0.01f);
-    const auto focused = flux_through(probes, 4 * count, [&](uint64_t i) { return all.emit(all.primary(i, 2, nullptr)); });
+    const auto focused = flux_through(
+        probes, 4 * count, [&](uint64_t i) { return all.emit(all.primary(i, 2, nullptr)); });
     const EmissionTargets aimed = all.aim_at(targets);
-    const auto towards = flux_through(probes, 4 * count, [&](uint64_t i) { return all.emit_towards(aimed, i, 4); });
+    const auto towards =
+        flux_through(probes, 4 * count, [&](uint64_t i) { return all.emit_towards(aimed, i, 4); });
     for (size_t s = 0; s < probes.size(); ++s) {
       CAPTURE(s);
-      for (const auto& [a, b] : {std::pair(wide[s], focused[s]), std::pair(focused[s], towards[s])}) {
+      for (const auto& [a, b] :
+           {std::pair(wide[s], focused[s]), std::pair(focused[s], towards[s])}) {
         CAPTURE(a.mean);
         CAPTURE(b.mean);
         CHECK(std::abs(a.mean - b.mean) < 4 * std::hypot(a.error, b.error) + 1e-3 * b.mean);
@@ -168,7 +187,8 @@ TEST_CASE("emission focused on what is seen brings the same flux everywhere, and
   }
 }
 
-TEST_CASE("paths that start together start as they do one by one, where the upper half of their number changes as well") {
+TEST_CASE(
+    "paths that start together start as they do one by one, where the upper half of their number changes as well") {
   Scene scene(1);
   Named lights{"area", {lamp_of(LampKind::kArea)}};
   fill_for(scene, lights);
@@ -179,7 +199,8 @@ TEST_CASE("paths that start together start as they do one by one, where the uppe
     for (uint32_t i = 0; i < SobolPair::kMost; ++i) {
       const uint64_t index = first + i;
       const uint32_t key = hash_combine(3, static_cast<uint32_t>(index >> 32));
-      const Vec2 place = sobol_2d(static_cast<uint32_t>(index), 1, key), way = sobol_2d(static_cast<uint32_t>(index), 2, key);
+      const Vec2 place = sobol_2d(static_cast<uint32_t>(index), 1, key),
+                 way = sobol_2d(static_cast<uint32_t>(index), 2, key);
       CHECK(together[i].place.x == place.x);
       CHECK(together[i].place.y == place.y);
       CHECK(together[i].way.x == way.x);
@@ -189,7 +210,8 @@ TEST_CASE("paths that start together start as they do one by one, where the uppe
   }
 }
 
-TEST_CASE("photons that are started together start as they do one by one, bit for bit, from lights of every kind") {
+TEST_CASE(
+    "photons that are started together start as they do one by one, bit for bit, from lights of every kind") {
   for (const Named& lights : lights_of_every_kind()) {
     CAPTURE(lights.name);
     Scene scene(1);
@@ -202,7 +224,9 @@ TEST_CASE("photons that are started together start as they do one by one, bit fo
       all.emit(primaries, count, together);
       for (uint32_t i = 0; i < count; ++i) {
         const PhotonStart one = all.emit(primaries[i]);
-        const auto same = [](const Vec3& a, const Vec3& b) { return a.x == b.x && a.y == b.y && a.z == b.z; };
+        const auto same = [](const Vec3& a, const Vec3& b) {
+          return a.x == b.x && a.y == b.y && a.z == b.z;
+        };
         CHECK(same(one.origin, together[i].origin));
         CHECK(same(one.direction, together[i].direction));
         CHECK(same(one.power, together[i].power));
@@ -214,12 +238,14 @@ TEST_CASE("photons that are started together start as they do one by one, bit fo
   }
 }
 
-TEST_CASE("targets that nothing can reach, of no size or of no weight leave natural emission alone") {
+TEST_CASE(
+    "targets that nothing can reach, of no size or of no weight leave natural emission alone") {
   Scene scene(1);
   Named lights{"area", {lamp_of(LampKind::kArea)}};
   fill_for(scene, lights);
   const Lights all(scene, lights.lamps);
-  const EmissionTargets aimed = all.aim_at({{{0, 0, 9}, 0.1f, 1}, {{0, 0, 0}, 0, 1}, {{0, 0, 0}, 1, 0}, {{0, 0, 0}, NAN, 1}});
+  const EmissionTargets aimed =
+      all.aim_at({{{0, 0, 9}, 0.1f, 1}, {{0, 0, 0}, 0, 1}, {{0, 0, 0}, 1, 0}, {{0, 0, 0}, NAN, 1}});
   for (uint64_t i = 0; i < 64; ++i) {
     const PhotonStart a = all.emit(all.primary(i, 3, nullptr)), b = all.emit_towards(aimed, i, 3);
     CHECK(b.aim == -1);
@@ -251,14 +277,19 @@ TEST_CASE("what was learnt sends photons to the targets of use, and changes no e
   CHECK(before == doctest::Approx(4096 * 7 / 16).epsilon(0.02));
   CHECK(after > before * 1.6);
   CHECK(after < 4096 * 7 / 8);
-  const auto natural = flux_through(targets, 1 << 18, [&](uint64_t i) { return all.emit(all.primary(i, 1, nullptr)); });
-  const auto towards = flux_through(targets, 1 << 16, [&](uint64_t i) { return all.emit_towards(aimed, i, 2); });
+  const auto natural = flux_through(
+      targets, 1 << 18, [&](uint64_t i) { return all.emit(all.primary(i, 1, nullptr)); });
+  const auto towards =
+      flux_through(targets, 1 << 16, [&](uint64_t i) { return all.emit_towards(aimed, i, 2); });
   for (size_t s = 0; s < natural.size(); ++s)
-    CHECK(std::abs(natural[s].mean - towards[s].mean) < 4 * std::hypot(natural[s].error, towards[s].error));
+    CHECK(std::abs(natural[s].mean - towards[s].mean) <
+          4 * std::hypot(natural[s].error, towards[s].error));
 }
 
-TEST_CASE("photons of a lamp of soft falloff bring the light of its disc, however small it is beside the distance") {
-  // On a sphere of radius d around the lamp, each place sees a disc of radius r: irradiance I / (d^2 + r^2).
+TEST_CASE(
+    "photons of a lamp of soft falloff bring the light of its disc, however small it is beside the distance") {
+  // On a sphere of radius d around the lamp, each place sees a disc of radius r: irradiance I /
+  // (d^2 + r^2).
   constexpr double d = 20;
   for (const double ratio : {1e-6, 1e-5, 5e-5, 1e-4, 1e-3, 1e-2, 0.1, 0.3, 1.0})
     for (const bool aimed : {false, true}) {
@@ -273,9 +304,11 @@ TEST_CASE("photons of a lamp of soft falloff bring the light of its disc, howeve
       constexpr uint64_t count = 1 << 16;
       double sum = 0;
       for (uint64_t i = 0; i < count; ++i) {
-        const PhotonStart start = aimed ? lights.emit_towards(targets, i, 1) : lights.emit(lights.primary(i, 1, nullptr));
+        const PhotonStart start =
+            aimed ? lights.emit_towards(targets, i, 1) : lights.emit(lights.primary(i, 1, nullptr));
         const double since = std::sqrt(d * d - double(start.soft_miss2));
-        if (start.accepts(static_cast<float>(since) + start.soft_nearest)) sum += average(start.power) / count;
+        if (start.accepts(static_cast<float>(since) + start.soft_nearest))
+          sum += average(start.power) / count;
       }
       const double expected = average(lamp.strength) / (1 + ratio * ratio);
       CHECK(sum == doctest::Approx(expected).epsilon(aimed ? 0.05 : 0.003));
@@ -313,8 +346,10 @@ TEST_CASE("flattened lamps shine where an axis that they do not need is lost") {
     lamp.to_world.m[0] = scale.x, lamp.to_world.m[5] = scale.y, lamp.to_world.m[10] = scale.z;
     return Lights(scene, {lamp}).total_power();
   };
-  for (const Vec3 scale : {Vec3{0, 1, 1}, Vec3{1, 1, 0}, Vec3{0, 0, 0}}) CHECK(power(LampKind::kPoint, scale) == power(LampKind::kPoint, {1, 1, 1}));
-  for (const Vec3 scale : {Vec3{0, 1, 1}, Vec3{1, 0, 1}, Vec3{0, 0, -1}}) CHECK(power(LampKind::kSun, scale) == power(LampKind::kSun, {1, 1, 1}));
+  for (const Vec3 scale : {Vec3{0, 1, 1}, Vec3{1, 1, 0}, Vec3{0, 0, 0}})
+    CHECK(power(LampKind::kPoint, scale) == power(LampKind::kPoint, {1, 1, 1}));
+  for (const Vec3 scale : {Vec3{0, 1, 1}, Vec3{1, 0, 1}, Vec3{0, 0, -1}})
+    CHECK(power(LampKind::kSun, scale) == power(LampKind::kSun, {1, 1, 1}));
   CHECK(power(LampKind::kSun, {1, 1, 0}) == 0);
   for (const LampKind kind : {LampKind::kSpot, LampKind::kArea}) CHECK(power(kind, {0, 1, 1}) == 0);
 }

@@ -96,15 +96,21 @@ TEST_CASE("the density of directions integrates to one and is that of the sample
   for (int variant = 0; variant < 4; ++variant) {
     CAPTURE(variant);
     Scene scene(1);
-    if (variant != 0) add_map(scene);
-    else scene.world = {0.3f, 0.2f, 0.1f};
+    if (variant != 0)
+      add_map(scene);
+    else
+      scene.world = {0.3f, 0.2f, 0.1f};
     if (variant >= 2) add_sun(scene, 0.5f, variant == 2 ? 0.3f : 0.05f);
     const Environment world(scene);
-    CHECK(over_sphere([&](const Vec3& d) { return world.pdf(d); }) == doctest::Approx(1).epsilon(variant == 3 ? 0.02 : 0.005));
+    CHECK(over_sphere([&](const Vec3& d) { return world.pdf(d); }) ==
+          doctest::Approx(1).epsilon(variant == 3 ? 0.02 : 0.005));
     // Any function has the same integral by samples: here the solid angle of octants.
     for (int octant = 0; octant < 8; ++octant) {
       const auto inside = [octant](const Vec3& d) {
-        return ((d.x > 0) == bool(octant & 1) && (d.y > 0) == bool(octant & 2) && (d.z > 0) == bool(octant & 4)) ? 1.0 : 0.0;
+        return ((d.x > 0) == bool(octant & 1) && (d.y > 0) == bool(octant & 2) &&
+                (d.z > 0) == bool(octant & 4))
+                   ? 1.0
+                   : 0.0;
       };
       CHECK(by_sampling(world, inside) == doctest::Approx(kPi / 2).epsilon(0.05));
     }
@@ -113,21 +119,27 @@ TEST_CASE("the density of directions integrates to one and is that of the sample
     for (int part = 0; part < Environment::kParts; ++part) shares += world.part_share(part);
     CHECK(shares == doctest::Approx(1).epsilon(1e-4));
     for (uint32_t i = 0; i < 2000; ++i) {
-      const Vec3 d = i % 2 ? sample_sphere(sobol_2d(i, 1, 1)) : world.sample(sobol_2d(i, 1, 1)).direction;
-      CHECK(world.pdf_by_parts([&](int part) { return world.part_share(part); }, world.density(d)) == doctest::Approx(world.pdf(d)).epsilon(1e-3));
+      const Vec3 d =
+          i % 2 ? sample_sphere(sobol_2d(i, 1, 1)) : world.sample(sobol_2d(i, 1, 1)).direction;
+      CHECK(world.pdf_by_parts([&](int part) { return world.part_share(part); },
+                               world.density(d)) == doctest::Approx(world.pdf(d)).epsilon(1e-3));
       const int part = world.part_of(d);
       const Vec3 again = world.sample_part(part, sobol_2d(i, 7, 2)).direction;
-      if (part != Environment::kDiscs) CHECK((world.part_of(again) == part || world.part_of(again) == Environment::kDiscs));
+      if (part != Environment::kDiscs)
+        CHECK((world.part_of(again) == part || world.part_of(again) == Environment::kDiscs));
     }
     const auto red = [&](const Vec3& d) { return world.radiance(d).x; };
     CHECK(by_sampling(world, red) == doctest::Approx(over_sphere(red)).epsilon(0.01));
-    CHECK(average(world.mean()) * 4 * kPi ==
-          doctest::Approx(over_sphere([&](const Vec3& d) { return average(world.radiance(d)); })).epsilon(0.02));
+    CHECK(average(world.mean()) * 4 * kPi == doctest::Approx(over_sphere([&](const Vec3& d) {
+                                               return average(world.radiance(d));
+                                             })).epsilon(0.02));
   }
 }
 
-TEST_CASE("samples bring the density that their direction has, but where rounding moves it to the next cell") {
-  for (const int width : {96, 100, 512}) {  // of the image; the table's rows end within a step, and with one
+TEST_CASE(
+    "samples bring the density that their direction has, but where rounding moves it to the next cell") {
+  // Of the image; the table's rows end within a step, and with one
+  for (const int width : {96, 100, 512}) {
     CAPTURE(width);
     Scene scene(1);
     add_map(scene, width);
@@ -136,7 +148,8 @@ TEST_CASE("samples bring the density that their direction has, but where roundin
     int moved = 0, count = 0;
     const auto check = [&](const Environment::Sample& s) {
       REQUIRE(s.pdf == world.pdf(s.density));
-      const bool same = s.pdf == world.pdf(s.direction) && world.density(s.direction).patch == s.density.patch;
+      const bool same =
+          s.pdf == world.pdf(s.direction) && world.density(s.direction).patch == s.density.patch;
       moved += !same;
       ++count;
     };
@@ -160,7 +173,8 @@ TEST_CASE("a world that is the same everywhere is known as such") {
   CHECK(Environment(scene).contrast() > 0.3f);
 }
 
-TEST_CASE("an image's directions follow Blender: u against the longitude, v upwards, the middle at +X") {
+TEST_CASE(
+    "an image's directions follow Blender: u against the longitude, v upwards, the middle at +X") {
   CHECK(equirectangular_uv({1, 0, 0}).x == doctest::Approx(0.5));
   CHECK(equirectangular_uv({0, 1, 0}).x == doctest::Approx(0.25));
   CHECK(equirectangular_uv({0, 0, 1}).y == doctest::Approx(1));
@@ -169,13 +183,15 @@ TEST_CASE("an image's directions follow Blender: u against the longitude, v upwa
   CHECK(mirror_ball_uv({1, 0, 0}).x == doctest::Approx(0.5 + 0.5 / std::sqrt(2.0)));
 }
 
-TEST_CASE("the sun's disc: flux with limb darkening, half of it below the horizon, nothing beside it") {
+TEST_CASE(
+    "the sun's disc: flux with limb darkening, half of it below the horizon, nothing beside it") {
   Scene scene(1);
   add_sun(scene, 0.5f, 0.01f);
   const Environment world(scene);
   const double solid_angle = 2 * kPi * (1 - std::cos(0.01));
   const auto green = [&](const Vec3& d) { return world.radiance(d).y; };
-  // The mean of 1 - 0.6 (1 - sqrt(1 - r^2)) over the disc is 0.8; of the colour's gradient, the middle.
+  // The mean of 1 - 0.6 (1 - sqrt(1 - r^2)) over the disc is 0.8; of the colour's gradient, the
+  // middle.
   CHECK(by_sampling(world, green) == doctest::Approx(95 * 0.8 * solid_angle).epsilon(0.01));
   CHECK(world.radiance({0, 0, 1}).y == 0);
   CHECK(world.radiance({std::cos(0.5f), 0, std::sin(0.5f)}).y == doctest::Approx(95).epsilon(0.01));
@@ -195,7 +211,8 @@ TEST_CASE("irradiance by light samples, by BSDF samples and by both is the same"
   lamp.strength = {20, 20, 20};
   lamp.to_world.m[11] = 2;
   for (const bool with_lamp : {false, true}) {
-    const Lights lights(scene, with_lamp ? std::vector<LampSettings>{lamp} : std::vector<LampSettings>{});
+    const Lights lights(scene,
+                        with_lamp ? std::vector<LampSettings>{lamp} : std::vector<LampSettings>{});
     for (const Vec3 n : {Vec3{0, 0, 1}, normalize(Vec3{1, -2, 0.5f})}) {
       const Receiver to{{0.5f, 0.5f, 0}, n, false};
       const Basis basis(n);
@@ -207,7 +224,8 @@ TEST_CASE("irradiance by light samples, by BSDF samples and by both is the same"
           const double value = s->weight.x * cosine;
           by_light += value;
           if (!s->use_mis) lamp_light += value;
-          by_both += value * (s->use_mis ? s->pdf * s->pdf / (s->pdf * s->pdf + bsdf_pdf * bsdf_pdf) : 1.0f);
+          by_both += value * (s->use_mis ? s->pdf * s->pdf / (s->pdf * s->pdf + bsdf_pdf * bsdf_pdf)
+                                         : 1.0f);
         }
         const Vec3 local = sample_cosine_hemisphere(sobol_2d(i, 2, 7)), d = basis.to_world(local);
         if (!(local.z > 0)) continue;
@@ -235,5 +253,8 @@ TEST_CASE("photons of the world carry its power through the scene's disc") {
     sum += start.power.x;
   }
   const double disc = kPi * scene.radius() * scene.radius();
-  CHECK(sum / count == doctest::Approx(disc * over_sphere([&](const Vec3& d) { return lights.environment().radiance(d).x; })).epsilon(0.01));
+  CHECK(sum / count == doctest::Approx(disc * over_sphere([&](const Vec3& d) {
+                                         return lights.environment().radiance(d).x;
+                                       }))
+                           .epsilon(0.01));
 }

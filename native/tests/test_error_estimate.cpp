@@ -38,7 +38,8 @@ double root_mean_square(const std::vector<float>& squares) {
 
 }  // namespace
 
-TEST_CASE("pixels of several samples a pass: the standard error is sigma over the root of all samples") {
+TEST_CASE(
+    "pixels of several samples a pass: the standard error is sigma over the root of all samples") {
   Random random(7, 9);
   const auto e = estimate(24, [&](uint32_t pass, uint32_t pixel, Pixel& p) {
     const int samples = pass && pixel % kWidth >= kWidth / 2 ? 16 : 1;
@@ -55,7 +56,8 @@ TEST_CASE("pixels of several samples a pass: the standard error is sigma over th
       (x < kWidth / 2 ? few : many) += e.variance()[static_cast<size_t>(y) * kWidth + x];
     }
   CHECK(std::sqrt(few / (8 * kHeight)) == doctest::Approx(sigma / std::sqrt(24.0)).epsilon(0.2));
-  CHECK(std::sqrt(many / (9 * kHeight)) == doctest::Approx(sigma / std::sqrt(1 + 23 * 16.0)).epsilon(0.2));
+  CHECK(std::sqrt(many / (9 * kHeight)) ==
+        doctest::Approx(sigma / std::sqrt(1 + 23 * 16.0)).epsilon(0.2));
 }
 
 TEST_CASE("independent passes: the standard error is sigma over the root of their number") {
@@ -75,7 +77,8 @@ TEST_CASE("independent passes: the standard error is sigma over the root of thei
   }
 }
 
-TEST_CASE("low-discrepancy passes: the estimate follows the error of the mean, not the spread of the passes") {
+TEST_CASE(
+    "low-discrepancy passes: the estimate follows the error of the mean, not the spread of the passes") {
   // Of a pixel that an edge cuts at a place of its own.
   for (uint32_t passes : {8u, 16u, 24u, 48u, 60u, 256u}) {
     CAPTURE(passes);
@@ -90,10 +93,12 @@ TEST_CASE("low-discrepancy passes: the estimate follows the error of the mean, n
     for (uint32_t i = 0; i < sums.size(); ++i) {
       double area = 0;  // by a fine grid
       for (int k = 0; k < 400; ++k)
-        area += std::clamp(0.2 + to_unit_float(hash32(i + 77)) - 0.5 * (k + 0.5) / 400, 0.0, 1.0) / 400;
+        area +=
+            std::clamp(0.2 + to_unit_float(hash32(i + 77)) - 0.5 * (k + 0.5) / 400, 0.0, 1.0) / 400;
       truth += std::pow(sums[i] / passes - area, 2);
     }
-    const double ratio = std::sqrt(truth / static_cast<double>(sums.size())) / root_mean_square(errors.variance());
+    const double ratio =
+        std::sqrt(truth / static_cast<double>(sums.size())) / root_mean_square(errors.variance());
     CHECK(ratio > 0.65);
     CHECK(ratio < 0.9);
   }
@@ -110,8 +115,10 @@ TEST_CASE("what narrower discs would change is bias, unless it is noise") {
   CHECK(with_detail(0).figures().bias < 0.01);
 }
 
-TEST_CASE("one pass is judged by its neighbours; a black picture has no error; no passes, no estimate") {
-  const ErrorEstimate one = estimate(1, [](uint32_t p, uint32_t i, Pixel& pixel) { pixel.emission.y = Random(p, i).next(); });
+TEST_CASE(
+    "one pass is judged by its neighbours; a black picture has no error; no passes, no estimate") {
+  const ErrorEstimate one = estimate(
+      1, [](uint32_t p, uint32_t i, Pixel& pixel) { pixel.emission.y = Random(p, i).next(); });
   CHECK(root_mean_square(one.variance()) == doctest::Approx(0.7152 / std::sqrt(12.0)).epsilon(0.4));
   const ErrorEstimate black = estimate(5, [](uint32_t, uint32_t, Pixel&) {});
   CHECK(black.figures().relative_rmse == 0);

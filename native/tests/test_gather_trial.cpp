@@ -8,7 +8,8 @@ using namespace photon_splat;
 
 namespace {
 
-// Neighbours that differ by `noise`, of which `deep` is from beyond the first place, in paths of `rays`, of which so many are for that.
+// Neighbours that differ by `noise`, of which `deep` is from beyond the first place, in paths of
+// `rays`, of which so many are for that.
 GatherTrial trial(float noise, float deep, uint64_t rays, uint64_t deep_rays) {
   GatherTrial t;
   for (int i = 0; i < 100; ++i) t.add_pair(1 + noise, deep, 1 - noise, -deep);
@@ -24,7 +25,8 @@ TEST_CASE("paths pay where photons would take nothing off their noise, whatever 
   CHECK_FALSE(trial(0.3f, 0, 500, 400).paths_pay(0));  // but not for five times the rays
 }
 
-TEST_CASE("photons pay where most of the noise comes from beyond, unless they are many for each path") {
+TEST_CASE(
+    "photons pay where most of the noise comes from beyond, unless they are many for each path") {
   CHECK_FALSE(trial(0.3f, 0.2f, 1000, 500).paths_pay(0.2));
   CHECK(trial(0.3f, 0.2f, 1000, 500).paths_pay(40));
 }

@@ -8,7 +8,9 @@ using namespace photon_splat;
 
 namespace {
 
-Vec3 at_random(Random& random, float size) { return Vec3{random.next() - 0.5f, random.next() - 0.5f, random.next()} * size; }
+Vec3 at_random(Random& random, float size) {
+  return Vec3{random.next() - 0.5f, random.next() - 0.5f, random.next()} * size;
+}
 
 // Lamps of all kinds, strewn about; suns among them.
 std::vector<LampSettings> many_lamps(int count, bool suns = true) {
@@ -16,7 +18,10 @@ std::vector<LampSettings> many_lamps(int count, bool suns = true) {
   Random random(1, 7);
   for (int i = 0; i < count; ++i) {
     LampSettings s;
-    s.kind = i % 29 == 5 && suns ? LampKind::kSun : i % 3 == 0 ? LampKind::kPoint : i % 3 == 1 ? LampKind::kSpot : LampKind::kArea;
+    s.kind = i % 29 == 5 && suns ? LampKind::kSun
+             : i % 3 == 0        ? LampKind::kPoint
+             : i % 3 == 1        ? LampKind::kSpot
+                                 : LampKind::kArea;
     const Vec3 place = at_random(random, 20);
     const Basis basis(sample_sphere(random.next2()));
     for (int c = 0; c < 3; ++c) {
@@ -58,10 +63,12 @@ double irradiance(const Lights& lights, const Receiver& to, uint32_t count, uint
 
 }  // namespace
 
-TEST_CASE("the tree picks every light with the probability that it states, and leaves out none that can shine") {
+TEST_CASE(
+    "the tree picks every light with the probability that it states, and leaves out none that can shine") {
   std::vector<LightTree::Item> items;
   Random random(2, 3);
-  for (int i = 0; i < 200; ++i) items.push_back(item_of(at_random(random, 10), i % 7 ? random.next() : 0.001f));
+  for (int i = 0; i < 200; ++i)
+    items.push_back(item_of(at_random(random, 10), i % 7 ? random.next() : 0.001f));
   for (int i = 0; i < 20; ++i) items.push_back(item_of({1, 1, 1}, 0.3f));  // all in one place
   LightTree tree;
   tree.build(items);
@@ -112,10 +119,12 @@ TEST_CASE("rays find the lights whose bounds they meet") {
     const Vec3 origin = at_random(random, 10), inside = items[ray].bounds.center();
     const float distance = length(inside - origin);
     bool found = false;
-    tree.along(origin, (inside - origin) / distance, INFINITY, [&](uint32_t item) { found |= item == static_cast<uint32_t>(ray); });
+    tree.along(origin, (inside - origin) / distance, INFINITY,
+               [&](uint32_t item) { found |= item == static_cast<uint32_t>(ray); });
     CHECK(found);
     found = false;
-    tree.along(origin, (inside - origin) / distance, 0.2f * distance, [&](uint32_t item) { found |= item == static_cast<uint32_t>(ray); });
+    tree.along(origin, (inside - origin) / distance, 0.2f * distance,
+               [&](uint32_t item) { found |= item == static_cast<uint32_t>(ray); });
     if (distance > 2) CHECK_FALSE(found);
   }
 }
@@ -125,9 +134,11 @@ TEST_CASE("irradiance from many lamps is the sum of theirs") {
   fill(scene, make_grid(1, 10), {identity});
   const auto lamps = many_lamps(150);
   const Lights all(scene, lamps);
-  for (const Receiver to : {Receiver{{1, 2, 0}, {0, 0, 1}}, Receiver{{-4, 0, 5}, normalize(Vec3{1, 1, -1})}}) {
+  for (const Receiver to :
+       {Receiver{{1, 2, 0}, {0, 0, 1}}, Receiver{{-4, 0, 5}, normalize(Vec3{1, 1, -1})}}) {
     double expected = 0;
-    for (const LampSettings& lamp : lamps) expected += irradiance(Lights(scene, {lamp}), to, 512, 1);
+    for (const LampSettings& lamp : lamps)
+      expected += irradiance(Lights(scene, {lamp}), to, 512, 1);
     CHECK(irradiance(all, to, 1 << 19, 2) == doctest::Approx(expected).epsilon(0.01));
   }
 }
@@ -136,7 +147,8 @@ TEST_CASE("many lamps: rays and light samples share them to the full") {
   Scene scene(1);
   fill(scene, make_grid(1, 10), {identity});
   auto lamps = many_lamps(150);
-  std::erase_if(lamps, [](const LampSettings& s) { return s.kind != LampKind::kArea && s.radius <= 0; });
+  std::erase_if(lamps,
+                [](const LampSettings& s) { return s.kind != LampKind::kArea && s.radius <= 0; });
   REQUIRE(lamps.size() > 60);
   const Lights all(scene, lamps);
   const Receiver to{{1, 2, 0}, {0, 0, 1}, true};
@@ -190,7 +202,8 @@ TEST_CASE("of many lamps, those near by are drawn most") {
   CHECK(deviation < 0.1 * std::sqrt(by_power - expected * expected));
 }
 
-TEST_CASE("a lamp seen from near: diffuse receivers draw it by their cosine, without bias and almost without noise") {
+TEST_CASE(
+    "a lamp seen from near: diffuse receivers draw it by their cosine, without bias and almost without noise") {
   Scene scene(1);
   fill(scene, make_grid(1, 10), {identity});
   LampSettings lamp;
@@ -205,9 +218,12 @@ TEST_CASE("a lamp seen from near: diffuse receivers draw it by their cosine, wit
     double most_noise;  // of one sample over that of one that knows no cosine
   };
   const Vec3 tilted = normalize(Vec3{1, 0.3f, 0.4f});
-  for (const Case& c : {Case{{0.5f, 0.2f, 0}, {0, 0, 1}, {0, 0, 1}, 0.6}, Case{{6, 3, 1}, {0, 0, 1}, {0, 0, 1}, 0.1}, Case{{-3, 0, 1}, tilted, tilted, 0.2},
-                        Case{{3, 1, 1}, {-1, 0, 0}, {-1, 0, 0}, 0.1}, Case{{1, 0, 1}, tilted, tilted, 1},  // half of the lamp below its horizon
-                        Case{{-2, 0, 1}, {0, 0, 1}, normalize(Vec3{0.3f, 0.2f, 1}), 0.2}}) {
+  for (const Case& c :
+       {Case{{0.5f, 0.2f, 0}, {0, 0, 1}, {0, 0, 1}, 0.6},
+        Case{{6, 3, 1}, {0, 0, 1}, {0, 0, 1}, 0.1}, Case{{-3, 0, 1}, tilted, tilted, 0.2},
+        // Half of the lamp below its horizon
+        Case{{3, 1, 1}, {-1, 0, 0}, {-1, 0, 0}, 0.1}, Case{{1, 0, 1}, tilted, tilted, 1},
+        Case{{-2, 0, 1}, {0, 0, 1}, normalize(Vec3{0.3f, 0.2f, 1}), 0.2}}) {
     double sums[2] = {0, 0}, squares[2] = {0, 0};
     constexpr uint32_t count = 1 << 15;
     for (int way : {0, 1}) {
@@ -223,7 +239,9 @@ TEST_CASE("a lamp seen from near: diffuse receivers draw it by their cosine, wit
     }
     CAPTURE(c.x.x);
     CHECK(sums[1] == doctest::Approx(sums[0]).epsilon(2e-3));
-    const auto noise = [&](int way) { return std::sqrt(std::max(0.0, squares[way] - sums[way] * sums[way])); };
+    const auto noise = [&](int way) {
+      return std::sqrt(std::max(0.0, squares[way] - sums[way] * sums[way]));
+    };
     CHECK(noise(1) < c.most_noise * noise(0));
     const Receiver matte{c.x, c.ng, false, ~uint64_t{0}, nullptr, 1, 0xff, 0, c.ns};
     CHECK_FALSE(lights.wants_bsdf_ray(matte));

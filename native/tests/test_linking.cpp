@@ -1,9 +1,10 @@
-// Shadow linking: light that passes things which do not block it, for camera paths and photons; light groups.
+// Shadow linking: light that passes things which do not block it, for camera paths and photons;
+// light groups.
 #include <doctest/doctest.h>
 
+#include "passes.h"
 #include "programs.h"
 #include "renderer.h"
-#include "passes.h"
 
 using namespace photon_splat;
 
@@ -14,15 +15,17 @@ constexpr uint64_t photons = 20000;
 
 enum class Thing { kNone, kGrey, kMirror, kGlass };
 
-// A room [-1, 1]^2 x [0, 2] of albedo 1/2, lit by a lamp under its ceiling, with a ball in the middle that does not block the
-// lamp's light, or does.
+// A room [-1, 1]^2 x [0, 2] of albedo 1/2, lit by a lamp under its ceiling, with a ball in the
+// middle that does not block the lamp's light, or does.
 void fill_room(Renderer& renderer, Thing thing, float radius, bool blocking, bool lit = true) {
   Material grey;
   grey.front.albedo = grey.back.albedo = {0.5f, 0.5f, 0.5f};
   renderer.scene.materials = {grey, grey};
   if (thing == Thing::kMirror || thing == Thing::kGlass) {
     ProgramWriter w;
-    const ProgramWriter::Values values{{"weight", w.constant({1})}, {"color", w.constant({0.9f, 0.9f, 0.9f})}, {"ior", w.constant({1.5f})}};
+    const ProgramWriter::Values values{{"weight", w.constant({1})},
+                                       {"color", w.constant({0.9f, 0.9f, 0.9f})},
+                                       {"ior", w.constant({1.5f})}};
     w.emit(thing == Thing::kMirror ? nodes::Op::Glossy : nodes::Op::Glass, values);
     w.emit(nodes::Op::End, {});
     check_program(renderer.scene, w.program());
@@ -64,13 +67,15 @@ bool alike_around(const Film& a, const Film& b, size_t i) {
   const int x = int(i) % size, y = int(i) / size;
   for (int v = std::max(0, y - 2); v <= std::min(size - 1, y + 2); ++v)
     for (int u = std::max(0, x - 2); u <= std::min(size - 1, x + 2); ++u)
-      if (std::abs(a.pixels[v * size + u].depth - b.pixels[v * size + u].depth) > 1e-5f) return false;
+      if (std::abs(a.pixels[v * size + u].depth - b.pixels[v * size + u].depth) > 1e-5f)
+        return false;
   return true;
 }
 
 }  // namespace
 
-TEST_CASE("a thing that neither blocks a lamp nor is lit by it changes no direct light on what is seen beside it") {
+TEST_CASE(
+    "a thing that neither blocks a lamp nor is lit by it changes no direct light on what is seen beside it") {
   Renderer without(2), with(2), blocked(2);
   fill_room(without, Thing::kNone, 0.2f, true);
   fill_room(with, Thing::kGrey, 0.2f, false, false);
@@ -78,17 +83,20 @@ TEST_CASE("a thing that neither blocks a lamp nor is lit by it changes no direct
   for (Renderer* r : {&without, &with, &blocked}) r->trace_reference(0);
   int beside = 0, darker = 0;
   for (size_t i = 0; i < without.film().pixels.size(); ++i) {
-    const Pixel &a = without.film().pixels[i], &b = with.film().pixels[i], &c = blocked.film().pixels[i];
+    const Pixel &a = without.film().pixels[i], &b = with.film().pixels[i],
+                &c = blocked.film().pixels[i];
     if (!alike_around(without.film(), with.film(), i)) continue;
     ++beside;
-    CHECK(luminance(b.diffuse_direct) == doctest::Approx(luminance(a.diffuse_direct)).epsilon(1e-5));
+    CHECK(luminance(b.diffuse_direct) ==
+          doctest::Approx(luminance(a.diffuse_direct)).epsilon(1e-5));
     darker += luminance(c.diffuse_direct) < 0.9f * luminance(a.diffuse_direct);
   }
   CHECK(beside > size * size / 4);
   CHECK(darker > size / 3);
 }
 
-TEST_CASE("photons and paths agree on light that passes a thing and lights it all the same, and on caustics of such a thing") {
+TEST_CASE(
+    "photons and paths agree on light that passes a thing and lights it all the same, and on caustics of such a thing") {
   for (const Thing thing : {Thing::kGrey, Thing::kMirror, Thing::kGlass})
     for (const bool lit : {true, false}) {
       if (thing == Thing::kGlass && !lit) continue;
@@ -100,13 +108,16 @@ TEST_CASE("photons and paths agree on light that passes a thing and lights it al
       fill_room(blocked, thing, 0.9f, true, lit);
       const Rgb truth = mean_light(traced, 128, true), found = mean_light(splatted, 8, false);
       CHECK(splatted.layer_count() == (thing == Thing::kGrey ? 1 : 2));
-      for (int k = 0; k < 3; ++k) CHECK((&found.x)[k] == doctest::Approx((&truth.x)[k]).epsilon(0.01));
+      for (int k = 0; k < 3; ++k)
+        CHECK((&found.x)[k] == doctest::Approx((&truth.x)[k]).epsilon(0.01));
       CHECK(luminance(mean_light(blocked, 4, false)) < 0.97f * luminance(truth));
     }
 }
 
-TEST_CASE("a shining surface behind things that do not block it is found by light samples and by rays, alone and together") {
-  // The floor under a large plate that shines through a ball: mean of light samples and rays, whatever the balance.
+TEST_CASE(
+    "a shining surface behind things that do not block it is found by light samples and by rays, alone and together") {
+  // The floor under a large plate that shines through a ball: mean of light samples and rays,
+  // whatever the balance.
   const auto fill = [](Renderer& renderer, bool ball) {
     Material grey, glow;
     grey.front.albedo = grey.back.albedo = {0.5f, 0.5f, 0.5f};
@@ -145,7 +156,8 @@ TEST_CASE("a shining surface behind things that do not block it is found by ligh
   CHECK(sum[0] > 0);
 }
 
-TEST_CASE("what light groups and the rest bring is the picture, and each is what its lamp brings alone") {
+TEST_CASE(
+    "what light groups and the rest bring is the picture, and each is what its lamp brings alone") {
   const auto fill = [](Renderer& renderer, int groups, std::vector<float> strengths) {
     Material grey;
     grey.front.albedo = grey.back.albedo = {0.5f, 0.5f, 0.5f};
@@ -180,10 +192,14 @@ TEST_CASE("what light groups and the rest bring is the picture, and each is what
     const Film& film = all.film();
     Rgb parts[2] = {};
     for (size_t i = 0; i < film.pixels.size(); ++i)
-      for (int g = 0; g < 2; ++g) parts[g] += film.by_group[2 * i + g] * film.pixels[i].share() / float(film.pixels.size());
-    CHECK(luminance(parts[0]) == doctest::Approx(luminance(mean_light(first, 8, reference))).epsilon(0.03));
-    CHECK(luminance(parts[1]) == doctest::Approx(luminance(mean_light(second, 8, reference))).epsilon(0.03));
-    CHECK(luminance(parts[0] + parts[1]) == doctest::Approx(luminance(sum) * 30 / 35).epsilon(0.05));
+      for (int g = 0; g < 2; ++g)
+        parts[g] += film.by_group[2 * i + g] * film.pixels[i].share() / float(film.pixels.size());
+    CHECK(luminance(parts[0]) ==
+          doctest::Approx(luminance(mean_light(first, 8, reference))).epsilon(0.03));
+    CHECK(luminance(parts[1]) ==
+          doctest::Approx(luminance(mean_light(second, 8, reference))).epsilon(0.03));
+    CHECK(luminance(parts[0] + parts[1]) ==
+          doctest::Approx(luminance(sum) * 30 / 35).epsilon(0.05));
   }
   Renderer wrong(1);
   wrong.scene.light_groups = 1;

@@ -13,24 +13,31 @@ using doctest::Approx;
 
 namespace {
 
-// A unit square in two triangles, moved by (10, 20, 30), with programs so that object coordinates are kept.
+// A unit square in two triangles, moved by (10, 20, 30), with programs so that object coordinates
+// are kept.
 struct Square {
   Scene scene{1};
 
-  explicit Square(Mesh mesh = make_grid(1), std::vector<Placement> places = {{1, 0, 0, 10, 0, 1, 0, 20, 0, 0, 1, 30}}) {
+  explicit Square(Mesh mesh = make_grid(1),
+                  std::vector<Placement> places = {{1, 0, 0, 10, 0, 1, 0, 20, 0, 0, 1, 30}}) {
     scene.programs.emplace_back();
     fill(scene, std::move(mesh), places);
   }
 };
 
 void check_near(const Vec3& a, const Vec3& b, float tolerance = 1e-5f) {
-  CAPTURE(a.x); CAPTURE(a.y); CAPTURE(a.z);
-  CAPTURE(b.x); CAPTURE(b.y); CAPTURE(b.z);
+  CAPTURE(a.x);
+  CAPTURE(a.y);
+  CAPTURE(a.z);
+  CAPTURE(b.x);
+  CAPTURE(b.y);
+  CAPTURE(b.z);
   CHECK(length(a - b) <= tolerance);
 }
 
 // The vector that one operation puts out at a point.
-Vec3 result_of(const Square& square, Op op, ProgramWriter::Values values, ProgramWriter& w, const char* out, const ShadingPoint& point) {
+Vec3 result_of(const Square& square, Op op, ProgramWriter::Values values, ProgramWriter& w,
+               const char* out, const ShadingPoint& point) {
   const uint32_t r = w.reg();
   values[out] = r;
   w.emit(op, values);
@@ -48,7 +55,8 @@ TEST_CASE("jumps skip what they jump over") {
     const auto at = static_cast<uint32_t>(w.program().code.size());
     w.emit(Op::JumpIfZero, {{"value", w.constant({condition})}, {"target", at + 3 + 3}});
     w.emit(Op::CopyVector, {{"out", r}, {"value", w.constant({2, 3, 4})}});
-    check_near(emitted(square.scene, w.emitting(r), point_on(square.scene, 0.1f, 0.1f)), condition == 0 ? Vec3{1, 1, 1} : Vec3{2, 3, 4});
+    check_near(emitted(square.scene, w.emitting(r), point_on(square.scene, 0.1f, 0.1f)),
+               condition == 0 ? Vec3{1, 1, 1} : Vec3{2, 3, 4});
   }
 }
 
@@ -56,7 +64,8 @@ TEST_CASE("positions and coordinates of a mesh that is moved, turned and mirrore
   // x' = 10 - 2 z, y' = 20 + 3 x, z' = 30 + y; its determinant is negative.
   const Placement place{0, 0, -2, 10, 3, 0, 0, 20, 0, 1, 0, 30};
   for (bool shared : {false, true}) {
-    Square square(make_grid(1), shared ? std::vector<Placement>{place, identity} : std::vector<Placement>{place});
+    Square square(make_grid(1),
+                  shared ? std::vector<Placement>{place, identity} : std::vector<Placement>{place});
     square.scene.meshes[0].generated = {{2, 2, 1}, {-1, -1, 0}};
     Surface s;
     REQUIRE(square.scene.intersect({0, 20.9f, 30.25f}, {1, 0, 0}, 0, 100, true, s));
@@ -91,9 +100,17 @@ TEST_CASE("positions and coordinates of a mesh that is moved, turned and mirrore
 TEST_CASE("attributes are interpolated over their domain, byte colours decoded first") {
   Mesh mesh = make_grid(1);  // triangle 0: vertices 0, 1, 3
   mesh.attributes.push_back({7, MeshAttribute::Domain::kPoint, 1, {0, 1, 5, 3}, {}});
-  mesh.attributes.push_back({8, MeshAttribute::Domain::kCorner, 3, {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0}, {}});
+  mesh.attributes.push_back({8,
+                             MeshAttribute::Domain::kCorner,
+                             3,
+                             {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0},
+                             {}});
   mesh.attributes.push_back({9, MeshAttribute::Domain::kFace, 2, {4, 6, 0, 0}, {}});
-  mesh.attributes.push_back({10, MeshAttribute::Domain::kPoint, 4, {}, {255, 188, 0, 255, 255, 188, 0, 127, 0, 0, 0, 0, 255, 188, 0, 127}});
+  mesh.attributes.push_back({10,
+                             MeshAttribute::Domain::kPoint,
+                             4,
+                             {},
+                             {255, 188, 0, 255, 255, 188, 0, 127, 0, 0, 0, 0, 255, 188, 0, 127}});
   Square square(std::move(mesh));
   square.scene.instance_attributes.push_back({7, 4, {0.1f, 0.2f, 0.6f, 0.5f}});
   const ShadingPoint point = point_on(square.scene, 0.25f, 0.5f);
@@ -142,11 +159,18 @@ TEST_CASE("bumps: none without slope, and the slope of a plane is that of the no
       w.emit(Op::Offset, {{"axis", 0}, {"width", w.constant({1})}});
       const uint32_t n = w.reg();
       w.emit(Op::Geometry, {{"out", n}, {"what", word_of(GeometryVector::NORMAL)}});
-      w.emit(Op::Bump, {{"normal", n}, {"strength", w.constant({1})}, {"distance", w.constant({1})}, {"width", w.constant({0.1f})},
-                        {"height", height[0]}, {"height_dx", height[1]}, {"height_dy", height[2]}, {"normal_in", n}});
+      w.emit(Op::Bump, {{"normal", n},
+                        {"strength", w.constant({1})},
+                        {"distance", w.constant({1})},
+                        {"width", w.constant({0.1f})},
+                        {"height", height[0]},
+                        {"height_dx", height[1]},
+                        {"height_dy", height[2]},
+                        {"normal_in", n}});
       w.emit(Op::AddVector, {{"out", n}, {"a", n}, {"b", w.constant({2, 2, 2})}});
       const float z = back ? -1.0f : 1.0f;
-      check_near(emitted(square.scene, w.emitting(n), point) - Vec3{2, 2, 2}, normalize(Vec3{-slope, 0, z}), 1e-3f);
+      check_near(emitted(square.scene, w.emitting(n), point) - Vec3{2, 2, 2},
+                 normalize(Vec3{-slope, 0, z}), 1e-3f);
     }
   }
 }
@@ -158,9 +182,12 @@ TEST_CASE("a normal map's blue is the normal, its red leans along u") {
   const auto mapped = [&](Rgb color, bool back) {
     ProgramWriter w;
     const uint32_t n = w.reg();
-    w.emit(Op::NormalMap, {{"normal", n}, {"strength", w.constant({1})}, {"color", w.constant({color.x, color.y, color.z})}});
+    w.emit(Op::NormalMap, {{"normal", n},
+                           {"strength", w.constant({1})},
+                           {"color", w.constant({color.x, color.y, color.z})}});
     w.emit(Op::AddVector, {{"out", n}, {"a", n}, {"b", w.constant({2, 2, 2})}});
-    return emitted(square.scene, w.emitting(n), point_on(square.scene, 0.2f, 0.3f, back)) - Vec3{2, 2, 2};
+    return emitted(square.scene, w.emitting(n), point_on(square.scene, 0.2f, 0.3f, back)) -
+           Vec3{2, 2, 2};
   };
   check_near(mapped({0.5f, 0.5f, 1}, false), {0, 0, 1});
   check_near(mapped({0.9f, 0.5f, 0.8f}, false), {0.8f, 0, 0.6f});
@@ -179,8 +206,10 @@ TEST_CASE("images: pixels, extension, alpha") {
   square.scene.textures.push_back(texture);
   const auto look = [&](float u, float v, bool unassociate, uint32_t image = 0) {
     ProgramWriter w;
-    return result_of(square, Op::ImageTexture, {{"vector", w.constant({u, v, 0})}, {"image", image}, {"unassociate", unassociate}}, w,
-                     "color", point_on(square.scene, 0.1f, 0.1f));
+    return result_of(
+        square, Op::ImageTexture,
+        {{"vector", w.constant({u, v, 0})}, {"image", image}, {"unassociate", unassociate}}, w,
+        "color", point_on(square.scene, 0.1f, 0.1f));
   };
   check_near(look(0.25f, 0.5f, false), {0.2f, 0.4f, 0.1f});
   check_near(look(0.25f, 0.5f, true), {0.4f, 0.8f, 0.2f});
@@ -206,10 +235,17 @@ TEST_CASE("noise is smooth, bounded and not constant; its cells repeat nowhere n
       ProgramWriter w;
       const float x = 0.05f * static_cast<float>(i);
       const float value = result_of(square, Op::NoiseTexture,
-                                    {{"vector", w.constant({x, 0.3f * x, 0.7f})}, {"w", w.constant({x})}, {"scale", w.constant({1})},
-                                     {"detail", w.constant({1.5f})}, {"roughness", w.constant({0.5f})}, {"lacunarity", w.constant({2})},
-                                     {"noise_dimensions", dimensions}, {"noise_type", word_of(NoiseType::FBM)}, {"normalize", 1}},
-                                    w, "color", point).x;
+                                    {{"vector", w.constant({x, 0.3f * x, 0.7f})},
+                                     {"w", w.constant({x})},
+                                     {"scale", w.constant({1})},
+                                     {"detail", w.constant({1.5f})},
+                                     {"roughness", w.constant({0.5f})},
+                                     {"lacunarity", w.constant({2})},
+                                     {"noise_dimensions", dimensions},
+                                     {"noise_type", word_of(NoiseType::FBM)},
+                                     {"normalize", 1}},
+                                    w, "color", point)
+                              .x;
       low = std::min(low, value);
       high = std::max(high, value);
       if (i > 0) jump = std::max(jump, std::abs(value - last));
@@ -222,12 +258,16 @@ TEST_CASE("noise is smooth, bounded and not constant; its cells repeat nowhere n
   }
 }
 
-TEST_CASE("noise is the same number, bit for bit, on every instruction set, and 0 at whole numbers") {
+TEST_CASE(
+    "noise is the same number, bit for bit, on every instruction set, and 0 at whole numbers") {
   NoisePoints points{};
   constexpr uint32_t kCount = 51;
   for (uint32_t i = 0; i < kCount; ++i)
     for (int d = 0; d < 4; ++d)
-      points.c[d][i] = i == 7 ? static_cast<float>(d - 2) : std::sin(static_cast<float>(i + 1) * (1.7f + static_cast<float>(d))) * std::exp2(static_cast<float>(i % 17));
+      points.c[d][i] = i == 7
+                           ? static_cast<float>(d - 2)
+                           : std::sin(static_cast<float>(i + 1) * (1.7f + static_cast<float>(d))) *
+                                 std::exp2(static_cast<float>(i % 17));
   for (int dimensions = 1; dimensions <= 4; ++dimensions) {
     float plain[NoisePoints::kMost] = {};
     choose_noise_kernel("generic")(dimensions, points, kCount, plain);
@@ -235,7 +275,8 @@ TEST_CASE("noise is the same number, bit for bit, on every instruction set, and 
     CHECK(*std::max_element(plain, plain + kCount) > 0.3f);
     CHECK(*std::min_element(plain, plain + kCount) < -0.3f);
     for (const char* name : {"sse42", "avx2", "avx512", ""}) {
-      CAPTURE(dimensions); CAPTURE(name);
+      CAPTURE(dimensions);
+      CAPTURE(name);
       const NoiseKernel kernel = choose_noise_kernel(name);
       if (!kernel) continue;  // not on this machine
       for (uint32_t count : {1u, 2u, 3u, 5u, 8u, 9u, kCount}) {
@@ -247,7 +288,8 @@ TEST_CASE("noise is the same number, bit for bit, on every instruction set, and 
   }
 }
 
-TEST_CASE("noise that is computed together is what each texture yields by itself, of any number, kind and dimension") {
+TEST_CASE(
+    "noise that is computed together is what each texture yields by itself, of any number, kind and dimension") {
   Square square;
   const ShadingPoint point = point_on(square.scene, 0.1f, 0.1f);
   constexpr uint32_t kTextures = 40;  // of up to 18 points each: more than are computed at once
@@ -258,15 +300,27 @@ TEST_CASE("noise that is computed together is what each texture yields by itself
     for (uint32_t i = 0; i < kTextures; ++i) {
       const float x = 0.37f * static_cast<float>(i);
       const auto value = [&](float v) { return w.constant({v}); };
-      const ProgramWriter::Values common{{"vector", w.constant({x, 0.3f - x, 0.7f})}, {"scale", value(1.5f)}, {"detail", value(0.5f * static_cast<float>(i % 11))}};
+      const ProgramWriter::Values common{{"vector", w.constant({x, 0.3f - x, 0.7f})},
+                                         {"scale", value(1.5f)},
+                                         {"detail", value(0.5f * static_cast<float>(i % 11))}};
       if (i % 5 == 4) {
-        ProgramWriter::Values wave{{"fac", r + 3 * i}, {"distortion", value(i % 2 ? 0.0f : 2.0f)}, {"detail_scale", value(1)}, {"detail_roughness", value(0.5f)}};
+        ProgramWriter::Values wave{{"fac", r + 3 * i},
+                                   {"distortion", value(i % 2 ? 0.0f : 2.0f)},
+                                   {"detail_scale", value(1)},
+                                   {"detail_roughness", value(0.5f)}};
         wave.insert(common.begin(), common.end());
         w.emit(Op::WaveTexture, wave);
       } else {
-        ProgramWriter::Values noise{{i % 3 ? "fac" : "color", r + 3 * i}, {"w", value(x)}, {"roughness", value(0.6f)}, {"lacunarity", value(2.1f)},
-                                    {"offset", value(0.4f)}, {"gain", value(1.2f)}, {"distortion", value(i % 7 ? 0.0f : 0.5f)},
-                                    {"noise_dimensions", i < 20 ? 2u : i % 4}, {"noise_type", i % 5}, {"normalize", 1}};
+        ProgramWriter::Values noise{{i % 3 ? "fac" : "color", r + 3 * i},
+                                    {"w", value(x)},
+                                    {"roughness", value(0.6f)},
+                                    {"lacunarity", value(2.1f)},
+                                    {"offset", value(0.4f)},
+                                    {"gain", value(1.2f)},
+                                    {"distortion", value(i % 7 ? 0.0f : 0.5f)},
+                                    {"noise_dimensions", i < 20 ? 2u : i % 4},
+                                    {"noise_type", i % 5},
+                                    {"normalize", 1}};
         noise.insert(common.begin(), common.end());
         w.emit(Op::NoiseTexture, noise);
       }
@@ -285,7 +339,8 @@ TEST_CASE("noise that is computed together is what each texture yields by itself
   CHECK(different > kTextures / 2);
 }
 
-TEST_CASE("Voronoi: the distance is to the position, the second is farther, both hashes fill the cells") {
+TEST_CASE(
+    "Voronoi: the distance is to the position, the second is farther, both hashes fill the cells") {
   Square square;
   const ShadingPoint point = point_on(square.scene, 0.1f, 0.1f);
   for (uint32_t hash : {0u, 1u})
@@ -293,9 +348,16 @@ TEST_CASE("Voronoi: the distance is to the position, the second is farther, both
       const auto look = [&](const char* out, const Vec3& p) {
         ProgramWriter w;
         const uint32_t r = w.reg();
-        w.emit(Op::VoronoiTexture, {{out, r}, {"vector", w.constant({p.x, p.y, p.z})}, {"scale", w.constant({1})}, {"roughness", w.constant({0.5f})},
-                                    {"lacunarity", w.constant({2})}, {"exponent", w.constant({0.5f})}, {"randomness", w.constant({1})},
-                                    {"voronoi_dimensions", word_of(Dimensions::D3)}, {"feature", feature}, {"hash", hash}});
+        w.emit(Op::VoronoiTexture, {{out, r},
+                                    {"vector", w.constant({p.x, p.y, p.z})},
+                                    {"scale", w.constant({1})},
+                                    {"roughness", w.constant({0.5f})},
+                                    {"lacunarity", w.constant({2})},
+                                    {"exponent", w.constant({0.5f})},
+                                    {"randomness", w.constant({1})},
+                                    {"voronoi_dimensions", word_of(Dimensions::D3)},
+                                    {"feature", feature},
+                                    {"hash", hash}});
         return emitted(square.scene, w.emitting(r), point);
       };
       for (int i = 0; i < 50; ++i) {
@@ -333,7 +395,9 @@ TEST_CASE("closures: weights, and normals on the side that is looked at") {
     ProgramWriter w;
     const uint32_t n = w.reg();
     w.emit(Op::Geometry, {{"out", n}, {"what", word_of(GeometryVector::NORMAL)}});
-    w.emit(Op::Diffuse, {{"weight", w.constant({0.5f})}, {"color", w.constant({0.8f, 0.4f, 0.2f})}, {"normal", n}});
+    w.emit(
+        Op::Diffuse,
+        {{"weight", w.constant({0.5f})}, {"color", w.constant({0.8f, 0.4f, 0.2f})}, {"normal", n}});
     w.emit(Op::Transparent, {{"weight", w.constant({0.25f})}, {"color", w.constant({1, 0, 1})}});
     w.emit(Op::End, {});
     const ShadingPoint point = point_on(square.scene, 0.1f, 0.1f, back);
@@ -354,9 +418,13 @@ TEST_CASE("an IES profile is read between its angles, nothing outside") {
   // One meridian and its end, 0 to 90 degrees down: 10, 20, 30 candela.
   const auto look = [&](const Vec3& d) {
     ProgramWriter w;
-    const uint32_t profile = w.constant({2, 3, 0, 2 * kPi, 0, kPi / 4, kPi / 2, 10, 20, 30, 10, 20, 30}) & ~kConstant;
+    const uint32_t profile =
+        w.constant({2, 3, 0, 2 * kPi, 0, kPi / 4, kPi / 2, 10, 20, 30, 10, 20, 30}) & ~kConstant;
     const uint32_t r = w.reg();
-    w.emit(Op::IesTexture, {{"fac", r}, {"vector", w.constant({d.x, d.y, d.z})}, {"strength", w.constant({2})}, {"profile", profile}});
+    w.emit(Op::IesTexture, {{"fac", r},
+                            {"vector", w.constant({d.x, d.y, d.z})},
+                            {"strength", w.constant({2})},
+                            {"profile", profile}});
     return emitted(square.scene, w.emitting(r), point_on(square.scene, 0.1f, 0.1f)).x;
   };
   CHECK(look({0, 0.001f, -1}) == Approx(20).epsilon(0.01));

@@ -12,7 +12,9 @@ namespace {
 // A closed box with its floor at z = 0.
 Mesh make_box(const Vec3& low, const Vec3& high) {
   Mesh mesh;
-  for (int i = 0; i < 8; ++i) mesh.positions.push_back({i & 1 ? high.x : low.x, i & 2 ? high.y : low.y, i & 4 ? high.z : low.z});
+  for (int i = 0; i < 8; ++i)
+    mesh.positions.push_back(
+        {i & 1 ? high.x : low.x, i & 2 ? high.y : low.y, i & 4 ? high.z : low.z});
   mesh.triangles = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
                     {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
   return mesh;
@@ -49,7 +51,8 @@ DiscOcclusion at_floor(Scene& scene, float x, float y, float h) {
   REQUIRE(s.position.z == doctest::Approx(0));
   DiscOcclusion sum{0, 0, h};
   for (uint32_t i = 0; i < 64; ++i) {
-    const DiscOcclusion one = disc_occlusion(scene, s.instance, s.triangle, s.key, s.position, s.ng, h, i);
+    const DiscOcclusion one =
+        disc_occlusion(scene, s.instance, s.triangle, s.key, s.position, s.ng, h, i);
     sum.hidden += one.hidden / 64;
     sum.narrow_hidden += one.narrow_hidden / 64;
     sum.clear = std::min(sum.clear, one.clear);
@@ -57,7 +60,8 @@ DiscOcclusion at_floor(Scene& scene, float x, float y, float h) {
   return sum;
 }
 
-// What a straight edge `distance` from the middle cuts off the disc: the mass of the floor up to there is the rest.
+// What a straight edge `distance` from the middle cuts off the disc: the mass of the floor up to
+// there is the rest.
 float mass_beyond(float distance, float h) {
   Scene scene(1);
   Mesh half;
@@ -102,7 +106,8 @@ TEST_CASE("a disc at the foot of a sheet steps away from it, if there is room") 
     place = s.position;
     DiscOcclusion near = disc_occlusion(scene, s.instance, s.triangle, s.key, place, s.ng, 0.2f, 7);
     REQUIRE(near.clear < r);
-    return step_clear_of_walls(scene, s.instance, s.triangle, s.key, place, s.ng, r, 7, near) && near.clear == r;
+    return step_clear_of_walls(scene, s.instance, s.triangle, s.key, place, s.ng, r, 7, near) &&
+           near.clear == r;
   };
   Vec3 place;
   Scene one(1);
@@ -127,7 +132,8 @@ TEST_CASE("a disc at the foot of a sheet steps away from it, if there is room") 
 TEST_CASE("under an awning next to nothing is hidden: one sees its back, but not all around") {
   Scene scene(1);
   Mesh awning;  // over x < 0.5, from a wall of its own at x = 0.5 down to x = 0.1
-  awning.positions = {{0.5f, 0, 0}, {0.5f, 1, 0}, {0.5f, 1, 0.3f}, {0.5f, 0, 0.3f}, {0.9f, 0, 0.2f}, {0.9f, 1, 0.2f}};
+  awning.positions = {{0.5f, 0, 0},    {0.5f, 1, 0},    {0.5f, 1, 0.3f},
+                      {0.5f, 0, 0.3f}, {0.9f, 0, 0.2f}, {0.9f, 1, 0.2f}};
   awning.triangles = {{0, 2, 1}, {0, 3, 2}, {3, 4, 5}, {3, 5, 2}};
   fill_all(scene, floor_and(std::move(awning)));
   const DiscOcclusion o = at_floor(scene, 0.45f, 0.5f, 0.2f);
@@ -152,7 +158,8 @@ TEST_CASE("a board that hovers close over the floor keeps photons off it") {
       CAPTURE(gap);
       CAPTURE(distance);
       CHECK(o.hidden == doctest::Approx(mass_beyond(distance, 0.2f)).epsilon(0.12));
-      CHECK(o.narrow_hidden == doctest::Approx(mass_beyond(distance, 0.2f * kNarrow)).epsilon(0.25));
+      CHECK(o.narrow_hidden ==
+            doctest::Approx(mass_beyond(distance, 0.2f * kNarrow)).epsilon(0.25));
       CHECK(o.clear == 0.2f);
     }
     CHECK(at_floor(scene, 0.2f, 0.5f, 0.2f).hidden == 0);

@@ -11,7 +11,8 @@ using namespace photon_splat;
 
 namespace {
 
-// Of a diffuse room, as pass `pass` may leave it: edges of the picture that are no multiples of a tile's.
+// Of a diffuse room, as pass `pass` may leave it: edges of the picture that are no multiples of a
+// tile's.
 Film made(uint32_t pass, int width = 37, int height = 21) {
   Film film;
   film.reset(width, height);
@@ -32,12 +33,14 @@ Film made(uint32_t pass, int width = 37, int height = 21) {
 
 }  // namespace
 
-TEST_CASE("a packed film gives back what was put into it, and tells the same luminance bit for bit") {
+TEST_CASE(
+    "a packed film gives back what was put into it, and tells the same luminance bit for bit") {
   const Film film = made(1);
   const PackedFilm packed(film);
   Film back;
   packed.unpack(back);
-  CHECK(std::memcmp(back.pixels.data(), film.pixels.data(), film.pixels.size() * sizeof(Pixel)) == 0);
+  CHECK(std::memcmp(back.pixels.data(), film.pixels.data(), film.pixels.size() * sizeof(Pixel)) ==
+        0);
   for (size_t t = 0; t < packed.tiles(); ++t) {
     PackedFilm::Sums sums;
     packed.see(t, sums);
@@ -89,7 +92,8 @@ TEST_CASE("what is not kept is 0, and takes no memory") {
   some.unpack(back);
   CHECK(back.pixels[7].depth == 0);
   CHECK(back.pixels[7].diffuse_direct.x == film.pixels[7].diffuse_direct.x);
-  // Six of the floats that are kept vary, in one tile also the three of emission; of all it is one more.
+  // Six of the floats that are kept vary, in one tile also the three of emission; of all it is one
+  // more.
   CHECK(some.bytes() < 512 * 512 * 6 * 4 * 1.1);
   CHECK(all.bytes() > some.bytes() + 512 * 512 * 4 * 0.9);
   CHECK(all.bytes() < 512 * 512 * sizeof(Pixel) / 4);

@@ -42,7 +42,8 @@ TEST_CASE("many short runs in a row") {
   ThreadPool pool(3);
   const CancelFlag cancel;
   std::vector<int> done(7);
-  for (int run = 0; run < 500; ++run) pool.for_each(done.size(), cancel, [&](size_t chunk, int) { ++done[chunk]; });
+  for (int run = 0; run < 500; ++run)
+    pool.for_each(done.size(), cancel, [&](size_t chunk, int) { ++done[chunk]; });
   CHECK(done == std::vector<int>(7, 500));
 }
 
@@ -50,7 +51,10 @@ TEST_CASE("an exception reaches the caller, and the pool works on") {
   ThreadPool pool(4);
   const CancelFlag cancel;
   for (size_t bad : {0u, 50u, 99u})
-    CHECK_THROWS_WITH_AS(pool.for_each(100, cancel, [&](size_t chunk, int) { if (chunk == bad) throw std::out_of_range("chunk"); }),
+    CHECK_THROWS_WITH_AS(pool.for_each(100, cancel,
+                                       [&](size_t chunk, int) {
+                                         if (chunk == bad) throw std::out_of_range("chunk");
+                                       }),
                          "chunk", std::out_of_range);
   std::atomic<int> done{0};
   pool.for_each(100, cancel, [&](size_t, int) { ++done; });
@@ -61,16 +65,23 @@ TEST_CASE("a cancelled run stops with Cancelled before its last chunk") {
   ThreadPool pool(2);
   CancelFlag cancel;
   std::atomic<int> done{0};
-  CHECK_THROWS_AS(pool.for_each(1000, cancel, [&](size_t, int) { if (++done == 10) cancel.set(); }), Cancelled);
+  CHECK_THROWS_AS(pool.for_each(1000, cancel,
+                                [&](size_t, int) {
+                                  if (++done == 10) cancel.set();
+                                }),
+                  Cancelled);
   CHECK(done < 1000);
-  CHECK_THROWS_AS(pool.for_each(1, cancel, [&](size_t, int) { FAIL_CHECK("worked although cancelled"); }), Cancelled);
+  CHECK_THROWS_AS(
+      pool.for_each(1, cancel, [&](size_t, int) { FAIL_CHECK("worked although cancelled"); }),
+      Cancelled);
 }
 
 TEST_CASE("where the system starts no more threads those that are there do the work") {
   for (const int most : {0, 2}) {
     int started = 0;
     ThreadPool pool(8, [&](std::function<void()> work) {
-      if (started == most) throw std::system_error(std::make_error_code(std::errc::resource_unavailable_try_again));
+      if (started == most)
+        throw std::system_error(std::make_error_code(std::errc::resource_unavailable_try_again));
       ++started;
       return std::thread(std::move(work));
     });

@@ -18,7 +18,9 @@ Mesh make_holed(int n) {
   Mesh mesh = make_grid(n);
   LargeArray<Triangle> kept;
   for (std::ptrdiff_t quad = 0; 2 * quad < std::ssize(mesh.triangles); ++quad)
-    if (to_unit_float(hash32(static_cast<uint32_t>(quad))) < 0.6f) kept.insert(kept.end(), mesh.triangles.begin() + 2 * quad, mesh.triangles.begin() + 2 * quad + 2);
+    if (to_unit_float(hash32(static_cast<uint32_t>(quad))) < 0.6f)
+      kept.insert(kept.end(), mesh.triangles.begin() + 2 * quad,
+                  mesh.triangles.begin() + 2 * quad + 2);
   mesh.triangles = kept;
   return mesh;
 }
@@ -33,7 +35,8 @@ TEST_CASE("a place is on the patch if a ray from over it meets the patch there")
       Random random(static_cast<uint32_t>(n), 1);
       int on = 0, off = 0;
       while (on + off < 4000) {
-        const uint32_t instance = random.next() < 0.5f ? 0 : static_cast<uint32_t>(places.size() - 1);
+        const uint32_t instance =
+            random.next() < 0.5f ? 0 : static_cast<uint32_t>(places.size() - 1);
         const Instance& placed = scene.instances[instance];
         const auto head_on = [&](const Vec3& local, Surface& s) {
           const Vec3 over = placed.to_world.point(local + Vec3{0, 0, 0.05f});
@@ -52,7 +55,8 @@ TEST_CASE("a place is on the patch if a ray from over it meets the patch there")
           const Vec3 offset{s * std::cos(angle), s * std::sin(angle), 0};
           const Vec3 y = from.position + basis.to_world(offset);
           const Vec3 over = y + from.ng * (0.05f * placed.scale);
-          const bool expected = scene.intersect(over, -from.ng, 0, placed.scale, false, to) && to.instance == instance &&
+          const bool expected = scene.intersect(over, -from.ng, 0, placed.scale, false, to) &&
+                                to.instance == instance &&
                                 scene.meshes[placed.mesh].topology.patch[to.triangle] == patch;
           CHECK(outline.holds(offset.x, offset.y) == expected);
           ++(expected ? on : off);

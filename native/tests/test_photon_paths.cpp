@@ -19,9 +19,12 @@ std::unique_ptr<Case> random_case(uint32_t seed) {
   auto out = std::make_unique<Case>();
   auto& [paths, hits, surfaces] = *out;
   Random random(7, seed);
-  const auto put = [](const Vec3& v, uint32_t i, float* x, float* y, float* z) { x[i] = v.x, y[i] = v.y, z[i] = v.z; };
+  const auto put = [](const Vec3& v, uint32_t i, float* x, float* y, float* z) {
+    x[i] = v.x, y[i] = v.y, z[i] = v.z;
+  };
   for (uint32_t i = 0; i < kBounceLanes; ++i) {
-    const Vec3 way = sample_sphere(random.next2()), n = Basis(-way).to_world(sample_cosine_hemisphere(random.next2()));
+    const Vec3 way = sample_sphere(random.next2()),
+               n = Basis(-way).to_world(sample_cosine_hemisphere(random.next2()));
     put({random.next(), random.next(), random.next()}, i, paths.red, paths.green, paths.blue);
     put(way, i, paths.direction_x, paths.direction_y, paths.direction_z);
     paths.reference[i] = 0.5f + random.next();
@@ -34,16 +37,19 @@ std::unique_ptr<Case> random_case(uint32_t seed) {
     put({10 * random.next() - 5, 4 * random.next() - 9, random.next()}, i, hits.x, hits.y, hits.z);
     hits.distance[i] = 20 * random.next();
     hits.back[i] = i & 1;
-    const Vec3 smooth = i % 5 ? (n + sample_sphere(random.next2()) * 0.7f) * (i & 1 ? -3.0f : 3.0f) : Vec3{};
+    const Vec3 smooth =
+        i % 5 ? (n + sample_sphere(random.next2()) * 0.7f) * (i & 1 ? -3.0f : 3.0f) : Vec3{};
     put(smooth, i, surfaces.nx, surfaces.ny, surfaces.nz);
-    put({random.next(), random.next(), i % 7 ? random.next() : 1.5f}, i, surfaces.red, surfaces.green, surfaces.blue);
+    put({random.next(), random.next(), i % 7 ? random.next() : 1.5f}, i, surfaces.red,
+        surfaces.green, surfaces.blue);
   }
   return out;
 }
 
 }  // namespace
 
-TEST_CASE("paths bounce to the same places, bit for bit, on every instruction set, and as the plain formulas say") {
+TEST_CASE(
+    "paths bounce to the same places, bit for bit, on every instruction set, and as the plain formulas say") {
   int went_on = 0, stored = 0;
   for (uint32_t seed = 0; seed < 40; ++seed) {
     const auto given = random_case(seed);
@@ -61,19 +67,25 @@ TEST_CASE("paths bounce to the same places, bit for bit, on every instruction se
     }
     for (uint32_t i = 0; i < kBounceLanes; ++i) {
       CAPTURE(i);
-      const Vec3 way{paths.direction_x[i], paths.direction_y[i], paths.direction_z[i]}, ng{hits.nx[i], hits.ny[i], hits.nz[i]};
-      const Vec3 smooth{surfaces.nx[i], surfaces.ny[i], surfaces.nz[i]}, x{hits.x[i], hits.y[i], hits.z[i]};
+      const Vec3 way{paths.direction_x[i], paths.direction_y[i], paths.direction_z[i]},
+          ng{hits.nx[i], hits.ny[i], hits.nz[i]};
+      const Vec3 smooth{surfaces.nx[i], surfaces.ny[i], surfaces.nz[i]},
+          x{hits.x[i], hits.y[i], hits.z[i]};
       const Vec3 ns = length(smooth) > 0 ? normalize(smooth) * (hits.back[i] ? -1.0f : 1.0f) : ng;
-      const float cos_shading = -dot(way, ns), cos_geometric = -dot(way, ng), share = 1 + settings.share_of_caustic * paths.caustic[i];
+      const float cos_shading = -dot(way, ns), cos_geometric = -dot(way, ng),
+                  share = 1 + settings.share_of_caustic * paths.caustic[i];
       const Rgb power{paths.red[i], paths.green[i], paths.blue[i]};
       const bool faces = cos_shading > 0 && cos_geometric > 0;
       CHECK((plain.stores >> i & 1) == (faces && paths.bounces[i] && share > 0));
       CHECK(plain.stored_green[i] == power.y * (share * cos_shading / cos_geometric));
-      CHECK(plain.directions[i] == (encode_direction(ng) | static_cast<uint32_t>(encode_direction(-way)) << 16));
+      CHECK(plain.directions[i] ==
+            (encode_direction(ng) | static_cast<uint32_t>(encode_direction(-way)) << 16));
       Random random = Random::at(paths.random[i]);
-      const Rgb scattered = power * (Rgb{surfaces.red[i], surfaces.green[i], surfaces.blue[i]} * (cos_shading / cos_geometric));
+      const Rgb scattered = power * (Rgb{surfaces.red[i], surfaces.green[i], surfaces.blue[i]} *
+                                     (cos_shading / cos_geometric));
       const float survival = std::min(1.0f, max_component(scattered) / paths.reference[i]);
-      const bool goes_on = faces && paths.bounces[i] != 3 && survival > 0 && random.next() < survival;
+      const bool goes_on =
+          faces && paths.bounces[i] != 3 && survival > 0 && random.next() < survival;
       CHECK((plain.goes_on >> i & 1) == goes_on);
       stored += plain.stores >> i & 1, went_on += goes_on;
       if (!goes_on) continue;
@@ -92,7 +104,8 @@ TEST_CASE("paths bounce to the same places, bit for bit, on every instruction se
   CHECK(went_on > 100);
 }
 
-TEST_CASE("runs of photons are joined in their order, however they come and however many were expected") {
+TEST_CASE(
+    "runs of photons are joined in their order, however they come and however many were expected") {
   constexpr size_t kRuns = 200;
   ThreadPool pool(4);
   const CancelFlag never;
@@ -127,7 +140,8 @@ TEST_CASE("runs of photons are joined in their order, however they come and howe
   }
 }
 
-TEST_CASE("the dispersion of photons' power is its mean square over the squared mean, and within bounds") {
+TEST_CASE(
+    "the dispersion of photons' power is its mean square over the squared mean, and within bounds") {
   const auto of = [](std::initializer_list<float> powers) {
     Photons photons;
     for (const float power : powers) photons.push_back({{}, 0, 0, 0, {power, power, power}});

@@ -12,7 +12,8 @@ namespace {
 
 constexpr int size = 24;
 
-// A camera inside a closed cube whose walls have albedo 1/2 and, if `glowing`, emission 1; else a lamp hangs in it.
+// A camera inside a closed cube whose walls have albedo 1/2 and, if `glowing`, emission 1; else a
+// lamp hangs in it.
 void fill_box(Renderer& renderer, bool glowing) {
   Material grey;
   grey.front.albedo = grey.back.albedo = {0.5f, 0.5f, 0.5f};
@@ -47,7 +48,8 @@ void render_pass(Renderer& renderer, uint32_t pass) {
 
 double mean_radiance(const Film& film) {
   double sum = 0;
-  for (const Pixel& p : film.pixels) sum += average(p.diffuse_direct + p.diffuse_indirect + p.emission) * p.share();
+  for (const Pixel& p : film.pixels)
+    sum += average(p.diffuse_direct + p.diffuse_indirect + p.emission) * p.share();
   return sum / double(film.pixels.size());
 }
 
@@ -57,7 +59,8 @@ TEST_CASE("a closed box of albedo 1/2 and emission 1 shows 2, by photons and by 
   for (bool reference : {false, true}) {
     Renderer renderer(2);
     fill_box(renderer, true);
-    for (uint32_t pass = 0; pass < 16; ++pass) reference ? renderer.trace_reference(pass) : render_pass(renderer, pass);
+    for (uint32_t pass = 0; pass < 16; ++pass)
+      reference ? renderer.trace_reference(pass) : render_pass(renderer, pass);
     CHECK(renderer.film().passes == 16);
     CHECK(mean_radiance(renderer.film()) == doctest::Approx(2).epsilon(0.02));
     CHECK(renderer.bad_samples() == 0);
@@ -74,12 +77,14 @@ TEST_CASE("the film is the same bit for bit for any number of threads") {
     const Film& film = renderer.film();
     REQUIRE(film.pixels.size() == size_t(size) * size);
     if (threads == 1) first = film;
-    CHECK(std::memcmp(film.pixels.data(), first.pixels.data(), film.pixels.size() * sizeof(Pixel)) == 0);
+    CHECK(std::memcmp(film.pixels.data(), first.pixels.data(),
+                      film.pixels.size() * sizeof(Pixel)) == 0);
   }
   CHECK(mean_radiance(first) > 0);
 }
 
-TEST_CASE("a render that is cancelled from another thread stops soon, with Cancelled, and keeps its film") {
+TEST_CASE(
+    "a render that is cancelled from another thread stops soon, with Cancelled, and keeps its film") {
   Renderer renderer(3);
   fill_box(renderer, false);
   render_pass(renderer, 0);

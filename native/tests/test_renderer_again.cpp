@@ -1,4 +1,5 @@
-// Renders of the same scene one after the other by one renderer: begin_again() and photons that are kept.
+// Renders of the same scene one after the other by one renderer: begin_again() and photons that are
+// kept.
 #include <doctest/doctest.h>
 
 #include <cstring>
@@ -68,7 +69,9 @@ double mean_indirect(const Film& film) {
   return sum / double(film.pixels.size());
 }
 
-uint64_t traced(const Renderer& renderer) { return renderer.photon_counts(renderer.layer(0)).traced; }
+uint64_t traced(const Renderer& renderer) {
+  return renderer.photon_counts(renderer.layer(0)).traced;
+}
 
 }  // namespace
 
@@ -76,7 +79,8 @@ TEST_CASE("a render of another view is that of a new renderer, bit for bit, and 
   for (size_t bytes : {plenty, size_t{1} << 20, size_t{1}, size_t{0}}) {
     CAPTURE(bytes);
     Renderer moved(2), made(2);
-    if (!bytes) moved.options.adaptive_samples = made.options.adaptive_samples = false;  // passes have as many photons
+    // Passes have as many photons
+    if (!bytes) moved.options.adaptive_samples = made.options.adaptive_samples = false;
     fill_box(moved, bytes);
     render(moved);
     CHECK(traced(moved) == passes * 20000);
@@ -101,8 +105,11 @@ TEST_CASE("a render of another view is that of a new renderer, bit for bit, and 
       CHECK(moved.kept_photon_bytes() > 0);
     }
     fill_box(made, bytes, 0.3f, 17);
-    if (bytes) CHECK(same(render(made), moved.film()));
-    else CHECK(mean_indirect(render(made)) == doctest::Approx(mean_indirect(moved.film())).epsilon(0.01));
+    if (bytes)
+      CHECK(same(render(made), moved.film()));
+    else
+      CHECK(mean_indirect(render(made)) ==
+            doctest::Approx(mean_indirect(moved.film())).epsilon(0.01));
   }
 }
 
@@ -125,7 +132,8 @@ TEST_CASE("a single photon path is left in passes that want fewer") {
 
 TEST_CASE("photons that do not fit any more are traced again and are the same ones") {
   Renderer all(2), some(2);
-  for (Renderer* renderer : {&all, &some}) renderer->options.adaptive_radius = renderer->options.adaptive_samples = false;
+  for (Renderer* renderer : {&all, &some})
+    renderer->options.adaptive_radius = renderer->options.adaptive_samples = false;
   fill_box(all, plenty);
   fill_box(some, size_t{1} << 20);
   CHECK(mean_indirect(render(all)) == doctest::Approx(mean_indirect(render(some))).epsilon(1e-5));
@@ -153,9 +161,11 @@ TEST_CASE("other lamps have photons of their own") {
 TEST_CASE("programs that ask where the camera is are found, and keep photons from being kept") {
   ProgramWriter plain, window, data;
   const uint32_t color = plain.reg();
-  plain.emit(nodes::Op::TextureCoordinate, {{"what", word_of(nodes::Coordinates::OBJECT)}, {"out", color}});
+  plain.emit(nodes::Op::TextureCoordinate,
+             {{"what", word_of(nodes::Coordinates::OBJECT)}, {"out", color}});
   plain.emitting(color);
-  window.emit(nodes::Op::TextureCoordinate, {{"what", word_of(nodes::Coordinates::WINDOW)}, {"out", window.reg()}});
+  window.emit(nodes::Op::TextureCoordinate,
+              {{"what", word_of(nodes::Coordinates::WINDOW)}, {"out", window.reg()}});
   window.emitting(0);
   data.emit(nodes::Op::CameraData, {{"view_vector", data.reg()}});
   data.emitting(0);

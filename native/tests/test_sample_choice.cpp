@@ -9,29 +9,35 @@ namespace {
 
 constexpr int kWidth = 32, kHeight = 24;
 
-// After `passes` passes of a picture in which camera_noise(x) and photon_noise(x) are the deviations of one sample of each kind.
+// After `passes` passes of a picture in which camera_noise(x) and photon_noise(x) are the
+// deviations of one sample of each kind.
 template <class Camera, class Photons>
-SampleChoice after(uint32_t passes, Camera&& camera_noise, Photons&& photon_noise, uint32_t least = 1,
-                   const PassWork& work = {1, 0}) {
+SampleChoice after(uint32_t passes, Camera&& camera_noise, Photons&& photon_noise,
+                   uint32_t least = 1, const PassWork& work = {1, 0}) {
   ThreadPool pool(2);
   SampleChoice choice;
   choice.reset(kWidth, kHeight, least, {PhotonSet{}});
   Film film;
   film.reset(kWidth, kHeight);
   Random random(3, 5);
-  const auto noise = [&](float deviation) { return deviation * std::sqrt(3.0f) * (2 * random.next() - 1); };
+  const auto noise = [&](float deviation) {
+    return deviation * std::sqrt(3.0f) * (2 * random.next() - 1);
+  };
   for (uint32_t pass = 0; pass < passes; ++pass) {
     for (size_t i = 0; i < film.pixels.size(); ++i) {
       Pixel& p = film.pixels[i] = {};
       const int x = static_cast<int>(i % kWidth);
       p.samples = static_cast<float>(choice.count(i));
-      for (uint32_t s = 0; s < choice.count(i); ++s) p.emission += Rgb{1, 1, 1} * (1 + noise(camera_noise(x)));
+      for (uint32_t s = 0; s < choice.count(i); ++s)
+        p.emission += Rgb{1, 1, 1} * (1 + noise(camera_noise(x)));
     }
     choice.see_camera(film, pool);
     PhotonSet& photons = choice.photons(0);
-    for (size_t i = 0; i < film.pixels.size(); ++i) {  // photons are those of the pass, for all its samples
+    // Photons are those of the pass, for all its samples
+    for (size_t i = 0; i < film.pixels.size(); ++i) {
       Pixel& p = film.pixels[i];
-      photons.noise[i] = photon_noise(static_cast<int>(i % kWidth)) / static_cast<float>(std::sqrt(photons.count));
+      photons.noise[i] =
+          photon_noise(static_cast<int>(i % kWidth)) / static_cast<float>(std::sqrt(photons.count));
       p.diffuse_indirect += Rgb{1, 1, 1} * (p.samples * (1 + noise(photons.noise[i])));
     }
     photons.work = photons.count;
@@ -54,7 +60,8 @@ const auto stripe = [](int x) { return x == 20 ? 1.0f : 0.01f; };
 
 }  // namespace
 
-TEST_CASE("camera samples go where they deviate, not many more than photons are worth, and numbers are used once") {
+TEST_CASE(
+    "camera samples go where they deviate, not many more than photons are worth, and numbers are used once") {
   for (uint32_t passes : {1u, 2u, 8u, 64u}) {
     const SampleChoice choice = after(passes, stripe, even);
     CHECK(choice.count(kMiddle + 20) >= 4);  // of the eight around, two are in the stripe
@@ -67,7 +74,8 @@ TEST_CASE("camera samples go where they deviate, not many more than photons are 
   CHECK(twice.first(kMiddle + 20, 2) == 1 + once.count(kMiddle + 20));
 }
 
-TEST_CASE("camera noise like the photons' and less, or none at all, asks for no more camera samples") {
+TEST_CASE(
+    "camera noise like the photons' and less, or none at all, asks for no more camera samples") {
   CHECK(total(after(16, [](int) { return 0.1f; }, [](int) { return 0.12f; })) == kWidth * kHeight);
   CHECK(total(after(16, nothing, stripe)) == kWidth * kHeight);
   CHECK(total(after(16, stripe, [](int) { return 5.0f; })) == kWidth * kHeight);
@@ -79,12 +87,14 @@ TEST_CASE("camera noise without any of photons gets more samples everywhere, wit
   CHECK(all <= 4 * kWidth * kHeight);
 }
 
-TEST_CASE("a least number of samples is for all pixels from the second pass on, as far as it is worth it") {
+TEST_CASE(
+    "a least number of samples is for all pixels from the second pass on, as far as it is worth it") {
   const SampleChoice first = after(0, stripe, even, 4), quiet = after(4, stripe, nothing, 4);
   CHECK(total(first) == kWidth * kHeight);
   CHECK(quiet.count(kMiddle + 5) == 4);
   CHECK(quiet.count(kMiddle + 20) > 4);
-  CHECK(total(after(4, stripe, [](int) { return 5.0f; }, 4)) == kWidth * kHeight);  // of photons is the noise
+  // Of photons is the noise
+  CHECK(total(after(4, stripe, [](int) { return 5.0f; }, 4)) == kWidth * kHeight);
   CHECK(total(after(4, nothing, nothing, 4)) == kWidth * kHeight);
 }
 
@@ -109,12 +119,17 @@ TEST_CASE("a black picture and light that is not finite ask for nothing") {
 
 TEST_CASE("photons get what they are worth beside the camera's samples, within bounds") {
   const auto photons_after = [](float camera, float photons, const PassWork& work) {
-    return after(16, [=](int) { return camera; }, [=](int) { return photons; }, 1, work).photons(0).count;
+    return after(
+               16, [=](int) { return camera; }, [=](int) { return photons; }, 1, work)
+        .photons(0)
+        .count;
   };
-  // Random samples: their order gains nothing. One of each pixel, as noise is the photons': (c^2 + s^2/m) (1 + m) is least for m = s/c.
-  // With their blur, half of it again, they count as sqrt(1.5) times as much.
+  // Random samples: their order gains nothing. One of each pixel, as noise is the photons': (c^2 +
+  // s^2/m) (1 + m) is least for m = s/c. With their blur, half of it again, they count as sqrt(1.5)
+  // times as much.
   CHECK(photons_after(0.1f, 0.3f, {1, 0}) == doctest::Approx(3 * std::sqrt(1.5)).epsilon(0.15));
-  CHECK(photons_after(0.1f, 0.3f, {1, 3}) == doctest::Approx(6 * std::sqrt(1.5)).epsilon(0.15));  // three times the work is fixed
+  // Three times the work is fixed
+  CHECK(photons_after(0.1f, 0.3f, {1, 3}) == doctest::Approx(6 * std::sqrt(1.5)).epsilon(0.15));
   CHECK(photons_after(0.01f, 0.3f, {1, 0}) == 8);
   CHECK(photons_after(0.0f, 0.3f, {1, 0}) == 8);
   CHECK(photons_after(0.3f, 0.001f, {1, 0}) == 0.25);
@@ -166,7 +181,8 @@ TEST_CASE("heavy-tailed noise: samples that ask for more do not make the mean da
       for (size_t i = 0; i < film.pixels.size(); ++i) {
         Pixel& p = film.pixels[i] = {};
         p.samples = static_cast<float>(choice.count(i));
-        for (uint32_t s = 0; s < choice.count(i); ++s) p.emission += Rgb{1, 1, 1} * (random.next() < 0.02f ? 50.0f : 0.0f);
+        for (uint32_t s = 0; s < choice.count(i); ++s)
+          p.emission += Rgb{1, 1, 1} * (random.next() < 0.02f ? 50.0f : 0.0f);
         light[i] += luminance(p.emission);
         samples[i] += p.samples;
       }
@@ -175,7 +191,8 @@ TEST_CASE("heavy-tailed noise: samples that ask for more do not make the mean da
       choice.begin_pass(pool);
     }
     double mean = 0;
-    for (size_t i = 0; i < light.size(); ++i) mean += light[i] / samples[i] / static_cast<double>(light.size());
+    for (size_t i = 0; i < light.size(); ++i)
+      mean += light[i] / samples[i] / static_cast<double>(light.size());
     sum += mean;
     squares += mean * mean;
   }

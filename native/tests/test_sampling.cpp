@@ -41,7 +41,8 @@ TEST_CASE("runs of points are the points one by one, on every instruction set") 
   const SobolPair pair(3, 77);
   SobolPair::Run run;
   pair.fill(5, 33, run);
-  for (uint32_t k = 0; k < 33; ++k) CHECK((run.x[k] == pair.at(5 + k).x && run.y[k] == pair.at(5 + k).y));
+  for (uint32_t k = 0; k < 33; ++k)
+    CHECK((run.x[k] == pair.at(5 + k).x && run.y[k] == pair.at(5 + k).y));
   for (const char* name : {"generic", "sse42", "avx2", "avx512"}) {
     const SobolKernel kernel = choose_sobol_kernel(name);
     if (!kernel) continue;  // not on this machine
@@ -51,7 +52,8 @@ TEST_CASE("runs of points are the points one by one, on every instruction set") 
     for (const uint32_t first : {0u, 4000000000u, ~0u - 20u}) {
       sobol_generic(keys, first, SobolPair::kMost, plain.x, plain.y);
       kernel(keys, first, SobolPair::kMost, vectors.x, vectors.y);
-      for (uint32_t k = 0; k < SobolPair::kMost; ++k) CHECK((plain.x[k] == vectors.x[k] && plain.y[k] == vectors.y[k]));
+      for (uint32_t k = 0; k < SobolPair::kMost; ++k)
+        CHECK((plain.x[k] == vectors.x[k] && plain.y[k] == vectors.y[k]));
     }
   }
 }
@@ -75,21 +77,31 @@ TEST_CASE("random streams of neighbouring indices and seeds are uniform and inde
 }
 
 TEST_CASE("the disc map is uniform in area and stays in the disc") {
-  CHECK(mean_over_square([](Vec2 u) { const Vec2 d = sample_disk(u); return d.x * d.x + d.y * d.y; }) == doctest::Approx(0.5).epsilon(1e-3));
-  CHECK(mean_over_square([](Vec2 u) { return sample_disk(u).x; }) == doctest::Approx(0).epsilon(1e-3));
-  CHECK(mean_over_square([](Vec2 u) { const Vec2 d = sample_disk(u); return d.x * d.x + d.y * d.y > 1.000001f; }) == 0);
+  CHECK(mean_over_square([](Vec2 u) {
+          const Vec2 d = sample_disk(u);
+          return d.x * d.x + d.y * d.y;
+        }) == doctest::Approx(0.5).epsilon(1e-3));
+  CHECK(mean_over_square([](Vec2 u) { return sample_disk(u).x; }) ==
+        doctest::Approx(0).epsilon(1e-3));
+  CHECK(mean_over_square([](Vec2 u) {
+          const Vec2 d = sample_disk(u);
+          return d.x * d.x + d.y * d.y > 1.000001f;
+        }) == 0);
 }
 
 TEST_CASE("the cosine-weighted hemisphere has the moments of cos/pi") {
   const auto z = [](Vec2 u) { return double(sample_cosine_hemisphere(u).z); };
   CHECK(mean_over_square(z) == doctest::Approx(2.0 / 3).epsilon(1e-3));
-  CHECK(mean_over_square([&](Vec2 u) { return z(u) * z(u); }) == doctest::Approx(0.5).epsilon(1e-3));
+  CHECK(mean_over_square([&](Vec2 u) { return z(u) * z(u); }) ==
+        doctest::Approx(0.5).epsilon(1e-3));
 }
 
 TEST_CASE("the sphere is uniform") {
   for (int axis = 0; axis < 3; ++axis) {
-    CHECK(std::abs(mean_over_square([&](Vec2 u) { return double(sample_sphere(u)[axis]); })) < 1e-3);
-    CHECK(mean_over_square([&](Vec2 u) { return std::pow(double(sample_sphere(u)[axis]), 2); }) == doctest::Approx(1.0 / 3).epsilon(1e-3));
+    CHECK(std::abs(mean_over_square([&](Vec2 u) { return double(sample_sphere(u)[axis]); })) <
+          1e-3);
+    CHECK(mean_over_square([&](Vec2 u) { return std::pow(double(sample_sphere(u)[axis]), 2); }) ==
+          doctest::Approx(1.0 / 3).epsilon(1e-3));
   }
 }
 
@@ -122,7 +134,8 @@ TEST_CASE("turn_of is atan2 over a full turn, in every octant and on the axes") 
   for (int i = 0; i < 100000; ++i) {
     const Vec2 p{2 * random.next() - 1, 2 * random.next() - 1};
     const float scale = i % 3 == 0 ? 1 : i % 3 == 1 ? 1e-12f : 1e12f, thin = i % 2 ? 1 : 1e-5f;
-    const double turn = std::atan2(double(p.y * scale * thin), double(p.x * scale)) / (2 * double(kPi));
+    const double turn =
+        std::atan2(double(p.y * scale * thin), double(p.x * scale)) / (2 * double(kPi));
     REQUIRE(std::abs(turn_of(p.y * scale * thin, p.x * scale) - turn) < 7e-8);
   }
   CHECK(turn_of(0, 1) == 0);

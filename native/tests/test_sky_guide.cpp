@@ -40,14 +40,16 @@ struct World {
   std::unique_ptr<Environment> environment;
 };
 
-// Sightings from places in the unit cube, most of them of a patch of sky around `centre`; every tenth ray meets the world.
+// Sightings from places in the unit cube, most of them of a patch of sky around `centre`; every
+// tenth ray meets the world.
 SkyGuide taught(const World& world, const Vec3& centre, int rays) {
   Random random(5, 6);
   std::vector<SkyGuide::Sighting> sightings;
   for (int i = 0; i < rays; ++i) {
     const Vec3 x{random.next(), random.next(), 0.1f * random.next()};
     const bool met = i % 10 == 0;
-    const Vec3 way = met ? normalize(centre + sample_sphere(random.next2()) * 0.2f) : sample_sphere(random.next2());
+    const Vec3 way = met ? normalize(centre + sample_sphere(random.next2()) * 0.2f)
+                         : sample_sphere(random.next2());
     sightings.push_back({x, kUp, way, met ? 1.0f : 0.0f, true});
   }
   SkyGuide guide;
@@ -79,7 +81,8 @@ TEST_CASE("the guide's density integrates to 1 and its samples follow it") {
       CHECK(pdf > 0);
       CHECK(world_pdf == environment.pdf(density));
       there += double(near(s)) / count;
-      // Samples over their density give solid angles, if that is theirs: of the hemisphere, small suns and all, and of the patch.
+      // Samples over their density give solid angles, if that is theirs: of the hemisphere, small
+      // suns and all, and of the patch.
       whole += double(s.z > 0) / pdf / count;
       solid_angle += double(near(s)) / pdf / count;
     }
@@ -89,7 +92,8 @@ TEST_CASE("the guide's density integrates to 1 and its samples follow it") {
   }
 }
 
-TEST_CASE("within a part of the world the guide draws as the world shines: a sun of one texel is met by what has seen it") {
+TEST_CASE(
+    "within a part of the world the guide draws as the world shines: a sun of one texel is met by what has seen it") {
   for (const Sky sky : {Sky::kSun, Sky::kImage}) {
     CAPTURE(int(sky));
     const World world(sky);
@@ -98,13 +102,17 @@ TEST_CASE("within a part of the world the guide draws as the world shines: a sun
     Random random(3, 4);
     Vec3 sun = kUp;
     for (int i = 0; i < 1000; ++i)
-      if (const Vec3 d = environment.sample(random.next2()).direction; environment.radiance(d).x > environment.radiance(sun).x) sun = d;
+      if (const Vec3 d = environment.sample(random.next2()).direction;
+          environment.radiance(d).x > environment.radiance(sun).x)
+        sun = d;
     for (const bool seen : {true, false}) {
       std::vector<SkyGuide::Sighting> sightings;
       for (int i = 0; i < 20000; ++i) {
         const Environment::Sample s = environment.sample(random.next2());
         const bool shines = dot(s.direction, sun) > 0.99f;
-        const float weight = s.direction.z > 0 && (seen || !shines) ? environment.radiance(s.direction).x * s.direction.z / s.pdf : 0;
+        const float weight = s.direction.z > 0 && (seen || !shines)
+                                 ? environment.radiance(s.direction).x * s.direction.z / s.pdf
+                                 : 0;
         sightings.push_back({{random.next(), random.next(), 0}, kUp, s.direction, weight, false});
       }
       SkyGuide guide;
@@ -114,14 +122,18 @@ TEST_CASE("within a part of the world the guide draws as the world shines: a sun
       const auto* cell = guide.find({0.5f, 0.5f, 0}, kUp);
       REQUIRE(cell);
       int met = 0;
-      for (int i = 0; i < 10000; ++i) met += dot(cell->sample(environment, random.next2()).direction, sun) > 0.99f;
-      if (seen) CHECK(met > 5000);
-      else CHECK(met < 2500);  // the guide's doubt
+      for (int i = 0; i < 10000; ++i)
+        met += dot(cell->sample(environment, random.next2()).direction, sun) > 0.99f;
+      if (seen)
+        CHECK(met > 5000);
+      else
+        CHECK(met < 2500);  // the guide's doubt
     }
   }
 }
 
-TEST_CASE("no guide where nothing is known, where little is, or where an even world is seen freely") {
+TEST_CASE(
+    "no guide where nothing is known, where little is, or where an even world is seen freely") {
   const World world(Sky::kEven);
   CHECK(SkyGuide().find({0, 0, 0}, kUp) == nullptr);
   CHECK(taught(world, {0, 0, 1}, 100).find({0.5f, 0.5f, 0}, kUp) == nullptr);
@@ -130,7 +142,8 @@ TEST_CASE("no guide where nothing is known, where little is, or where an even wo
   free.reset(*world.environment);
   std::vector<SkyGuide::Sighting> all;
   Random random(2, 3);
-  for (int i = 0; i < 1000; ++i) all.push_back({{random.next(), 0, 0}, kUp, sample_sphere(random.next2()), 1, true});
+  for (int i = 0; i < 1000; ++i)
+    all.push_back({{random.next(), 0, 0}, kUp, sample_sphere(random.next2()), 1, true});
   free.learn(all);
   free.end_pass();
   CHECK(free.find({0.5f, 0, 0}, kUp) == nullptr);
@@ -143,6 +156,7 @@ TEST_CASE("learning ends, and what is learnt in one place is no harm far outside
   CHECK(!guide.learning());
   for (const Vec3& x : {Vec3{1e30f, 0, 0}, Vec3{-1e30f, 5, -3}, Vec3{NAN, 0, 0}}) {
     const auto* cell = guide.find(x, kUp);
-    if (cell) CHECK(std::isfinite(cell->pdf(*world.environment, world.environment->density({0, 0, 1}))));
+    if (cell)
+      CHECK(std::isfinite(cell->pdf(*world.environment, world.environment->density({0, 0, 1}))));
   }
 }

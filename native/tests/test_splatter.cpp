@@ -12,8 +12,9 @@ namespace {
 
 Vec3 random_place(Random& random) { return {random.next(), random.next(), random.next() * 0.05f}; }
 
-// Blocks of points scattered over the unit square, some places unused: in turn of two surfaces, and of one that is flat, bent a
-// little (photons have the full weight at some of their parts only), or folded.
+// Blocks of points scattered over the unit square, some places unused: in turn of two surfaces, and
+// of one that is flat, bent a little (photons have the full weight at some of their parts only), or
+// folded.
 PointBlocks make_blocks(size_t count, std::vector<Bounds>& bounds) {
   PointBlocks blocks(count);
   bounds.assign(count, Bounds{});
@@ -46,8 +47,13 @@ Photons make_photons(size_t count) {
     Random random(i, 3);
     const Vec3 place = random_place(random);
     const bool upright = place.x < 0.5f;  // the rest so bent that not all have the full weight
-    const Vec3 normal = upright ? Vec3{random.next() - 0.5f, random.next() - 0.5f, 2} : Vec3{random.next() - 0.5f, 0.4f, random.next()};
-    photons[i] = {place, random.next() < 0.5f ? 7u : 8u, encode_direction(normalize(normal)), 0, {random.next(), 1, 2}};
+    const Vec3 normal = upright ? Vec3{random.next() - 0.5f, random.next() - 0.5f, 2}
+                                : Vec3{random.next() - 0.5f, 0.4f, random.next()};
+    photons[i] = {place,
+                  random.next() < 0.5f ? 7u : 8u,
+                  encode_direction(normalize(normal)),
+                  0,
+                  {random.next(), 1, 2}};
   }
   return photons;
 }
@@ -59,10 +65,13 @@ struct Sums {
 Sums sums_at(const PointBlock& block, uint32_t i, const Photons& photons) {
   Sums sums;
   for (const Photon& p : photons) {
-    const double dx = double(p.position.x) - block.x[i], dy = double(p.position.y) - block.y[i], dz = double(p.position.z) - block.z[i];
+    const double dx = double(p.position.x) - block.x[i], dy = double(p.position.y) - block.y[i],
+                 dz = double(p.position.z) - block.z[i];
     const double kernel = 1 - (dx * dx + dy * dy + dz * dz) * block.inverse_h2[i];
     const Vec3 n = decode_direction(p.normal);
-    const double facing = std::min(1.0, 2.0 * (double(n.x) * block.nx[i] + double(n.y) * block.ny[i] + double(n.z) * block.nz[i]));
+    const double facing = std::min(
+        1.0,
+        2.0 * (double(n.x) * block.nx[i] + double(n.y) * block.ny[i] + double(n.z) * block.nz[i]));
     if (kernel <= 0 || facing <= 0 || p.key != block.key[i]) continue;
     sums.r += kernel * facing * p.power.x;
     sums.b += kernel * facing * p.power.z;
@@ -78,8 +87,7 @@ std::vector<std::string> kernels_of_this_machine() {
     try {
       choose_kernel(name);
       names.push_back(name);
-    } catch (const std::invalid_argument&) {
-    }
+    } catch (const std::invalid_argument&) {}
   }
   return names;
 }
@@ -103,7 +111,8 @@ TEST_CASE("every kernel gives the sums of the definition") {
         const Sums expected = sums_at(block, i, photons);
         CHECK(block.r[i] == doctest::Approx(expected.r).epsilon(1e-3));
         CHECK(block.b[i] == doctest::Approx(expected.b).epsilon(1e-3));
-        CHECK(std::abs(block.count[i] - expected.count) <= 1);  // one photon may lie on the rim, within rounding
+        // One photon may lie on the rim, within rounding
+        CHECK(std::abs(block.count[i] - expected.count) <= 1);
         CHECK(block.narrow[i] == doctest::Approx(expected.narrow).epsilon(1e-3));
         caught += block.count[i];
       }
@@ -121,7 +130,8 @@ TEST_CASE("the sums are the same bit for bit for any number of threads") {
     Splatter splatter;
     splatter.set_blocks(bounds);
     splatter.splat(photons, results.back(), pool, CancelFlag());
-    CHECK(std::memcmp(results.back().data(), results[0].data(), results[0].size() * sizeof(PointBlock)) == 0);
+    CHECK(std::memcmp(results.back().data(), results[0].data(),
+                      results[0].size() * sizeof(PointBlock)) == 0);
   }
 }
 
@@ -138,5 +148,7 @@ TEST_CASE("no photons, no blocks: nothing happens") {
 }
 
 TEST_CASE("an unknown kernel is refused") {
-  CHECK_THROWS_WITH_AS(choose_kernel("mmx"), "the splatting kernel 'mmx' does not run on this machine", std::invalid_argument);
+  CHECK_THROWS_WITH_AS(choose_kernel("mmx"),
+                       "the splatting kernel 'mmx' does not run on this machine",
+                       std::invalid_argument);
 }

@@ -6,19 +6,22 @@ using namespace photon_splat;
 
 namespace {
 
-// Looks a texture up in many places before and after it is made compact; returns the bytes per pixel after.
+// Looks a texture up in many places before and after it is made compact; returns the bytes per
+// pixel after.
 size_t compacted(Texture texture, int width, int height) {
   texture.width = width;
   texture.height = height;
   Texture small = texture;
   small.compact();
-  for (Interpolation interpolation : {Interpolation::kClosest, Interpolation::kLinear, Interpolation::kCubic})
+  for (Interpolation interpolation :
+       {Interpolation::kClosest, Interpolation::kLinear, Interpolation::kCubic})
     for (Extension extension : {Extension::kRepeat, Extension::kClip}) {
       texture.interpolation = small.interpolation = interpolation;
       texture.extension = small.extension = extension;
       for (int i = 0; i < 200; ++i) {
         const Vec2 uv{0.013f * static_cast<float>(i) - 0.7f, 0.029f * static_cast<float>(i) - 2.1f};
-        for (bool unassociate : {false, true}) CHECK(texture.lookup_rgba(uv, unassociate) == small.lookup_rgba(uv, unassociate));
+        for (bool unassociate : {false, true})
+          CHECK(texture.lookup_rgba(uv, unassociate) == small.lookup_rgba(uv, unassociate));
       }
     }
   CHECK(small.memory() % static_cast<size_t>(width * height) == 0);

@@ -40,7 +40,9 @@ TEST_CASE("a cube is six planar patches whose edges run counter-clockwise") {
     for (uint32_t i = topology.first_edge[patch]; i < topology.first_edge[patch + 1]; ++i) {
       const BoundaryEdge& edge = topology.edges[i];
       CHECK(edge.patch == patch);
-      twice_area += dot(cross(edge.a - topology.edges[topology.first_edge[patch]].a, edge.b - edge.a), edge.normal);
+      twice_area +=
+          dot(cross(edge.a - topology.edges[topology.first_edge[patch]].a, edge.b - edge.a),
+              edge.normal);
     }
     CHECK(twice_area == doctest::Approx(2));
   }
@@ -51,7 +53,8 @@ TEST_CASE("a smooth sphere is one patch without an end, and knows its curvature"
   CHECK(topology.planar == std::vector<uint8_t>{0});
   CHECK(topology.edges.empty());
   const Mesh sphere = make_sphere(32, 64);
-  for (uint32_t t = 0; t < sphere.triangles.size(); ++t) CHECK(topology.curvature_of(t) == doctest::Approx(1).epsilon(0.5));
+  for (uint32_t t = 0; t < sphere.triangles.size(); ++t)
+    CHECK(topology.curvature_of(t) == doctest::Approx(1).epsilon(0.5));
 }
 
 TEST_CASE("vertices at one place are one vertex") {
@@ -74,7 +77,8 @@ TEST_CASE("an edge of three triangles ends every patch there") {
   CHECK(std::set<uint32_t>(topology.patch.begin(), topology.patch.end()).size() == 3);
 }
 
-TEST_CASE("a fan of many triangles around one vertex takes no quadratic time" * doctest::timeout(5)) {
+TEST_CASE("a fan of many triangles around one vertex takes no quadratic time" *
+          doctest::timeout(5)) {
   constexpr uint32_t count = 100000;
   std::vector<Vec3> positions{{0, 0, 0}};
   std::vector<Triangle> triangles;
@@ -102,11 +106,13 @@ TEST_CASE("the edge tree finds what a search through all edges finds") {
     const float radius = w.y * 0.6f;
     for (uint32_t patch = 0; patch + 1 < topology.first_edge.size(); ++patch) {
       std::set<const BoundaryEdge*> found;
-      tree.near(x, radius, patch, [&](const BoundaryEdge& edge) { CHECK(found.insert(&edge).second); });
+      tree.near(x, radius, patch,
+                [&](const BoundaryEdge& edge) { CHECK(found.insert(&edge).second); });
       for (const BoundaryEdge& edge : topology.edges) {
         const Vec3 along = edge.b - edge.a;
         const float t = std::clamp(dot(x - edge.a, along) / length2(along), 0.0f, 1.0f);
-        if (edge.patch == patch && length(edge.a + along * t - x) < radius) CHECK(found.count(&edge) == 1);
+        if (edge.patch == patch && length(edge.a + along * t - x) < radius)
+          CHECK(found.count(&edge) == 1);
         if (edge.patch != patch) CHECK(found.count(&edge) == 0);
       }
     }

@@ -22,12 +22,16 @@ TEST_CASE("a basis is orthonormal and right-handed for every normal, poles inclu
   }
 }
 
-// Half a step in both coordinates, 1/254 each, is stretched by up to sqrt(18) in the middle of a face.
+// Half a step in both coordinates, 1/254 each, is stretched by up to sqrt(18) in the middle of a
+// face.
 TEST_CASE("packed directions come back within about a degree, axes exactly") {
   std::vector<Vec3> directions{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
-  for (uint32_t i = 0; i < 2000; ++i) directions.push_back(normalize(sample_sphere(sobol_2d(i, 1, 9))));
-  for (const Vec3& d : directions) CHECK(length(decode_direction(encode_direction(d)) - d) < 0.018f);
-  for (int i = 0; i < 6; ++i) CHECK(length(decode_direction(encode_direction(directions[i])) - directions[i]) < 1e-6f);
+  for (uint32_t i = 0; i < 2000; ++i)
+    directions.push_back(normalize(sample_sphere(sobol_2d(i, 1, 9))));
+  for (const Vec3& d : directions)
+    CHECK(length(decode_direction(encode_direction(d)) - d) < 0.018f);
+  for (int i = 0; i < 6; ++i)
+    CHECK(length(decode_direction(encode_direction(directions[i])) - directions[i]) < 1e-6f);
 }
 
 TEST_CASE("an inverse transform undoes points, vectors and normals") {

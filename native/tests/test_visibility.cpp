@@ -1,9 +1,10 @@
-// What some kinds of ray do not see: one mask for single rays, packets and shadows; photons and paths agree.
+// What some kinds of ray do not see: one mask for single rays, packets and shadows; photons and
+// paths agree.
 #include <doctest/doctest.h>
 
+#include "passes.h"
 #include "programs.h"
 #include "renderer.h"
-#include "passes.h"
 
 using namespace photon_splat;
 
@@ -19,13 +20,16 @@ RayMask all_but(std::initializer_list<RayInfo::Kind> kinds) {
   return mask;
 }
 
-// A room [-1, 1]^2 x [0, 2] of albedo 1/2 with a mirror on its floor, a lamp under the ceiling and a ball that not all rays see.
-void fill_room(Renderer& renderer, Thing thing, RayMask seen_by, bool instanced = false, const LampSettings& settings = {}) {
+// A room [-1, 1]^2 x [0, 2] of albedo 1/2 with a mirror on its floor, a lamp under the ceiling and
+// a ball that not all rays see.
+void fill_room(Renderer& renderer, Thing thing, RayMask seen_by, bool instanced = false,
+               const LampSettings& settings = {}) {
   Material grey;
   grey.front.albedo = grey.back.albedo = {0.5f, 0.5f, 0.5f};
   renderer.scene.materials = {grey, grey};
   ProgramWriter w;
-  const ProgramWriter::Values values{{"weight", w.constant({1})}, {"color", w.constant({0.9f, 0.9f, 0.9f})}};
+  const ProgramWriter::Values values{{"weight", w.constant({1})},
+                                     {"color", w.constant({0.9f, 0.9f, 0.9f})}};
   w.emit(nodes::Op::Glossy, values);
   w.emit(nodes::Op::End, {});
   check_program(renderer.scene, w.program());
@@ -38,7 +42,8 @@ void fill_room(Renderer& renderer, Thing thing, RayMask seen_by, bool instanced 
   const uint32_t ball = thing == Thing::kMirror;
   renderer.scene.add_instance(1, {0.4, 0, 0, 0, 0, 0.4, 0, 0, 0, 0, 0.4, 0.9}, {int32_t(ball)});
   renderer.scene.instances.back().seen_by = seen_by;
-  if (instanced) renderer.scene.add_instance(1, {0.2, 0, 0, 0.6, 0, 0.2, 0, 0.6, 0, 0, 0.2, 0.3}, {0});
+  if (instanced)
+    renderer.scene.add_instance(1, {0.2, 0, 0, 0.6, 0, 0.2, 0, 0.6, 0, 0, 0.2, 0.3}, {0});
   renderer.scene.meshes.push_back(padded(make_sphere(16, 32)));
   renderer.scene.add_instance(2, {0.3, 0, 0, 0.5, 0, 0.3, 0, -0.5, 0, 0, 0.3, 0.4}, {1});
   LampSettings lamp = settings;
@@ -72,7 +77,8 @@ TEST_CASE("single rays, packets and shadow rays meet what their kind sees, insta
     CHECK(scene.limits_rays());
     CHECK(scene.kinds_differ());
     const Vec3 origin{-0.9f, 0, 0.9f}, way{1, 0, 0};
-    for (const RayInfo::Kind kind : {RayInfo::kCamera, RayInfo::kShadow, RayInfo::kDiffuse, RayInfo::kGlossy, RayInfo::kTransmission}) {
+    for (const RayInfo::Kind kind : {RayInfo::kCamera, RayInfo::kShadow, RayInfo::kDiffuse,
+                                     RayInfo::kGlossy, RayInfo::kTransmission}) {
       CAPTURE(int(kind));
       const bool sees = kind != RayInfo::kGlossy && kind != RayInfo::kShadow;
       Surface one, packet[1];
@@ -92,8 +98,9 @@ TEST_CASE("single rays, packets and shadow rays meet what their kind sees, insta
 
 TEST_CASE("photons and paths agree on light past and from a thing that not all rays see") {
   using Kind = RayInfo::Kind;
-  const std::vector<RayMask> masks = {all_but({Kind::kDiffuse}), all_but({Kind::kGlossy}), all_but({Kind::kDiffuse, Kind::kShadow}),
-                                      all_but({Kind::kDiffuse, Kind::kGlossy, Kind::kTransmission}), all_but({Kind::kCamera})};
+  const std::vector<RayMask> masks = {
+      all_but({Kind::kDiffuse}), all_but({Kind::kGlossy}), all_but({Kind::kDiffuse, Kind::kShadow}),
+      all_but({Kind::kDiffuse, Kind::kGlossy, Kind::kTransmission}), all_but({Kind::kCamera})};
   Renderer all(2);
   fill_room(all, Thing::kGrey, kAllRays);
   const double of_all = mean_light(all, 96, true);
@@ -110,7 +117,8 @@ TEST_CASE("photons and paths agree on light past and from a thing that not all r
     }
 }
 
-TEST_CASE("photons and paths agree on lamps that some rays do not see, that end after some bounces, and that cast no shadow") {
+TEST_CASE(
+    "photons and paths agree on lamps that some rays do not see, that end after some bounces, and that cast no shadow") {
   LampSettings glossy_only, few, shadowless;
   glossy_only.seen_by = all_but({RayInfo::kDiffuse});
   few.max_bounces = 1;
@@ -131,7 +139,8 @@ TEST_CASE("photons and paths agree on lamps that some rays do not see, that end 
     }
 }
 
-TEST_CASE("a lamp whose light passes everything lights the floor under a ball as if there were none") {
+TEST_CASE(
+    "a lamp whose light passes everything lights the floor under a ball as if there were none") {
   LampSettings shadowless;
   shadowless.casts_shadows = false;
   Renderer renderer(1);
@@ -140,5 +149,6 @@ TEST_CASE("a lamp whose light passes everything lights the floor under a ball as
   const Receiver floor{{0, 0, 0}, {0, 0, 1}};
   const auto light = lights.sample(floor, 0.5f, {0.5f, 0.5f});
   REQUIRE(light.has_value());
-  CHECK(average(renderer.scene.transmittance({0, 0, 1e-4f}, light->direction, light->distance * 0.999f, {}, light->blockers)) == 1);
+  CHECK(average(renderer.scene.transmittance({0, 0, 1e-4f}, light->direction,
+                                             light->distance * 0.999f, {}, light->blockers)) == 1);
 }

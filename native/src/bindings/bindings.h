@@ -10,13 +10,16 @@ namespace photon_splat {
 
 // Hands a vector over to numpy.
 template <class T, class Memory>
-nanobind::ndarray<nanobind::numpy, T> to_numpy(std::unique_ptr<std::vector<T, Memory>> values, std::initializer_list<size_t> shape) {
+nanobind::ndarray<nanobind::numpy, T> to_numpy(std::unique_ptr<std::vector<T, Memory>> values,
+                                               std::initializer_list<size_t> shape) {
   T* const data = values->data();
-  nanobind::capsule owner(values.release(), [](void* p) noexcept { delete static_cast<std::vector<T, Memory>*>(p); });
+  nanobind::capsule owner(values.release(),
+                          [](void* p) noexcept { delete static_cast<std::vector<T, Memory>*>(p); });
   return nanobind::ndarray<nanobind::numpy, T>(data, shape, owner);
 }
 template <class T>
-nanobind::ndarray<nanobind::numpy, T> to_numpy(std::vector<T>&& values, std::initializer_list<size_t> shape) {
+nanobind::ndarray<nanobind::numpy, T> to_numpy(std::vector<T>&& values,
+                                               std::initializer_list<size_t> shape) {
   return to_numpy(std::make_unique<std::vector<T>>(std::move(values)), shape);
 }
 
@@ -25,7 +28,8 @@ void bind_shading(nanobind::module_& m, nanobind::class_<Renderer>& renderer);
 
 // The value that `known` gives to a name; std::invalid_argument for another one.
 template <class E>
-E named(const std::string& name, std::initializer_list<std::pair<const char*, E>> known, const char* what) {
+E named(const std::string& name, std::initializer_list<std::pair<const char*, E>> known,
+        const char* what) {
   for (const auto& [text, value] : known)
     if (name == text) return value;
   throw std::invalid_argument("unknown " + std::string(what) + " '" + name + "'");

@@ -35,13 +35,13 @@ void fill_rgb(const Run& run, float* to, Get&& get) {
   }
 }
 
-template <Rgb Pixel::*kLight>
+template <Rgb Pixel::* kLight>
 void fill_mean(const Run& run, float* to) {
   fill_rgb(run, to, [](const Pixel& p) { return p.*kLight * p.share(); });
 }
 
 // Diffuse light over the diffuse colour, as Cycles divides it; 0 where that is black.
-template <Rgb Pixel::*kLight>
+template <Rgb Pixel::* kLight>
 void fill_per_albedo(const Run& run, float* to) {
   const auto over = [](float light, float color) { return color > 0 ? light / color : 0; };
   fill_rgb(run, to, [&](const Pixel& p) {
@@ -50,24 +50,26 @@ void fill_per_albedo(const Run& run, float* to) {
   });
 }
 
-template <float Pixel::*kValue>
+template <float Pixel::* kValue>
 void fill_mean(const Run& run, float* to) {
   for (size_t i = 0; i < run.count; ++i) to[i] = run.pixels[i].*kValue * run.pixels[i].share();
 }
 
-template <float Pixel::*kValue>
+template <float Pixel::* kValue>
 void fill_value(const Run& run, float* to) {
   for (size_t i = 0; i < run.count; ++i) to[i] = run.pixels[i].*kValue;
 }
 
-// All of the light, and alpha. Parts are scaled before they are added, as whoever adds the passes does.
+// All of the light, and alpha. Parts are scaled before they are added, as whoever adds the passes
+// does.
 void fill_combined(const Run& run, float* to) {
   for (const Pixel* at = run.pixels; at < run.pixels + run.count; ++at, to += 4) {
     const Pixel& p = *at;
     const float share = p.share();
     Rgb sum;
-    for (const Rgb& light : {p.diffuse_direct, p.diffuse_indirect, p.glossy_direct, p.glossy_indirect, p.transmission_direct,
-                             p.transmission_indirect, p.emission, p.environment})
+    for (const Rgb& light :
+         {p.diffuse_direct, p.diffuse_indirect, p.glossy_direct, p.glossy_indirect,
+          p.transmission_direct, p.transmission_indirect, p.emission, p.environment})
       sum += light * share;
     to[0] = sum.x;
     to[1] = sum.y;
@@ -76,15 +78,20 @@ void fill_combined(const Run& run, float* to) {
   }
 }
 
-void fill_variance(const Run& run, float* to) { std::copy_n(&run.renderer.errors().variance()[run.first], run.count, to); }
-void fill_error(const Run& run, float* to) { std::copy_n(&run.renderer.errors().error()[run.first], run.count, to); }
+void fill_variance(const Run& run, float* to) {
+  std::copy_n(&run.renderer.errors().variance()[run.first], run.count, to);
+}
+void fill_error(const Run& run, float* to) {
+  std::copy_n(&run.renderer.errors().error()[run.first], run.count, to);
+}
 
 // One member of Pixel.
 template <auto kMember>
 Source mean_of(const char* name) {
-  return {name, sizeof(Pixel{}.*kMember) / sizeof(float), &fill_mean<kMember>, channels_of(kMember)};
+  return {name, sizeof(Pixel{}.*kMember) / sizeof(float), &fill_mean<kMember>,
+          channels_of(kMember)};
 }
-template <float Pixel::*kValue>
+template <float Pixel::* kValue>
 Source value_of(const char* name) {
   return {name, 1, &fill_value<kValue>, channels_of(kValue)};
 }
@@ -93,8 +100,10 @@ const Source kSources[] = {
     {"combined", 4, &fill_combined, 0},
     mean_of<&Pixel::diffuse_direct>("diffuse_direct"),
     mean_of<&Pixel::diffuse_indirect>("diffuse_indirect"),
-    {"diffuse_direct_per_albedo", 3, &fill_per_albedo<&Pixel::diffuse_direct>, channels_of(&Pixel::diffuse_color)},
-    {"diffuse_indirect_per_albedo", 3, &fill_per_albedo<&Pixel::diffuse_indirect>, channels_of(&Pixel::diffuse_color)},
+    {"diffuse_direct_per_albedo", 3, &fill_per_albedo<&Pixel::diffuse_direct>,
+     channels_of(&Pixel::diffuse_color)},
+    {"diffuse_indirect_per_albedo", 3, &fill_per_albedo<&Pixel::diffuse_indirect>,
+     channels_of(&Pixel::diffuse_color)},
     mean_of<&Pixel::glossy_direct>("glossy_direct"),
     mean_of<&Pixel::glossy_indirect>("glossy_indirect"),
     mean_of<&Pixel::transmission_direct>("transmission_direct"),
@@ -131,7 +140,9 @@ nb::dict film_arrays(Renderer& r, const std::optional<std::vector<std::string>>&
   const size_t width = film.width, height = film.height, groups = film.light_groups;
   std::vector<Array> arrays;
   bool with_groups = !names;
-  const auto add = [&](const Source& source) { arrays.push_back({&source, std::make_unique<LargeArray<float>>()}); };
+  const auto add = [&](const Source& source) {
+    arrays.push_back({&source, std::make_unique<LargeArray<float>>()});
+  };
   if (!names)
     for (const Source& source : kSources)
       if (!(source.needs & ~film.kept)) add(source);
@@ -141,7 +152,8 @@ nb::dict film_arrays(Renderer& r, const std::optional<std::vector<std::string>>&
       continue;
     }
     const Source& source = source_of(name);
-    if (source.needs & ~film.kept) throw std::invalid_argument("the film has not been told to keep " + name);
+    if (source.needs & ~film.kept)
+      throw std::invalid_argument("the film has not been told to keep " + name);
     add(source);
   }
   for (const Array& array : arrays) array.values->resize(width * height * array.source->channels);
@@ -155,12 +167,16 @@ nb::dict film_arrays(Renderer& r, const std::optional<std::vector<std::string>>&
       film.each_run(t, [&](size_t first, size_t count, size_t place) {
         for (const Array& array : arrays) {
           float* to = array.values->data() + first * array.source->channels;
-          if (film.passes) array.source->fill({r, &pixels[place], first, count}, to);
-          else std::fill_n(to, count * array.source->channels, 0.0f);
+          if (film.passes)
+            array.source->fill({r, &pixels[place], first, count}, to);
+          else
+            std::fill_n(to, count * array.source->channels, 0.0f);
         }
         for (size_t g = 0; with_groups && g < groups; ++g)
           for (size_t i = 0; i < count; ++i) {
-            const Rgb light = film.passes ? film.by_group[(first + i) * groups + g] * pixels[place + i].share() : Rgb{};
+            const Rgb light =
+                film.passes ? film.by_group[(first + i) * groups + g] * pixels[place + i].share()
+                            : Rgb{};
             const float rgb[3] = {light.x, light.y, light.z};
             std::copy_n(rgb, 3, by_group->data() + 3 * (g * width * height + first + i));
           }
@@ -168,7 +184,9 @@ nb::dict film_arrays(Renderer& r, const std::optional<std::vector<std::string>>&
     });
   }
   nb::dict out;
-  for (Array& array : arrays) out[array.source->name] = to_numpy(std::move(array.values), {height, width, array.source->channels});
+  for (Array& array : arrays)
+    out[array.source->name] =
+        to_numpy(std::move(array.values), {height, width, array.source->channels});
   if (with_groups) out[kLightGroups] = to_numpy(std::move(by_group), {groups, height, width, 3});
   return out;
 }
@@ -176,14 +194,19 @@ nb::dict film_arrays(Renderer& r, const std::optional<std::vector<std::string>>&
 }  // namespace
 
 void bind_film(nb::class_<Renderer>& renderer) {
-  renderer.def("keep_film", [](Renderer& r, const std::vector<std::string>& names) {
-    ChannelMask channels = 0;
-    for (const std::string& name : names)
-      if (name != kLightGroups) channels |= source_of(name).needs;
-    r.keep_channels(channels);
-  }, "names"_a, "Of which arrays film() is to be able to tell; all if this is not called. Before build(), set_view() or begin_again().");
-  renderer.def("film", &film_arrays, "names"_a = nb::none(),
-               "(height, width, channels) float32 by name: means over the film's samples, row 0 at the bottom; 0 before the first pass.");
+  renderer.def(
+      "keep_film",
+      [](Renderer& r, const std::vector<std::string>& names) {
+        ChannelMask channels = 0;
+        for (const std::string& name : names)
+          if (name != kLightGroups) channels |= source_of(name).needs;
+        r.keep_channels(channels);
+      },
+      "names"_a,
+      "Of which arrays film() is to be able to tell; all if this is not called. Before build(), set_view() or begin_again().");
+  renderer.def(
+      "film", &film_arrays, "names"_a = nb::none(),
+      "(height, width, channels) float32 by name: means over the film's samples, row 0 at the bottom; 0 before the first pass.");
 }
 
 }  // namespace photon_splat

@@ -44,8 +44,8 @@ uint32_t add_program(Renderer& r, const std::string& name, Array<uint32_t, nb::s
   return static_cast<uint32_t>(r.scene.programs.size() - 1);
 }
 
-auto run_constants(const Renderer& r, Array<uint32_t, nb::shape<-1>> code, Array<float, nb::shape<-1>> constants,
-                   uint32_t registers) {
+auto run_constants(const Renderer& r, Array<uint32_t, nb::shape<-1>> code,
+                   Array<float, nb::shape<-1>> constants, uint32_t registers) {
   Program program;
   program.name = "constants";
   program.code.assign(code.data(), code.data() + code.size());
@@ -58,7 +58,8 @@ auto run_constants(const Renderer& r, Array<uint32_t, nb::shape<-1>> code, Array
 }
 
 int require_program(const Renderer& r, uint32_t program) {
-  if (program >= r.scene.programs.size()) throw std::invalid_argument("a shader program does not exist");
+  if (program >= r.scene.programs.size())
+    throw std::invalid_argument("a shader program does not exist");
   return static_cast<int>(program);
 }
 
@@ -70,12 +71,14 @@ uint32_t add_program_material(Renderer& r, uint32_t program) {
 }
 
 Mesh& require_mesh(Renderer& r, uint32_t mesh) {
-  if (mesh >= r.scene.meshes.size()) throw std::invalid_argument("an attribute belongs to a mesh that does not exist");
+  if (mesh >= r.scene.meshes.size())
+    throw std::invalid_argument("an attribute belongs to a mesh that does not exist");
   return r.scene.meshes[mesh];
 }
 
-void add_mesh_attribute(Renderer& r, uint32_t mesh_index, uint32_t id, const std::string& domain,
-                        nb::ndarray<nb::c_contig, nb::device::cpu, nb::shape<-1, -1>, nb::ro> values) {
+void add_mesh_attribute(
+    Renderer& r, uint32_t mesh_index, uint32_t id, const std::string& domain,
+    nb::ndarray<nb::c_contig, nb::device::cpu, nb::shape<-1, -1>, nb::ro> values) {
   Mesh& mesh = require_mesh(r, mesh_index);
   MeshAttribute attribute;
   attribute.id = id;
@@ -109,20 +112,24 @@ void add_mesh_attribute(Renderer& r, uint32_t mesh_index, uint32_t id, const std
   mesh.attributes.push_back(std::move(attribute));
 }
 
-void set_generated(Renderer& r, uint32_t mesh, std::array<float, 3> scale, std::array<float, 3> offset) {
-  require_mesh(r, mesh).generated = {{scale[0], scale[1], scale[2]}, {offset[0], offset[1], offset[2]}};
+void set_generated(Renderer& r, uint32_t mesh, std::array<float, 3> scale,
+                   std::array<float, 3> offset) {
+  require_mesh(r, mesh).generated = {{scale[0], scale[1], scale[2]},
+                                     {offset[0], offset[1], offset[2]}};
 }
 
 void add_instance_attribute(Renderer& r, uint32_t id, Array<float, nb::shape<-1, -1>> values) {
   if (values.shape(0) != r.scene.instances.size() || values.shape(1) < 1 || values.shape(1) > 4)
     throw std::invalid_argument("an instance attribute has not one row per instance");
-  InstanceAttribute attribute{id, static_cast<uint32_t>(values.shape(1)), {values.data(), values.data() + values.size()}};
+  InstanceAttribute attribute{
+      id, static_cast<uint32_t>(values.shape(1)), {values.data(), values.data() + values.size()}};
   for (float& f : attribute.values)
     if (!std::isfinite(f)) f = 0;
   r.scene.instance_attributes.push_back(std::move(attribute));
 }
 
-void set_shading_view(Renderer& r, Array<double, nb::shape<4, 4>> matrix, std::array<float, 4> screen, bool orthographic) {
+void set_shading_view(Renderer& r, Array<double, nb::shape<4, 4>> matrix,
+                      std::array<float, 4> screen, bool orthographic) {
   ShadingView& view = r.scene.view;
   for (int row = 0; row < 3; ++row)
     for (int column = 0; column < 4; ++column) {
@@ -140,8 +147,9 @@ void set_shading_view(Renderer& r, Array<double, nb::shape<4, 4>> matrix, std::a
 }
 
 // Runs the programs of the surfaces that rays meet first. For tests.
-nb::dict shade_rays(Renderer& r, Array<float, nb::shape<-1, 3>> origins, Array<float, nb::shape<-1, 3>> directions,
-                    float footprint, bool cone, const std::string& kind) {
+nb::dict shade_rays(Renderer& r, Array<float, nb::shape<-1, 3>> origins,
+                    Array<float, nb::shape<-1, 3>> directions, float footprint, bool cone,
+                    const std::string& kind) {
   const size_t n = origins.shape(0);
   if (directions.shape(0) != n) throw std::invalid_argument("not as many directions as origins");
   if (!r.scene.embree()) throw std::invalid_argument("the scene is not built");
@@ -150,8 +158,11 @@ nb::dict shade_rays(Renderer& r, Array<float, nb::shape<-1, 3>> origins, Array<f
   std::vector<uint8_t> hit(n, 0);
   RayInfo info;
   info.through = kind == "transmission";
-  info.kind = kind == "shadow" ? RayInfo::kShadow : kind == "diffuse" ? RayInfo::kDiffuse : kind == "glossy" ? RayInfo::kGlossy
-              : kind == "transmission" ? RayInfo::kTransmission : RayInfo::kCamera;
+  info.kind = kind == "shadow"         ? RayInfo::kShadow
+              : kind == "diffuse"      ? RayInfo::kDiffuse
+              : kind == "glossy"       ? RayInfo::kGlossy
+              : kind == "transmission" ? RayInfo::kTransmission
+                                       : RayInfo::kCamera;
   {
     nb::gil_scoped_release release;
     const auto* o = reinterpret_cast<const Vec3*>(origins.data());
@@ -166,12 +177,14 @@ nb::dict shade_rays(Renderer& r, Array<float, nb::shape<-1, 3>> origins, Array<f
         const Material& material = r.scene.material_of(s.instance, s.triangle);
         if (material.program < 0) continue;
         program = &r.scene.programs[material.program];
-        point = {s.position, s.ng, s.ns, -direction, s.back, s.instance, s.triangle, s.u, s.v, info};
+        point = {s.position, s.ng,       s.ns, -direction, s.back,
+                 s.instance, s.triangle, s.u,  s.v,        info};
         point.ray.length = s.distance;
         point.ray.footprint = cone ? footprint * s.distance : footprint;
       } else if (r.scene.world_program >= 0) {
         program = &r.scene.programs[r.scene.world_program];
-        point = {direction, -direction, -direction, -direction, false, ShadingPoint::kNoInstance, 0, 0, 0, info};
+        point = {direction, -direction, -direction, -direction, false, ShadingPoint::kNoInstance,
+                 0,         0,          0,          info};
         point.ray.length = std::numeric_limits<float>::max();
         ++point.ray.depth;
       } else {
@@ -195,26 +208,39 @@ nb::dict shade_rays(Renderer& r, Array<float, nb::shape<-1, 3>> origins, Array<f
 }  // namespace
 
 void bind_shading(nb::module_& m, nb::class_<Renderer>& renderer) {
-  m.def("shader_operations", &operation_table,
-        "{name: (opcode, [(kind, operand, modes), ...])} of every instruction of shader programs, in the order of its words.");
+  m.def(
+      "shader_operations", &operation_table,
+      "{name: (opcode, [(kind, operand, modes), ...])} of every instruction of shader programs, in the order of its words.");
   renderer
-      .def("add_program", &add_program, "name"_a, "code"_a, "constants"_a, "registers"_a, "features"_a,
-           "A shader program; returns its index. Textures it names come first. ValueError for one that is not sound.")
+      .def(
+          "add_program", &add_program, "name"_a, "code"_a, "constants"_a, "registers"_a,
+          "features"_a,
+          "A shader program; returns its index. Textures it names come first. ValueError for one that is not sound.")
       .def("run_constant_program", &run_constants, "code"_a, "constants"_a, "registers"_a,
            "(registers,) float32 that a program leaves which asks for nothing of a hit.")
-      .def("add_program_material", &add_program_material, "program"_a, "A material that runs a program. Returns its index.")
-      .def("set_world_program", [](Renderer& r, uint32_t program) { r.scene.world_program = require_program(r, program); }, "program"_a)
-      .def("add_mesh_attribute", &add_mesh_attribute, "mesh"_a, "attribute"_a, "domain"_a, "values"_a,
-           "(N, 1..4) float32, or (N, 4) uint8 of an sRGB-encoded colour, per 'point', 'corner' (3 T rows) or 'face' (T rows).")
+      .def("add_program_material", &add_program_material, "program"_a,
+           "A material that runs a program. Returns its index.")
+      .def(
+          "set_world_program",
+          [](Renderer& r, uint32_t program) {
+            r.scene.world_program = require_program(r, program);
+          },
+          "program"_a)
+      .def(
+          "add_mesh_attribute", &add_mesh_attribute, "mesh"_a, "attribute"_a, "domain"_a,
+          "values"_a,
+          "(N, 1..4) float32, or (N, 4) uint8 of an sRGB-encoded colour, per 'point', 'corner' (3 T rows) or 'face' (T rows).")
       .def("set_generated", &set_generated, "mesh"_a, "scale"_a, "offset"_a,
            "Generated coordinates of a mesh: its own coordinates times scale plus offset.")
       .def("add_instance_attribute", &add_instance_attribute, "attribute"_a, "values"_a,
            "(I, 1..4) float32, a row per instance added so far.")
       .def("set_shading_view", &set_shading_view, "matrix"_a, "screen"_a, "orthographic"_a,
            "The camera that shader nodes refer to, as in set_camera().")
-      .def("shade_rays", &shade_rays, "origins"_a, "directions"_a, "footprint"_a = 0.0f, "cone"_a = false, "kind"_a = "camera",
-           "Runs the program at the first hit of each ray (relative to the origin) of a built scene, or the world's program.\n"
-           "`footprint`: a pixel's width, m, or with `cone` per m of distance. Returns (N, 3) emission, transparency, gather, albedo; (N,) hit.");
+      .def(
+          "shade_rays", &shade_rays, "origins"_a, "directions"_a, "footprint"_a = 0.0f,
+          "cone"_a = false, "kind"_a = "camera",
+          "Runs the program at the first hit of each ray (relative to the origin) of a built scene, or the world's program.\n"
+          "`footprint`: a pixel's width, m, or with `cone` per m of distance. Returns (N, 3) emission, transparency, gather, albedo; (N,) hit.");
 }
 
 }  // namespace photon_splat

@@ -13,22 +13,29 @@ constexpr size_t kPhotonFloats = sizeof(Photon) / sizeof(float);
 
 void require_blocks(const Renderer& r, size_t first, size_t count, size_t columns) {
   const size_t blocks = r.points().blocks().size();
-  if (first > blocks || count > blocks - first) throw std::out_of_range("there are not so many blocks of points");
+  if (first > blocks || count > blocks - first)
+    throw std::out_of_range("there are not so many blocks of points");
   if (columns < 1) throw std::invalid_argument("an atlas has at least one column");
 }
 
-nb::ndarray<nb::numpy, float> photon_records(const Renderer& r, size_t first, size_t count, size_t rows) {
+nb::ndarray<nb::numpy, float> photon_records(const Renderer& r, size_t first, size_t count,
+                                             size_t rows) {
   const auto& photons = r.photons();
-  if (first > photons.size() || count > photons.size() - first) throw std::out_of_range("there are not so many photons");
+  if (first > photons.size() || count > photons.size() - first)
+    throw std::out_of_range("there are not so many photons");
   if (rows < count) throw std::invalid_argument("fewer rows than photons");
   std::vector<float> values(rows * kPhotonFloats);
   if (count) std::memcpy(values.data(), &photons[first], count * sizeof(Photon));
   return to_numpy(std::move(values), {rows, kPhotonFloats});
 }
 
-void set_photon_records(Renderer& r, nb::ndarray<const float, nb::c_contig, nb::device::cpu, nb::shape<-1, 8>> records) {
+void set_photon_records(
+    Renderer& r,
+    nb::ndarray<const float, nb::c_contig, nb::device::cpu, nb::shape<-1, 8>> records) {
   Photons photons(records.shape(0));
-  if (!photons.empty()) std::memcpy(static_cast<void*>(photons.data()), records.data(), photons.size() * sizeof(Photon));
+  if (!photons.empty())
+    std::memcpy(static_cast<void*>(photons.data()), records.data(),
+                photons.size() * sizeof(Photon));
   r.set_photons(std::move(photons));
 }
 
@@ -48,7 +55,8 @@ nb::tuple photon_runs(Renderer& r, size_t first, size_t count, uint32_t longest)
       }
   }
   const size_t pairs = order.size(), run_count = runs.size() / 3;
-  return nb::make_tuple(to_numpy(std::move(order), {pairs}), to_numpy(std::move(runs), {run_count, 3}));
+  return nb::make_tuple(to_numpy(std::move(order), {pairs}),
+                        to_numpy(std::move(runs), {run_count, 3}));
 }
 
 nb::tuple point_atlas(Renderer& r, size_t first, size_t count, size_t columns) {
@@ -63,11 +71,13 @@ nb::tuple point_atlas(Renderer& r, size_t first, size_t count, size_t columns) {
     plane.resize(4 * atlas.texels());
     atlas.pack(r.blocks(), position.data(), plane.data(), r.scene.pool(), r.cancel_flag());
   }
-  return nb::make_tuple(to_numpy(std::move(position), {height, width, 4}), to_numpy(std::move(plane), {height, width, 4}));
+  return nb::make_tuple(to_numpy(std::move(position), {height, width, 4}),
+                        to_numpy(std::move(plane), {height, width, 4}));
 }
 
-void set_sums(Renderer& r, size_t first, size_t count, size_t columns,
-              nb::ndarray<const float, nb::c_contig, nb::device::cpu, nb::shape<-1, -1, Atlas::kSums>> sums) {
+void set_sums(
+    Renderer& r, size_t first, size_t count, size_t columns,
+    nb::ndarray<const float, nb::c_contig, nb::device::cpu, nb::shape<-1, -1, Atlas::kSums>> sums) {
   require_blocks(r, first, count, columns);
   const Atlas atlas{first, count, columns};
   if (sums.shape(0) != atlas.rows() * Atlas::kTile || sums.shape(1) != columns * Atlas::kTile)
@@ -81,18 +91,27 @@ void set_sums(Renderer& r, size_t first, size_t count, size_t columns,
 
 void bind_splatting(nb::class_<Renderer>& renderer) {
   renderer
-      .def_prop_ro("block_count", [](const Renderer& r) { return r.points().blocks().size(); }, "Blocks of points of the pass.")
-      .def_prop_ro("photon_count", [](const Renderer& r) { return r.photons().size(); }, "Photons of the last batch.")
-      .def("photon_records", &photon_records, "first"_a, "count"_a, "rows"_a,
-           "(rows, 8) float32, zero from row `count` on: position, key (bits), normal and direction (bits), power.")
-      .def("set_photon_records", &set_photon_records, "records"_a, "Replaces the photons of the last batch.")
-      .def("photon_runs", &photon_runs, "first"_a, "count"_a, "longest"_a,
-           "Pairs of the photons [first, first + count) and the blocks that may catch them. Returns (P,) uint32 photons\n"
-           "counted from `first`, block after block, and (R, 3) uint32 runs: block, first pair, pairs (at most `longest`).")
-      .def("point_atlas", &point_atlas, "first"_a, "count"_a, "columns"_a,
-           "Blocks [first, first + count) as 8x8 tiles, (H, W, 4): position and 1/h^2 float32; bits of the normal and key uint32.")
-      .def("set_sums", &set_sums, "first"_a, "count"_a, "columns"_a, "sums"_a,
-           "(H, W, 5) float32 sums of power times kernel, photons caught, and the narrow sum, of the same tiles: replaces those of the blocks.");
+      .def_prop_ro(
+          "block_count", [](const Renderer& r) { return r.points().blocks().size(); },
+          "Blocks of points of the pass.")
+      .def_prop_ro(
+          "photon_count", [](const Renderer& r) { return r.photons().size(); },
+          "Photons of the last batch.")
+      .def(
+          "photon_records", &photon_records, "first"_a, "count"_a, "rows"_a,
+          "(rows, 8) float32, zero from row `count` on: position, key (bits), normal and direction (bits), power.")
+      .def("set_photon_records", &set_photon_records, "records"_a,
+           "Replaces the photons of the last batch.")
+      .def(
+          "photon_runs", &photon_runs, "first"_a, "count"_a, "longest"_a,
+          "Pairs of the photons [first, first + count) and the blocks that may catch them. Returns (P,) uint32 photons\n"
+          "counted from `first`, block after block, and (R, 3) uint32 runs: block, first pair, pairs (at most `longest`).")
+      .def(
+          "point_atlas", &point_atlas, "first"_a, "count"_a, "columns"_a,
+          "Blocks [first, first + count) as 8x8 tiles, (H, W, 4): position and 1/h^2 float32; bits of the normal and key uint32.")
+      .def(
+          "set_sums", &set_sums, "first"_a, "count"_a, "columns"_a, "sums"_a,
+          "(H, W, 5) float32 sums of power times kernel, photons caught, and the narrow sum, of the same tiles: replaces those of the blocks.");
 }
 
 }  // namespace photon_splat

@@ -24,7 +24,8 @@ nb::ndarray<nb::numpy, float> picture(Renderer& r) {
       });
     });
   }
-  return to_numpy(std::move(values), {static_cast<size_t>(film.height), static_cast<size_t>(film.width), 4});
+  return to_numpy(std::move(values),
+                  {static_cast<size_t>(film.height), static_cast<size_t>(film.width), 4});
 }
 
 // Sums over the layers; `paths` are those of each.
@@ -62,18 +63,28 @@ void clear_shading(Renderer& r) {
 void bind_viewport(nb::class_<Renderer>& renderer) {
   const auto released = nb::call_guard<nb::gil_scoped_release>();
   renderer
-      .def("set_view", &Renderer::set_view, released, "Takes the camera of set_camera() after build(): the film is empty then.")
-      .def("clear_shading", &clear_shading, "Forgets lamps, materials and textures, which are then added anew before relight().")
-      .def("relight", &Renderer::relight, released, "Takes other lamps, materials, textures or world on the same geometry.")
-      .def("fix_radius", [](Renderer& r, float radius) { r.options.fixed_radius = radius; }, "metres"_a,
-           "All discs of that radius, whatever the scene; 0: chosen. For comparisons.")
-      .def("keep_photons", [](Renderer& r, size_t most_bytes) { r.options.kept_photon_bytes = most_bytes; }, "most_bytes"_a,
-           "After set_options() and before build(): every render has the same photons, of which so many are kept for the next.")
-      .def("begin_again", &Renderer::begin_again, released, "After set_camera(): another render with what build() and kept photons give.")
+      .def("set_view", &Renderer::set_view, released,
+           "Takes the camera of set_camera() after build(): the film is empty then.")
+      .def("clear_shading", &clear_shading,
+           "Forgets lamps, materials and textures, which are then added anew before relight().")
+      .def("relight", &Renderer::relight, released,
+           "Takes other lamps, materials, textures or world on the same geometry.")
+      .def(
+          "fix_radius", [](Renderer& r, float radius) { r.options.fixed_radius = radius; },
+          "metres"_a, "All discs of that radius, whatever the scene; 0: chosen. For comparisons.")
+      .def(
+          "keep_photons",
+          [](Renderer& r, size_t most_bytes) { r.options.kept_photon_bytes = most_bytes; },
+          "most_bytes"_a,
+          "After set_options() and before build(): every render has the same photons, of which so many are kept for the next.")
+      .def("begin_again", &Renderer::begin_again, released,
+           "After set_camera(): another render with what build() and kept photons give.")
       .def("trace_store", &Renderer::trace_store, "paths"_a, "most_bytes"_a, released)
       .def("draw_store", &Renderer::draw_store, released)
       .def("resume", &Renderer::resume, "Takes cancel() back; only while no stage runs.")
-      .def("picture", &picture, "(height, width, 4) float32 premultiplied scene-linear mean of the film, row 0 at the bottom.")
+      .def(
+          "picture", &picture,
+          "(height, width, 4) float32 premultiplied scene-linear mean of the film, row 0 at the bottom.")
       .def("store_statistics", &store_statistics);
 }
 

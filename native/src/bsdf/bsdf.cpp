@@ -11,7 +11,8 @@ constexpr float kOrenNayarRest = 0.3f;  // about the share of it that no Lambert
 constexpr float kStraight = 1 - 1e-6f;  // cosine from which on a normal is taken for not bent
 constexpr float kLeastCover = 0.05f;    // of a bent glossy lobe's samples
 
-// Closures with clean inputs. expand() adds their lobes as seen from `view`; as many whatever the view.
+// Closures with clean inputs. expand() adds their lobes as seen from `view`; as many whatever the
+// view.
 
 struct Diffuse {
   Rgb weight, color;
@@ -19,7 +20,10 @@ struct Diffuse {
   float roughness;
   void expand(const View& view, LobeList& out) const {
     const Vec3 n = view.turned(normal);
-    out.add([&] { return roughness > 1e-5f ? oren_nayar_lobe(view, weight, n, roughness, color) : lambert_lobe(weight, n); });
+    out.add([&] {
+      return roughness > 1e-5f ? oren_nayar_lobe(view, weight, n, roughness, color)
+                               : lambert_lobe(weight, n);
+    });
   }
 };
 
@@ -35,13 +39,14 @@ struct Facet {
   Rgb weight;
   Vec3 normal;
   FacetShape shape;
-  FresnelTerms fresnel;  // ior as seen from the front
+  FresnelTerms fresnel;    // ior as seen from the front
   bool transmits, mirror;  // refraction alone: no mirror
   void expand(const View& view, LobeList& out) const {
     FresnelTerms f = fresnel;
     if (transmits && bends_nothing(f.ior)) return out.go_straight(weight * f.transmit_tint);
     if (transmits) {
-      if (view.back) f.film_ior /= f.ior, f.ior = 1 / f.ior;  // the film too is seen from within the glass
+      // The film too is seen from within the glass
+      if (view.back) f.film_ior /= f.ior, f.ior = 1 / f.ior;
       const float f0 = f0_from_ior(f.ior);
       f.f0 = {f0, f0, f0};
       if (!mirror) f.f0 = f.f90 = {};
@@ -66,7 +71,10 @@ struct Sheen {
   bool ashikhmin;
   void expand(const View& view, LobeList& out) const {
     const Vec3 n = view.turned(normal);
-    out.add([&] { return ashikhmin ? velvet_lobe(view, weight, n, roughness) : sheen_lobe(view, weight, n, roughness); });
+    out.add([&] {
+      return ashikhmin ? velvet_lobe(view, weight, n, roughness)
+                       : sheen_lobe(view, weight, n, roughness);
+    });
   }
 };
 
@@ -98,10 +106,13 @@ struct Holdout {
 struct Principled {
   Rgb weight;
   PrincipledInputs inputs;
-  void expand(const View& view, LobeList& out) const { expand_principled(weight, inputs, view, out); }
+  void expand(const View& view, LobeList& out) const {
+    expand_principled(weight, inputs, view, out);
+  }
 };
 
-FacetShape clean_shape(Distribution d, float roughness, float anisotropy, float rotation, const Vec3& tangent) {
+FacetShape clean_shape(Distribution d, float roughness, float anisotropy, float rotation,
+                       const Vec3& tangent) {
   FacetShape shape;
   shape.beckmann = d == Distribution::kBeckmann;
   shape.preserve_energy = d == Distribution::kMultiGgx;
@@ -181,7 +192,9 @@ void Bsdf::add_diffuse(const Rgb& weight, const Vec3& normal, float roughness, c
   const Rgb w = clean_color(weight);
   add(Diffuse{w, color ? clean_color(*color) : w, normal, clean(roughness, 0, 1, 0)});
 }
-void Bsdf::add_translucent(const Rgb& weight, const Vec3& normal) { add(Translucent{clean_color(weight), normal}); }
+void Bsdf::add_translucent(const Rgb& weight, const Vec3& normal) {
+  add(Translucent{clean_color(weight), normal});
+}
 void Bsdf::add_transparent(const Rgb& weight) { add(Transparent{clean_color(weight)}); }
 void Bsdf::add_emission(const Rgb& weight) { add(Emission{clean_color(weight)}); }
 void Bsdf::add_holdout(float weight) { add(Holdout{clean(weight, 0, 1, 0)}); }
@@ -198,10 +211,11 @@ void Bsdf::add_toon(const Rgb& weight, const Vec3& normal, bool glossy, float si
   add(Toon{clean_color(weight), normal, clean(size, 0, 1, 0.5f), clean(smooth, 0, 1, 0), glossy});
 }
 
-void Bsdf::add_glossy(const Rgb& weight, const Vec3& normal, Distribution d, float roughness, float anisotropy, float rotation,
-                      const Vec3& tangent, const Rgb* color) {
+void Bsdf::add_glossy(const Rgb& weight, const Vec3& normal, Distribution d, float roughness,
+                      float anisotropy, float rotation, const Vec3& tangent, const Rgb* color) {
   if (d == Distribution::kAshikhminShirley) {
-    add(AshikhminShirley{clean_color(weight), normal, clean_shape(d, roughness, anisotropy, rotation, tangent)});
+    add(AshikhminShirley{clean_color(weight), normal,
+                         clean_shape(d, roughness, anisotropy, rotation, tangent)});
     return;
   }
   FresnelTerms f;
@@ -209,8 +223,8 @@ void Bsdf::add_glossy(const Rgb& weight, const Vec3& normal, Distribution d, flo
   add(Facet{mix, normal, clean_shape(d, roughness, anisotropy, rotation, tangent), f, false, true});
 }
 
-void Bsdf::add_glass(const Rgb& weight, const Vec3& normal, Distribution d, float roughness, float ior, float film_thickness, float film_ior,
-                     const Rgb* color) {
+void Bsdf::add_glass(const Rgb& weight, const Vec3& normal, Distribution d, float roughness,
+                     float ior, float film_thickness, float film_ior, const Rgb* color) {
   FresnelTerms f;
   const Rgb mix = split_color(weight, color, &f.reflect_tint);
   f.transmit_tint = f.reflect_tint;
@@ -221,18 +235,22 @@ void Bsdf::add_glass(const Rgb& weight, const Vec3& normal, Distribution d, floa
   add(Facet{mix, normal, clean_shape(d, roughness, 0, 0, {}), f, true, true});
 }
 
-void Bsdf::add_refraction(const Rgb& weight, const Vec3& normal, Distribution d, float roughness, float ior) {
+void Bsdf::add_refraction(const Rgb& weight, const Vec3& normal, Distribution d, float roughness,
+                          float ior) {
   FresnelTerms f;
   f.kind = FresnelKind::kDielectric;
   f.ior = clean(ior, 1e-5f, 1e5f, 1.45f);
   f.reflect_tint = {};
   f.transmit_tint = kWhite;
-  add(Facet{clean_color(weight), normal, clean_shape(d == Distribution::kMultiGgx ? Distribution::kGgx : d, roughness, 0, 0, {}), f, true, false});
+  add(Facet{clean_color(weight), normal,
+            clean_shape(d == Distribution::kMultiGgx ? Distribution::kGgx : d, roughness, 0, 0, {}),
+            f, true, false});
 }
 
-void Bsdf::add_metallic(const Rgb& weight, const Vec3& normal, Distribution d, float roughness, float anisotropy, float rotation,
-                        const Vec3& tangent, bool physical, const Rgb& base_or_ior, const Rgb& edge_or_extinction,
-                        float film_thickness, float film_ior) {
+void Bsdf::add_metallic(const Rgb& weight, const Vec3& normal, Distribution d, float roughness,
+                        float anisotropy, float rotation, const Vec3& tangent, bool physical,
+                        const Rgb& base_or_ior, const Rgb& edge_or_extinction, float film_thickness,
+                        float film_ior) {
   FresnelTerms f;
   if (physical) {
     f.kind = FresnelKind::kConductor;
@@ -246,7 +264,8 @@ void Bsdf::add_metallic(const Rgb& weight, const Vec3& normal, Distribution d, f
   f.film_thickness = clean(film_thickness, 0, 1e5f, 0);
   f.film_ior = clean(film_ior, 1e-5f, 1e5f, 1.33f);
   FacetShape shape = clean_shape(d, roughness, 0, rotation, tangent);
-  const float aspect = std::sqrt(1 - 0.9f * clean(anisotropy, -0.99f, 0.99f, 0));  // as Principled's (Burley 2012)
+  // As Principled's (Burley 2012)
+  const float aspect = std::sqrt(1 - 0.9f * clean(anisotropy, -0.99f, 0.99f, 0));
   shape.along = 1 / aspect;
   shape.across = aspect;
   add(Facet{clean_color(weight), normal, shape, f, false, true});
@@ -262,12 +281,18 @@ void Bsdf::finish() {
     if (!is_black(lobe.weight) && !(plain && dot(lobe.n, view_.ns) > 1 - 1e-6f)) rest_ = true;
     largest = std::max(largest, lobe.albedo);
   }
-  // A photon's lobes are weighed anew for the direction it leaves in: none that may count there is left out.
-  const float least = transport_ == Transport::kFlux ? 0.01f * std::max(largest, 1e-6f) : 1e-4f * largest;
+  // A photon's lobes are weighed anew for the direction it leaves in: none that may count there is
+  // left out.
+  const float least =
+      transport_ == Transport::kFlux ? 0.01f * std::max(largest, 1e-6f) : 1e-4f * largest;
   for (Lobe& lobe : lobes_) {
-    // Towards which side of the cone a photon may leave a toon surface does not depend on where it came from.
-    if (transport_ == Transport::kFlux && lobe.kind == LobeKind::kToonDiffuse) lobe.kind = LobeKind::kLambert;
-    lobe.pick = is_black(lobe.weight) && transport_ == Transport::kRadiance ? 0 : std::max(lobe.albedo, least);
+    // Towards which side of the cone a photon may leave a toon surface does not depend on where it
+    // came from.
+    if (transport_ == Transport::kFlux && lobe.kind == LobeKind::kToonDiffuse)
+      lobe.kind = LobeKind::kLambert;
+    lobe.pick = is_black(lobe.weight) && transport_ == Transport::kRadiance
+                    ? 0
+                    : std::max(lobe.albedo, least);
     total += lobe.pick;
   }
   for (Lobe& lobe : lobes_) lobe.pick = total > 0 ? lobe.pick / total : 0;
@@ -287,8 +312,8 @@ void Bsdf::prefer_rest(float kept) {
   cover_gathered();
 }
 
-// What photons estimate is taken off wherever the surface's shading normal sees light, below a bent normal's horizon too: there a
-// lobe of no weight finds the directions.
+// What photons estimate is taken off wherever the surface's shading normal sees light, below a bent
+// normal's horizon too: there a lobe of no weight finds the directions.
 void Bsdf::cover_gathered() {
   float same = 0, through = 0;
   for (Lobe& lobe : lobes_) {
@@ -299,8 +324,9 @@ void Bsdf::cover_gathered() {
   add_cover(view_.ns, same, through);
 }
 
-// A photon may leave in every direction from which a camera path would see the bent surface lit: with the surface proper as its
-// horizon, not the bent normal. A Lambertian sends it there in exact proportion to the surface's own cosine.
+// A photon may leave in every direction from which a camera path would see the bent surface lit:
+// with the surface proper as its horizon, not the bent normal. A Lambertian sends it there in exact
+// proportion to the surface's own cosine.
 void Bsdf::cover_hemispheres() {
   float same = 0, through = 0;
   for (Lobe& lobe : lobes_) {
@@ -312,7 +338,8 @@ void Bsdf::cover_hemispheres() {
       continue;
     }
     const float moved = lobe.pick * std::clamp(1 - cosine, kLeastCover, 0.5f);
-    const bool transmits = lobe.kind == LobeKind::kFacets && max_component(lobe.fresnel.transmit_tint) > 0;
+    const bool transmits =
+        lobe.kind == LobeKind::kFacets && max_component(lobe.fresnel.transmit_tint) > 0;
     lobe.pick -= moved;
     same += transmits ? 0.5f * moved : moved;
     through += transmits ? 0.5f * moved : 0;
@@ -338,7 +365,9 @@ void Bsdf::add_cover(const Vec3& n, float same, float through) {
 bool Bsdf::transmits() const {
   for (const Lobe& lobe : lobes_) {
     if (lobe.pick <= 0) continue;
-    if (lobe.kind == LobeKind::kTranslucent || (lobe.kind == LobeKind::kFacets && max_component(lobe.fresnel.transmit_tint) > 0)) return true;
+    if (lobe.kind == LobeKind::kTranslucent ||
+        (lobe.kind == LobeKind::kFacets && max_component(lobe.fresnel.transmit_tint) > 0))
+      return true;
   }
   return false;
 }
@@ -360,7 +389,9 @@ bool Bsdf::has_rest() const { return rest_; }
 Rgb Bsdf::albedo() const {
   Rgb sum{};
   for (const Lobe& lobe : lobes_)
-    sum += lobe.kind == LobeKind::kFacets ? lobe.scale * lobe.layer : lobe.diffuse() ? lobe.gather : lobe.weight;
+    sum += lobe.kind == LobeKind::kFacets ? lobe.scale * lobe.layer
+           : lobe.diffuse()               ? lobe.gather
+                                          : lobe.weight;
   return sum;
 }
 
@@ -373,11 +404,12 @@ Vec3 Bsdf::mean_normal() const {
 
 Rgb Bsdf::diffuse_albedo() const { return gather_ + gather_through_; }
 
-// The radiance BSDF with the two directions exchanged: photons come from wo and leave along wi. Densities on a surface are
-// per area of the surface proper: Veach 1997, section 5.3.
+// The radiance BSDF with the two directions exchanged: photons come from wo and leave along wi.
+// Densities on a surface are per area of the surface proper: Veach 1997, section 5.3.
 Rgb Bsdf::adjoint(const Vec3& wi, Rgb* rest, Rgb* diffuse) const {
   const View view = view_.towards(wi);
-  const float scale = std::abs(dot(wi, view_.ng)) / std::max(std::abs(dot(view_.wo, view_.ng)), 1e-6f);
+  const float scale =
+      std::abs(dot(wi, view_.ng)) / std::max(std::abs(dot(view_.wo, view_.ng)), 1e-6f);
   LobeList lobes;
   expand(view, lobes);
   Rgb sum{}, soft{};
@@ -403,7 +435,8 @@ Rgb Bsdf::evaluate(const Vec3& wi, float* pdf, Rgb* rest, Rgb* diffuse, float* s
     if (lobe.pick <= 0) continue;
     const FacetValue value = lobe.evaluate(view_, wi);
     density += lobe.pick * value.pdf;
-    if (sharp && !lobe.diffuse()) sharp_density += lobe.pick * value.pdf * sharpness(lobe.roughness());
+    if (sharp && !lobe.diffuse())
+      sharp_density += lobe.pick * value.pdf * sharpness(lobe.roughness());
     if (!radiance) continue;
     sum += value.f;
     if (lobe.diffuse()) soft += value.f;
@@ -435,7 +468,8 @@ std::optional<BsdfSample> Bsdf::finish_delta(int index, BsdfSample out) const {
     LobeList lobes;
     expand(view, lobes);
     const float cos_out = std::abs(dot(lobe.n, out.direction));
-    float scale = std::abs(dot(out.direction, view_.ng)) / std::max(std::abs(dot(view_.wo, view_.ng)), 1e-6f);
+    float scale =
+        std::abs(dot(out.direction, view_.ng)) / std::max(std::abs(dot(view_.wo, view_.ng)), 1e-6f);
     if (out.transmitted) scale *= cosine / std::max(sqr(lobe.fresnel.ior) * cos_out, 1e-6f);
     if (index < lobes.size()) out.weight = share(lobes[index], cos_out) * (scale / chance);
   }
@@ -458,7 +492,9 @@ std::optional<BsdfSample> Bsdf::sample(float choice, const Vec2& u) const {
 std::optional<BsdfSample> Bsdf::sample_sharp(float choice, const Vec2& u) const {
   float total = 0;
   int index = -1;
-  const auto pick = [](const Lobe& lobe) { return !lobe.diffuse() && sharpness(lobe.roughness()) > 0 ? lobe.pick : 0; };
+  const auto pick = [](const Lobe& lobe) {
+    return !lobe.diffuse() && sharpness(lobe.roughness()) > 0 ? lobe.pick : 0;
+  };
   for (const Lobe& lobe : lobes_) total += pick(lobe);
   choice *= total;
   for (int i = 0; i < lobes_.size(); ++i) {
@@ -477,7 +513,8 @@ std::optional<BsdfSample> Bsdf::sample_sharp(float choice, const Vec2& u) const 
 std::optional<BsdfSample> Bsdf::sample_lobe(int index, float choice, const Vec2& u) const {
   const Lobe& lobe = lobes_[index];
   BsdfSample out;
-  if (!lobe.sample(view_, std::clamp(choice, 0.0f, 0.99999994f), u, &out.direction)) return std::nullopt;
+  if (!lobe.sample(view_, std::clamp(choice, 0.0f, 0.99999994f), u, &out.direction))
+    return std::nullopt;
   out.transmitted = dot(out.direction, lobe.n) < 0;
   out.diffuse = lobe.diffuse();
   out.roughness = lobe.roughness();

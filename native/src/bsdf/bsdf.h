@@ -1,4 +1,5 @@
-// What a surface does with light at one hit: a list of closures, as Cycles has them, with evaluation, sampling and pdf.
+// What a surface does with light at one hit: a list of closures, as Cycles has them, with
+// evaluation, sampling and pdf.
 #pragma once
 
 #include <optional>
@@ -7,11 +8,13 @@
 
 namespace photon_splat {
 
-// Which quantity travels along the path. Radiance: from the camera, in the convention of basic radiance (L/n^2), so that
-// refraction does not scale it. Flux: photons; the adjoint of the same scattering (Veach 1997, section 5).
+// Which quantity travels along the path. Radiance: from the camera, in the convention of basic
+// radiance (L/n^2), so that refraction does not scale it. Flux: photons; the adjoint of the same
+// scattering (Veach 1997, section 5).
 enum class Transport : uint8_t { kRadiance, kFlux };
 
-enum class Distribution : uint8_t { kGgx, kMultiGgx, kBeckmann, kAshikhminShirley };  // the last: glossy only
+// The last: glossy only
+enum class Distribution : uint8_t { kGgx, kMultiGgx, kBeckmann, kAshikhminShirley };
 
 struct PrincipledInputs {
   Rgb base_color{0.8f, 0.8f, 0.8f};
@@ -30,7 +33,8 @@ struct PrincipledInputs {
   float emission_strength = 0;
   float thin_film_thickness = 0, thin_film_ior = 1.33f;  // nm
   float alpha = 1;
-  Vec3 normal, coat_normal, tangent;  // world space; normals on the side of the geometric front, tangent may be 0 (none)
+  // World space; normals on the side of the geometric front, tangent may be 0 (none)
+  Vec3 normal, coat_normal, tangent;
   Distribution distribution = Distribution::kMultiGgx;
 };
 
@@ -41,41 +45,47 @@ inline float sharpness(float roughness) {
 }
 
 struct BsdfSample {
-  Vec3 direction;     // unit, away from the surface
-  Rgb weight;         // f |cos| / pdf of the whole BSDF (of the chosen lobe where it is a delta)
-  Rgb rest;           // the same without what photons estimate at this vertex (see Bsdf::gather)
-  float pdf = 0;      // solid angle, of the mixture over lobes; 0: delta
+  Vec3 direction;       // unit, away from the surface
+  Rgb weight;           // f |cos| / pdf of the whole BSDF (of the chosen lobe where it is a delta)
+  Rgb rest;             // the same without what photons estimate at this vertex (see Bsdf::gather)
+  float pdf = 0;        // solid angle, of the mixture over lobes; 0: delta
   float roughness = 0;  // of the chosen lobe: 0 delta .. 1; diffuse lobes: 1
   bool transmitted = false;
   bool diffuse = false;  // a diffuse-like lobe (diffuse, translucent, sheen) was chosen
 };
 
 // The closures at a hit. Filled by add_*() in any order, then finish(), then used.
-// Normals come in on the front side of the surface (as the mesh has them); the constructor's `ng` and `ns` are on the side of
-// `wo`. `back` tells that wo is behind the surface: refraction then leaves the medium (ior inverted), closures' normals are
-// turned to wo's side.
+// Normals come in on the front side of the surface (as the mesh has them); the constructor's `ng`
+// and `ns` are on the side of `wo`. `back` tells that wo is behind the surface: refraction then
+// leaves the medium (ior inverted), closures' normals are turned to wo's side.
 class Bsdf {
  public:
   static constexpr int kMaxClosures = 24;
 
-  // `wo`: towards where the path came from (the camera, or the light for photons). `ng`, `ns` unit, on the side of wo.
+  // `wo`: towards where the path came from (the camera, or the light for photons). `ng`, `ns` unit,
+  // on the side of wo.
   Bsdf(Transport transport, const Vec3& wo, const Vec3& ng, const Vec3& ns, bool back);
 
-  // weight: the closure's colour times the mix factors above it (what Cycles calls the closure's weight).
-  // Negative or non-finite weights and parameters are made harmless here: never a NaN out.
-  // `color` (optional, here and below): the closure's colour without the mix factors, which tints light scattered more than
-  // once; without it `weight` is taken.
-  void add_diffuse(const Rgb& weight, const Vec3& normal, float roughness, const Rgb* color = nullptr);
+  // weight: the closure's colour times the mix factors above it (what Cycles calls the closure's
+  // weight). Negative or non-finite weights and parameters are made harmless here: never a NaN out.
+  // `color` (optional, here and below): the closure's colour without the mix factors, which tints
+  // light scattered more than once; without it `weight` is taken.
+  void add_diffuse(const Rgb& weight, const Vec3& normal, float roughness,
+                   const Rgb* color = nullptr);
   void add_translucent(const Rgb& weight, const Vec3& normal);
-  void add_glossy(const Rgb& weight, const Vec3& normal, Distribution d, float roughness, float anisotropy, float rotation,
-                  const Vec3& tangent, const Rgb* color = nullptr);
+  void add_glossy(const Rgb& weight, const Vec3& normal, Distribution d, float roughness,
+                  float anisotropy, float rotation, const Vec3& tangent,
+                  const Rgb* color = nullptr);
   void add_glass(const Rgb& weight, const Vec3& normal, Distribution d, float roughness, float ior,
                  float film_thickness, float film_ior, const Rgb* color = nullptr);
-  void add_refraction(const Rgb& weight, const Vec3& normal, Distribution d, float roughness, float ior);
-  // Metallic BSDF: F82 (base, edge tint) or, with `physical`, complex index (ior, extinction per channel).
-  void add_metallic(const Rgb& weight, const Vec3& normal, Distribution d, float roughness, float anisotropy, float rotation,
-                    const Vec3& tangent, bool physical, const Rgb& base_or_ior, const Rgb& edge_or_extinction,
-                    float film_thickness, float film_ior);
+  void add_refraction(const Rgb& weight, const Vec3& normal, Distribution d, float roughness,
+                      float ior);
+  // Metallic BSDF: F82 (base, edge tint) or, with `physical`, complex index (ior, extinction per
+  // channel).
+  void add_metallic(const Rgb& weight, const Vec3& normal, Distribution d, float roughness,
+                    float anisotropy, float rotation, const Vec3& tangent, bool physical,
+                    const Rgb& base_or_ior, const Rgb& edge_or_extinction, float film_thickness,
+                    float film_ior);
   void add_sheen(const Rgb& weight, const Vec3& normal, float roughness, bool ashikhmin);
   void add_toon(const Rgb& weight, const Vec3& normal, bool glossy, float size, float smooth);
   void add_transparent(const Rgb& weight);
@@ -86,35 +96,46 @@ class Bsdf {
   // Lobe weights and the split of section 2 of the design. After it nothing may be added.
   void finish();
 
-  const Rgb& emission() const { return lobes_.emission; }          // radiance towards wo, W/m^2/sr
-  const Rgb& straight() const { return lobes_.straight; }  // of it, through glass that bends nothing: a camera ray is one of transmission then
-  const Rgb& transparency() const { return lobes_.transparency; }  // share of light that goes straight on: a null vertex, no lobe
+  const Rgb& emission() const { return lobes_.emission; }  // radiance towards wo, W/m^2/sr
+  // Of it, through glass that bends nothing: a camera ray is one of transmission then
+  const Rgb& straight() const { return lobes_.straight; }
+  // Share of light that goes straight on: a null vertex, no lobe
+  const Rgb& transparency() const { return lobes_.transparency; }
   float holdout() const { return lobes_.holdout; }
-  bool scatters() const;      // has any closure that scatters
-  bool transmits() const;     // some lobe sends light to the other side
-  bool only_delta() const;    // scatters, and evaluate() is 0 everywhere
+  bool scatters() const;    // has any closure that scatters
+  bool transmits() const;   // some lobe sends light to the other side
+  bool only_delta() const;  // scatters, and evaluate() is 0 everywhere
 
-  // What photons estimate here: Lambertian albedos. L_D = gather/pi E(wo's side) + gather_through/pi E(the other side).
+  // What photons estimate here: Lambertian albedos. L_D = gather/pi E(wo's side) +
+  // gather_through/pi E(the other side).
   const Rgb& gather() const { return gather_; }
   const Rgb& gather_through() const { return gather_through_; }
-  // Lets sample() choose lobes for the sake of `rest`: those that photons estimate keep `kept` of their chance, or what they
-  // differ from a Lambertian of the surface's shading normal. After finish(); evaluate()'s pdf follows. Before it `rest` must not be
-  // used: only then sample() finds every direction that has some.
+  // Lets sample() choose lobes for the sake of `rest`: those that photons estimate keep `kept` of
+  // their chance, or what they differ from a Lambertian of the surface's shading normal. After
+  // finish(); evaluate()'s pdf follows. Before it `rest` must not be used: only then sample() finds
+  // every direction that has some.
   void prefer_rest(float kept);
-  bool has_rest() const;      // scatters beyond what is gathered: camera paths go on
-  Rgb albedo() const;         // directional albedo towards wo, about; for the denoiser and Russian roulette
-  Vec3 mean_normal() const;   // unit, of the lobes by what they scatter, on wo's side; ns where nothing scatters. Blender's Normal pass
-  Rgb diffuse_albedo() const; // of diffuse-like lobes: Blender's Diffuse Color pass
+  bool has_rest() const;  // scatters beyond what is gathered: camera paths go on
+  // Directional albedo towards wo, about; for the denoiser and Russian roulette
+  Rgb albedo() const;
+  // Unit, of the lobes by what they scatter, on wo's side; ns where nothing scatters. Blender's
+  // Normal pass
+  Vec3 mean_normal() const;
+  Rgb diffuse_albedo() const;  // of diffuse-like lobes: Blender's Diffuse Color pass
 
-  // f |cos(wi)| of everything but deltas; `pdf` of sample() for wi; `rest` (optional) without what is gathered;
-  // `diffuse` (optional): the part of diffuse-like lobes (passes). `sharp` (optional): the mean sharpness of the lobes that
-  // sample() would find wi by, 0 for diffuse-like ones. wi on the wrong side of ng for its lobe: 0.
-  // Flux: cosines and adjoint factors for shading normals included, so that power * evaluate / pdf is the new power.
-  Rgb evaluate(const Vec3& wi, float* pdf, Rgb* rest = nullptr, Rgb* diffuse = nullptr, float* sharp = nullptr) const;
+  // f |cos(wi)| of everything but deltas; `pdf` of sample() for wi; `rest` (optional) without what
+  // is gathered; `diffuse` (optional): the part of diffuse-like lobes (passes). `sharp` (optional):
+  // the mean sharpness of the lobes that sample() would find wi by, 0 for diffuse-like ones. wi on
+  // the wrong side of ng for its lobe: 0. Flux: cosines and adjoint factors for shading normals
+  // included, so that power * evaluate / pdf is the new power.
+  Rgb evaluate(const Vec3& wi, float* pdf, Rgb* rest = nullptr, Rgb* diffuse = nullptr,
+               float* sharp = nullptr) const;
 
-  // Draws a direction in proportion to the lobes. Transparency and emission are not lobes. nullopt: absorbed.
+  // Draws a direction in proportion to the lobes. Transparency and emission are not lobes. nullopt:
+  // absorbed.
   std::optional<BsdfSample> sample(float choice, const Vec2& u) const;
-  // For who has no use for samples of lobes that are not sharp: draws others only, whose weights are as much smaller as they are more.
+  // For who has no use for samples of lobes that are not sharp: draws others only, whose weights
+  // are as much smaller as they are more.
   std::optional<BsdfSample> sample_sharp(float choice, const Vec2& u) const;
 
  private:

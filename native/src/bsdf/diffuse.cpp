@@ -30,24 +30,29 @@ Lobe translucent_lobe(const View& view, const Rgb& weight, const Vec3& n) {
 
 namespace {
 
-// Integral over the hemisphere of the improved Oren-Nayar model's second term (Fujii, "A tiny improvement of Oren-Nayar
-// reflectance model"): with A and B of the model, its directional albedo is pi A + B G(mu).
+// Integral over the hemisphere of the improved Oren-Nayar model's second term (Fujii, "A tiny
+// improvement of Oren-Nayar reflectance model"): with A and B of the model, its directional albedo
+// is pi A + B G(mu).
 float oren_nayar_g(float mu) {
   const float s = std::sqrt(std::max(0.0f, 1 - sqr(mu)));
   if (mu < 1e-4f) return kPi / 2 - 2.0f / 3 - mu;
-  return s * (std::acos(std::min(mu, 1.0f)) - 2.0f / 3 - s * mu) + 2.0f / 3 * s / mu * (1 - s * s * s);
+  return s * (std::acos(std::min(mu, 1.0f)) - 2.0f / 3 - s * mu) +
+         2.0f / 3 * s / mu * (1 - s * s * s);
 }
 
 }  // namespace
 
 // Energy-preserving Oren-Nayar (Fujii's model; compensation as in Portsmouth et al. 2025, "EON").
-Lobe oren_nayar_lobe(const View& view, const Rgb& weight, const Vec3& n, float roughness, const Rgb& color) {
+Lobe oren_nayar_lobe(const View& view, const Rgb& weight, const Vec3& n, float roughness,
+                     const Rgb& color) {
   Lobe lobe = make(LobeKind::kOrenNayar, weight, n);
   const float a = 1 / (kPi + roughness * (kPi / 2 - 2.0f / 3)), b = roughness * a;
   const float e_mean = kPi * a + b * (2 * kPi - 5.6f) / 3;
   const float e_view = kPi * a + b * oren_nayar_g(std::max(0.0f, dot(n, view.wo)));
   const float lost = std::max(0.0f, 1 - e_mean);
-  const auto multiple = [&](float c) { return c * c * e_mean / std::max(lost, 1e-6f) / (kPi * (1 - c * lost)); };
+  const auto multiple = [&](float c) {
+    return c * c * e_mean / std::max(lost, 1e-6f) / (kPi * (1 - c * lost));
+  };
   lobe.p[0] = a, lobe.p[1] = b, lobe.p[2] = std::max(0.0f, 1 - e_view);
   const Rgb c = saturate(color);
   lobe.multiple = {multiple(c.x), multiple(c.y), multiple(c.z)};
@@ -57,8 +62,9 @@ Lobe oren_nayar_lobe(const View& view, const Rgb& weight, const Vec3& n, float r
 
 namespace {
 
-// A layer of fibres as a linearly transformed cosine (Zeltner et al. 2022, "Practical multiple-scattering sheen using linearly
-// transformed cosines"): the inverse transform's a and b and the albedo. Measured on renders by Cycles.
+// A layer of fibres as a linearly transformed cosine (Zeltner et al. 2022, "Practical
+// multiple-scattering sheen using linearly transformed cosines"): the inverse transform's a and b
+// and the albedo. Measured on renders by Cycles.
 constexpr int kSheenSteps = 32;
 constexpr int16_t kSheen[kSheenSteps][kSheenSteps][3] = {
 #include "sheen_table.inc"
@@ -68,8 +74,10 @@ constexpr int16_t kSheen[kSheenSteps][kSheenSteps][3] = {
 
 Lobe sheen_lobe(const View& view, const Rgb& weight, const Vec3& n, float roughness) {
   Lobe lobe = make(LobeKind::kSheen, weight, n);
-  const float x = saturate(dot(n, view.wo)) * (kSheenSteps - 1), y = saturate(roughness) * (kSheenSteps - 1);
-  const int i = std::min(static_cast<int>(x), kSheenSteps - 2), j = std::min(static_cast<int>(y), kSheenSteps - 2);
+  const float x = saturate(dot(n, view.wo)) * (kSheenSteps - 1),
+              y = saturate(roughness) * (kSheenSteps - 1);
+  const int i = std::min(static_cast<int>(x), kSheenSteps - 2),
+            j = std::min(static_cast<int>(y), kSheenSteps - 2);
   const float s = x - static_cast<float>(i), t = y - static_cast<float>(j);
   float value[3];
   for (int k = 0; k < 3; ++k)
@@ -96,14 +104,15 @@ Lobe toon_lobe(const Rgb& weight, const Vec3& n, bool glossy, float size, float 
   const float reach = std::min((size + smooth) * kPi / 2, kPi / 2);
   lobe.p[0] = std::max(size * kPi / 2, 5e-3f);  // nothing smaller: a cone must hold something
   lobe.p[1] = smooth * kPi / 2;
-  lobe.p[2] = std::max(2 * sqr(std::sin(0.5f * std::max(reach, 1e-3f))), 1e-6f);  // 1 - cos of the cone
+  // 1 - cos of the cone
+  lobe.p[2] = std::max(2 * sqr(std::sin(0.5f * std::max(reach, 1e-3f))), 1e-6f);
   return lobe;
 }
 
 namespace {
 
-// Softens the terminator that a bumped normal draws (Estevez et al. 2019, "A microfacet-based shadowing function to solve
-// the bump terminator problem"): the bump as a GGX surface of its own.
+// Softens the terminator that a bumped normal draws (Estevez et al. 2019, "A microfacet-based
+// shadowing function to solve the bump terminator problem"): the bump as a GGX surface of its own.
 float bump_shadow(const View& view, const Vec3& n, const Vec3& wi) {
   const float d = dot(view.ns, n), i = dot(view.ns, wi);
   if (d > 1 - 1e-6f) return 1;
@@ -162,7 +171,8 @@ FacetValue Lobe::evaluate(const View& view, const Vec3& wi) const {
     }
     case LobeKind::kToonDiffuse:
     case LobeKind::kToonGlossy: {
-      if (!(side > 0 && cosine > 0) || !(dot(n, view.wo) > 0 || kind == LobeKind::kToonDiffuse)) return {};
+      if (!(side > 0 && cosine > 0) || !(dot(n, view.wo) > 0 || kind == LobeKind::kToonDiffuse))
+        return {};
       const float c = dot(toon_axis(*this, view.wo), wi), pdf = 1 / (2 * kPi * p[2]);
       if (c < 1 - p[2]) return {};
       const float shadow = kind == LobeKind::kToonDiffuse ? bump_shadow(view, n, wi) : 1;
@@ -187,12 +197,8 @@ bool Lobe::sample(const View& view, float choice, const Vec2& u, Vec3* wi) const
   Vec3 w;
   switch (kind) {
     case LobeKind::kLambert:
-    case LobeKind::kOrenNayar:
-      w = sample_cosine_hemisphere(u);
-      break;
-    case LobeKind::kTranslucent:
-      w = -sample_cosine_hemisphere(u);
-      break;
+    case LobeKind::kOrenNayar: w = sample_cosine_hemisphere(u); break;
+    case LobeKind::kTranslucent: w = -sample_cosine_hemisphere(u); break;
     case LobeKind::kSheen: {
       const Vec3 c = sample_cosine_hemisphere(u);
       w = normalize({c.x - c.z * p[1], c.y, c.z * p[0]});
@@ -203,9 +209,7 @@ bool Lobe::sample(const View& view, float choice, const Vec2& u, Vec3* wi) const
       w = {r * std::cos(2 * kPi * u.y), r * std::sin(2 * kPi * u.y), u.x};
       break;
     }
-    case LobeKind::kToonDiffuse:
-      w = sample_cone(u, p[2]);
-      break;
+    case LobeKind::kToonDiffuse: w = sample_cone(u, p[2]); break;
     case LobeKind::kToonGlossy:
       *wi = Basis(toon_axis(*this, view.wo)).to_world(sample_cone(u, p[2]));
       return dot(*wi, n) > 0;

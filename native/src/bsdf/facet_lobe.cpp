@@ -6,7 +6,8 @@ namespace photon_splat {
 Vec3 View::turned(const Vec3& normal) const {
   const float l2 = length2(normal);
   if (!(l2 > 1e-12f && l2 < 1e12f)) return ns;
-  return std::abs(l2 - 1) < 1e-6f ? (back ? -normal : normal) : normal * ((back ? -1 : 1) / std::sqrt(l2));
+  return std::abs(l2 - 1) < 1e-6f ? (back ? -normal : normal)
+                                  : normal * ((back ? -1 : 1) / std::sqrt(l2));
 }
 
 float Lobe::roughness() const {
@@ -18,8 +19,8 @@ float Lobe::roughness() const {
   }
 }
 
-// In the plane of ng and n, with wo = (x, z) there and n at the angle a from ng, the mirror direction's height over the
-// surface is x sin 2a + z cos 2a.
+// In the plane of ng and n, with wo = (x, z) there and n at the angle a from ng, the mirror
+// direction's height over the surface is x sin 2a + z cos 2a.
 Vec3 valid_reflection(const View& view, const Vec3& n) {
   const float z = dot(view.wo, view.ng), ngn = dot(view.ng, n);
   const float least = std::min(0.9f * z, 0.01f);
@@ -36,8 +37,9 @@ Vec3 valid_reflection(const View& view, const Vec3& n) {
 
 namespace {
 
-// What a facet lobe of weight 1 reflects and refracts, about, where `kept` of it is not lost between facets: attenuates what is under
-// it. Without energy compensation it is taken for as much as if none were lost, as Cycles does (measured).
+// What a facet lobe of weight 1 reflects and refracts, about, where `kept` of it is not lost
+// between facets: attenuates what is under it. Without energy compensation it is taken for as much
+// as if none were lost, as Cycles does (measured).
 Rgb layer_albedo(const FresnelTerms& f, float roughness, float mu, const Rgb& kept) {
   if (f.kind == FresnelKind::kDielectric && f.ior != 1 && f.film_thickness <= 0.1f) {
     const Rgb r = lerp(f.f0, f.f90, dielectric_rise(roughness, mu, f.ior));
@@ -54,7 +56,8 @@ Vec3 rotate(const Vec3& v, const Vec3& axis, float angle) {  // Rodrigues
 
 }  // namespace
 
-Lobe facet_lobe(const View& view, const Rgb& weight, const Vec3& normal, const FacetShape& shape, const FresnelTerms& fresnel) {
+Lobe facet_lobe(const View& view, const Rgb& weight, const Vec3& normal, const FacetShape& shape,
+                const FresnelTerms& fresnel) {
   Lobe lobe;
   lobe.kind = LobeKind::kFacets;
   lobe.weight = lobe.scale = weight;
@@ -84,7 +87,9 @@ Lobe facet_lobe(const View& view, const Rgb& weight, const Vec3& normal, const F
     // Turquin 2019, "Practical multiple scattering compensation for microfacet models".
     const Albedo e = through ? glass_albedo(rough, mu, lobe.fresnel.ior) : ggx_albedo(rough, mu);
     const float missing = (1 - e.directional) / std::max(e.directional, 1e-3f);
-    const auto scale = [&](float f) { return 1 + missing * f * e.mean / std::max(1 - f * (1 - e.mean), 1e-6f); };
+    const auto scale = [&](float f) {
+      return 1 + missing * f * e.mean / std::max(1 - f * (1 - e.mean), 1e-6f);
+    };
     const Rgb f = saturate(through ? fresnel.transmit_tint : mean_reflectance(fresnel));
     const Rgb scales{scale(f.x), scale(f.y), scale(f.z)};
     lobe.weight *= scales;

@@ -1,4 +1,5 @@
-// One scattering lobe of a surface as seen from one direction, and the list of them that a Bsdf's closures expand to.
+// One scattering lobe of a surface as seen from one direction, and the list of them that a Bsdf's
+// closures expand to.
 #pragma once
 
 #include <cstddef>
@@ -8,9 +9,20 @@
 
 namespace photon_splat {
 
-enum class LobeKind : uint8_t { kLambert, kOrenNayar, kTranslucent, kFacets, kAshikhminShirley, kSheen, kVelvet, kToonDiffuse, kToonGlossy };
+enum class LobeKind : uint8_t {
+  kLambert,
+  kOrenNayar,
+  kTranslucent,
+  kFacets,
+  kAshikhminShirley,
+  kSheen,
+  kVelvet,
+  kToonDiffuse,
+  kToonGlossy
+};
 
-// Where a surface is looked at. `ng`, `ns` on the side of wo; back: that side is the geometric back.
+// Where a surface is looked at. `ng`, `ns` on the side of wo; back: that side is the geometric
+// back.
 struct View {
   Vec3 wo, ng, ns;
   bool back;
@@ -19,26 +31,33 @@ struct View {
   View towards(const Vec3& w) const {
     return dot(w, ng) < 0 ? View{w, -ng, -ns, !back} : View{w, ng, ns, back};
   }
-  Vec3 turned(const Vec3& normal) const;  // a closure's normal, given on the front side; `ns` if it is of no use
+  // a closure's normal, given on the front side; `ns` if it is of no use
+  Vec3 turned(const Vec3& normal) const;
 };
 
 struct Lobe {
   LobeKind kind;
-  Rgb weight;          // factor of everything below
-  float albedo;        // share of light it is thought to scatter, for the choice among lobes
-  float pick = 0;      // probability of that choice
-  Vec3 n, t, b;        // frame; n on the side of wo (translucent: too)
-  Facets facets;       // kFacets
+  Rgb weight;      // factor of everything below
+  float albedo;    // share of light it is thought to scatter, for the choice among lobes
+  float pick = 0;  // probability of that choice
+  Vec3 n, t, b;    // frame; n on the side of wo (translucent: too)
+  Facets facets;   // kFacets
   FresnelTerms fresnel;
-  Rgb scale, layer;    // kFacets: weight without energy compensation; what a lobe of weight 1 reflects and refracts, about
-  Vec3 from;           // kFacets: wo in the lobe's frame
-  float masked = 0;    // kFacets: lambda of it
-  float p[3] = {};     // kOrenNayar: a, b, 1 - E(wo); kSheen: LTC a and b; kVelvet: 1/sigma^2; toon: size, smooth, pdf;
-                       // kAshikhminShirley: exponents along t and b, roughness
-  Rgb multiple;        // kOrenNayar: factor of the energy-preserving term
-  Rgb gather;          // diffuse-like lobes: Lambertian albedo that photons estimate
+  // kFacets: weight without energy compensation; what a lobe of weight 1 reflects and refracts,
+  // about
+  Rgb scale, layer;
+  Vec3 from;         // kFacets: wo in the lobe's frame
+  float masked = 0;  // kFacets: lambda of it
+  // kOrenNayar: a, b, 1 - E(wo); kSheen: LTC a and b; kVelvet: 1/sigma^2; toon: size, smooth, pdf;
+  // kAshikhminShirley: exponents along t and b, roughness
+  float p[3] = {};
+  Rgb multiple;  // kOrenNayar: factor of the energy-preserving term
+  Rgb gather;    // diffuse-like lobes: Lambertian albedo that photons estimate
 
-  bool diffuse() const { return kind != LobeKind::kFacets && kind != LobeKind::kToonGlossy && kind != LobeKind::kAshikhminShirley; }
+  bool diffuse() const {
+    return kind != LobeKind::kFacets && kind != LobeKind::kToonGlossy &&
+           kind != LobeKind::kAshikhminShirley;
+  }
   bool delta() const { return kind == LobeKind::kFacets && facets.delta(); }
   float roughness() const;
   Vec3 to_local(const Vec3& v) const { return {dot(v, t), dot(v, b), dot(v, n)}; }
@@ -69,7 +88,8 @@ class LobeList {
     transparency += weight;
     straight += weight;
   }
-  // make() yields a lobe, which is made in its place: a copy of what has just been written in parts is slow.
+  // make() yields a lobe, which is made in its place: a copy of what has just been written in parts
+  // is slow.
   template <class Make>
   const Lobe& add(Make&& make) {
     Lobe* lobe = new (storage_ + sizeof(Lobe) * static_cast<size_t>(size_)) Lobe(make());
@@ -79,31 +99,40 @@ class LobeList {
 
  private:
   int size_ = 0;
-  alignas(Lobe) std::byte storage_[sizeof(Lobe) * (kMax + 1)];  // not a Lobe[]: the constructors would cost more than a hit
+  // Not a Lobe[]: the constructors would cost more than a hit
+  alignas(Lobe) std::byte storage_[sizeof(Lobe) * (kMax + 1)];
 };
 
-// n turned towards ng until the mirror direction of wo stands a little above the surface; n where it already does.
+// n turned towards ng until the mirror direction of wo stands a little above the surface; n where
+// it already does.
 Vec3 valid_reflection(const View& view, const Vec3& n);
 
 // What makes a lobe out of a closure's inputs. All inputs finite and in range.
 Lobe lambert_lobe(const Rgb& weight, const Vec3& n);
-Lobe oren_nayar_lobe(const View& view, const Rgb& weight, const Vec3& n, float roughness, const Rgb& color);
-Lobe translucent_lobe(const View& view, const Rgb& weight, const Vec3& n);  // n as valid_reflection() makes it, as in Cycles
+Lobe oren_nayar_lobe(const View& view, const Rgb& weight, const Vec3& n, float roughness,
+                     const Rgb& color);
+// n as valid_reflection() makes it, as in Cycles
+Lobe translucent_lobe(const View& view, const Rgb& weight, const Vec3& n);
 Lobe sheen_lobe(const View& view, const Rgb& weight, const Vec3& n, float roughness);
 Lobe velvet_lobe(const View& view, const Rgb& weight, const Vec3& n, float sigma);
 Lobe toon_lobe(const Rgb& weight, const Vec3& n, bool glossy, float size, float smooth);
 
 struct FacetShape {
   bool beckmann = false, preserve_energy = false;
-  float roughness = 0;           // alpha = roughness^2, times the two stretches along the tangent and across
+  // Alpha = roughness^2, times the two stretches along the tangent and across
+  float roughness = 0;
   float along = 1, across = 1;
-  float rotation = 0;            // of the tangent about the normal, in turns
+  float rotation = 0;  // of the tangent about the normal, in turns
   Vec3 tangent{};
 };
-Lobe facet_lobe(const View& view, const Rgb& weight, const Vec3& n, const FacetShape& shape, const FresnelTerms& fresnel);
+Lobe facet_lobe(const View& view, const Rgb& weight, const Vec3& n, const FacetShape& shape,
+                const FresnelTerms& fresnel);
 // Under a roughness of 0.01 or so it is the mirror that facet_lobe() makes.
-Lobe ashikhmin_shirley_lobe(const View& view, const Rgb& weight, const Vec3& n, const FacetShape& shape);
-FacetValue evaluate_ashikhmin_shirley(const Lobe& lobe, const Vec3& wo, const Vec3& wi);  // in the lobe's frame, both above
-Vec3 sample_ashikhmin_shirley(const Lobe& lobe, const Vec3& wo, const Vec2& u);           // may lie below
+Lobe ashikhmin_shirley_lobe(const View& view, const Rgb& weight, const Vec3& n,
+                            const FacetShape& shape);
+// In the lobe's frame, both above
+FacetValue evaluate_ashikhmin_shirley(const Lobe& lobe, const Vec3& wo, const Vec3& wi);
+// May lie below
+Vec3 sample_ashikhmin_shirley(const Lobe& lobe, const Vec3& wo, const Vec2& u);
 
 }  // namespace photon_splat

@@ -58,7 +58,8 @@ bool transmits(const FresnelTerms& f) { return !is_black(f.transmit_tint); }
 
 }  // namespace
 
-FacetValue evaluate_facets(const Facets& facets, const FresnelTerms& fresnel, const Vec3& wo, float lambda_o, const Vec3& wi) {
+FacetValue evaluate_facets(const Facets& facets, const FresnelTerms& fresnel, const Vec3& wo,
+                           float lambda_o, const Vec3& wi) {
   const bool through = wi.z < 0, glass = transmits(fresnel);
   if (!(wo.z > 0) || wi.z == 0 || (through && !glass)) return {};
   Vec3 m = through ? -(wo + wi * fresnel.ior) : wo + wi;
@@ -83,7 +84,8 @@ FacetValue evaluate_facets(const Facets& facets, const FresnelTerms& fresnel, co
   return {(through ? value.transmit : value.reflect) * (common / (1 + lambda_o + lambda_i)), pdf};
 }
 
-bool sample_facets(const Facets& facets, const FresnelTerms& fresnel, const Vec3& wo, float choice, const Vec2& u, Vec3* wi) {
+bool sample_facets(const Facets& facets, const FresnelTerms& fresnel, const Vec3& wo, float choice,
+                   const Vec2& u, Vec3* wi) {
   if (!(wo.z > 0)) return false;
   const Vec3 m = facets.delta() ? Vec3{0, 0, 1} : facets.sample_visible(wo, u);
   const float om = dot(wo, m);

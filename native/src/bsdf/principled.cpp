@@ -7,7 +7,8 @@ void make_clean(PrincipledInputs& in) {
   in.base_color = clean_color(in.base_color);
   in.specular_tint = clean_color(in.specular_tint);
   in.emission_color = clean_color(in.emission_color);
-  unit(in.metallic, 0), unit(in.roughness, 0.5f), unit(in.diffuse_roughness, 0), unit(in.subsurface_weight, 0);
+  unit(in.metallic, 0), unit(in.roughness, 0.5f), unit(in.diffuse_roughness, 0),
+      unit(in.subsurface_weight, 0);
   unit(in.transmission_weight, 0), unit(in.alpha, 1), unit(in.coat_weight, 0);
   in.sheen_weight = clean(in.sheen_weight, 0, 1e6f, 0);
   if (in.coat_weight > 0) {
@@ -38,9 +39,12 @@ Rgb power(const Rgb& c, float e) { return {std::pow(c.x, e), std::pow(c.y, e), s
 
 }  // namespace
 
-// Which lobes come out depends on the inputs alone, never on the view: adjoints match lobes of two views by number.
-void expand_principled(const Rgb& outer, const PrincipledInputs& in, const View& view, LobeList& out) {
-  const Vec3 normal = view.turned(in.normal), coat_normal = in.coat_weight > 0 ? view.turned(in.coat_normal) : normal;
+// Which lobes come out depends on the inputs alone, never on the view: adjoints match lobes of two
+// views by number.
+void expand_principled(const Rgb& outer, const PrincipledInputs& in, const View& view,
+                       LobeList& out) {
+  const Vec3 normal = view.turned(in.normal),
+             coat_normal = in.coat_weight > 0 ? view.turned(in.coat_normal) : normal;
   const Rgb base = min(in.base_color, kWhite);
   Rgb weight = outer;
   if (in.alpha < 1) out.transparency += weight * (1 - in.alpha);
@@ -49,7 +53,8 @@ void expand_principled(const Rgb& outer, const PrincipledInputs& in, const View&
   if (in.sheen_weight > 0) {
     const Vec3 mixed = lerp(normal, coat_normal, in.coat_weight);
     const Rgb tint = min(in.sheen_tint, kWhite) * std::min(in.sheen_weight, 1.0f);
-    const Lobe sheen = sheen_lobe(view, tint, length2(mixed) > 1e-12f ? normalize(mixed) : normal, in.sheen_roughness);
+    const Lobe sheen = sheen_lobe(view, tint, length2(mixed) > 1e-12f ? normalize(mixed) : normal,
+                                  in.sheen_roughness);
     Lobe scaled = sheen;
     scaled.weight *= weight;
     scaled.gather *= weight;
@@ -67,7 +72,8 @@ void expand_principled(const Rgb& outer, const PrincipledInputs& in, const View&
     FacetShape shape;
     shape.preserve_energy = true;
     shape.roughness = in.coat_roughness;
-    const Lobe& coat = out.add([&] { return facet_lobe(view, weight * in.coat_weight, coat_normal, shape, f); });
+    const Lobe& coat =
+        out.add([&] { return facet_lobe(view, weight * in.coat_weight, coat_normal, shape, f); });
     weight *= under(coat.layer * in.coat_weight);
     if (in.coat_tint.x != 1 || in.coat_tint.y != 1 || in.coat_tint.z != 1) {
       // Absorption along the refracted ray's way through the coat and back.
@@ -83,7 +89,8 @@ void expand_principled(const Rgb& outer, const PrincipledInputs& in, const View&
   shape.preserve_energy = in.distribution == Distribution::kMultiGgx;
   shape.beckmann = in.distribution == Distribution::kBeckmann;
   shape.roughness = in.roughness;
-  const float aspect = std::sqrt(1 - 0.9f * in.anisotropic);  // Burley 2012, "Physically based shading at Disney"
+  const float aspect =
+      std::sqrt(1 - 0.9f * in.anisotropic);  // Burley 2012, "Physically based shading at Disney"
   shape.along = 1 / aspect;
   shape.across = aspect;
   shape.rotation = in.anisotropic_rotation;
@@ -110,8 +117,11 @@ void expand_principled(const Rgb& outer, const PrincipledInputs& in, const View&
     f.film_ior = view.back ? in.thin_film_ior / in.ior : in.thin_film_ior;
     FacetShape isotropic = shape;
     isotropic.along = isotropic.across = 1;
-    if (bends_nothing(in.ior)) out.go_straight(weight * in.transmission_weight * f.transmit_tint);
-    else out.add([&] { return facet_lobe(view, weight * in.transmission_weight, normal, isotropic, f); });
+    if (bends_nothing(in.ior))
+      out.go_straight(weight * in.transmission_weight * f.transmit_tint);
+    else
+      out.add(
+          [&] { return facet_lobe(view, weight * in.transmission_weight, normal, isotropic, f); });
     weight *= 1 - in.transmission_weight;
   }
 
@@ -134,7 +144,10 @@ void expand_principled(const Rgb& outer, const PrincipledInputs& in, const View&
     const float rough_share = in.diffuse_roughness > 1e-5f ? 1 - in.subsurface_weight : 0;
     const Rgb color = weight * in.base_color;
     if (rough_share > 0)
-      out.add([&] { return oren_nayar_lobe(view, color * rough_share, normal, in.diffuse_roughness, in.base_color); });
+      out.add([&] {
+        return oren_nayar_lobe(view, color * rough_share, normal, in.diffuse_roughness,
+                               in.base_color);
+      });
     if (rough_share < 1) out.add([&] { return lambert_lobe(color * (1 - rough_share), normal); });
   }
 }

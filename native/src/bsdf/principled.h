@@ -7,12 +7,15 @@ namespace photon_splat {
 // Inputs made finite and brought into the range that Cycles keeps them in.
 void make_clean(PrincipledInputs& inputs);
 
-// The Principled BSDF of Blender 4 and 5 as layers: sheen over coat over emission over a mix of metal, glass and dielectric
-// over diffuse. A layer lets through what it does not reflect.
-void expand_principled(const Rgb& weight, const PrincipledInputs& inputs, const View& view, LobeList& out);
+// The Principled BSDF of Blender 4 and 5 as layers: sheen over coat over emission over a mix of
+// metal, glass and dielectric over diffuse. A layer lets through what it does not reflect.
+void expand_principled(const Rgb& weight, const PrincipledInputs& inputs, const View& view,
+                       LobeList& out);
 
 // Harmless numbers.
-inline float clean(float x, float low, float high, float fallback) { return std::isfinite(x) ? std::clamp(x, low, high) : fallback; }
+inline float clean(float x, float low, float high, float fallback) {
+  return std::isfinite(x) ? std::clamp(x, low, high) : fallback;
+}
 inline Rgb clean_color(const Rgb& c) {
   constexpr float most = 1e10f;  // products of three must stay finite
   return {clean(c.x, 0, most, 0), clean(c.y, 0, most, 0), clean(c.z, 0, most, 0)};

@@ -27,7 +27,8 @@ template <int N>
 float bilinear(const float (&table)[N][N], const Between& r, const Between& c) {
   const float* p = table[r.index];
   const float* q = table[r.index + 1];
-  return lerp(lerp(p[c.index], p[c.index + 1], c.part), lerp(q[c.index], q[c.index + 1], c.part), r.part);
+  return lerp(lerp(p[c.index], p[c.index + 1], c.part), lerp(q[c.index], q[c.index + 1], c.part),
+              r.part);
 }
 
 // N points spread evenly over the unit disc: a spiral by the golden angle (Vogel 1979).
@@ -36,15 +37,16 @@ struct Disk {
   Vec2 points[N];
   Disk() {
     for (int i = 0; i < N; ++i) {
-      const float r = std::sqrt((static_cast<float>(i) + 0.5f) / N), phi = 2.39996323f * static_cast<float>(i);
+      const float r = std::sqrt((static_cast<float>(i) + 0.5f) / N),
+                  phi = 2.39996323f * static_cast<float>(i);
       points[i] = {r * std::cos(phi), r * std::sin(phi)};
     }
   }
 };
 
-// Light that a facet refracts towards the wrong side counts, as it does in Cycles' tables (rays that leave glass at grazing
-// angles: measured).
-// Sums over facets seen from mu: visit(reflected share G2/G1, refracted share, cos to the facet).
+// Light that a facet refracts towards the wrong side counts, as it does in Cycles' tables (rays
+// that leave glass at grazing angles: measured). Sums over facets seen from mu: visit(reflected
+// share G2/G1, refracted share, cos to the facet).
 template <int N, class Visit>
 void visit_facets(const Disk<N>& disk, float roughness, float mu, float ior, Visit&& visit) {
   Facets facets;
@@ -52,7 +54,9 @@ void visit_facets(const Disk<N>& disk, float roughness, float mu, float ior, Vis
   mu = std::max(mu, kMinMu);
   const Vec3 wo{std::sqrt(1 - sqr(mu)), 0, mu};
   const float lambda_o = facets.lambda(wo);
-  const auto share = [&](const Vec3& w) { return (1 + lambda_o) / (1 + lambda_o + facets.lambda(w)); };
+  const auto share = [&](const Vec3& w) {
+    return (1 + lambda_o) / (1 + lambda_o + facets.lambda(w));
+  };
   for (const Vec2& point : disk.points) {
     const Vec3 m = facets.visible(wo, point);
     const float om = dot(wo, m);
@@ -91,7 +95,8 @@ struct GgxTable {
     for (int r = 0; r < N; ++r)
       for (int c = 0; c < N; ++c) {
         float sum = 0;
-        visit_facets(disk, static_cast<float>(r) / (N - 1), static_cast<float>(c) / (N - 1), 1, [&](float reflected, float, float) { sum += reflected; });
+        visit_facets(disk, static_cast<float>(r) / (N - 1), static_cast<float>(c) / (N - 1), 1,
+                     [&](float reflected, float, float) { sum += reflected; });
         plane.directional[r][c] = sum / kFine;
       }
     plane.take_means();
@@ -112,14 +117,16 @@ struct GlassTable {
   explicit GlassTable(bool inverse) {
     const Disk<kCoarse> disk;
     for (int k = 0; k < kIorSteps; ++k) {
-      const float n = ior_of_coordinate(static_cast<float>(k) / (kIorSteps - 1)), ior = inverse ? 1 / n : n;
+      const float n = ior_of_coordinate(static_cast<float>(k) / (kIorSteps - 1)),
+                  ior = inverse ? 1 / n : n;
       for (int r = 0; r < N; ++r)
         for (int c = 0; c < N; ++c) {
           float sum = 0;
-          visit_facets(disk, static_cast<float>(r) / (N - 1), static_cast<float>(c) / (N - 1), ior, [&](float reflected, float refracted, float cosine) {
-            const float f = fresnel_dielectric(cosine, ior);
-            sum += f * reflected + (1 - f) * refracted;
-          });
+          visit_facets(disk, static_cast<float>(r) / (N - 1), static_cast<float>(c) / (N - 1), ior,
+                       [&](float reflected, float refracted, float cosine) {
+                         const float f = fresnel_dielectric(cosine, ior);
+                         sum += f * reflected + (1 - f) * refracted;
+                       });
           planes[k].directional[r][c] = sum / kCoarse;
         }
       planes[k].take_means();
@@ -133,13 +140,16 @@ struct RiseTable {
   RiseTable() {
     const Disk<kCoarse> disk;
     for (int k = 0; k < kIorSteps; ++k) {
-      const float ior = ior_of_coordinate(static_cast<float>(k) / (kIorSteps - 1)), f0 = f0_from_ior(ior);
+      const float ior = ior_of_coordinate(static_cast<float>(k) / (kIorSteps - 1)),
+                  f0 = f0_from_ior(ior);
       for (int r = 0; r < N; ++r)
         for (int c = 0; c < N; ++c) {
           float sum = 0;
-          visit_facets(disk, static_cast<float>(r) / (N - 1), static_cast<float>(c) / (N - 1), 1, [&](float reflected, float, float cosine) {
-            if (reflected > 0) sum += saturate((fresnel_dielectric(cosine, ior) - f0) / (1 - f0));
-          });
+          visit_facets(disk, static_cast<float>(r) / (N - 1), static_cast<float>(c) / (N - 1), 1,
+                       [&](float reflected, float, float cosine) {
+                         if (reflected > 0)
+                           sum += saturate((fresnel_dielectric(cosine, ior) - f0) / (1 - f0));
+                       });
           rise[k][r][c] = sum / kCoarse;
         }
     }
@@ -151,15 +161,18 @@ struct RiseTable {
 Albedo ggx_albedo(float roughness, float mu) {
   static const GgxTable table;
   const Between r(roughness, GgxTable::N), c(mu, GgxTable::N);
-  return {bilinear(table.plane.directional, r, c), lerp(table.plane.mean[r.index], table.plane.mean[r.index + 1], r.part)};
+  return {bilinear(table.plane.directional, r, c),
+          lerp(table.plane.mean[r.index], table.plane.mean[r.index + 1], r.part)};
 }
 
 Albedo glass_albedo(float roughness, float mu, float ior) {
   const auto look_up = [&](const GlassTable& table) {
-    const Between r(roughness, GlassTable::N), c(mu, GlassTable::N), z(ior_coordinate(ior), kIorSteps);
+    const Between r(roughness, GlassTable::N), c(mu, GlassTable::N),
+        z(ior_coordinate(ior), kIorSteps);
     const auto &p = table.planes[z.index], &q = table.planes[z.index + 1];
     return Albedo{lerp(bilinear(p.directional, r, c), bilinear(q.directional, r, c), z.part),
-                  lerp(lerp(p.mean[r.index], p.mean[r.index + 1], r.part), lerp(q.mean[r.index], q.mean[r.index + 1], r.part), z.part)};
+                  lerp(lerp(p.mean[r.index], p.mean[r.index + 1], r.part),
+                       lerp(q.mean[r.index], q.mean[r.index + 1], r.part), z.part)};
   };
   if (ior >= 1) {
     static const auto denser = std::make_unique<const GlassTable>(false);
@@ -172,7 +185,8 @@ Albedo glass_albedo(float roughness, float mu, float ior) {
 float dielectric_rise(float roughness, float mu, float ior) {
   static const auto table = std::make_unique<const RiseTable>();
   const Between r(roughness, RiseTable::N), c(mu, RiseTable::N), z(ior_coordinate(ior), kIorSteps);
-  return lerp(bilinear(table->rise[z.index], r, c), bilinear(table->rise[z.index + 1], r, c), z.part);
+  return lerp(bilinear(table->rise[z.index], r, c), bilinear(table->rise[z.index + 1], r, c),
+              z.part);
 }
 
 }  // namespace photon_splat

@@ -1,5 +1,6 @@
-// Interference in a film on a surface: Belcour & Barla 2017, "A practical extension to microfacet theory for the modeling of
-// varying iridescence", with the colour from a table of the colour matching functions' Fourier transform.
+// Interference in a film on a surface: Belcour & Barla 2017, "A practical extension to microfacet
+// theory for the modeling of varying iridescence", with the colour from a table of the colour
+// matching functions' Fourier transform.
 #include <complex>
 #include <memory>
 #include <vector>
@@ -11,8 +12,9 @@ namespace {
 
 using Complex = std::complex<float>;
 
-// Mean of exp(2 pi i d / wavelength) as linear RGB (Rec. 709) sees it, by the optical path difference d; 1 at d = 0. From the fits
-// of Wyman et al. 2013, "Simple analytic approximations to the CIE XYZ color matching functions", each channel of unit area.
+// Mean of exp(2 pi i d / wavelength) as linear RGB (Rec. 709) sees it, by the optical path
+// difference d; 1 at d = 0. From the fits of Wyman et al. 2013, "Simple analytic approximations to
+// the CIE XYZ color matching functions", each channel of unit area.
 class Spectrum {
  public:
   static constexpr float kStep = 10, kLongest = 16000;  // nm; longer: no colour is left
@@ -24,10 +26,12 @@ class Spectrum {
         const double t = (l - mean) * (l < mean ? below : above);
         return scale * std::exp(-0.5 * t * t);
       };
-      const double x = lobe(1.056, 599.8, 0.0264, 0.0323) + lobe(0.362, 442.0, 0.0624, 0.0374) - lobe(0.065, 501.1, 0.0490, 0.0382);
+      const double x = lobe(1.056, 599.8, 0.0264, 0.0323) + lobe(0.362, 442.0, 0.0624, 0.0374) -
+                       lobe(0.065, 501.1, 0.0490, 0.0382);
       const double y = lobe(0.821, 568.8, 0.0213, 0.0247) + lobe(0.286, 530.9, 0.0613, 0.0322);
       const double z = lobe(1.217, 437.0, 0.0845, 0.0278) + lobe(0.681, 459.0, 0.0385, 0.0725);
-      const double rgb[3] = {3.2404542 * x - 1.5371385 * y - 0.4985314 * z, -0.9692660 * x + 1.8760108 * y + 0.0415560 * z,
+      const double rgb[3] = {3.2404542 * x - 1.5371385 * y - 0.4985314 * z,
+                             -0.9692660 * x + 1.8760108 * y + 0.0415560 * z,
                              0.0556434 * x - 0.2040259 * y + 1.0572252 * z};
       const std::complex<double> turn = std::polar(1.0, 2 * M_PI * double(kStep) / l);
       std::complex<double> now = 1;
@@ -58,7 +62,8 @@ class Spectrum {
 
 }  // namespace
 
-Rgb film_reflectance(float cos_i, float thickness, float film, const Rgb& n, const Rgb& k, const Rgb* under) {
+Rgb film_reflectance(float cos_i, float thickness, float film, const Rgb& n, const Rgb& k,
+                     const Rgb* under) {
   static const Spectrum spectrum;
   const float sin2 = 1 - sqr(cos_i), cos2 = 1 - sin2 / sqr(film);
   if (!(cos2 > 0)) return kWhite;
@@ -69,10 +74,13 @@ Rgb film_reflectance(float cos_i, float thickness, float film, const Rgb& n, con
     const Complex c2 = std::sqrt(1.0f - sin2 / (index * index));
     float sum = 0;
     for (int polarised = 0; polarised < 2; ++polarised) {
-      const float r12 = polarised ? (film * cos_i - c1) / (film * cos_i + c1) : (cos_i - film * c1) / (cos_i + film * c1);
-      Complex r23 = polarised ? (index * c1 - film * c2) / (index * c1 + film * c2) : (film * c1 - index * c2) / (film * c1 + index * c2);
+      const float r12 = polarised ? (film * cos_i - c1) / (film * cos_i + c1)
+                                  : (cos_i - film * c1) / (cos_i + film * c1);
+      Complex r23 = polarised ? (index * c1 - film * c2) / (index * c1 + film * c2)
+                              : (film * c1 - index * c2) / (film * c1 + index * c2);
       if (under) r23 = std::polar(std::sqrt(saturate((*under)[channel])), std::arg(r23));
-      // |r|^2 = 1 - T12 T23 / |1 + z exp(i delta)|^2, z = r12 r23; the fraction is a Poisson kernel, sum of (-z)^m exp(i m delta).
+      // |r|^2 = 1 - T12 T23 / |1 + z exp(i delta)|^2, z = r12 r23; the fraction is a Poisson
+      // kernel, sum of (-z)^m exp(i m delta).
       const Complex z = -r12 * r23;
       Complex power = 1;
       float series = 1;
@@ -81,7 +89,8 @@ Rgb film_reflectance(float cos_i, float thickness, float film, const Rgb& n, con
         if (std::norm(power) < 1e-7f) break;
         series += 2 * (power * spectrum.at(difference * static_cast<float>(m), channel)).real();
       }
-      sum += (1 - sqr(r12)) * std::max(0.0f, 1 - std::norm(r23)) / std::max(1 - std::norm(z), 1e-6f) * series;
+      sum += (1 - sqr(r12)) * std::max(0.0f, 1 - std::norm(r23)) /
+             std::max(1 - std::norm(z), 1e-6f) * series;
     }
     out[channel] = saturate(1 - 0.5f * sum);
   }

@@ -1,5 +1,5 @@
-// Numbers, vectors, ranges, ramps and curves. Where a function has no value (a division by 0, a root of a negative number) the
-// result is Cycles', mostly 0.
+// Numbers, vectors, ranges, ramps and curves. Where a function has no value (a division by 0, a
+// root of a negative number) the result is Cycles', mostly 0.
 #include <cstring>
 
 #include "frame.h"
@@ -98,7 +98,8 @@ Vec3 refract(const Vec3& incident, const Vec3& normal, float eta) {
 }
 
 // Sets `value` for an operation that yields a number, else `vector`.
-void evaluate(VectorOperation operation, const Vec3& a, const Vec3& b, const Vec3& c, float scale, Vec3& vector, float& value) {
+void evaluate(VectorOperation operation, const Vec3& a, const Vec3& b, const Vec3& c, float scale,
+              Vec3& vector, float& value) {
   using enum VectorOperation;
   switch (operation) {
     case ADD: vector = a + b; return;
@@ -142,11 +143,16 @@ void evaluate(VectorOperation operation, const Vec3& a, const Vec3& b, const Vec
   }
 }
 
-float steps_of(float factor, float steps) { return steps > 0 ? std::floor(factor * (steps + 1)) / steps : 0; }
+float steps_of(float factor, float steps) {
+  return steps > 0 ? std::floor(factor * (steps + 1)) / steps : 0;
+}
 
-float clamp_between(float x, float a, float b) { return std::min(std::max(x, std::min(a, b)), std::max(a, b)); }
+float clamp_between(float x, float a, float b) {
+  return std::min(std::max(x, std::min(a, b)), std::max(a, b));
+}
 
-// Component `c` of a table's entry at `x` in 0..1; `at` is the table's length followed by its entries of `stride` floats.
+// Component `c` of a table's entry at `x` in 0..1; `at` is the table's length followed by its
+// entries of `stride` floats.
 float look_up(const float* at, uint32_t stride, uint32_t c, float x, bool extrapolate) {
   const int last = static_cast<int>(at[0]) - 1;
   const float* values = at + 1 + c;
@@ -166,8 +172,8 @@ struct Rotation {
   Vec3 x, y, z;
 
   explicit Rotation(const Vec3& euler) {
-    const float cx = std::cos(euler.x), sx = std::sin(euler.x), cy = std::cos(euler.y), sy = std::sin(euler.y),
-                cz = std::cos(euler.z), sz = std::sin(euler.z);
+    const float cx = std::cos(euler.x), sx = std::sin(euler.x), cy = std::cos(euler.y),
+                sy = std::sin(euler.y), cz = std::cos(euler.z), sz = std::sin(euler.z);
     x = {cy * cz, cy * sz, -sy};
     y = {sy * sx * cz - cx * sz, sy * sx * sz + cx * cz, cy * sx};
     z = {sy * cx * cz + sx * sz, sy * cx * sz - sx * cz, cy * cx};
@@ -184,29 +190,35 @@ Vec3 rotate_around(const Vec3& v, const Vec3& axis, float angle) {  // Rodrigues
 }  // namespace
 
 void math(Frame& f, const uint32_t* w) {
-  const float result = evaluate(f.mode<MathOperation>(w[4]), f.number(w[1]), f.number(w[2]), f.number(w[3]));
+  const float result =
+      evaluate(f.mode<MathOperation>(w[4]), f.number(w[1]), f.number(w[2]), f.number(w[3]));
   f.set(w[0], f.on(w[5]) ? clamp_unit(result) : result);
 }
 
 void vector_math(Frame& f, const uint32_t* w) {
   Vec3 vector;
   float value = 0;
-  evaluate(f.mode<VectorOperation>(w[6]), f.vector(w[2]), f.vector(w[3]), f.vector(w[4]), f.number(w[5]), vector, value);
+  evaluate(f.mode<VectorOperation>(w[6]), f.vector(w[2]), f.vector(w[3]), f.vector(w[4]),
+           f.number(w[5]), vector, value);
   f.set(w[0], vector);
   f.set(w[1], value);
 }
 
 void map_range(Frame& f, const uint32_t* w) {
   using enum RangeInterpolation;
-  const float x = f.number(w[1]), from_min = f.number(w[2]), from_max = f.number(w[3]), to_min = f.number(w[4]),
-              to_max = f.number(w[5]);
+  const float x = f.number(w[1]), from_min = f.number(w[2]), from_max = f.number(w[3]),
+              to_min = f.number(w[4]), to_max = f.number(w[5]);
   const RangeInterpolation kind = f.mode<RangeInterpolation>(w[7]);
-  if (from_min == from_max) return f.set(w[0], f.on(w[8]) ? clamp_between(0, to_min, to_max) : 0.0f);
+  if (from_min == from_max)
+    return f.set(w[0], f.on(w[8]) ? clamp_between(0, to_min, to_max) : 0.0f);
   const bool falling = from_min > from_max;
   float factor = (x - from_min) / (from_max - from_min);
   if (kind == STEPPED) factor = steps_of(factor, f.number(w[6]));
-  if (kind == SMOOTHSTEP) factor = falling ? 1 - smoothstep(from_max, from_min, x) : smoothstep(from_min, from_max, x);
-  if (kind == SMOOTHERSTEP) factor = falling ? 1 - smootherstep(from_max, from_min, x) : smootherstep(from_min, from_max, x);
+  if (kind == SMOOTHSTEP)
+    factor = falling ? 1 - smoothstep(from_max, from_min, x) : smoothstep(from_min, from_max, x);
+  if (kind == SMOOTHERSTEP)
+    factor =
+        falling ? 1 - smootherstep(from_max, from_min, x) : smootherstep(from_min, from_max, x);
   const float result = to_min + factor * (to_max - to_min);
   f.set(w[0], f.on(w[8]) ? clamp_between(result, to_min, to_max) : result);
 }
@@ -221,7 +233,8 @@ void map_range_vector(Frame& f, const uint32_t* w) {
   if (kind == SMOOTHERSTEP) factor = each(factor, [](float t) { return smootherstep(0, 1, t); });
   Vec3 result = to_min + factor * (to_max - to_min);
   if (f.on(w[8]) && (kind == LINEAR || kind == STEPPED))
-    result = {clamp_between(result.x, to_min.x, to_max.x), clamp_between(result.y, to_min.y, to_max.y),
+    result = {clamp_between(result.x, to_min.x, to_max.x),
+              clamp_between(result.y, to_min.y, to_max.y),
               clamp_between(result.z, to_min.z, to_max.z)};
   f.set(w[0], result);
 }
@@ -258,7 +271,9 @@ void curves(Frame& f, const uint32_t* w) {
   const Vec3 x = f.vector(w[2]);
   const float* table = f.constants + w[3];
   const bool extrapolate = f.on(w[6]);
-  const auto curve = [&](uint32_t c) { return look_up(table, 3, c, (x[static_cast<int>(c)] - low) / range, extrapolate); };
+  const auto curve = [&](uint32_t c) {
+    return look_up(table, 3, c, (x[static_cast<int>(c)] - low) / range, extrapolate);
+  };
   f.set(w[0], mix(x, Vec3{curve(0), curve(1), curve(2)}, t));
 }
 
@@ -270,10 +285,13 @@ void vector_rotate(Frame& f, const uint32_t* w) {
     const Rotation rotation(f.vector(w[5]));
     return f.set(w[0], (invert ? rotation.undo(v) : rotation.apply(v)) + center);
   }
-  Vec3 axis = type == RotationType::X_AXIS ? Vec3{1, 0, 0} : type == RotationType::Y_AXIS ? Vec3{0, 1, 0} : Vec3{0, 0, 1};
+  Vec3 axis = type == RotationType::X_AXIS   ? Vec3{1, 0, 0}
+              : type == RotationType::Y_AXIS ? Vec3{0, 1, 0}
+                                             : Vec3{0, 0, 1};
   if (type == RotationType::AXIS_ANGLE) axis = safe_normalize(f.vector(w[3]));
   const float angle = f.number(w[4]);
-  f.set(w[0], length2(axis) > 0 ? rotate_around(v, axis, invert ? -angle : angle) + center : f.vector(w[1]));
+  f.set(w[0], length2(axis) > 0 ? rotate_around(v, axis, invert ? -angle : angle) + center
+                                : f.vector(w[1]));
 }
 
 void mapping(Frame& f, const uint32_t* w) {
@@ -292,7 +310,8 @@ void mapping(Frame& f, const uint32_t* w) {
 void transform_point(Frame& f, const uint32_t* w) {
   const float* m = f.constants + w[2];
   const Vec3 p = f.vector(w[1]);
-  f.set(w[0], Vec3{m[0] * p.x + m[1] * p.y + m[2] * p.z + m[3], m[4] * p.x + m[5] * p.y + m[6] * p.z + m[7],
+  f.set(w[0], Vec3{m[0] * p.x + m[1] * p.y + m[2] * p.z + m[3],
+                   m[4] * p.x + m[5] * p.y + m[6] * p.z + m[7],
                    m[8] * p.x + m[9] * p.y + m[10] * p.z + m[11]});
 }
 

@@ -55,8 +55,11 @@ class Checker {
   }
 
   void read(uint32_t word, uint32_t count) const {
-    if (word & nodes::kConstant) within(word & ~nodes::kConstant, count, program_.constants.size(), "reads beyond its constants");
-    else within(word, count, program_.registers, "reads beyond its registers");
+    if (word & nodes::kConstant)
+      within(word & ~nodes::kConstant, count, program_.constants.size(),
+             "reads beyond its constants");
+    else
+      within(word, count, program_.registers, "reads beyond its registers");
   }
 
   uint64_t constant_count(uint64_t at) const {
@@ -67,7 +70,8 @@ class Checker {
   }
 
   void table(uint64_t at, uint64_t components) const {
-    within(at + 1, constant_count(at) * components, program_.constants.size(), "has a table beyond its constants");
+    within(at + 1, constant_count(at) * components, program_.constants.size(),
+           "has a table beyond its constants");
   }
 
   void profile(uint64_t at) const {
@@ -81,7 +85,8 @@ class Checker {
       case Kind::kOutFloat:
       case Kind::kOutVector:
         if (word != nodes::kUnused)
-          within(word, operand.code == Kind::kOutVector ? 3 : 1, program_.registers, "writes beyond its registers");
+          within(word, operand.code == Kind::kOutVector ? 3 : 1, program_.registers,
+                 "writes beyond its registers");
         break;
       case Kind::kFloat: read(word, 1); break;
       case Kind::kVector: read(word, 3); break;
@@ -92,14 +97,17 @@ class Checker {
         if (word > 65535) fail("has a number out of range");
         break;
       case Kind::kTexture:
-        if (word != nodes::kNone && word >= scene_.textures.size()) fail("names a texture that does not exist");
+        if (word != nodes::kNone && word >= scene_.textures.size())
+          fail("names a texture that does not exist");
         break;
       case Kind::kAttribute:
       case Kind::kJump: break;
       case Kind::kTable1: table(word, 1); break;
       case Kind::kTable3: table(word, 3); break;
       case Kind::kTable4: table(word, 4); break;
-      case Kind::kMatrix: within(word, 12, program_.constants.size(), "has a table beyond its constants"); break;
+      case Kind::kMatrix:
+        within(word, 12, program_.constants.size(), "has a table beyond its constants");
+        break;
       case Kind::kProfile: profile(word); break;
     }
   }
@@ -114,13 +122,15 @@ void check_program(const Scene& scene, const Program& program) { Checker(scene, 
 
 void look_at_light_path(Program& program) {
   using enum nodes::PathValue;
-  program.asks_shadow = program.asks_kind = program.asks_singular = program.asks_depth = program.asks_ray = false;
+  program.asks_shadow = program.asks_kind = program.asks_singular = program.asks_depth =
+      program.asks_ray = false;
   for (size_t at = 0; at < program.code.size(); at += nodes::kWords[program.code[at]]) {
     if (program.code[at] != static_cast<uint32_t>(nodes::Op::LightPath)) continue;
     program.asks_ray = true;
     const auto what = static_cast<nodes::PathValue>(program.code[at + 2]);
     program.asks_singular |= what == IS_SINGULAR_RAY;
-    program.asks_depth |= what == RAY_DEPTH || what == DIFFUSE_DEPTH || what == GLOSSY_DEPTH || what == TRANSMISSION_DEPTH || what == TRANSPARENT_DEPTH;
+    program.asks_depth |= what == RAY_DEPTH || what == DIFFUSE_DEPTH || what == GLOSSY_DEPTH ||
+                          what == TRANSMISSION_DEPTH || what == TRANSPARENT_DEPTH;
     switch (what) {
       case IS_SHADOW_RAY: program.asks_shadow = true; break;
       case IS_DIFFUSE_RAY:

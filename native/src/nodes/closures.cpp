@@ -13,12 +13,16 @@ Distribution distribution(uint32_t word) {
   return Distribution::kGgx;
 }
 
-// Within what a chain of lobes can multiply without leaving the range of floats; what is not a number is 0.
+// Within what a chain of lobes can multiply without leaving the range of floats; what is not a
+// number is 0.
 constexpr float kMostScattered = 1e6f, kMostEmitted = 1e16f;
 float bounded(float x, float most) { return x == x ? std::clamp(x, -most, most) : 0; }
-Rgb bounded(const Rgb& c, float most) { return {bounded(c.x, most), bounded(c.y, most), bounded(c.z, most)}; }
+Rgb bounded(const Rgb& c, float most) {
+  return {bounded(c.x, most), bounded(c.y, most), bounded(c.z, most)};
+}
 
-// Nodes have normals on the side that is looked at, closures on the surface's front. Without length: the shading normal.
+// Nodes have normals on the side that is looked at, closures on the surface's front. Without
+// length: the shading normal.
 Vec3 front_normal(const Frame& f, uint32_t word) {
   Vec3 n = f.vector(word);
   const float l = length(n);
@@ -27,9 +31,36 @@ Vec3 front_normal(const Frame& f, uint32_t word) {
 }
 
 void principled(Frame& f, const uint32_t* w) {
-  enum { kWeight, kBaseColor, kMetallic, kRoughness, kIor, kAlpha, kNormal, kDiffuseRoughness, kSubsurface, kSpecular,
-         kSpecularTint, kAnisotropic, kRotation, kTangent, kTransmission, kCoat, kCoatRoughness, kCoatIor, kCoatTint, kCoatNormal,
-         kSheen, kSheenRoughness, kSheenTint, kEmission, kEmissionStrength, kFilm, kFilmIor, kDistribution };
+  enum {
+    kWeight,
+    kBaseColor,
+    kMetallic,
+    kRoughness,
+    kIor,
+    kAlpha,
+    kNormal,
+    kDiffuseRoughness,
+    kSubsurface,
+    kSpecular,
+    kSpecularTint,
+    kAnisotropic,
+    kRotation,
+    kTangent,
+    kTransmission,
+    kCoat,
+    kCoatRoughness,
+    kCoatIor,
+    kCoatTint,
+    kCoatNormal,
+    kSheen,
+    kSheenRoughness,
+    kSheenTint,
+    kEmission,
+    kEmissionStrength,
+    kFilm,
+    kFilmIor,
+    kDistribution
+  };
   const float weight = bounded(f.number(w[kWeight]), kMostScattered);
   PrincipledInputs p;
   p.base_color = bounded(f.vector(w[kBaseColor]), kMostScattered);
@@ -72,7 +103,8 @@ void closure(Frame& f, Op op, const uint32_t* w) {
   const float weight = f.number(w[0]);
   if (weight == 0) return;
   const auto colored = [&] { return bounded(f.vector(w[1]) * weight, kMostScattered); };
-  const auto color = [&] { return bounded(f.vector(w[1]), kMostScattered); };  // tints light scattered more than once
+  // Tints light scattered more than once
+  const auto color = [&] { return bounded(f.vector(w[1]), kMostScattered); };
   switch (op) {
     case Op::Emission: f.out.add_emission(bounded(f.vector(w[1]) * weight, kMostEmitted)); break;
     case Op::Transparent: f.out.add_transparent(colored()); break;
@@ -85,29 +117,35 @@ void closure(Frame& f, Op op, const uint32_t* w) {
     case Op::Translucent: f.out.add_translucent(colored(), front_normal(f, w[2])); break;
     case Op::Glossy: {
       const Rgb tint = color();
-      f.out.add_glossy(colored(), front_normal(f, w[2]), distribution(w[7]), f.number(w[3]), f.number(w[4]), f.number(w[5]),
-                       f.vector(w[6]), &tint);
+      f.out.add_glossy(colored(), front_normal(f, w[2]), distribution(w[7]), f.number(w[3]),
+                       f.number(w[4]), f.number(w[5]), f.vector(w[6]), &tint);
       break;
     }
     case Op::Glass: {
       const Rgb tint = color();
-      f.out.add_glass(colored(), front_normal(f, w[2]), distribution(w[7]), f.number(w[3]), f.number(w[4]), f.number(w[5]),
-                      f.number(w[6]), &tint);
+      f.out.add_glass(colored(), front_normal(f, w[2]), distribution(w[7]), f.number(w[3]),
+                      f.number(w[4]), f.number(w[5]), f.number(w[6]), &tint);
       break;
     }
     case Op::Refraction:
-      f.out.add_refraction(colored(), front_normal(f, w[2]), distribution(w[5]), f.number(w[3]), f.number(w[4]));
+      f.out.add_refraction(colored(), front_normal(f, w[2]), distribution(w[5]), f.number(w[3]),
+                           f.number(w[4]));
       break;
     case Op::Metallic:
-      f.out.add_metallic(bounded({weight, weight, weight}, kMostScattered), front_normal(f, w[1]), distribution(w[11]), f.number(w[2]), f.number(w[3]),
-                         f.number(w[4]), f.vector(w[5]), f.mode<MetallicType>(w[10]) == MetallicType::PHYSICAL_CONDUCTOR,
-                         bounded(f.vector(w[6]), kMostScattered), bounded(f.vector(w[7]), kMostScattered), f.number(w[8]), f.number(w[9]));
+      f.out.add_metallic(bounded({weight, weight, weight}, kMostScattered), front_normal(f, w[1]),
+                         distribution(w[11]), f.number(w[2]), f.number(w[3]), f.number(w[4]),
+                         f.vector(w[5]),
+                         f.mode<MetallicType>(w[10]) == MetallicType::PHYSICAL_CONDUCTOR,
+                         bounded(f.vector(w[6]), kMostScattered),
+                         bounded(f.vector(w[7]), kMostScattered), f.number(w[8]), f.number(w[9]));
       break;
     case Op::Sheen:
-      f.out.add_sheen(colored(), front_normal(f, w[2]), f.number(w[3]), f.mode<SheenType>(w[4]) == SheenType::ASHIKHMIN);
+      f.out.add_sheen(colored(), front_normal(f, w[2]), f.number(w[3]),
+                      f.mode<SheenType>(w[4]) == SheenType::ASHIKHMIN);
       break;
     case Op::Toon:
-      f.out.add_toon(colored(), front_normal(f, w[2]), f.mode<ToonType>(w[5]) == ToonType::GLOSSY, f.number(w[3]), f.number(w[4]));
+      f.out.add_toon(colored(), front_normal(f, w[2]), f.mode<ToonType>(w[5]) == ToonType::GLOSSY,
+                     f.number(w[3]), f.number(w[4]));
       break;
     case Op::Principled: principled(f, w); break;
     default: break;

@@ -13,10 +13,13 @@ float fbm(const float* noise, const FractalSettings& s) {
     total += amplitude;
     amplitude *= s.roughness;
   }
-  const auto finished = [&](float x, float weight) { return s.normalize ? 0.5f * x / weight + 0.5f : x; };
+  const auto finished = [&](float x, float weight) {
+    return s.normalize ? 0.5f * x / weight + 0.5f : x;
+  };
   const float rest = s.part;
   if (rest == 0) return finished(sum, total);
-  return mix(finished(sum, total), finished(sum + noise[n + 1] * amplitude, total + amplitude), rest);
+  return mix(finished(sum, total), finished(sum + noise[n + 1] * amplitude, total + amplitude),
+             rest);
 }
 
 float multifractal(const float* noise, const FractalSettings& s) {
@@ -77,7 +80,8 @@ void FractalSettings::set_detail(float octaves_beyond) {
   const float d = octaves_beyond >= 0 ? std::min(octaves_beyond, 15.0f) : 0;
   detail = static_cast<int>(d);
   part = d - static_cast<float>(detail);
-  octaves = static_cast<uint32_t>(detail) + 1 + (part != 0 && type != NoiseType::RIDGED_MULTIFRACTAL ? 1 : 0);
+  octaves = static_cast<uint32_t>(detail) + 1 +
+            (part != 0 && type != NoiseType::RIDGED_MULTIFRACTAL ? 1 : 0);
 }
 
 float fractal_of(const float* noise, const FractalSettings& s) {

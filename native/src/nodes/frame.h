@@ -1,5 +1,5 @@
-// One run of a program: registers, where it runs, and the operations that vm.cpp dispatches to. Each takes the operands of its
-// instruction, `w`, which check_program() has found sound.
+// One run of a program: registers, where it runs, and the operations that vm.cpp dispatches to.
+// Each takes the operands of its instruction, `w`, which check_program() has found sound.
 #pragma once
 
 #include "../bsdf/bsdf.h"
@@ -14,7 +14,8 @@ struct OffsetAxes {
   Vec3 x, y;
 };
 
-inline constexpr uint32_t kGeneratedAttribute = 0;  // Generated coordinates of meshes that deform, where the exporter gives them
+// Generated coordinates of meshes that deform, where the exporter gives them
+inline constexpr uint32_t kGeneratedAttribute = 0;
 
 struct Frame {
   const Scene& scene;
@@ -31,7 +32,9 @@ struct Frame {
   OffsetAxes axes{};
   Vec3 normal_in_object{};
 
-  const float* at(uint32_t word) const { return (word & kConstant ? constants : registers) + (word & ~kConstant); }
+  const float* at(uint32_t word) const {
+    return (word & kConstant ? constants : registers) + (word & ~kConstant);
+  }
   float number(uint32_t word) const { return *at(word); }
   Vec3 vector(uint32_t word) const {
     const float* p = at(word);
@@ -48,30 +51,32 @@ struct Frame {
     p[2] = value.z;
   }
   template <class Mode>
-  static Mode mode(uint32_t word) { return static_cast<Mode>(word); }
+  static Mode mode(uint32_t word) {
+    return static_cast<Mode>(word);
+  }
   static bool on(uint32_t word) { return word == static_cast<uint32_t>(Switch::ON); }
 
   // surface.cpp: what the hit knows
   bool is_on_mesh() const { return point.instance != ShadingPoint::kNoInstance; }
   bool is_background() const { return !is_on_mesh() && !point.lamp; }
   Vec3 normal() const { return is_background() ? point.wo : point.ns; }
-  Vec3 position() const;            // absolute, shifted; background: the direction
-  Vec3 object_position() const;     // in the object's coordinates, shifted
+  Vec3 position() const;                         // absolute, shifted; background: the direction
+  Vec3 object_position() const;                  // in the object's coordinates, shifted
   Vec3 normal_to_object(const Vec3& n) const;    // unit
-  const Vec3& object_normal();      // normal() in the object's coordinates
+  const Vec3& object_normal();                   // normal() in the object's coordinates
   Vec3 normal_from_object(const Vec3& n) const;  // unit
   Vec3 generated();
   const Mesh& mesh() const { return scene.meshes[scene.instances[point.instance].mesh]; }
   const Affine& world_to_object() const;  // from coordinates relative to the scene's origin
-  Affine object_to_world() const;   // to coordinates relative to the scene's origin
+  Affine object_to_world() const;         // to coordinates relative to the scene's origin
   // Of the mesh at the shifted point; false where it has none.
   bool attribute(uint32_t id, std::array<float, 4>& value, uint32_t& components);
-  Vec3 uv(uint32_t id);             // kNone: the render-active UV map
+  Vec3 uv(uint32_t id);  // kNone: the render-active UV map
 
   // normals.cpp
   void corners(Vec3* corner) const;  // of the triangle, relative to the scene's origin
   const OffsetAxes& offset_axes();
-  Vec2 uv_there();                   // barycentric coordinates of the shifted point
+  Vec2 uv_there();  // barycentric coordinates of the shifted point
 };
 
 // surface.cpp
@@ -144,9 +149,13 @@ inline Vec3 safe_normalize(const Vec3& v) {
   return l != 0 ? v * (1.0f / l) : v;
 }
 inline float clamp_unit(float x) { return std::min(std::max(x, 0.0f), 1.0f); }
-inline Vec3 clamp_unit(const Vec3& v) { return {clamp_unit(v.x), clamp_unit(v.y), clamp_unit(v.z)}; }
+inline Vec3 clamp_unit(const Vec3& v) {
+  return {clamp_unit(v.x), clamp_unit(v.y), clamp_unit(v.z)};
+}
 inline float safe_divide(float a, float b) { return b != 0 ? a / b : 0; }
-inline Vec3 safe_divide(const Vec3& a, const Vec3& b) { return {safe_divide(a.x, b.x), safe_divide(a.y, b.y), safe_divide(a.z, b.z)}; }
+inline Vec3 safe_divide(const Vec3& a, const Vec3& b) {
+  return {safe_divide(a.x, b.x), safe_divide(a.y, b.y), safe_divide(a.z, b.z)};
+}
 inline float mix(float a, float b, float t) { return a * (1 - t) + b * t; }
 inline Vec3 mix(const Vec3& a, const Vec3& b, float t) { return a * (1 - t) + b * t; }
 // Whole part for any float: NaN is 0, what does not fit the nearest that does.
@@ -154,8 +163,12 @@ inline int32_t to_int(float x) {
   return x == x ? static_cast<int32_t>(std::clamp(x, -2147483648.0f, 2147483520.0f)) : 0;
 }
 template <class F>
-Vec3 each(const Vec3& a, F&& f) { return {f(a.x), f(a.y), f(a.z)}; }
+Vec3 each(const Vec3& a, F&& f) {
+  return {f(a.x), f(a.y), f(a.z)};
+}
 template <class F>
-Vec3 each(const Vec3& a, const Vec3& b, F&& f) { return {f(a.x, b.x), f(a.y, b.y), f(a.z, b.z)}; }
+Vec3 each(const Vec3& a, const Vec3& b, F&& f) {
+  return {f(a.x, b.x), f(a.y, b.y), f(a.z, b.z)};
+}
 
 }  // namespace photon_splat::nodes

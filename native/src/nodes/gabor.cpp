@@ -1,5 +1,6 @@
-// Gabor noise (Lagae et al. 2009, "Procedural noise using sparse Gabor convolution") as phasors (Tricard et al. 2019,
-// "Procedural phasor noise"): eight impulses in every cell, windowed to their unit ball.
+// Gabor noise (Lagae et al. 2009, "Procedural noise using sparse Gabor convolution") as phasors
+// (Tricard et al. 2019, "Procedural phasor noise"): eight impulses in every cell, windowed to their
+// unit ball.
 #include "frame.h"
 #include "hashes.h"
 
@@ -41,7 +42,8 @@ Phasor noise_3d(const Vec3& p, float frequency, float isotropy, const Vec3& orie
   const Vec3 cell = each(p, [](float c) { return std::floor(c); });
   const float inclination = std::acos(std::clamp(orientation.z, -1.0f, 1.0f));
   const float flat = std::sqrt(orientation.x * orientation.x + orientation.y * orientation.y);
-  const float azimuth = (orientation.y < 0 ? -1.0f : 1.0f) * std::acos(std::clamp(orientation.x / flat, -1.0f, 1.0f));
+  const float azimuth =
+      (orientation.y < 0 ? -1.0f : 1.0f) * std::acos(std::clamp(orientation.x / flat, -1.0f, 1.0f));
   Phasor sum;
   for (float k = -1; k <= 1; ++k)
     for (float j = -1; j <= 1; ++j)
@@ -56,7 +58,8 @@ Phasor noise_3d(const Vec3& p, float frequency, float isotropy, const Vec3& orie
           if (isotropy != 0) {
             const float theta = inclination + random_of(c.x, c.y, c.z, seed) * kPi * isotropy;
             const float phi = azimuth + random_of(c.z, c.x, seed, c.y) * kPi * isotropy;
-            axis = {std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)};
+            axis = {std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi),
+                    std::cos(theta)};
           }
           const float weight = random_of(c.x, c.y, c.z, seed + 2) < 0.5f ? -1.0f : 1.0f;
           sum.add(r2, frequency * dot(d, axis), weight);
@@ -69,11 +72,13 @@ Phasor noise_3d(const Vec3& p, float frequency, float isotropy, const Vec3& orie
 
 void gabor_texture(Frame& f, const uint32_t* w) {
   const Vec3 p = f.vector(w[3]) * f.number(w[4]);
-  const float frequency = std::max(0.001f, f.number(w[5])), isotropy = 1 - clamp_unit(f.number(w[6]));
+  const float frequency = std::max(0.001f, f.number(w[5])),
+              isotropy = 1 - clamp_unit(f.number(w[6]));
   const bool flat = f.mode<GaborType>(w[9]) == GaborType::D2;
   const Phasor sum = flat ? noise_2d(p.x, p.y, frequency, isotropy, f.number(w[7]))
                           : noise_3d(p, frequency, isotropy, normalize(f.vector(w[8])));
-  // Impulses times their mean square 1/2 times the integral of the squared kernel; six deviations span the range.
+  // Impulses times their mean square 1/2 times the integral of the squared kernel; six deviations
+  // span the range.
   const float integral = flat ? 0.25f : 0.17677670f;
   const float range = 6 * std::sqrt(kImpulses * 0.5f * integral);
   f.set(w[0], sum.y / range * 0.5f + 0.5f);

@@ -19,7 +19,8 @@ Vec2 on_tube(const Vec3& p) {
 
 Vec2 equirectangular(const Vec3& d) {
   if (length2(d) == 0) return {};
-  return {(std::atan2(d.y, d.x) - kPi) / (-2 * kPi), (std::acos(std::clamp(d.z, -1.0f, 1.0f)) - kPi) / -kPi};
+  return {(std::atan2(d.y, d.x) - kPi) / (-2 * kPi),
+          (std::acos(std::clamp(d.z, -1.0f, 1.0f)) - kPi) / -kPi};
 }
 
 Vec2 mirror_ball(Vec3 d) {
@@ -29,16 +30,20 @@ Vec2 mirror_ball(Vec3 d) {
   return {0.5f * (d.x + 1), 0.5f * (d.z + 1)};
 }
 
-// Shares of the three faces of a box that a normal looks at: one alone while it outweighs both others by `limit`, else a mix of
-// two or three. `n`: absolute components that sum to 1.
+// Shares of the three faces of a box that a normal looks at: one alone while it outweighs both
+// others by `limit`, else a mix of two or three. `n`: absolute components that sum to 1.
 Vec3 box_weights(const Vec3& n, float blend) {
   const float limit = 0.5f * (1 + blend);
-  const auto alone = [limit](float a, float b, float c) { return a > limit * (a + b) && a > limit * (a + c); };
+  const auto alone = [limit](float a, float b, float c) {
+    return a > limit * (a + b) && a > limit * (a + c);
+  };
   if (alone(n.x, n.y, n.z)) return {1, 0, 0};
   if (alone(n.y, n.x, n.z)) return {0, 1, 0};
   if (alone(n.z, n.x, n.y)) return {0, 0, 1};
   if (!(blend > 0)) return {1, 0, 0};
-  const auto share = [blend](float a, float b) { return clamp_unit((a / (a + b) - 0.5f * (1 - blend)) / blend); };
+  const auto share = [blend](float a, float b) {
+    return clamp_unit((a / (a + b) - 0.5f * (1 - blend)) / blend);
+  };
   if (n.z < (1 - limit) * (n.x + n.y)) return {share(n.x, n.y), 1 - share(n.x, n.y), 0};
   if (n.x < (1 - limit) * (n.y + n.z)) return {0, share(n.y, n.z), 1 - share(n.y, n.z)};
   if (n.y < (1 - limit) * (n.x + n.z)) return {share(n.x, n.z), 0, 1 - share(n.x, n.z)};
@@ -51,7 +56,9 @@ Color box(Frame& f, uint32_t texture, const Vec3& p, float blend, bool unassocia
   a = a / (a.x + a.y + a.z);
   const Vec3 weights = box_weights(a, blend);
   // No face shows the image mirrored.
-  const Vec2 uv[3] = {{n.x < 0 ? 1 - p.y : p.y, p.z}, {n.y > 0 ? 1 - p.x : p.x, p.z}, {n.z > 0 ? 1 - p.y : p.y, p.x}};
+  const Vec2 uv[3] = {{n.x < 0 ? 1 - p.y : p.y, p.z},
+                      {n.y > 0 ? 1 - p.x : p.x, p.z},
+                      {n.z > 0 ? 1 - p.y : p.y, p.x}};
   Color sum{};
   for (int face = 0; face < 3; ++face) {
     if (!(weights[face] > 0)) continue;
@@ -83,11 +90,15 @@ float ies(const float* profile, float horizontal, float vertical) {
   const float* across = profile + 2;
   const float* up = across + h;
   const float* values = up + v;
-  if (!(vertical >= up[0] && vertical < up[v - 1] && horizontal >= across[0] && horizontal < across[h - 1])) return 0;
+  if (!(vertical >= up[0] && vertical < up[v - 1] && horizontal >= across[0] &&
+        horizontal < across[h - 1]))
+    return 0;
   const bool full_turn = across[0] < 1e-7f && across[h - 1] > 2 * kPi - 1e-7f;
-  const bool low_pole = up[0] < 1e-7f, high_pole = up[v - 1] > kPi - 1e-7f;
+  const bool low_pole = up[0]<1e-7f, high_pole = up[v - 1]> kPi - 1e-7f;
   const int i = interval(across, h, horizontal), j = interval(up, v, vertical);
-  const auto fraction = [](const float* a, float x) { return a[1] > a[0] ? (x - a[0]) / (a[1] - a[0]) : 0; };
+  const auto fraction = [](const float* a, float x) {
+    return a[1] > a[0] ? (x - a[0]) / (a[1] - a[0]) : 0;
+  };
   const float s = fraction(across + i, horizontal), t = fraction(up + j, vertical);
   const auto column = [&](int k) {
     const float* c = values + static_cast<size_t>(k) * v;
@@ -124,7 +135,8 @@ void environment_texture(Frame& f, const uint32_t* w) {
 
 void ies_texture(Frame& f, const uint32_t* w) {
   const Vec3 d = safe_normalize(f.vector(w[1]));
-  const float vertical = std::acos(std::clamp(-d.z, -1.0f, 1.0f)), horizontal = std::atan2(d.x, d.y) + kPi;
+  const float vertical = std::acos(std::clamp(-d.z, -1.0f, 1.0f)),
+              horizontal = std::atan2(d.x, d.y) + kPi;
   f.set(w[0], f.number(w[2]) * ies(f.constants + w[3], horizontal, vertical));
 }
 

@@ -1,4 +1,5 @@
-// Four numbers that are computed with at once: the compiler's vectors where it has them, else plain arrays.
+// Four numbers that are computed with at once: the compiler's vectors where it has them, else plain
+// arrays.
 #pragma once
 
 #include <cstdint>
@@ -28,19 +29,21 @@ using Words = Lanes<uint32_t>;
 using Signed = Lanes<int32_t>;
 using Floats = Lanes<float>;
 
-#define LANEWISE(op)                                                         \
-  template <class T>                                                         \
-  Lanes<T> operator op(Lanes<T> a, const Lanes<T>& b) {                      \
-    for (int i = 0; i < 4; ++i) a.lane[i] = a.lane[i] op b.lane[i];          \
-    return a;                                                                \
-  }                                                                          \
-  template <class T, class S>                                                \
-  Lanes<T> operator op(Lanes<T> a, S b) {                                    \
-    for (int i = 0; i < 4; ++i) a.lane[i] = a.lane[i] op static_cast<T>(b);  \
-    return a;                                                                \
-  }                                                                          \
-  template <class T, class S>                                                \
-  Lanes<T>& operator op##=(Lanes<T>& a, const S& b) { return a = a op b; }
+#define LANEWISE(op)                                                        \
+  template <class T>                                                        \
+  Lanes<T> operator op(Lanes<T> a, const Lanes<T>& b) {                     \
+    for (int i = 0; i < 4; ++i) a.lane[i] = a.lane[i] op b.lane[i];         \
+    return a;                                                               \
+  }                                                                         \
+  template <class T, class S>                                               \
+  Lanes<T> operator op(Lanes<T> a, S b) {                                   \
+    for (int i = 0; i < 4; ++i) a.lane[i] = a.lane[i] op static_cast<T>(b); \
+    return a;                                                               \
+  }                                                                         \
+  template <class T, class S>                                               \
+  Lanes<T>& operator op## = (Lanes<T> & a, const S& b) {                    \
+    return a = a op b;                                                      \
+  }
 LANEWISE(+)
 LANEWISE(-)
 LANEWISE(*)

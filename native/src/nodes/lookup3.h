@@ -1,5 +1,6 @@
-// Bob Jenkins' hash lookup3 (public domain, 2006) of one to four words, which may be vectors of words. Everything here is static: it
-// is also compiled for other instruction sets (see cmake/SimdKernels.cmake).
+// Bob Jenkins' hash lookup3 (public domain, 2006) of one to four words, which may be vectors of
+// words. Everything here is static: it is also compiled for other instruction sets (see
+// cmake/SimdKernels.cmake).
 #pragma once
 
 #include <cstdint>
@@ -7,9 +8,12 @@
 namespace photon_splat::nodes {
 
 template <class Word>
-static inline Word rotate(const Word& x, int k) { return x << k | x >> (32 - k); }
+static inline Word rotate(const Word& x, int k) {
+  return x << k | x >> (32 - k);
+}
 
-// lookup3's last mixing of three words, of which the third is the hash. kLow: of which its lowest six bits are, for less.
+// lookup3's last mixing of three words, of which the third is the hash. kLow: of which its lowest
+// six bits are, for less.
 template <bool kLow, class Word>
 static inline Word finish_hash(Word a, Word b, Word c) {
   c = (c ^ b) - rotate(b, 14);
@@ -22,7 +26,9 @@ static inline Word finish_hash(Word a, Word b, Word c) {
   return (c ^ b) - rotate(b, 24);
 }
 template <class Word>
-static inline Word hash_start(uint32_t words) { return Word{} + (0xdeadbeefu + (words << 2) + 13); }
+static inline Word hash_start(uint32_t words) {
+  return Word{} + (0xdeadbeefu + (words << 2) + 13);
+}
 
 template <bool kLow = false, class Word>
 static inline Word lookup3(const Word& x) {
@@ -43,12 +49,18 @@ template <bool kLow = false, class Word>
 static inline Word lookup3(const Word& x, const Word& y, const Word& z, const Word& w) {
   const Word s = hash_start<Word>(4);
   Word a = s + x, b = s + y, c = s + z;
-  a = (a - c) ^ rotate(c, 4);  c += b;
-  b = (b - a) ^ rotate(a, 6);  a += c;
-  c = (c - b) ^ rotate(b, 8);  b += a;
-  a = (a - c) ^ rotate(c, 16); c += b;
-  b = (b - a) ^ rotate(a, 19); a += c;
-  c = (c - b) ^ rotate(b, 4);  b += a;
+  a = (a - c) ^ rotate(c, 4);
+  c += b;
+  b = (b - a) ^ rotate(a, 6);
+  a += c;
+  c = (c - b) ^ rotate(b, 8);
+  b += a;
+  a = (a - c) ^ rotate(c, 16);
+  c += b;
+  b = (b - a) ^ rotate(a, 19);
+  a += c;
+  c = (c - b) ^ rotate(b, 4);
+  b += a;
   return finish_hash<kLow>(a + w, b, c);
 }
 

@@ -15,7 +15,8 @@ template <int N>
 Point<N> repeated(Point<N> p) {
   for (float& c : p.c) {
     if (!std::isfinite(c)) return {};  // noise is 0 at whole numbers
-    if (std::abs(c) >= kPeriod) c = std::fmod(c, kPeriod) + (std::abs(c) >= 10 * kPeriod ? 0.5f : 0.0f);
+    if (std::abs(c) >= kPeriod)
+      c = std::fmod(c, kPeriod) + (std::abs(c) >= 10 * kPeriod ? 0.5f : 0.0f);
   }
   return p;
 }
@@ -37,14 +38,17 @@ Point<N> operator*(const Point<N>& p, float s) {
 // Offsets in 100..200 stand in for a seed.
 template <int N>
 Point<N> moved(Point<N> p, float seed) {
-  if constexpr (N == 1) p.c[0] += 100 + random_of(seed) * 100;
-  else for (int d = 0; d < N; ++d) p.c[d] += 100 + random_of(seed, d) * 100;
+  if constexpr (N == 1)
+    p.c[0] += 100 + random_of(seed) * 100;
+  else
+    for (int d = 0; d < N; ++d) p.c[d] += 100 + random_of(seed, d) * 100;
   return p;
 }
 
 void evaluate_noise(int dimensions, NoisePoints& points, uint32_t count, float* values) {
   static const NoiseKernel kernel = choose_noise_kernel();
-  for (int d = 0; d < dimensions; ++d) std::memset(&points.c[d][count], 0, NoisePoints::kPadding * sizeof(float));
+  for (int d = 0; d < dimensions; ++d)
+    std::memset(&points.c[d][count], 0, NoisePoints::kPadding * sizeof(float));
   kernel(dimensions, points, count, values);
 }
 
@@ -139,7 +143,8 @@ void NoiseQueue::evaluate(Frame& f) {
   if (textures_ == 0) return;
   alignas(64) float values[NoisePoints::kMost];
   evaluate_noise(dimensions_, at_, points_, values);
-  for (const Texture* t = waiting_; t < waiting_ + textures_; ++t) t->finish(f, *t, values + t->first);
+  for (const Texture* t = waiting_; t < waiting_ + textures_; ++t)
+    t->finish(f, *t, values + t->first);
   points_ = textures_ = 0;
 }
 

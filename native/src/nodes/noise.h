@@ -1,4 +1,5 @@
-// Fractals of Perlin noise (Musgrave; Ebert et al., "Texturing and modeling", chapter 16), all octaves that wait computed at once.
+// Fractals of Perlin noise (Musgrave; Ebert et al., "Texturing and modeling", chapter 16), all
+// octaves that wait computed at once.
 #pragma once
 
 #include "noise_kernel.h"
@@ -17,9 +18,9 @@ struct FractalSettings {
   float roughness, lacunarity, offset, gain;  // roughness >= 0
   NoiseType type;
   bool normalize;
-  int detail;             // whole octaves beyond the first, and
-  float part;             // what counts of one more
-  uint32_t octaves;       // that are asked for, so
+  int detail;        // whole octaves beyond the first, and
+  float part;        // what counts of one more
+  uint32_t octaves;  // that are asked for, so
 
   void set_detail(float octaves_beyond);  // taken as in 0..15
 };
@@ -27,12 +28,13 @@ struct FractalSettings {
 // The fractal from the noise of its octaves.
 float fractal_of(const float* noise, const FractalSettings& s);
 
-// Textures whose noise is wanted. It is computed, and their registers are set, when as many are there as `together` says: one call of a
-// kernel (simd/noise_kernel.inl) for many points costs less than many for a few.
+// Textures whose noise is wanted. It is computed, and their registers are set, when as many are
+// there as `together` says: one call of a kernel (simd/noise_kernel.inl) for many points costs less
+// than many for a few.
 class NoiseQueue {
  public:
-  // A texture whose octaves, of one fractal or several, are points from `first` on. finish() sets its registers and reads none: others
-  // may have been written since.
+  // A texture whose octaves, of one fractal or several, are points from `first` on. finish() sets
+  // its registers and reads none: others may have been written since.
   struct Texture {
     const uint32_t* w;
     FractalSettings settings;
@@ -43,7 +45,8 @@ class NoiseQueue {
 
   uint32_t together = 0;  // textures that the next evaluation is for; 0: like 1
 
-  // A texture to be filled in; then, if it asks for noise, add() and its octaves, of `points` in all.
+  // A texture to be filled in; then, if it asks for noise, add() and its octaves, of `points` in
+  // all.
   Texture& next() { return waiting_[textures_]; }
   template <int N>
   void add(Frame& f, uint32_t points);

@@ -1,4 +1,5 @@
-// Perlin noise at many points at once: what the kernels, one for each instruction set, are given. All give the same numbers bit for bit.
+// Perlin noise at many points at once: what the kernels, one for each instruction set, are given.
+// All give the same numbers bit for bit.
 #pragma once
 
 #include <cstdint>
@@ -12,16 +13,19 @@ struct NoisePoints {
   alignas(64) float c[4][kMost];
 };
 
-// values[i] = noise in about [-1, 1] at points (c[0][i], c[1][i], ...) of as many dimensions, |c| < 2^30, i < count. Reads kPadding - 1
-// points beyond count - 1 at most, which must be such numbers too, and writes as many values.
-using NoiseKernel = void (*)(int dimensions, const NoisePoints& points, uint32_t count, float* values);
+// values[i] = noise in about [-1, 1] at points (c[0][i], c[1][i], ...) of as many dimensions, |c| <
+// 2^30, i < count. Reads kPadding - 1 points beyond count - 1 at most, which must be such numbers
+// too, and writes as many values.
+using NoiseKernel = void (*)(int dimensions, const NoisePoints& points, uint32_t count,
+                             float* values);
 
 void noise_generic(int dimensions, const NoisePoints& points, uint32_t count, float* values);
 void noise_sse42(int dimensions, const NoisePoints& points, uint32_t count, float* values);
 void noise_avx2(int dimensions, const NoisePoints& points, uint32_t count, float* values);
 void noise_avx512(int dimensions, const NoisePoints& points, uint32_t count, float* values);
 
-// "generic", "sse42", "avx2", "avx512"; empty: the widest that this machine runs. nullptr where it does not run.
+// "generic", "sse42", "avx2", "avx512"; empty: the widest that this machine runs. nullptr where it
+// does not run.
 NoiseKernel choose_noise_kernel(const std::string& name = {});
 
 }  // namespace photon_splat::nodes

@@ -4,7 +4,8 @@
 namespace photon_splat::nodes {
 namespace {
 
-// Where u grows on the triangle, in object coordinates, and on which side of it v does; no direction: 0.
+// Where u grows on the triangle, in object coordinates, and on which side of it v does; no
+// direction: 0.
 Vec3 tangent_of_triangle(const Frame& f, uint32_t uv, float& sign) {
   const Mesh& mesh = f.mesh();
   const Triangle& t = mesh.triangles[f.point.triangle];
@@ -18,22 +19,26 @@ Vec3 tangent_of_triangle(const Frame& f, uint32_t uv, float& sign) {
       at[k] = attribute->at(t, f.point.triangle, u, v);
     }
   }
-  const float u1 = at[1][0] - at[0][0], v1 = at[1][1] - at[0][1], u2 = at[2][0] - at[0][0], v2 = at[2][1] - at[0][1];
+  const float u1 = at[1][0] - at[0][0], v1 = at[1][1] - at[0][1], u2 = at[2][0] - at[0][0],
+              v2 = at[2][1] - at[0][1];
   const float area = u1 * v2 - u2 * v1;
   const bool shared = f.scene.instances[f.point.instance].shared;
   // A mirrored mesh that stands in world coordinates has its corners in the other order.
   const bool reversed = !shared && determinant(f.object_to_world()) < 0;
   sign = (area < 0) != reversed ? -1.0f : 1.0f;
-  const Vec3 e1 = mesh.positions[t[1]] - mesh.positions[t[0]], e2 = mesh.positions[t[2]] - mesh.positions[t[0]];
+  const Vec3 e1 = mesh.positions[t[1]] - mesh.positions[t[0]],
+             e2 = mesh.positions[t[2]] - mesh.positions[t[0]];
   const Vec3 direction = (e1 * v2 - e2 * v1) * (area < 0 ? -1.0f : 1.0f);
   return shared ? direction : f.world_to_object().vector(direction);
 }
 
-// Tangent and sign of the bitangent in object coordinates, the tangent not normalised, as the exporter gives them or from the triangle's UVs.
+// Tangent and sign of the bitangent in object coordinates, the tangent not normalised, as the
+// exporter gives them or from the triangle's UVs.
 Vec3 tangent_frame(Frame& f, uint32_t tangent, uint32_t uv, float& sign) {
   std::array<float, 4> value{};
   uint32_t components;
-  if (!f.attribute(tangent, value, components)) return safe_normalize(tangent_of_triangle(f, uv, sign));
+  if (!f.attribute(tangent, value, components))
+    return safe_normalize(tangent_of_triangle(f, uv, sign));
   sign = value[3] < 0 ? -1.0f : 1.0f;
   return {value[0], value[1], value[2]};
 }
@@ -41,7 +46,8 @@ Vec3 tangent_frame(Frame& f, uint32_t tangent, uint32_t uv, float& sign) {
 // The surface's own normal in object coordinates, on its front, not normalised where it is smooth.
 Vec3 front_normal_in_object(const Frame& f) {
   const Mesh& mesh = f.mesh();
-  if (mesh.corner_normals.empty()) return f.normal_to_object(f.point.back ? -f.point.ng : f.point.ng);
+  if (mesh.corner_normals.empty())
+    return f.normal_to_object(f.point.back ? -f.point.ng : f.point.ng);
   const Vec3* n = &mesh.corner_normals[3 * static_cast<size_t>(f.point.triangle)];
   const bool shared = f.scene.instances[f.point.instance].shared;
   const auto own = [&](int k) { return shared ? n[k] : f.normal_to_object(n[k]); };
@@ -76,7 +82,8 @@ const OffsetAxes& Frame::offset_axes() {
   return axes = {x * size, cross(n, x) * size};
 }
 
-// Those of the point itself and how they change along the shift, by least squares in the triangle's plane.
+// Those of the point itself and how they change along the shift, by least squares in the triangle's
+// plane.
 Vec2 Frame::uv_there() {
   if (knows_uv) return shifted_uv;
   knows_uv = true;
@@ -88,7 +95,8 @@ Vec2 Frame::uv_there() {
   const float a = dot(e1, e1), b = dot(e1, e2), c = dot(e2, e2), determinant = a * c - b * b;
   if (!(determinant > 0)) return shifted_uv;
   const float p = dot(e1, shift), q = dot(e2, shift);
-  return shifted_uv = {point.u + (p * c - q * b) / determinant, point.v + (q * a - p * b) / determinant};
+  return shifted_uv = {point.u + (p * c - q * b) / determinant,
+                       point.v + (q * a - p * b) / determinant};
 }
 
 void tangent_radial(Frame& f, const uint32_t* w) {
@@ -121,11 +129,14 @@ void normal_map(Frame& f, const uint32_t* w) {
     if (f.on(w[6])) own = safe_normalize(own);
     if (length2(tangent) == 0) return f.set(w[0], shading);
     c = {c.x * strength, c.y * strength, mix(1, c.z, clamp_unit(strength))};
-    n = f.normal_from_object(safe_normalize(tangent * c.x + cross(own, tangent) * (sign * c.y) + own * c.z));
+    n = f.normal_from_object(
+        safe_normalize(tangent * c.x + cross(own, tangent) * (sign * c.y) + own * c.z));
     strength = 1;
   } else {
-    if (space == MapSpace::BLENDER_OBJECT || space == MapSpace::BLENDER_WORLD) c = {c.x, -c.y, -c.z};
-    n = space == MapSpace::OBJECT || space == MapSpace::BLENDER_OBJECT ? f.normal_from_object(c) : safe_normalize(c);
+    if (space == MapSpace::BLENDER_OBJECT || space == MapSpace::BLENDER_WORLD)
+      c = {c.x, -c.y, -c.z};
+    n = space == MapSpace::OBJECT || space == MapSpace::BLENDER_OBJECT ? f.normal_from_object(c)
+                                                                       : safe_normalize(c);
   }
   if (f.point.back) n = -n;
   if (strength != 1) n = safe_normalize(shading + (n - shading) * std::max(strength, 0.0f));
@@ -153,7 +164,9 @@ void bump(Frame& f, const uint32_t* w) {
   const float determinant = dot(axes.x, rx);
   const Vec3 gradient = (rx * dx + ry * dy) * (determinant < 0 ? -distance : distance);
   Vec3 result = safe_normalize(n * (width * std::abs(determinant)) - gradient);
-  result = length2(result) > 0 && is_finite(result) ? safe_normalize(result * strength + n * (1 - strength)) : n;
+  result = length2(result) > 0 && is_finite(result)
+               ? safe_normalize(result * strength + n * (1 - strength))
+               : n;
   f.set(w[0], is_finite(result) ? result : n);
 }
 

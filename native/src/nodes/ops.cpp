@@ -16,7 +16,8 @@ std::vector<std::string> split_modes(const std::string& list) {
   std::vector<std::string> names;
   std::istringstream in(list);
   for (std::string name; std::getline(in >> std::ws, name, ',');) {
-    if (name.size() == 2 && name[0] == 'D' && name[1] >= '1' && name[1] <= '4') name = {name[1], 'D'};
+    if (name.size() == 2 && name[0] == 'D' && name[1] >= '1' && name[1] <= '4')
+      name = {name[1], 'D'};
     names.push_back(name);
   }
   return names;
@@ -36,9 +37,11 @@ const Modes& modes() {
 Operand::Kind kind_of(const std::string& letters) {
   using Kind = Operand::Kind;
   static const std::map<std::string, Kind> kinds{
-      {"F", Kind::kOutFloat}, {"V", Kind::kOutVector}, {"f", Kind::kFloat}, {"v", Kind::kVector}, {"m", Kind::kMode},
-      {"n", Kind::kNumber}, {"t", Kind::kTexture}, {"a", Kind::kAttribute}, {"j", Kind::kJump}, {"T1", Kind::kTable1},
-      {"T3", Kind::kTable3}, {"T4", Kind::kTable4}, {"M", Kind::kMatrix}, {"P", Kind::kProfile}};
+      {"F", Kind::kOutFloat}, {"V", Kind::kOutVector}, {"f", Kind::kFloat},
+      {"v", Kind::kVector},   {"m", Kind::kMode},      {"n", Kind::kNumber},
+      {"t", Kind::kTexture},  {"a", Kind::kAttribute}, {"j", Kind::kJump},
+      {"T1", Kind::kTable1},  {"T3", Kind::kTable3},   {"T4", Kind::kTable4},
+      {"M", Kind::kMatrix},   {"P", Kind::kProfile}};
   return kinds.at(letters);
 }
 
@@ -50,7 +53,8 @@ Operation parse(const char* name, const char* spec) {
     Operand operand;
     operand.kind = word.substr(0, colon);
     operand.code = kind_of(operand.kind);
-    operand.name = word.substr(colon + 1, equals == std::string::npos ? equals : equals - colon - 1);
+    operand.name =
+        word.substr(colon + 1, equals == std::string::npos ? equals : equals - colon - 1);
     if (equals != std::string::npos) operand.modes = modes().at(word.substr(equals + 1));
     operation.operands.push_back(std::move(operand));
   }

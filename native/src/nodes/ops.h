@@ -28,9 +28,23 @@ inline constexpr uint32_t kConstant = 0x80000000u;
 
 // What a word of an instruction means; the letters of ops.def.
 struct Operand {
-  enum class Kind : uint8_t { kOutFloat, kOutVector, kFloat, kVector, kMode, kNumber, kTexture, kAttribute, kJump,
-                              kTable1, kTable3, kTable4, kMatrix, kProfile };
-  std::string kind;                // as in ops.def
+  enum class Kind : uint8_t {
+    kOutFloat,
+    kOutVector,
+    kFloat,
+    kVector,
+    kMode,
+    kNumber,
+    kTexture,
+    kAttribute,
+    kJump,
+    kTable1,
+    kTable3,
+    kTable4,
+    kMatrix,
+    kProfile
+  };
+  std::string kind;  // as in ops.def
   Kind code;
   std::string name;
   std::vector<std::string> modes;  // kMode: the identifiers, in order

@@ -55,14 +55,17 @@ float gradient(const Vec3& p, GradientType type) {
 float brick_tint(uint32_t n) {
   n = (n + 1013) & 0x7fffffff;
   n ^= n >> 13;
-  return static_cast<float>((n * (n * n * 60493 + 19990303) + 1376312589) & 0x7fffffff) * (0.5f / 1073741824.0f);
+  return static_cast<float>((n * (n * n * 60493 + 19990303) + 1376312589) & 0x7fffffff) *
+         (0.5f / 1073741824.0f);
 }
 
 }  // namespace
 
 void wave_texture(Frame& f, const uint32_t* w) {
   const Vec3 p = nudged(f.vector(w[1]) * f.number(w[2]));
-  const float n = wave_phase(p, f.mode<WaveType>(w[8]), f.mode<BandsDirection>(w[9]), f.mode<RingsDirection>(w[10])) + f.number(w[7]);
+  const float n = wave_phase(p, f.mode<WaveType>(w[8]), f.mode<BandsDirection>(w[9]),
+                             f.mode<RingsDirection>(w[10])) +
+                  f.number(w[7]);
   const float distortion = f.number(w[3]);
   if (distortion != 0) {
     const Vec3 q = p * f.number(w[5]);
@@ -133,11 +136,15 @@ void brick_texture(Frame& f, const uint32_t* w) {
     if (row % static_cast<int>(offset_frequency) == 0) shift = width * f.number(w[12]);
   }
   const int column = to_int(std::floor((p.x + shift) / width));
-  const float x = p.x + shift - width * static_cast<float>(column), y = p.y - height * static_cast<float>(row);
-  const float tint = clamp_unit(brick_tint((static_cast<uint32_t>(row) << 16) + (static_cast<uint32_t>(column) & 0xffff)) + f.number(w[9]));
+  const float x = p.x + shift - width * static_cast<float>(column),
+              y = p.y - height * static_cast<float>(row);
+  const float tint = clamp_unit(
+      brick_tint((static_cast<uint32_t>(row) << 16) + (static_cast<uint32_t>(column) & 0xffff)) +
+      f.number(w[9]));
   const float nearest = std::min(std::min(x, y), std::min(width - x, height - y));
   float mortar = 0;
-  if (nearest < mortar_size) mortar = smooth == 0 ? 1 : smoothstep((1 - nearest / mortar_size) / smooth);
+  if (nearest < mortar_size)
+    mortar = smooth == 0 ? 1 : smoothstep((1 - nearest / mortar_size) / smooth);
   const Rgb brick = mix(f.vector(w[3]), f.vector(w[4]), tint);
   f.set(w[0], mix(brick, f.vector(w[5]), mortar));
   f.set(w[1], mortar);

@@ -11,7 +11,8 @@ constexpr const char* kSeeing[] = {"CAMERA", "WINDOW"};
 
 bool is_seeing(const nodes::Operand& operand, uint32_t word) {
   if (operand.code != nodes::Operand::Kind::kMode) return false;
-  return std::any_of(std::begin(kSeeing), std::end(kSeeing), [&](const char* mode) { return operand.modes[word] == mode; });
+  return std::any_of(std::begin(kSeeing), std::end(kSeeing),
+                     [&](const char* mode) { return operand.modes[word] == mode; });
 }
 
 }  // namespace

@@ -5,7 +5,8 @@
 
 namespace photon_splat {
 
-// Whether a checked program may yield something else for another camera, wherever the ray comes from.
+// Whether a checked program may yield something else for another camera, wherever the ray comes
+// from.
 bool sees_view(const Program& program);
 
 }  // namespace photon_splat

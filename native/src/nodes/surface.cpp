@@ -5,7 +5,8 @@ namespace photon_splat::nodes {
 namespace {
 
 Vec3 origin_of(const Scene& scene) {
-  return {static_cast<float>(scene.origin[0]), static_cast<float>(scene.origin[1]), static_cast<float>(scene.origin[2])};
+  return {static_cast<float>(scene.origin[0]), static_cast<float>(scene.origin[1]),
+          static_cast<float>(scene.origin[2])};
 }
 
 // The shading normal at the shifted point, on the side that is looked at.
@@ -24,14 +25,16 @@ Vec3 shifted_normal(Frame& f) {
 
 Vec3 camera_coordinates(const Frame& f) {
   const Affine& camera = f.scene.view.world_to_camera;
-  return f.is_background() ? camera.vector(f.point.position) : camera.point(f.point.position + f.shift);
+  return f.is_background() ? camera.vector(f.point.position)
+                           : camera.point(f.point.position + f.shift);
 }
 
 Vec3 window_coordinates(const Frame& f) {
   const ShadingView& view = f.scene.view;
   Vec3 p = camera_coordinates(f);
   if (!view.orthographic) p = p.z != 0 ? p / p.z : Vec3{};
-  return {(p.x - view.left) / (view.right - view.left), (p.y - view.bottom) / (view.top - view.bottom), 0};
+  return {(p.x - view.left) / (view.right - view.left),
+          (p.y - view.bottom) / (view.top - view.bottom), 0};
 }
 
 Vec3 reflection(const Frame& f) {
@@ -46,7 +49,8 @@ Vec3 tangent_around_z(Frame& f) {
   return cross(n, safe_normalize(cross(t, n)));
 }
 
-float dielectric_fresnel(float cosine, float eta) {  // of unpolarised light; 1 where it is totally reflected
+// Of unpolarised light; 1 where it is totally reflected
+float dielectric_fresnel(float cosine, float eta) {
   const float c = std::abs(cosine);
   float g = eta * eta - 1 + c * c;
   if (!(g > 0)) return 1;
@@ -59,8 +63,10 @@ Vec3 into_world(const Frame& f, const Vec3& v, TransformType type, TransformSpac
   const Vec3 origin = origin_of(f.scene);
   if (from == TransformSpace::CAMERA) {
     const ShadingView& view = f.scene.view;
-    if (type == TransformType::NORMAL) return safe_normalize(view.world_to_camera.transposed_vector(v));
-    return type == TransformType::POINT ? view.camera_to_world.point(v) + origin : view.camera_to_world.vector(v);
+    if (type == TransformType::NORMAL)
+      return safe_normalize(view.world_to_camera.transposed_vector(v));
+    return type == TransformType::POINT ? view.camera_to_world.point(v) + origin
+                                        : view.camera_to_world.vector(v);
   }
   if (from == TransformSpace::WORLD || f.is_background()) return v;
   if (type == TransformType::NORMAL) return f.normal_from_object(v);
@@ -72,8 +78,10 @@ Vec3 out_of_world(const Frame& f, const Vec3& v, TransformType type, TransformSp
   const Vec3 origin = origin_of(f.scene);
   if (to == TransformSpace::CAMERA) {
     const ShadingView& view = f.scene.view;
-    if (type == TransformType::NORMAL) return safe_normalize(view.camera_to_world.transposed_vector(v));
-    return type == TransformType::POINT ? view.world_to_camera.point(v - origin) : view.world_to_camera.vector(v);
+    if (type == TransformType::NORMAL)
+      return safe_normalize(view.camera_to_world.transposed_vector(v));
+    return type == TransformType::POINT ? view.world_to_camera.point(v - origin)
+                                        : view.world_to_camera.vector(v);
   }
   if (to == TransformSpace::WORLD || f.is_background()) return v;
   if (type == TransformType::NORMAL) return f.normal_to_object(v);
@@ -81,8 +89,10 @@ Vec3 out_of_world(const Frame& f, const Vec3& v, TransformType type, TransformSp
   return type == TransformType::POINT ? m.point(v - origin) : m.vector(v);
 }
 
-void set_attribute(Frame& f, const uint32_t* w, const std::array<float, 4>& a, uint32_t components) {
-  // As in Cycles: a number is grey, two components are u and v, the number of a colour is the mean of RGB.
+void set_attribute(Frame& f, const uint32_t* w, const std::array<float, 4>& a,
+                   uint32_t components) {
+  // As in Cycles: a number is grey, two components are u and v, the number of a colour is the mean
+  // of RGB.
   const Vec3 v = components == 1 ? Vec3{a[0], a[0], a[0]} : Vec3{a[0], a[1], a[2]};
   f.set(w[0], v);
   f.set(w[1], components <= 2 ? a[0] : average(v));
@@ -94,7 +104,8 @@ void set_attribute(Frame& f, const uint32_t* w, const std::array<float, 4>& a, u
 const Affine& Frame::world_to_object() const {
   static const Affine identity;
   if (point.lamp) return point.lamp->to_local;
-  return point.instance < scene.world_to_object.size() ? scene.world_to_object[point.instance] : identity;
+  return point.instance < scene.world_to_object.size() ? scene.world_to_object[point.instance]
+                                                       : identity;
 }
 
 Affine Frame::object_to_world() const {
@@ -201,9 +212,12 @@ void instance_attribute(Frame& f, const uint32_t* w) {
   std::array<float, 4> value{};
   uint32_t components = 0;
   for (const InstanceAttribute& a : f.scene.instance_attributes) {
-    if (a.id != w[3] || !f.is_on_mesh() || (f.point.instance + 1ull) * a.components > a.values.size()) continue;
+    if (a.id != w[3] || !f.is_on_mesh() ||
+        (f.point.instance + 1ull) * a.components > a.values.size())
+      continue;
     components = a.components;
-    std::copy_n(&a.values[static_cast<size_t>(f.point.instance) * components], components, value.begin());
+    std::copy_n(&a.values[static_cast<size_t>(f.point.instance) * components], components,
+                value.begin());
     break;
   }
   set_attribute(f, w, value, components);
@@ -231,7 +245,9 @@ void light_path(Frame& f, const uint32_t* w) {
     case IS_DIFFUSE_RAY: value = is(RayInfo::kDiffuse); break;
     case IS_GLOSSY_RAY: value = is(RayInfo::kGlossy, RayInfo::kTransmission); break;
     case IS_SINGULAR_RAY: value = ray.singular ? 1.0f : 0.0f; break;
-    case IS_REFLECTION_RAY: value = ray.through ? 0.0f : is(RayInfo::kDiffuse, RayInfo::kGlossy); break;
+    case IS_REFLECTION_RAY:
+      value = ray.through ? 0.0f : is(RayInfo::kDiffuse, RayInfo::kGlossy);
+      break;
     case IS_TRANSMISSION_RAY: value = ray.through ? 1.0f : is(RayInfo::kTransmission); break;
     case IS_VOLUME_SCATTER_RAY: break;
     case RAY_LENGTH: value = ray.length; break;

@@ -1,5 +1,6 @@
-// Voronoi patterns: a point in every cell of a grid at a hash of the cell (Worley 1996, "A cellular texture basis function"),
-// distances to edges by Quilez ("Voronoi edges"), smooth minimum over cells; octaves of them.
+// Voronoi patterns: a point in every cell of a grid at a hash of the cell (Worley 1996, "A cellular
+// texture basis function"), distances to edges by Quilez ("Voronoi edges"), smooth minimum over
+// cells; octaves of them.
 #include "frame.h"
 #include "hashes.h"
 #include "lanes.h"
@@ -40,7 +41,9 @@ float rank(const Point<N>& a, const Point<N>& b, const Settings& s) {
     largest = std::max(largest, along);
     if (s.metric == VoronoiMetric::MINKOWSKI) powers += std::pow(along, s.exponent);
   }
-  return s.metric == VoronoiMetric::MANHATTAN ? sum : s.metric == VoronoiMetric::CHEBYCHEV ? largest : powers;
+  return s.metric == VoronoiMetric::MANHATTAN   ? sum
+         : s.metric == VoronoiMetric::CHEBYCHEV ? largest
+                                                : powers;
 }
 
 template <int N>
@@ -51,7 +54,8 @@ float distance_between(const Point<N>& a, const Point<N>& b, const Settings& s) 
   return s.metric == VoronoiMetric::MINKOWSKI ? std::pow(r, 1 / s.exponent) : r;
 }
 
-// PCG in N words, in place, on signed integers as Cycles has it; the results in 0..2^31 - 1. Words may be lanes of words.
+// PCG in N words, in place, on signed integers as Cycles has it; the results in 0..2^31 - 1. Words
+// may be lanes of words.
 template <int N, class Word>
 void pcg(Word* v) {
   for (int d = 0; d < N; ++d) v[d] = v[d] * 1664525u + 1013904223u;
@@ -95,7 +99,8 @@ struct Cells {
   }
 
   uint32_t key(const Point<N>& offset, int d) const {
-    return static_cast<uint32_t>(whole[d]) + static_cast<uint32_t>(static_cast<int32_t>(offset.c[d]));
+    return static_cast<uint32_t>(whole[d]) +
+           static_cast<uint32_t>(static_cast<int32_t>(offset.c[d]));
   }
 
   // The points of `count` cells in a row along the first coordinate, from `offset` on.
@@ -132,7 +137,8 @@ struct Cells {
       uint32_t k[4] = {};
       for (int d = 0; d < N; ++d) k[d] = key(offset, d);
       pcg<N == 4 ? 4 : 3>(k);
-      return Rgb{static_cast<float>(k[0]), static_cast<float>(k[1]), static_cast<float>(k[2])} * kPcgUnit;
+      return Rgb{static_cast<float>(k[0]), static_cast<float>(k[1]), static_cast<float>(k[2])} *
+             kPcgUnit;
     } else {
       float k[N];
       for (int d = 0; d < N; ++d) k[d] = cell.c[d] + offset.c[d];
@@ -149,7 +155,8 @@ struct Cells {
     return out;
   }
 
-  // Calls visit(offset, point) for the cells up to kReach away, the first coordinate running fastest.
+  // Calls visit(offset, point) for the cells up to kReach away, the first coordinate running
+  // fastest.
   template <int kReach, class Visit>
   void around(Visit&& visit, Point<N> center = {}) const {
     constexpr int kRow = 2 * kReach + 1;
@@ -172,7 +179,8 @@ struct Cells {
   static Floats unit(const Words& hash) { return to_floats(hash) * (1.0f / 4294967295.0f); }
 
   static void lookup3_points(const Words* k, Floats* p) {
-    const Words one = Words{} + std::bit_cast<uint32_t>(1.0f), two = Words{} + std::bit_cast<uint32_t>(2.0f);
+    const Words one = Words{} + std::bit_cast<uint32_t>(1.0f),
+                two = Words{} + std::bit_cast<uint32_t>(2.0f);
     if constexpr (N == 1) p[0] = unit(lookup3(k[0]));
     if constexpr (N == 2) {
       p[0] = unit(lookup3(k[0], k[1]));
@@ -200,7 +208,8 @@ Result nearest(const Point<N>& p, const Settings& s) {
   float best = kFar;
   Point<N> target{}, at{};
   cells.template around<1>([&](const Point<N>& offset, const Point<N>& candidate) {
-    const float r = N == 1 ? distance_between(candidate, cells.local, s) : rank(candidate, cells.local, s);
+    const float r =
+        N == 1 ? distance_between(candidate, cells.local, s) : rank(candidate, cells.local, s);
     if (r < best) {
       best = r;
       target = offset;
@@ -260,8 +269,10 @@ template <int N, CellHash H>
 float to_edge(const Point<N>& p, const Settings& s) {
   const Cells<N, H> cells(p, s.randomness);
   if constexpr (N == 1) {
-    const float middle = cells.point({{0}}).c[0], left = cells.point({{-1}}).c[0], right = cells.point({{1}}).c[0];
-    return std::min(std::abs((middle + left) / 2 - cells.local.c[0]), std::abs((middle + right) / 2 - cells.local.c[0]));
+    const float middle = cells.point({{0}}).c[0], left = cells.point({{-1}}).c[0],
+                right = cells.point({{1}}).c[0];
+    return std::min(std::abs((middle + left) / 2 - cells.local.c[0]),
+                    std::abs((middle + right) / 2 - cells.local.c[0]));
   }
   constexpr int kCells = N == 1 ? 3 : N == 2 ? 9 : N == 3 ? 27 : 81;
   Point<N> to[kCells], closest{};
@@ -326,7 +337,8 @@ Result octaves(const Point<N>& p, const Settings& s) {
   const auto octave = [&](float scale) {
     const Point<N> q = scaled(p, scale);
     if (s.feature == VoronoiFeature::F2) return second_nearest<N, H>(q, s);
-    return s.feature == VoronoiFeature::SMOOTH_F1 && s.smoothness != 0 ? smooth_nearest<N, H>(q, s) : nearest<N, H>(q, s);
+    return s.feature == VoronoiFeature::SMOOTH_F1 && s.smoothness != 0 ? smooth_nearest<N, H>(q, s)
+                                                                       : nearest<N, H>(q, s);
   };
   Result sum;
   float amplitude = 1, total = 0, scale = 1;
@@ -343,7 +355,8 @@ Result octaves(const Point<N>& p, const Settings& s) {
     total += share * amplitude;
     sum.distance += share * amplitude * r.distance;
     sum.color += r.color * (share * amplitude);
-    for (int d = 0; d < 4; ++d) sum.position.c[d] = mix(sum.position.c[d], r.position.c[d] / scale, amplitude * share);
+    for (int d = 0; d < 4; ++d)
+      sum.position.c[d] = mix(sum.position.c[d], r.position.c[d] / scale, amplitude * share);
     scale *= s.lacunarity;
     amplitude *= s.roughness;
   }
@@ -394,7 +407,8 @@ void voronoi_in(Frame& f, const uint32_t* w, const Point<N>& p, Settings s) {
   } else {
     Point<N> corner;
     for (float& c : corner.c) c = half;
-    s.longest = distance_between(corner, Point<N>{}, s) * (s.feature == VoronoiFeature::F2 ? 2.0f : 1.0f);
+    s.longest =
+        distance_between(corner, Point<N>{}, s) * (s.feature == VoronoiFeature::F2 ? 2.0f : 1.0f);
     result = octaves<N, H>(p, s);
   }
   f.set(w[0], result.distance);
@@ -406,8 +420,10 @@ void voronoi_in(Frame& f, const uint32_t* w, const Point<N>& p, Settings s) {
 
 template <int N>
 void voronoi_in(Frame& f, const uint32_t* w, const Point<N>& p, const Settings& s) {
-  if (f.mode<CellHash>(w[18]) == CellHash::PCG) voronoi_in<N, CellHash::PCG>(f, w, p, s);
-  else voronoi_in<N, CellHash::LOOKUP3>(f, w, p, s);
+  if (f.mode<CellHash>(w[18]) == CellHash::PCG)
+    voronoi_in<N, CellHash::PCG>(f, w, p, s);
+  else
+    voronoi_in<N, CellHash::LOOKUP3>(f, w, p, s);
 }
 
 float within(float x, float high) { return x >= 0 ? std::min(x, high) : 0; }
@@ -415,9 +431,16 @@ float within(float x, float high) { return x >= 0 ? std::min(x, high) : 0; }
 }  // namespace
 
 void voronoi_texture(Frame& f, const uint32_t* w) {
-  Settings s{f.number(w[7]), within(f.number(w[8]), 15), within(f.number(w[9]), 1), f.number(w[10]),
-             within(f.number(w[11]) / 2, 0.5f), f.number(w[12]), within(f.number(w[13]), 1), f.mode<VoronoiFeature>(w[15]),
-             f.mode<VoronoiMetric>(w[16]), f.on(w[17])};
+  Settings s{f.number(w[7]),
+             within(f.number(w[8]), 15),
+             within(f.number(w[9]), 1),
+             f.number(w[10]),
+             within(f.number(w[11]) / 2, 0.5f),
+             f.number(w[12]),
+             within(f.number(w[13]), 1),
+             f.mode<VoronoiFeature>(w[15]),
+             f.mode<VoronoiMetric>(w[16]),
+             f.on(w[17])};
   const Vec3 v = f.vector(w[5]) * s.scale;
   const float t = f.number(w[6]) * s.scale;
   switch (f.mode<Dimensions>(w[14])) {

@@ -1,6 +1,6 @@
-// Sobol' points, written once for vectors of kLanes (GCC and Clang vector extensions) or for plain numbers (1). Included with
-// PHOTON_SPLAT_LANES and PHOTON_SPLAT_KERNEL defined, in files compiled for one instruction set each. The steps are those of
-// sampling.h, where their sources are named.
+// Sobol' points, written once for vectors of kLanes (GCC and Clang vector extensions) or for plain
+// numbers (1). Included with PHOTON_SPLAT_LANES and PHOTON_SPLAT_KERNEL defined, in files compiled
+// for one instruction set each. The steps are those of sampling.h, where their sources are named.
 #include <cstring>
 
 #include "../sobol_lanes.h"
@@ -55,12 +55,14 @@ inline void keep_unit(Words reversed_bits, float* to) {
 
 }  // namespace
 
-void PHOTON_SPLAT_KERNEL(const SobolKeys& keys, uint32_t first, uint32_t count, float* x, float* y) {
+void PHOTON_SPLAT_KERNEL(const SobolKeys& keys, uint32_t first, uint32_t count, float* x,
+                         float* y) {
   uint32_t numbers[kLanes];
   for (uint32_t k = 0; k < kLanes; ++k) numbers[k] = first + k;
   Words index;
   std::memcpy(&index, numbers, sizeof index);
-  for (uint32_t k = 0; k < (count + kSobolLanes - 1) / kSobolLanes * kSobolLanes; k += kLanes, index += kLanes) {
+  for (uint32_t k = 0; k < (count + kSobolLanes - 1) / kSobolLanes * kSobolLanes;
+       k += kLanes, index += kLanes) {
     const Words i = reversed(scrambled(reversed(index), keys.shuffle));
     keep_unit(scrambled(i, keys.x), x + k);
     keep_unit(scrambled(second_dimension(i), keys.y), y + k);
