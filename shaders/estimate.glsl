@@ -10,7 +10,7 @@
 const uint PHOTONS_PER_ROW = 1024u;
 const uint PAIRS_PER_ROW = 4096u;
 
-const float NORMAL_WEIGHT_SLOPE = 2.0;   // kNormalWeightSlope of native/src/point_block.h
+const float NORMAL_WEIGHT_SLOPE = 2.0;   // kNormalWeightSlope of native/src/density/point_block.h
 
 const vec3 LUMINANCE = vec3(0.2126, 0.7152, 0.0722);     // kLuminance, likewise
 
@@ -25,7 +25,7 @@ ivec2 place_of(uint pair) {
     return ivec2(2u * (photon % PHOTONS_PER_ROW), photon / PHOTONS_PER_ROW);
 }
 
-// decode_direction() of native/src/vec.h
+// decode_direction() of native/src/math/vec.h
 vec3 direction(uint code) {
     EXACT vec2 p = vec2(code & 255u, code >> 8 & 255u) / 127.0 - 1.0;
     EXACT float z = 1.0 - abs(p.x) - abs(p.y);

@@ -15,12 +15,13 @@ endif()
 set(NB_HAS_MTLS_GNU2 OFF CACHE INTERNAL "")
 find_package(nanobind CONFIG REQUIRED)
 
-file(GLOB module_sources CONFIGURE_DEPENDS src/module.cpp src/bindings/*.cpp)
+file(GLOB module_sources CONFIGURE_DEPENDS src/bindings/*.cpp bench/*.cpp)
 set(lto "")
 if(PHOTON_SPLAT_LTO)
   set(lto LTO)
 endif()
 nanobind_add_module(photon_splat_native STABLE_ABI NB_STATIC NOMINSIZE NB_SUPPRESS_WARNINGS ${lto} ${module_sources})
+target_include_directories(photon_splat_native PRIVATE "${CMAKE_CURRENT_SOURCE_DIR}") # bench/
 target_link_libraries(photon_splat_native PRIVATE photon_splat_core)
 
 # Blender has Embree, TBB and more in its global symbol scope: nothing of ours may be seen there, or be replaced by it.

@@ -1,5 +1,5 @@
 """Shader programs and what they read from meshes and instances, as plain data. See
-native/src/nodes/ops.def for the operations.
+native/src/shading/ops.def for the operations.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ GENERATED = 0
 
 
 class Feature(IntFlag):
-    """What a run of a program may produce; the bits of native/src/nodes/program.h."""
+    """What a run of a program may produce; the bits of native/src/shading/program.h."""
 
     EMITS = 1
     TRANSPARENT = 2

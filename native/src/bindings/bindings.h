@@ -4,7 +4,7 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 
-#include "../renderer.h"
+#include "render/renderer.h"
 
 namespace photon_splat {
 

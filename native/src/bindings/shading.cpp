@@ -1,9 +1,9 @@
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/string.h>
 
-#include "../bsdf/bsdf.h"
-#include "../nodes/ops.h"
-#include "bindings.h"
+#include "bindings/bindings.h"
+#include "bsdf/bsdf.h"
+#include "shading/ops.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;

@@ -1,7 +1,7 @@
 #include <cstring>
 
-#include "../atlas.h"
-#include "bindings.h"
+#include "bindings/atlas.h"
+#include "bindings/bindings.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;

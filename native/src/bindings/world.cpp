@@ -1,8 +1,8 @@
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/string.h>
 
-#include "../sky.h"
-#include "bindings.h"
+#include "bindings/bindings.h"
+#include "lights/sky/sky.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;

@@ -1,5 +1,5 @@
 // Ashikhmin and Shirley 2000, "An anisotropic Phong BRDF model": its glossy part, without Fresnel.
-#include "lobe.h"
+#include "bsdf/lobe.h"
 
 namespace photon_splat {
 

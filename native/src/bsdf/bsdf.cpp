@@ -1,8 +1,8 @@
-#include "bsdf.h"
+#include "bsdf/bsdf.h"
 
 #include <cstring>
 
-#include "principled.h"
+#include "bsdf/principled.h"
 
 namespace photon_splat {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <optional>
 
-#include "lobe.h"
+#include "bsdf/lobe.h"
 
 namespace photon_splat {
 

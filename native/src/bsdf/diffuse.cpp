@@ -1,5 +1,5 @@
 // Diffuse-like lobes: Lambert, Oren-Nayar, translucent, sheen, velvet, toon.
-#include "lobe.h"
+#include "bsdf/lobe.h"
 
 namespace photon_splat {
 namespace {
@@ -67,7 +67,7 @@ namespace {
 // and the albedo. Measured on renders by Cycles.
 constexpr int kSheenSteps = 32;
 constexpr int16_t kSheen[kSheenSteps][kSheenSteps][3] = {
-#include "sheen_table.inc"
+#include "bsdf/sheen_table.inc"
 };
 
 }  // namespace

@@ -1,5 +1,5 @@
-#include "lobe.h"
-#include "tables.h"
+#include "bsdf/lobe.h"
+#include "bsdf/tables.h"
 
 namespace photon_splat {
 

@@ -1,4 +1,4 @@
-#include "fresnel.h"
+#include "bsdf/fresnel.h"
 
 namespace photon_splat {
 

@@ -1,7 +1,7 @@
 // Share of light reflected at a smooth boundary, by angle.
 #pragma once
 
-#include "../vec.h"
+#include "math/vec.h"
 
 namespace photon_splat {
 

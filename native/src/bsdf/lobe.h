@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <new>
 
-#include "microfacet.h"
+#include "bsdf/microfacet.h"
 
 namespace photon_splat {
 

@@ -1,4 +1,4 @@
-#include "microfacet.h"
+#include "bsdf/microfacet.h"
 
 namespace photon_splat {
 

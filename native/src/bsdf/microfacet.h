@@ -2,8 +2,8 @@
 // Walter et al. 2007.
 #pragma once
 
-#include "../sampling.h"
-#include "fresnel.h"
+#include "bsdf/fresnel.h"
+#include "math/sampling.h"
 
 namespace photon_splat {
 

@@ -1,4 +1,4 @@
-#include "principled.h"
+#include "bsdf/principled.h"
 
 namespace photon_splat {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "bsdf.h"
+#include "bsdf/bsdf.h"
 
 namespace photon_splat {
 

@@ -1,8 +1,8 @@
-#include "tables.h"
+#include "bsdf/tables.h"
 
 #include <memory>
 
-#include "microfacet.h"
+#include "bsdf/microfacet.h"
 
 namespace photon_splat {
 namespace {

@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "fresnel.h"
+#include "bsdf/fresnel.h"
 
 namespace photon_splat {
 namespace {

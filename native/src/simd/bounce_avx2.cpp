@@ -1,3 +1,3 @@
 #define PHOTON_SPLAT_LANES 8
 #define PHOTON_SPLAT_KERNEL bounce_avx2
-#include "bounce_kernel.inl"
+#include "simd/bounce_kernel.inl"

@@ -1,3 +1,3 @@
 #define PHOTON_SPLAT_LANES 1
 #define PHOTON_SPLAT_KERNEL bounce_generic
-#include "bounce_kernel.inl"
+#include "simd/bounce_kernel.inl"

@@ -5,7 +5,7 @@
 // that is named beside it, step by step, so that all give the same numbers.
 #include <cstring>
 
-#include "../photon_paths.h"
+#include "photons/photon_paths.h"
 
 #if PHOTON_SPLAT_LANES > 1
 #include <immintrin.h>

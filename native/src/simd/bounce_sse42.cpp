@@ -1,3 +1,3 @@
 #define PHOTON_SPLAT_LANES 4
 #define PHOTON_SPLAT_KERNEL bounce_sse42
-#include "bounce_kernel.inl"
+#include "simd/bounce_kernel.inl"

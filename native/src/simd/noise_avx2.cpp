@@ -1,3 +1,3 @@
 #define PHOTON_SPLAT_LANES 8
 #define PHOTON_SPLAT_KERNEL noise_avx2
-#include "noise_kernel.inl"
+#include "simd/noise_kernel.inl"

@@ -1,3 +1,3 @@
 #define PHOTON_SPLAT_LANES 1
 #define PHOTON_SPLAT_KERNEL noise_generic
-#include "noise_kernel.inl"
+#include "simd/noise_kernel.inl"

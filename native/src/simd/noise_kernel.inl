@@ -8,8 +8,8 @@
 #include <cstring>
 #include <utility>
 
-#include "../nodes/lookup3.h"
-#include "../nodes/noise_kernel.h"
+#include "shading/lookup3.h"
+#include "shading/noise_kernel.h"
 
 namespace photon_splat::nodes {
 namespace {

@@ -1,3 +1,3 @@
 #define PHOTON_SPLAT_LANES 4
 #define PHOTON_SPLAT_KERNEL noise_sse42
-#include "noise_kernel.inl"
+#include "simd/noise_kernel.inl"

@@ -1,3 +1,3 @@
 #define PHOTON_SPLAT_LANES 8
 #define PHOTON_SPLAT_KERNEL sobol_avx2
-#include "sobol_kernel.inl"
+#include "simd/sobol_kernel.inl"

@@ -1,3 +1,3 @@
 #define PHOTON_SPLAT_LANES 1
 #define PHOTON_SPLAT_KERNEL sobol_generic
-#include "sobol_kernel.inl"
+#include "simd/sobol_kernel.inl"

@@ -3,7 +3,7 @@
 // for one instruction set each. The steps are those of sampling.h, where their sources are named.
 #include <cstring>
 
-#include "../sobol_lanes.h"
+#include "math/sobol_lanes.h"
 
 namespace photon_splat {
 namespace {

@@ -1,3 +1,3 @@
 #define PHOTON_SPLAT_LANES 4
 #define PHOTON_SPLAT_KERNEL sobol_sse42
-#include "sobol_kernel.inl"
+#include "simd/sobol_kernel.inl"

@@ -1,6 +1,6 @@
 // The splatting loop in plain C++, for compilers and machines without a vector version, and to test
 // those against.
-#include "../point_block.h"
+#include "density/point_block.h"
 
 namespace photon_splat {
 

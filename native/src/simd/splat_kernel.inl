@@ -1,7 +1,7 @@
 // The splatting loop, written once over vectors of kLanes floats (GCC and Clang vector extensions).
 // Included with PHOTON_SPLAT_LANES and PHOTON_SPLAT_KERNEL defined, in files compiled for one
 // instruction set each.
-#include "../point_block.h"
+#include "density/point_block.h"
 
 #include <immintrin.h>
 

@@ -16,7 +16,7 @@ from tests.support.blender import in_blender
 
 NAN, INF = math.nan, math.inf
 # Node, what its sockets get, and what the warning must say of each;
-# native/tests/test_bsdf_edges.cpp has many more numbers.
+# native/tests/bsdf/test_bsdf_edges.cpp has many more numbers.
 CURSED: list[tuple[str, dict[Any, float], list[str]]] = [
     ("BsdfGlass", {"IOR": 0.0}, ["its IOR is 0, taken as 1e-05"]),
     ("BsdfGlass", {"IOR": 1.0, "Roughness": 1.0}, []),

@@ -1,7 +1,7 @@
 """Light that single surfaces scatter, as Cycles has it: the fixture of
-native/tests/test_bsdf_albedo.cpp.
+native/tests/bsdf/test_bsdf_albedo.cpp.
 
-`python -m tests.reference.cycles.bsdf_albedo` writes native/tests/bsdf_albedo.inc anew (some
+`python -m tests.reference.cycles.bsdf_albedo` writes native/tests/bsdf/bsdf_albedo.inc anew (some
 minutes; Blender 5.x). Each case is a plane under a world of radiance (1, lobe about +Z, lobe about
 LEAN): an orthographic camera that sees nothing else measures the integral of f |cos| times the
 world for one direction, in three shapes at once. Coloured cases have a white world.
@@ -22,7 +22,7 @@ from mathutils import Vector
 from tests.reference.cycles.references import cycles_settings
 from tests.support.paths import ROOT
 
-TARGET = ROOT / "native" / "tests" / "bsdf_albedo.inc"
+TARGET = ROOT / "native" / "tests" / "bsdf" / "bsdf_albedo.inc"
 LEAN, POWER = (1.0, 0.0, 0.5), 8.0  # the world's third channel: ((1 + w.d) / 2)^POWER about d
 SIZE = 16  # pixels a side; all see the same
 SPOT = (0.5, 0.0, 0.0)  # what the camera looks at: here the default tangent (radial about Z) is +Y

@@ -1,0 +1,41 @@
+// What is dark because something closed stands over it.
+#pragma once
+
+#include "math/sampling.h"
+#include "scene/scene.h"
+
+namespace photon_splat {
+
+// Whether a surface lets no light through and gives none.
+bool is_dark(const Scene& scene, const Surface& hit, const Vec3& wo);
+
+// Tells points of a surface inside of closed things from those under a sheet, an awning or a flag,
+// which shows its back as well: inside there are backs wherever one looks. Found out once for each
+// surface that is over the points; one of these for each kernel disc.
+class Enclosures {
+ public:
+  // `key`: of the surface that the points are on; they are looked at from `height` over it.
+  Enclosures(const Scene& scene, uint32_t key, const Basis& basis, float height, uint32_t seed)
+      : scene_(scene), key_(key), basis_(basis), height_(height), random_(seed, 0xe7c1) {}
+
+  // Of `count` <= Scene::kPacket points those whose bits are set in `which`: the bits of those that
+  // are inside.
+  unsigned hold(const Vec3* points, uint32_t count, unsigned which);
+
+ private:
+  static constexpr int kKnown = 4;
+
+  bool holds_under(const Surface& above, const Vec3& origin);
+  bool backs_all_around(const Vec3& origin);
+
+  const Scene& scene_;
+  uint32_t key_;
+  const Basis& basis_;
+  float height_;
+  Random random_;
+  int known_ = 0;
+  uint32_t keys_[kKnown] = {};
+  bool closed_[kKnown] = {};
+};
+
+}  // namespace photon_splat

@@ -1,0 +1,98 @@
+// Where irradiance is wanted: points on surfaces, in blocks. They come from records but are no
+// pixels: many records share a point, and the splatter that fills them knows no camera.
+#pragma once
+
+#include "density/clear_regions.h"
+#include "density/kernel_mass.h"
+#include "density/occlusion.h"
+#include "density/point_blocks.h"
+#include "density/radius_map.h"
+#include "integrators/camera_tracer.h"
+
+namespace photon_splat {
+
+struct PointSettings {
+  double photons_per_disc = 0;  // wanted in each kernel disc from one pass
+  double paths_per_pass = 0;
+  float radius_factor = 1;      // user's scale times the shrinking over passes
+  float spacing = 1.0f / 3.0f;  // of points, in kernel radii; 0: a point per record
+  float wandered_spacing = 0;   // of points for records of paths that went on, if it is more
+  bool occlusion = false;       // what stands in discs is looked for
+  const float* pixel_factors = nullptr;  // on the radius, by the record's pixel; none: 1
+  // These points are for caustics: records that want nothing else count
+  bool caustics = false;
+  float fixed_radius = 0;  // metres; 0: chosen
+  // The record next to the middle of its cell gives the point, whatever the camera: no flicker
+  bool steady = false;
+};
+
+class VisiblePoints {
+ public:
+  // Chooses radii and points for `records`; `pass` decides the random places of the cells.
+  void build(Scene& scene, const Records& records, const RadiusMap& radii,
+             const PointSettings& settings, uint32_t pass, uint32_t seed, const CancelFlag& cancel);
+
+  // Kernel masses of all points (the seed's boundary term), kept apart so that it can be timed;
+  // with PointSettings::occlusion less what things that stand on the surface hide, and of discs
+  // that do not reach past walls.
+  void correct_boundaries(Scene& scene, const CancelFlag& cancel);
+
+  // Another view learns anew, so that its picture does not depend on those before.
+  void forget_clear_regions() { clear_regions_ = {}; }
+
+  // What correct_boundaries() has met, over all calls.
+  struct Counts {
+    // all; with an edge in the disc; with a thing or wall in it
+    uint64_t points = 0, cut = 0, obstructed = 0;
+  };
+  const Counts& counts() const { return counts_; }
+
+  size_t size() const { return points_.size(); }
+  PointBlocks& blocks() { return blocks_; }
+  const PointBlocks& blocks() const { return blocks_; }
+  const std::vector<Bounds>& block_bounds() const { return bounds_; }  // grown by the kernel radii
+  const KeyFilter& keys() const { return keys_; }
+  static constexpr uint32_t kNone = ~0u;  // of a record that wants none of this light
+  uint32_t point_of_record(size_t record) const { return point_of_record_[record]; }
+
+ private:
+  struct Point {
+    uint32_t record;
+    float h;
+  };
+  // What stands in a point's disc. Where earlier passes have met nothing, few points are looked at.
+  struct Look {
+    uint64_t region = 0;
+    bool done = false;
+    DiscOcclusion found;
+    bool clear(float h) const { return !(found.hidden > 0 || found.clear < h); }
+  };
+  struct Cell {
+    uint64_t hash;
+    uint32_t record;
+    float h;        // 0: none
+    uint32_t rank;  // the lowest of a cell gives the point
+  };
+  void find_cells(Scene& scene, const Records& records, const RadiusMap& radii,
+                  const PointSettings& s, uint32_t pass, uint32_t seed, const CancelFlag& cancel);
+  void pick_points(Scene& scene, const CancelFlag& cancel);
+  Look look(Scene& scene, const Record& r, float h) const;
+  // Records that see their point only through a wall get one of their own.
+  void split_at_walls(Scene& scene, const Records& records, const CancelFlag& cancel);
+  void fill_blocks(Scene& scene, const Records& records, const CancelFlag& cancel);
+
+  std::vector<Cell> cells_;
+  std::vector<Point> points_;
+  // Per point, first as they are found, then in block order; none without occlusion
+  std::vector<Look> looks_;
+  // Instance and triangle per point, in block order
+  std::vector<std::pair<uint32_t, uint32_t>> places_;
+  std::vector<uint32_t> point_of_record_;
+  PointBlocks blocks_;
+  std::vector<Bounds> bounds_;
+  KeyFilter keys_;
+  Counts counts_;
+  ClearRegions clear_regions_;
+};
+
+}  // namespace photon_splat

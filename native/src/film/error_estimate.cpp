@@ -1,0 +1,292 @@
+#include "film/error_estimate.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "film/pixel_blur.h"
+
+namespace photon_splat {
+namespace {
+
+// Half sides of the windows over which neighbours lend their statistics
+constexpr int kNear = 2, kFar = 8;
+// What the wide one counts at first: no pixel is quiet only because nothing rare has hit it yet
+constexpr float kFarShare = 0.1f;
+// From so many on, a pixel that has never varied takes less from its near ones
+constexpr float kQuietPairs = 3, kQuietShare = 0.1f;
+// Statistics of how many pixels one has, its near neighbours' included
+constexpr float kLent = 4;
+constexpr int kSlopes = 9;  // a = 1, 1.25, ... 3
+constexpr float kSlopeStep = 0.25f;
+constexpr int kGroups = 10;  // of pixels that are equally far off, by their estimates
+// passes: before, groups count nothing, or half
+constexpr uint32_t kFirstGroups = 4, kAllGroups = 8;
+constexpr size_t kSorted = 20000;  // pixels that tell where groups end
+// pixels' errors go with their neighbours': it is worth no more
+constexpr float kLentInGroup = 20;
+constexpr float kGroupStep = 4;  // at most, of the variance, up or down
+constexpr float kMost = 1e37f;
+constexpr float kNoisePerDetail = 2;  // squared: see RadiusChoice
+// Bias ~ h^2: discs of h and h/sqrt(2) differ by half of it
+constexpr float kBiasPerDetail = 2;
+
+double mean_of(const std::vector<float>& values) {
+  double sum = 0;
+  for (float v : values) sum += v;
+  return values.empty() ? 0 : sum / static_cast<double>(values.size());
+}
+
+// c k^-a / (2 - 2^(1-a)) fitted to D(k) = c k^-a at several k, with a prior on a.
+class PowerLaw {
+ public:
+  struct Prior {
+    float slope, spread;
+  };
+  // `pairs` of blocks of k passes each; every D counts as the mean over `lent` pixels.
+  PowerLaw(uint32_t passes, const std::vector<float>& k, const std::vector<float>& pairs,
+           float lent, Prior prior)
+      : levels_(k.size()), trust_(0.5f * lent * std::accumulate(pairs.begin(), pairs.end(), 0.0f)) {
+    const float all = 2 * trust_ / lent;
+    for (int s = 0; s < kSlopes; ++s) {
+      const float a = 1 + kSlopeStep * static_cast<float>(s);
+      // The law holds for blocks that the sequence fills evenly: the passes are as many as the
+      // binary digits of their number say.
+      double of_all = 0;
+      for (uint32_t digit = 1; digit && digit <= passes; digit *= 2)
+        if (passes & digit)
+          of_all += std::pow(double(digit) / passes, 2) * std::pow(double(digit), double(-a));
+      of_mean_[s] = static_cast<float>(of_all / (2 - std::exp2(1 - a)));
+      penalty_[s] = (a - prior.slope) * (a - prior.slope) / (2 * prior.spread * prior.spread);
+      for (size_t i = 0; i < levels_; ++i) {
+        power_[s][i] = std::pow(k[i], a) * pairs[i] / all;
+        penalty_[s] -= 0.5f * lent * pairs[i] * a * std::log(k[i]);
+      }
+    }
+  }
+
+  // Of the mean of all passes. difference(i) is D at the i-th k.
+  template <class Difference>
+  float variance(Difference&& difference) const {
+    float best = -INFINITY, result = 0;
+    for (int s = 0; s < kSlopes; ++s) {
+      // Each D is a sum of squares: gamma-distributed, its shape in proportion to its pairs.
+      float c = 1e-30f;
+      for (size_t i = 0; i < levels_; ++i) c += difference(i) * power_[s][i];
+      const float likelihood = -trust_ * std::log(c) - penalty_[s];
+      if (likelihood > best) {
+        best = likelihood;
+        result = c * of_mean_[s];
+      }
+    }
+    return result;
+  }
+
+ private:
+  size_t levels_;
+  float trust_, of_mean_[kSlopes], power_[kSlopes][32], penalty_[kSlopes];
+};
+
+constexpr PowerLaw::Prior kOfPixel{1.3f, 0.35f}, kOfGroup{1.15f, 0.5f};
+
+}  // namespace
+
+void ErrorEstimate::reset(int width, int height) {
+  width_ = width;
+  height_ = height;
+  passes_ = estimated_ = 0;
+  levels_.clear();
+  const size_t pixels = static_cast<size_t>(width) * height;
+  for (auto* sum : {&luminance_, &samples_, &noises_, &detail_, &detail_squares_, &error_,
+                    &variance_, &squared_bias_})
+    sum->assign(pixels, 0.0f);
+  figures_ = {};
+}
+
+void ErrorEstimate::add(const PackedFilm& pass, ThreadPool& pool) {
+  // Passes count in binary: each 1 that is carried is a block that has found its neighbour.
+  uint32_t carried = 0;
+  while (passes_ >> carried & 1) ++carried;
+  while (levels_.size() <= carried) {
+    const std::vector<float> none(luminance_.size());
+    levels_.push_back({none, none, none, none, none, 0});
+  }
+  for (uint32_t i = 0; i < carried; ++i) ++levels_[i].pairs;
+  const CancelFlag never;
+  pool.for_each(pass.tiles(), never, [&](size_t t, int) {
+    PackedFilm::Sums sums;
+    pass.see(t, sums);
+    pass.each(t, [&](size_t i, size_t place) {
+      float block = sums.luminance[place], samples = std::max(sums.samples[place], 1.0f),
+            noise = std::sqrt(samples);
+      const float detail = sums.detail[place] / samples;
+      luminance_[i] += block;
+      samples_[i] += samples;
+      noises_[i] += noise;
+      detail_[i] += detail;
+      detail_squares_[i] += detail * detail;
+      for (uint32_t k = 0; k < carried; ++k) {
+        const float open = levels_[k].open[i], open_samples = levels_[k].open_samples[i],
+                    open_noise = levels_[k].open_noise[i];
+        const float difference = open / open_samples - block / samples;
+        const float expected =
+            open_noise / (open_samples * open_samples) + noise / (samples * samples);
+        levels_[k].squares[i] += difference * difference / (expected * expected);
+        levels_[k].weights[i] += 1 / expected;
+        block += open;
+        samples += open_samples;
+        noise += open_noise;
+      }
+      levels_[carried].open[i] = block;
+      levels_[carried].open_samples[i] = samples;
+      levels_[carried].open_noise[i] = noise;
+    });
+  });
+  ++passes_;
+}
+
+void ErrorEstimate::estimate_variance(ThreadPool& pool) {
+  std::vector<float> k, pairs;
+  for (size_t i = 0; i < levels_.size(); ++i)
+    if (levels_[i].pairs) {
+      k.push_back(std::exp2(static_cast<float>(i)));
+      pairs.push_back(static_cast<float>(levels_[i].pairs));
+    }
+  const bool alone = k.empty();
+  if (alone) k = pairs = {1};
+  const float far_share = kFarShare / (1 + std::accumulate(pairs.begin(), pairs.end(), 0.0f) / 8);
+  // D(k)
+  std::vector<std::vector<float>> own(k.size(), std::vector<float>(luminance_.size())),
+      lent(k.size());
+  const CancelFlag never;
+  if (alone)
+    own[0] = differences_of_neighbours(pool);
+  else
+    pool.for_each(k.size(), never, [&](size_t i, int) {
+      const float scale = static_cast<float>(passes_) / k[i];
+      for (size_t at = 0; at < own[i].size(); ++at)
+        own[i][at] = levels_[i].squares[at] / levels_[i].weights[at] * scale * noises_[at] /
+                     (samples_[at] * samples_[at]);
+    });
+  std::vector<std::vector<float>> around(k.size());
+  pool.for_each(2 * k.size(), never, [&](size_t i, int) {
+    const size_t level = i / 2;
+    i % 2 ? blur(own[level], width_, height_, kFar, around[level])
+          : blur(own[level], width_, height_, kNear, lent[level]);
+  });
+  pool.for_each(k.size(), never, [&](size_t i, int) {
+    const std::vector<float>& far = around[i];
+    const float quiet_share = pairs[i] < kQuietPairs ? 1 : kQuietShare;
+    for (size_t at = 0; at < far.size(); ++at) {
+      if (!alone && own[i][at] == 0) lent[i][at] *= quiet_share;  // the sky beside a hedge
+      lent[i][at] += far_share * (far[at] - lent[i][at]);
+    }
+  });
+  const PowerLaw law(passes_, k, pairs, kLent, kOfPixel);
+  pool.for_each(static_cast<size_t>(height_), never, [&](size_t row, int) {
+    for (size_t at = row * width_; at < (row + 1) * width_; ++at)
+      variance_[at] = law.variance([&](size_t i) { return lent[i][at]; });
+  });
+  if (passes_ >= kFirstGroups) correct_by_group(own, k, pairs);
+}
+
+// After one pass.
+std::vector<float> ErrorEstimate::differences_of_neighbours(ThreadPool& pool) const {
+  std::vector<float> result(luminance_.size());
+  pool.for_each(static_cast<size_t>(height_), CancelFlag{}, [&](size_t y, int) {
+    for (int x = 0; x < width_; ++x) {
+      const size_t at = y * width_ + x;
+      const float right = luminance_[x + 1 < width_ ? at + 1 : at],
+                  up = luminance_[y + 1 < static_cast<size_t>(height_) ? at + width_ : at];
+      result[at] = 0.25f * ((luminance_[at] - right) * (luminance_[at] - right) +
+                            (luminance_[at] - up) * (luminance_[at] - up));
+      // Neighbours share most of their photons
+      result[at] += kNoisePerDetail * detail_squares_[at];
+    }
+  });
+  return result;
+}
+
+// A pixel's slope is that of its small blocks, of which there are many. Large blocks are few, but a
+// tenth of the picture has enough of them: its variance is taken from blocks of a quarter of all
+// passes or more. They say nothing about which pixel falls into which tenth, so that no tenth is
+// made of those that happened to look noisy.
+void ErrorEstimate::correct_by_group(const std::vector<std::vector<float>>& own,
+                                     const std::vector<float>& k, const std::vector<float>& pairs) {
+  std::vector<size_t> large;
+  std::vector<float> large_k, large_pairs;
+  for (size_t i = 0; i < k.size(); ++i)
+    if (4 * k[i] >= static_cast<float>(passes_)) {
+      large.push_back(i);
+      large_k.push_back(k[i]);
+      large_pairs.push_back(pairs[i]);
+    }
+  std::vector<float> sorted;
+  for (size_t at = 0, step = 1 + variance_.size() / kSorted; at < variance_.size(); at += step)
+    sorted.push_back(variance_[at]);
+  std::sort(sorted.begin(), sorted.end());
+  float limits[kGroups - 1];
+  for (int g = 0; g + 1 < kGroups; ++g) limits[g] = sorted[sorted.size() * (g + 1) / kGroups];
+  const auto group_of = [&](size_t at) {
+    return std::upper_bound(limits, limits + kGroups - 1, variance_[at]) - limits;
+  };
+  std::vector<double> sums(kGroups * (large.size() + 1)), count(kGroups);
+  for (size_t at = 0; at < variance_.size(); ++at) {
+    const size_t g = static_cast<size_t>(group_of(at));
+    for (size_t i = 0; i < large.size(); ++i) sums[g * (large.size() + 1) + i] += own[large[i]][at];
+    sums[g * (large.size() + 1) + large.size()] += variance_[at];
+    ++count[g];
+  }
+  const PowerLaw law(passes_, large_k, large_pairs, kLentInGroup, kOfGroup);
+  float factor[kGroups];
+  for (size_t g = 0; g < kGroups; ++g) {
+    const double* sum = &sums[g * (large.size() + 1)];
+    const float variance = law.variance(
+        [&](size_t i) { return static_cast<float>(sum[i] / std::max(count[g], 1.0)); });
+    const double before = sum[large.size()] / std::max(count[g], 1.0);
+    factor[g] = std::isfinite(variance) && before > 0 && std::isfinite(before)
+                    ? std::clamp(static_cast<float>(variance / before), 1 / kGroupStep, kGroupStep)
+                    : 1;
+    if (passes_ < kAllGroups) factor[g] = std::sqrt(factor[g]);
+  }
+  for (size_t at = 0; at < variance_.size(); ++at) variance_[at] *= factor[group_of(at)];
+}
+
+void ErrorEstimate::estimate_bias(ThreadPool& pool) {
+  const float n = static_cast<float>(passes_);
+  std::vector<float> square(detail_.size()), noise(detail_.size());
+  for (size_t i = 0; i < detail_.size(); ++i) {
+    const float mean = detail_[i] / n;
+    square[i] = mean * mean;
+    noise[i] =
+        passes_ > 1 ? std::max(0.0f, detail_squares_[i] / n - mean * mean) / (n - 1) : square[i];
+  }
+  std::vector<float> squares, noises;
+  const CancelFlag never;
+  pool.for_each(2, never, [&](size_t i, int) {
+    i ? blur(noise, width_, height_, 1, noises) : blur(square, width_, height_, 1, squares);
+  });
+  for (size_t i = 0; i < squares.size(); ++i)
+    squared_bias_[i] = kBiasPerDetail * kBiasPerDetail * std::max(0.0f, squares[i] - noises[i]);
+}
+
+void ErrorEstimate::update(ThreadPool& pool) {
+  if (estimated_ == passes_ || luminance_.empty()) return;
+  estimated_ = passes_;
+  estimate_variance(pool);
+  estimate_bias(pool);
+  for (size_t i = 0; i < error_.size(); ++i) {
+    // Squares of what is barely a float are none any more.
+    for (float* square : {&variance_[i], &squared_bias_[i]})
+      if (!(*square < kMost)) *square = kMost;
+    error_[i] = std::sqrt(variance_[i] + squared_bias_[i]);
+  }
+  std::vector<float> means(luminance_.size());
+  for (size_t i = 0; i < means.size(); ++i) means[i] = luminance_[i] / samples_[i];
+  const double mean = mean_of(means), variance = mean_of(variance_), bias = mean_of(squared_bias_);
+  figures_ = {0, 0, 0, mean};
+  if (mean > 0)
+    figures_ = {std::sqrt(variance + bias) / mean, std::sqrt(variance) / mean,
+                std::sqrt(bias) / mean, mean};
+}
+
+}  // namespace photon_splat

@@ -1,0 +1,274 @@
+#include "film/sample_choice.h"
+
+#include <bit>
+#include <numeric>
+
+namespace photon_splat {
+namespace {
+
+constexpr int kReach = 2;         // pixels around one that tell after one sample
+constexpr float kFurther = 0.1f;  // weight of those that are not next to it
+constexpr double kMost = 256;     // samples of a pixel in one pass
+constexpr double kMostMean = 3;   // of all pixels: passes stay short
+constexpr double kOutlier = 100;  // times the mean deviation: more counts as that much
+constexpr double kLeastWork = 0.05;
+// Times the variance of photons is their squared error, where radii balance the two: see
+// RadiusChoice
+constexpr double kWithBlur = 1.5;
+// Variance of low-discrepancy samples over that of random ones: before it is known, and the
+// smallest that is believed.
+constexpr double kUsualOrder = 0.5, kBestOrder = 0.05;
+
+float known(float variance) { return variance < 1e30f ? variance : 0; }
+
+// Powers of two, the nearest in ratio.
+uint32_t rounded(double samples, double least) {
+  return std::bit_floor(static_cast<uint32_t>(std::clamp(samples, least, kMost) * std::sqrt(2.0)));
+}
+
+}  // namespace
+
+void SampleChoice::Moments::reset(size_t pixels) {
+  sum.assign(pixels, 0.0f);
+  squares.assign(pixels, 0.0f);
+}
+
+void SampleChoice::Moments::add(size_t i, float mean, float samples) {
+  sum[i] += mean * samples;
+  squares[i] += mean * mean * samples;
+}
+
+float SampleChoice::Moments::variance(size_t i, float samples, float passes) const {
+  return std::max(0.0f, squares[i] - sum[i] * sum[i] / samples) / (passes - 1);
+}
+
+double PhotonSet::variance(double limit) const {
+  double sum = 0;
+  for (const float n : noise) sum += std::pow(n < limit ? n : limit, 2);
+  return sum * last;
+}
+
+void SampleChoice::reset(int width, int height, uint32_t least, std::vector<PhotonSet> photons) {
+  least_ = least;
+  width_ = width;
+  height_ = height;
+  passes_ = 0;
+  to_choose_ = false;
+  const size_t pixels = static_cast<size_t>(width) * height;
+  camera_.reset(pixels);
+  all_.reset(pixels);
+  photons_ = std::move(photons);
+  for (PhotonSet& set : photons_) set.noise.assign(pixels, 0.0f);
+  by_photons_.assign(pixels, 0.0f);
+  samples_.assign(pixels, 0.0f);
+  extra_.assign(pixels, 0);
+  count_.assign(pixels, 1);
+}
+
+void SampleChoice::see(const PackedFilm& pass, Moments& moments, ThreadPool& pool) const {
+  const CancelFlag never;
+  pool.for_each(pass.tiles(), never, [&](size_t t, int) {
+    PackedFilm::Sums sums;
+    pass.see(t, sums);
+    pass.each(t, [&](size_t i, size_t place) {
+      const float samples = sums.samples[place];
+      moments.add(i, sums.luminance[place] * (samples > 0 ? 1 / samples : 0), samples);
+    });
+  });
+}
+
+double SampleChoice::mean_count() const {
+  return count_.empty() ? 1
+                        : std::accumulate(count_.begin(), count_.end(), 0.0) /
+                              static_cast<double>(count_.size());
+}
+
+void SampleChoice::see_camera(const PackedFilm& pass, ThreadPool& pool) {
+  see(pass, camera_, pool);
+}
+
+double SampleChoice::photon_count() const {
+  double first = 0, next = 0;
+  for (const PhotonSet& set : photons_) {
+    first += set.unit_work();
+    next += set.unit_work() * set.count;
+  }
+  return first > 0 ? next / first : 1;
+}
+
+void SampleChoice::end_pass(const PackedFilm& pass, const PassWork& work, ThreadPool& pool) {
+  see(pass, all_, pool);
+  const CancelFlag never;
+  pool.for_each(pass.tiles(), never, [&](size_t t, int) {
+    PackedFilm::Sums sums;
+    pass.see(t, sums);
+    pass.each(t, [&](size_t i, size_t place) {
+      samples_[i] += sums.samples[place];
+      for (const PhotonSet& set : photons_)
+        by_photons_[i] += sums.samples[place] * set.noise[i] * set.noise[i];
+      extra_[i] += count_[i] - 1u;
+    });
+  });
+  for (PhotonSet& set : photons_) set.last = set.count;
+  to_choose_ = std::has_single_bit(++passes_);
+  work_ = work;
+}
+
+void SampleChoice::limit(double mean, double photons, ThreadPool& pool) {
+  begin_pass(pool);
+  const double all = mean_count();
+  if (all > mean) {
+    const double part = std::max(mean - 1, 0.0) / (all - 1);
+    double due = 0;  // and not given yet: what is left over goes to the next pixel
+    for (uint16_t& count : count_) {
+      due += 1 + part * (count - 1);
+      count = static_cast<uint16_t>(due);
+      due -= count;
+    }
+  }
+  const double share = std::min(1.0, photons / photon_count());
+  for (PhotonSet& set : photons_)
+    if (set.fewest < set.most) set.count *= share;
+}
+
+void SampleChoice::begin_pass(ThreadPool& pool) {
+  if (to_choose_) choose(passes_ > 1 ? deviations(pool) : first_deviations(pool));
+  to_choose_ = false;
+}
+
+// Of one sample, as the eight pixels around tell. The pixel's own samples have no say: what is
+// bright by chance would get more company than what is dark by chance, and the mean come out too
+// dark. What edges do to the light of photons counts as well.
+std::vector<float> SampleChoice::deviations(ThreadPool& pool) const {
+  std::vector<float> own(samples_.size()), result(samples_.size());
+  const CancelFlag never;
+  pool.for_each(static_cast<size_t>(height_), never, [&](size_t row, int) {
+    for (size_t i = row * width_; i < (row + 1) * width_; ++i) {
+      const float samples = std::max(samples_[i], 1.0f), passes = static_cast<float>(passes_);
+      const float all = known(all_.variance(i, samples, passes)),
+                  camera = known(camera_.variance(i, samples, passes));
+      own[i] = std::max(camera, all - known(by_photons_[i] / passes));
+    }
+  });
+  pool.for_each(static_cast<size_t>(height_), never, [&](size_t row, int) {
+    const int top = std::max(static_cast<int>(row) - 1, 0),
+              bottom = std::min(static_cast<int>(row) + 1, height_ - 1);
+    for (int x = 0; x < width_; ++x) {
+      const int left = std::max(x - 1, 0), right = std::min(x + 1, width_ - 1);
+      float sum = 0;
+      for (int y = top; y <= bottom; ++y)
+        for (int at = left; at <= right; ++at)
+          if (at != x || y != static_cast<int>(row))
+            sum += own[static_cast<size_t>(y) * width_ + at];
+      const int count = (bottom - top + 1) * (right - left + 1) - 1;
+      result[row * width_ + x] = count ? std::sqrt(sum / static_cast<float>(count)) : 0;
+    }
+  });
+  return result;
+}
+
+// The same after one sample of each pixel: as those next to each other differ, at most two pixels
+// away. What is seen only further than one away counts little, but an edge that is as bright as a
+// lamp is not to be missed. What photons add differs little so close by, but at edges.
+std::vector<float> SampleChoice::first_deviations(ThreadPool& pool) const {
+  const std::vector<float>& light = all_.sum;
+  std::vector<float> across(light.size()), down(light.size()), result(light.size());
+  const CancelFlag never;
+  const auto rows = [&](auto&& work) {
+    pool.for_each(static_cast<size_t>(height_), never,
+                  [&](size_t row, int) { work(static_cast<int>(row)); });
+  };
+  const auto half_square = [](float a, float b) { return known(0.5f * (a - b) * (a - b)); };
+  rows([&](int y) {  // each pixel and the next one of its row, or of the next row
+    for (int x = 0; x < width_; ++x) {
+      const size_t i = static_cast<size_t>(y) * width_ + x;
+      if (x + 1 < width_) across[i] = half_square(light[i], light[i + 1]);
+      if (y + 1 < height_) down[i] = half_square(light[i], light[i + width_]);
+    }
+  });
+  rows([&](int y) {
+    for (int x = 0; x < width_; ++x) {
+      float sum = 0, weights = 0;
+      for (int dy = -kReach; dy <= kReach; ++dy) {
+        if (y + dy < 0 || y + dy >= height_) continue;
+        for (int dx = -kReach; dx <= kReach; ++dx) {
+          if (x + dx < 0 || x + dx >= width_) continue;
+          const size_t i = static_cast<size_t>(y + dy) * width_ + (x + dx);
+          const bool close = std::abs(dx) <= 1 && std::abs(dy) <= 1;
+          if (dx < kReach && x + dx + 1 < width_ && !(dy == 0 && (dx == 0 || dx == -1))) {
+            const float weight = close && dx < 1 ? 1 : kFurther;
+            sum += weight * across[i];
+            weights += weight;
+          }
+          if (dy < kReach && y + dy + 1 < height_ && !(dx == 0 && (dy == 0 || dy == -1))) {
+            const float weight = close && dy < 1 ? 1 : kFurther;
+            sum += weight * down[i];
+            weights += weight;
+          }
+        }
+      }
+      result[static_cast<size_t>(y) * width_ + x] = weights > 0 ? std::sqrt(sum / weights) : 0;
+    }
+  });
+  return result;
+}
+
+void SampleChoice::choose(const std::vector<float>& deviations) {
+  const double pixels = static_cast<double>(deviations.size());
+  double all = 0, wanted = 0, photons = 0, photon_work = work_.fixed;
+  for (size_t i = 0; i < deviations.size(); ++i) {
+    float variance = deviations[i] * deviations[i];
+    for (const PhotonSet& set : photons_) variance += set.noise[i] * set.noise[i];
+    all += std::sqrt(known(variance));
+  }
+  const double limit = kOutlier * all / std::max(pixels, 1.0);
+  for (const float d : deviations) wanted += std::min<double>(d, limit);
+  for (const PhotonSet& set : photons_) {
+    photons += set.variance(limit);
+    photon_work += set.unit_work();
+  }
+  const double relative_work = photon_work > 0 ? work_.samples / photon_work : 1;
+  const double worth = std::sqrt(photons / pixels * std::max(relative_work, kLeastWork));
+  const double least =
+      std::clamp(worth > 0 ? wanted / pixels / worth : kMost, 1.0, static_cast<double>(least_));
+  const double unit = std::max(worth, wanted / pixels / kMostMean);
+  double remaining = 0;
+  for (size_t i = 0; i < count_.size(); ++i) {
+    const double d = std::min<double>(deviations[i], limit);
+    count_[i] = static_cast<uint16_t>(unit > 0 ? rounded(d / unit, least) : 1);
+    remaining += d * d / count_[i];
+  }
+  choose_photons(limit, remaining * gain_of_order(deviations, limit));
+}
+
+// By how much the mean of low-discrepancy samples varies less than that of random ones with the
+// same deviations, as the passes since the last choice differ from those before it.
+double SampleChoice::gain_of_order(const std::vector<float>& deviations, double limit) {
+  double found = 0, random = 0;
+  if (passes_ > 1)
+    for (size_t i = 0; i < samples_.size(); ++i) {
+      const float before = samples_then_[i], since = samples_[i] - before;
+      const double difference = known(then_[i] / before - (camera_.sum[i] - then_[i]) / since);
+      const double of_one = 1 / before + 1 / since;
+      found += std::min(difference * difference, limit * limit * of_one);
+      random += std::pow(std::min<double>(deviations[i], limit), 2) * of_one;
+    }
+  then_ = camera_.sum;
+  samples_then_ = samples_;
+  return random > 0 ? std::clamp(found / random, kBestOrder, 1.0) : kUsualOrder;
+}
+
+void SampleChoice::choose_photons(double limit, double camera_variance) {
+  const double others = work_.fixed + work_.samples * mean_count();
+  for (PhotonSet& set : photons_) {
+    const double variance = set.variance(limit);
+    if (!(set.work > 0)) continue;
+    const double wanted =
+        variance > 0
+            ? std::sqrt(kWithBlur * variance / camera_variance * (others / set.unit_work()))
+            : 0;
+    set.count = std::clamp(wanted, set.fewest, set.most);
+  }
+}
+
+}  // namespace photon_splat

@@ -1,0 +1,556 @@
+#include "integrators/camera_tracer.h"
+
+namespace photon_splat {
+namespace {
+
+// Paths of little throughput go on with a probability of this times their throughput.
+constexpr float kRoulette = 8;
+// What diffuse lobes keep of their chance where photons bring their light: rays share some direct
+// light with light samples.
+constexpr float kDiffuseShared = 0.5f, kDiffuseLeast = 0.05f;
+constexpr int kSureBounces = 3;  // from here on at most with the throughput itself
+// A sun and a sky, neither of which may be in sight, are looked at twice from the first vertices of
+// a path.
+constexpr float kSunny = 0.7f;
+constexpr int kSunnyVertices = 2;
+// Light samples of the first vertex where paths bring all light: their places are shaded already
+constexpr int kFirstLights = 2;
+constexpr float kBrightest = 20;       // times the world's mean: a sighting counts at most as much
+constexpr int kMaxTransparent = 4096;  // layers that let a path through before it is given up
+
+// Dimensions of the camera's low-discrepancy sequence, in pairs.
+enum Dimension : uint32_t {
+  kFilterPair,
+  kChoicePair,
+  kLightPair,
+  kBsdfPair,
+  kLobePair,
+  kSkyPair,
+  kSkyChoicePair,
+  kLensPair = 64
+};
+
+// Leaves of what lobes scatter that of those whose rays see the light.
+void keep_seen(const LightSample& light, const Surface& hit, Rgb& scattered, Rgb& diffuse,
+               float& sharp) {
+  const Rgb rest = scattered - diffuse;
+  const bool through = dot(light.direction, hit.ng) < 0;
+  const bool keeps_rest =
+      light.seen_by & ray_bit(through ? RayInfo::kTransmission : RayInfo::kGlossy);
+  const float before = average(scattered);
+  if (!(light.seen_by & ray_bit(RayInfo::kDiffuse))) diffuse = {};
+  scattered = diffuse + (keeps_rest ? rest : Rgb{});
+  const float after = average(scattered);
+  sharp = keeps_rest && after > 0 ? std::min(sharp * before / after, 1.0f) : 0;  // of what is left
+}
+
+Rgb divided(const Rgb& a, const Rgb& b) {
+  return {b.x != 0 ? a.x / b.x : 0, b.y != 0 ? a.y / b.y : 0, b.z != 0 ? a.z / b.z : 0};
+}
+
+void add_finite(Rgb& sum, const Rgb& value, uint64_t& bad) {
+  if (can_be_added(value))
+    sum += value;
+  else
+    ++bad;
+}
+
+}  // namespace
+
+// A camera path on its way. It scatters at vertices 0, 1, ...; transparent surfaces that it passes
+// are none.
+struct CameraTracer::Path {
+  Path(const CameraRay& camera_ray, Pixel& p, Tile& t, uint32_t index, uint32_t sample_number,
+       uint32_t pixel_seed)
+      : ray(camera_ray),
+        pixel(p),
+        tile(t),
+        pixel_index(index),
+        sample(sample_number),
+        seed(pixel_seed),
+        origin(ray.origin),
+        direction(ray.direction),
+        near(ray.near),
+        far(ray.far),
+        random(sample, seed) {
+    info.from = near;
+  }
+
+  const CameraRay& ray;
+  Pixel& pixel;
+  Tile& tile;
+  uint32_t pixel_index, sample, seed;
+  size_t place = 0;  // of the pixel in its tile
+  int max_bounces = 0;
+  Rgb* groups = nullptr;   // the pixel's light by group, if wanted
+  bool learns = false;     // what it sees of the world is noted
+  int wanders = 0;         // times that it went on for light that photons were to bring
+  bool deep = false;       // the ray on its way does so from beyond the first place where it did
+  bool fell_back = false;  // because they would bring it badly
+  // Photons bring the diffuse part of the light; else the path goes on for it
+  bool records = false;
+
+  Vec3 origin, direction;
+  float near, far;
+  RayInfo info{};
+  RayInfo before{};  // of the ray that met the last vertex
+  // Of what the last vertex sent on this way, by its diffuse lobes: where the world asks
+  Rgb diffuse_share{1, 1, 1};
+  int vertex = 0;  // number of the next scattering
+  // Before it, straight through glass that bends nothing: vertex 0 is not what the pixel shows
+  // first
+  bool through_glass = false;
+  float travelled = 0;               // up to the last vertex
+  Rgb throughput{1, 1, 1};           // of light that leaves the next vertex, emission excepted
+  Rgb emission_throughput{1, 1, 1};  // of its emission
+  Rgb diffuse_emission{};            // the part of that which the diffuse lobes of vertex 0 sent on
+  // Of throughput: what photons bring of light that meets nothing but sharp lobes from here on
+  Rgb brought{};
+  Rgb withheld{};  // of emission_throughput: what photons bring of it
+  Part part = Part::kDiffuse;
+  // The last vertex
+  Receiver from{{}, {}, true, ~uint64_t{0}, nullptr, 1, ray_bit(RayInfo::kCamera)};
+  float pdf = INFINITY;  // of the direction, by its BSDF
+  Random random;
+
+  void scale(const Rgb& factor) {
+    throughput *= factor;
+    emission_throughput *= factor;
+    diffuse_emission *= factor;
+    brought *= factor;
+    withheld *= factor;
+  }
+  // Numbers for the next vertex: the low-discrepancy sequence at the first one.
+  Vec2 numbers(Dimension pair) {
+    return vertex == 0 ? sobol_2d(sample, pair, seed) : random.next2();
+  }
+};
+
+void CameraTracer::trace_pixel(const Job& job, int x, int y, PackedFilm& film, Pixel& pixel,
+                               Tile& tile) const {
+  const uint32_t index = static_cast<uint32_t>(y) * film.width + x;
+  Rgb* const groups = film.groups_of(index);
+  const CameraSettings& c = camera_.settings();
+  // The place in the whole frame seeds a pixel, so that a border renders the same pixels.
+  const uint32_t frame_index = static_cast<uint32_t>(y + c.y0) * c.width + (x + c.x0);
+  const uint32_t seed = hash_combine(seed_, frame_index);
+  const bool learns = job.learns && hash_combine(seed, job.pass) % job.learning_share == 0;
+  const uint32_t first = job.choice ? job.choice->first(index, job.pass) : job.pass;
+  const uint32_t count = job.choice ? job.choice->count(index) : 1;
+  float depth = kBackgroundDepth, surface_id = 0;
+  pixel = {};
+  std::fill_n(groups, film.light_groups, Rgb{});
+  pixel.samples = static_cast<float>(count);
+  for (uint32_t sample = first; sample < first + count; ++sample) {
+    pixel.depth = kBackgroundDepth;
+    pixel.surface_id = 0;
+    const auto ray =
+        camera_.ray(x, y, sobol_2d(sample, kFilterPair, seed), sobol_2d(sample, kLensPair, seed));
+    if (ray) {
+      Path path(*ray, pixel, tile, index, sample, seed);
+      path.max_bounces = job.max_bounces;
+      path.records = job.records;
+      path.learns = learns;
+      path.place =
+          static_cast<size_t>(y % kTileSize) * kTileSize + static_cast<size_t>(x % kTileSize);
+      path.groups = groups;
+      trace_path(path);
+    } else {  // outside the lens' image: black, not transparent
+      pixel.alpha += 1;
+    }
+    if (sample == first) {
+      depth = pixel.depth;
+      surface_id = pixel.surface_id;
+    }
+  }
+  pixel.depth = depth;
+  pixel.surface_id = surface_id;
+}
+
+void CameraTracer::trace_path(Path& path) const {
+  for (;;) {
+    Surface hit;
+    ++path.tile.rays;
+    path.tile.deep_rays += path.deep;
+    const bool found = scene_.intersect(path.origin, path.direction, path.near, path.far,
+                                        path.vertex == 0, hit, ray_bit(path.info.kind));
+    add_lamps(path, found ? hit.distance : path.far >= 1e30f ? INFINITY : path.far);
+    if (found && path.vertex > 0 && path.info.transparent_depth == 0)
+      see_world(path, path.from, path.direction, {}, true);
+    if (!found) {
+      add_world(path);
+      return;
+    }
+    const Vec3 wo = -path.direction;
+    path.info.length = hit.distance;
+    path.info.footprint = camera_.footprint_at(path.ray, path.travelled + hit.distance);
+    Bsdf bsdf(Transport::kRadiance, wo, hit.ng, hit.ns, hit.back);
+    scene_.shade(hit, wo, path.info, bsdf);
+    const bool holdout = path.vertex == 0 && scene_.instances[hit.instance].holdout;
+    if (!holdout) add_emission(path, hit, bsdf.emission());
+    if (path.vertex == 0 && path.info.transparent_depth == 0)
+      path.pixel.normal += bsdf.mean_normal();
+    const Passing passing = pass_through(path, hit, bsdf);
+    if (passing == Passing::kPasses) continue;
+    if (passing == Passing::kAbsorbed) {
+      if (path.vertex == 0 && !path.through_glass) path.pixel.alpha += 1;
+      return;
+    }
+    if (holdout) return;
+    if (path.vertex == 0) {
+      if (!path.through_glass) show_first(path, hit, 1 - bsdf.holdout());
+      path.pixel.diffuse_color += bsdf.diffuse_albedo() * path.throughput;
+      path.pixel.albedo += bsdf.albedo() * path.throughput;
+    }
+    if (!bsdf.scatters() || !(max_abs(path.throughput) > 0)) return;
+    Receiver receiver{hit.position, bsdf.transmits() ? Vec3{} : hit.ng, bsdf.has_rest(),
+                      scene_.instances[hit.instance].group};
+    if (!brings_all()) receiver.sky = lights_.guide_at(receiver.x, receiver.n);
+    receiver.ns = hit.ns;
+    receiver.bounces = static_cast<uint16_t>(path.vertex);
+    if (path.vertex < kSunnyVertices && lights_.environment().contrast() > kSunny)
+      receiver.world_samples = 2;
+    const bool gathers = path.records && path.vertex < path.max_bounces,
+               fallback = gathers && falls_back(path, hit, bsdf);
+    if (path.records && bsdf.has_rest()) {
+      const bool shares_diffuse =
+          lights_.wants_bsdf_ray({receiver.x, receiver.n, false, receiver.group});
+      bsdf.prefer_rest(fallback ? 1 : shares_diffuse ? kDiffuseShared : kDiffuseLeast);
+    }
+    add_direct(path, hit, bsdf, receiver);
+    if (gathers && (!fallback || caustic_photons_)) leave_records(path, hit, bsdf, fallback);
+    if (!scatter(path, hit, bsdf, receiver, fallback)) return;
+    if (lights_.shadow_linked()) add_linked(path);
+  }
+}
+
+void CameraTracer::show_first(Path& path, const Surface& hit, float alpha) const {
+  path.pixel.alpha += alpha;
+  path.pixel.depth = hit.distance * path.ray.cosine;
+  path.pixel.surface_id = static_cast<float>(hit.key & 0xffffff);
+}
+
+// Light that the ray met: emitted, or sent on by the last vertex as direct light, or further on its
+// way.
+void CameraTracer::add_met(Path& path, const Rgb& radiance, Rgb& seen, int16_t light_group) const {
+  const Rgb light = path.emission_throughput * radiance;
+  if (path.deep) see_deep(path, light);
+  if (path.groups) GroupLight{path.groups, path.emission_throughput}.add(radiance, light_group);
+  if (path.vertex == 0) {
+    add_finite(seen, light, path.tile.bad_samples);
+  } else if (path.vertex == 1) {
+    const Rgb diffuse = path.diffuse_emission * radiance;
+    add_finite(path.pixel.diffuse_direct, diffuse, path.tile.bad_samples);
+    add_finite(direct_of(path.pixel, path.part == Part::kDiffuse ? Part::kGlossy : path.part),
+               light - diffuse, path.tile.bad_samples);
+  } else {
+    add_finite(indirect_of(path.pixel, path.part), light, path.tile.bad_samples);
+  }
+}
+
+void CameraTracer::add_lamps(Path& path, float far) const {
+  GroupLight light{path.groups, path.emission_throughput}, *const groups =
+                                                               path.groups ? &light : nullptr;
+  const Rgb radiance =
+      path.vertex == 0 && !path.through_glass
+          ? lights_.lamps_seen(path.origin, path.direction, path.near, far, groups)
+          : lights_.lamps_met(path.from, path.direction, path.near, far, path.pdf, groups);
+  if (!is_black(radiance)) add_met(path, radiance, path.pixel.emission);
+}
+
+// Before the ray of a lobe is traced, what it would find behind surfaces that do not block it.
+void CameraTracer::add_linked(Path& path) const {
+  GroupLight light{path.groups, path.emission_throughput};
+  const Rgb radiance = lights_.linked_met(path.from, path.origin, path.direction, path.pdf,
+                                          path.info, path.groups ? &light : nullptr);
+  if (!is_black(radiance)) add_met(path, radiance, path.pixel.emission);
+}
+
+void CameraTracer::add_world(Path& path) const {
+  if (path.vertex == 0 && !path.through_glass) {
+    if (camera_.settings().transparent) {
+      path.pixel.alpha += 1 - average(path.throughput);
+      return;
+    }
+    path.pixel.alpha += 1;
+  }
+  const Environment& world = lights_.environment();
+  if (path.vertex == 0 && world.asks_camera())
+    return add_met(path, world.radiance(path.direction, path.info), path.pixel.environment,
+                   scene_.world_light_group);
+  const Rgb light = lights_.world_met(path.from, path.direction, path.pdf);
+  if (path.vertex > 0) see_world(path, path.from, path.direction, light / path.pdf, true);
+  if (path.vertex > 0 && world.asks_ray()) return add_world_by_ray(path, light);
+  add_met(path, light, path.pixel.environment, scene_.world_light_group);
+}
+
+// The world's light as a ray of each kind sees it. What diffuse lobes sent on this way and what
+// others did adds up to all, whichever the ray was drawn by, as for light samples: they and rays
+// then share the same light.
+void CameraTracer::add_world_by_ray(Path& path, const Rgb& light) const {
+  const Environment& world = lights_.environment();
+  const bool delta = !(path.pdf < INFINITY), through = path.info.through;
+  const auto share = [&](bool diffuse) {
+    RayInfo ray = path.before.scattered(diffuse, through, delta);
+    ray.transparent_depth = path.info.transparent_depth;
+    return world.share(path.direction, ray);
+  };
+  const Rgb diffuse = is_black(path.diffuse_share) ? Rgb{} : share(true), rest = share(false);
+  const Rgb all = path.emission_throughput + path.withheld;
+  const Rgb kept = path.emission_throughput, kept_diffuse = path.diffuse_emission;
+  path.diffuse_emission = path.diffuse_emission * diffuse;
+  path.emission_throughput =
+      all * (path.diffuse_share * diffuse + (Rgb{1, 1, 1} - path.diffuse_share) * rest) -
+      path.withheld * rest;
+  add_met(path, light, path.pixel.environment, scene_.world_light_group);
+  path.emission_throughput = kept;
+  path.diffuse_emission = kept_diffuse;
+}
+
+void CameraTracer::add_emission(Path& path, const Surface& hit, const Rgb& emission) const {
+  if (is_black(emission)) return;
+  const float weight = path.vertex == 0 ? 1 : lights_.surface_mis_weight(path.from, hit, path.pdf);
+  if (weight > 0)
+    add_met(path, emission * weight, path.pixel.emission,
+            scene_.instances[hit.instance].light_group);
+}
+
+// Transparency is no lobe: the path goes straight on, as if nothing had been hit, or it stays and
+// scatters.
+CameraTracer::Passing CameraTracer::pass_through(Path& path, const Surface& hit,
+                                                 const Bsdf& bsdf) const {
+  const Rgb transparency = bsdf.transparency();
+  const float mean = average(transparency);
+  if (!(mean > 0)) return Passing::kStays;
+  const float scattered = bsdf.scatters() ? std::max(average(bsdf.albedo()), 0.05f) : 0;
+  const float passing = mean / (mean + scattered);
+  const bool passes = scattered == 0 || path.random.next() < passing;
+  path.scale(passes ? transparency / passing : Rgb{1, 1, 1} / (1 - passing));
+  if (!passes) return Passing::kStays;
+  const float survival = std::min(1.0f, max_abs(path.emission_throughput) * kRoulette);
+  if (++path.info.transparent_depth > kMaxTransparent || path.random.next() >= survival)
+    return Passing::kAbsorbed;
+  path.scale(Rgb{1, 1, 1} / survival);
+  path.near = std::nextafter(hit.distance + ray_epsilon(hit.position, hit.distance), INFINITY);
+  if (!is_black(bsdf.straight())) pass_glass(path, hit);
+  return Passing::kPasses;
+}
+
+// What lies behind is seen by a ray of transmission: lamps that hide from the camera show.
+void CameraTracer::pass_glass(Path& path, const Surface& hit) const {
+  path.info.kind = RayInfo::kTransmission;
+  path.info.singular = true;
+  ++path.info.depth;
+  ++path.info.transmission_depth;
+  if (path.vertex > 0 || path.through_glass) return;
+  path.through_glass = true;
+  path.from = {path.origin, {}, true};
+  show_first(path, hit, 1);
+}
+
+void CameraTracer::add_direct(Path& path, const Surface& hit, const Bsdf& bsdf,
+                              const Receiver& receiver) const {
+  if (path.vertex == 0 && brings_all())
+    return bsdf.only_delta() ? void() : add_first_direct(path, hit, bsdf, receiver);
+  const Vec2 choice = path.numbers(kChoicePair), place = path.numbers(kLightPair);
+  if (bsdf.only_delta()) return;
+  if (const auto light = lights_.sample(receiver, choice.x, place))
+    add_light(path, hit, bsdf, receiver, *light, false);
+  const Vec2 sky_choice = path.numbers(kSkyChoicePair), sky_place = path.numbers(kSkyPair);
+  for (uint32_t i = 0; i < receiver.world_samples; ++i)
+    if (const auto world = lights_.sample_world(receiver, i, sky_choice.x, sky_place))
+      add_light(path, hit, bsdf, receiver, *world, true);
+}
+
+// Several samples, each with its part of the light.
+void CameraTracer::add_first_direct(Path& path, const Surface& hit, const Bsdf& bsdf,
+                                    const Receiver& receiver) const {
+  const Rgb throughput = path.throughput, brought = path.brought;
+  path.throughput = throughput * (1.0f / kFirstLights);
+  path.brought = brought * (1.0f / kFirstLights);
+  for (uint32_t i = 0; i < kFirstLights; ++i) {
+    const uint32_t index = path.sample * kFirstLights + i;
+    if (const auto light = lights_.sample(receiver, sobol_2d(index, kChoicePair, path.seed).x,
+                                          sobol_2d(index, kLightPair, path.seed)))
+      add_light(path, hit, bsdf, receiver, *light, false);
+  }
+  path.throughput = throughput;
+  path.brought = brought;
+}
+
+void CameraTracer::see_deep(const Path& path, const Rgb& light) {
+  if (!path.tile.deep.empty() && can_be_added(light))
+    path.tile.deep[path.place] += luminance(light);
+}
+
+// Something that was met on the way to the world or in its direction, for what learns from it.
+void CameraTracer::see_world(Path& path, const Receiver& from, const Vec3& direction,
+                             const Rgb& light, bool ray) const {
+  if (!path.learns || !(path.pdf < INFINITY || !ray)) return;
+  const float cosine = is_black(from.n) ? 1 : std::max(0.0f, dot(from.n, direction));
+  const float most = kBrightest * luminance(lights_.environment().mean()) * 4 * kPi;
+  path.tile.sightings.push_back(
+      {from.x, from.n, direction, std::min(luminance(light) * cosine, most), ray});
+}
+
+void CameraTracer::add_light(Path& path, const Surface& hit, const Bsdf& bsdf,
+                             const Receiver& receiver, const LightSample& light, bool world) const {
+  float pdf = 0, sharp = 0;
+  Rgb diffuse{};
+  const bool brought = !is_black(path.brought);
+  Rgb scattered =
+      bsdf.evaluate(light.direction, &pdf, nullptr, &diffuse, brought ? &sharp : nullptr);
+  if (light.seen_by != kAllRays) keep_seen(light, hit, scattered, diffuse, sharp);
+  if (!(max_abs(scattered) > 0)) return;
+  ++path.tile.rays;
+  path.tile.deep_rays += path.wanders > 1;
+  Rgb arriving = light.weight * light_through(light, hit, path.info);
+  if (light.use_mis) arriving *= light.pdf * light.pdf / (light.pdf * light.pdf + pdf * pdf);
+  if (world) {
+    see_world(path, receiver, light.direction, arriving, false);
+  }
+  if (light.from_world && lights_.environment().asks_ray()) {
+    const bool through = dot(light.direction, hit.ng) < 0;
+    const Rgb seen =
+        lights_.environment().share(light.direction, path.info.scattered(true, through, false));
+    const Rgb seen_rest = bsdf.has_rest()
+                              ? lights_.environment().share(
+                                    light.direction, path.info.scattered(false, through, false))
+                              : Rgb{};
+    const Rgb rest =
+        (path.throughput * (scattered - diffuse) - path.brought * scattered * sharp) * seen_rest;
+    diffuse = path.throughput * diffuse * seen;
+    scattered = diffuse + rest;
+  } else {
+    arriving *= path.throughput - path.brought * sharp;
+  }
+  if (path.wanders > 1) see_deep(path, arriving * scattered);
+  if (path.groups) GroupLight{path.groups, scattered}.add(arriving, light.light_group);
+  if (path.vertex == 0) {
+    const bool through = dot(light.direction, hit.ng) < 0;
+    add_finite(path.pixel.diffuse_direct, arriving * diffuse, path.tile.bad_samples);
+    add_finite(direct_of(path.pixel, through ? Part::kTransmission : Part::kGlossy),
+               arriving * (scattered - diffuse), path.tile.bad_samples);
+  } else {
+    add_finite(indirect_of(path.pixel, path.part), arriving * scattered, path.tile.bad_samples);
+  }
+}
+
+// The ray starts off the surface, so it is aimed anew; before an emissive surface it stops as far
+// off that one.
+Rgb CameraTracer::light_through(const LightSample& light, const Surface& hit,
+                                const RayInfo& ray) const {
+  const float epsilon = ray_epsilon(hit.position, hit.distance);
+  const Vec3 origin = hit.position + hit.ng * std::copysign(epsilon, dot(light.direction, hit.ng));
+  if (light.exact >= 0 &&
+      lights_.blocked_exactly(static_cast<uint32_t>(light.exact), origin, light.place))
+    return {};
+  if (!std::isfinite(light.distance))
+    return scene_.transmittance(origin, light.direction, INFINITY, ray, light.blockers);
+  const Vec3 target = hit.position + light.direction * light.distance +
+                      light.normal * std::max(epsilon, ray_epsilon(hit.position, light.distance));
+  const Vec3 way = target - origin;
+  const float distance = length(way);
+  if (!(distance > 0)) return {1, 1, 1};
+  return scene_.transmittance(origin, way / distance, distance * (1 - 1e-5f), ray, light.blockers);
+}
+
+bool CameraTracer::brings_all() const {
+  return fallback_ && fallback_->reach() == Fallback::Reach::kAll;
+}
+
+bool CameraTracer::falls_back(Path& path, const Surface& hit, const Bsdf& bsdf) const {
+  const bool here = !is_black(bsdf.gather());
+  if (!here && is_black(bsdf.gather_through())) return false;
+  if (!fallback_) return false;
+  if (fallback_->reach() == Fallback::Reach::kAll) return true;
+  if (fallback_->reach() == Fallback::Reach::kFirst && path.wanders == 0) return true;
+  ++path.tile.places;
+  const uint32_t key = here ? hit.key : hit.key ^ 1u;
+  if (!(path.fell_back && !fallback_->knows(key)) &&
+      !fallback_->at(key, hit.position, hit.instance, hit.triangle, radius_factor_, path.tile.near))
+    return false;
+  ++path.tile.fallbacks;
+  path.fell_back = true;
+  return true;
+}
+
+void CameraTracer::leave_records(Path& path, const Surface& hit, const Bsdf& bsdf,
+                                 bool caustics_only) const {
+  const auto leave = [&](const Rgb& albedo, uint32_t key, const Vec3& ng) {
+    const Rgb throughput = path.throughput * albedo * (1 / kPi);
+    if (is_black(throughput)) return;
+    if (!is_finite(throughput))
+      ++path.tile.bad_samples;
+    else
+      path.tile.records.push_back({hit.position, key, ng, path.info.footprint, throughput,
+                                   path.pixel_index, hit.instance, hit.triangle, path.part,
+                                   caustics_only, path.wanders > 0});
+  };
+  leave(bsdf.gather(), hit.key, hit.ng);
+  leave(bsdf.gather_through(), hit.key ^ 1u, -hit.ng);
+}
+
+// Sends the path on for light that records do not bring; false where it ends.
+bool CameraTracer::scatter(Path& path, const Surface& hit, const Bsdf& bsdf,
+                           const Receiver& receiver, bool fallback) const {
+  const bool last = path.vertex >= path.max_bounces, whole = !path.records || fallback;
+  const bool goes_on = !last && (whole || bsdf.has_rest());
+  if (!goes_on && !bsdf.has_rest() && !lights_.wants_bsdf_ray(receiver)) return false;
+  const Vec2 lobe = path.numbers(kLobePair), way = path.numbers(kBsdfPair);
+  const auto s = bsdf.sample(lobe.x, way);
+  if (!s) return false;
+  Rgb diffuse = s->diffuse ? s->weight : Rgb{};
+  if (path.vertex == 0 && bsdf.has_rest() && s->pdf > 0) {
+    float pdf;
+    bsdf.evaluate(s->direction, &pdf, nullptr, &diffuse);
+    diffuse = diffuse / s->pdf;
+  }
+  if (lights_.environment().asks_ray()) {
+    path.before = path.info;
+    path.diffuse_share = s->diffuse ? Rgb{1, 1, 1} : Rgb{};
+    if (bsdf.has_rest() && s->pdf > 0) {
+      float pdf;
+      Rgb by_diffuse;
+      const Rgb whole_way = bsdf.evaluate(s->direction, &pdf, nullptr, &by_diffuse);
+      path.diffuse_share = divided(by_diffuse, whole_way);
+    }
+  }
+  const Rgb before = path.throughput;
+  path.throughput = !goes_on ? Rgb{} : whole ? before * s->weight : before * s->rest;
+  const Rgb still_brought = s->diffuse ? Rgb{} : path.brought * s->weight * sharpness(s->roughness);
+  path.withheld = still_brought;
+  path.emission_throughput = before * s->weight - still_brought;
+  path.brought = still_brought;
+  path.deep = path.wanders > 1;
+  path.wanders += fallback;
+  if (fallback && caustic_photons_) path.brought += before * (s->weight - s->rest);
+  path.diffuse_emission = before * diffuse;
+  if (!is_finite(path.emission_throughput) || !is_finite(path.throughput) ||
+      !is_finite(path.diffuse_emission)) {
+    ++path.tile.bad_samples;
+    return false;
+  }
+  const float strength = std::max(max_abs(path.throughput), max_abs(path.emission_throughput));
+  const float survival = std::min(1.0f, strength * (path.vertex < kSureBounces ? kRoulette : 1.2f));
+  if (path.random.next() >= survival) return false;
+  path.scale(Rgb{1, 1, 1} / survival);
+
+  if (path.vertex == 0)
+    path.part = s->transmitted ? Part::kTransmission : s->diffuse ? Part::kDiffuse : Part::kGlossy;
+  path.info = path.info.scattered(s->diffuse, s->transmitted, s->pdf <= 0);
+  const float side =
+      std::copysign(ray_epsilon(hit.position, hit.distance), dot(s->direction, hit.ng));
+  path.travelled += hit.distance;
+  path.origin = hit.position + hit.ng * side;
+  path.direction = s->direction;
+  path.near = 0;
+  path.far = INFINITY;
+  path.from = receiver;
+  path.from.ray = static_cast<uint8_t>(ray_bit(path.info.kind));
+  path.pdf = s->pdf > 0 ? s->pdf : INFINITY;
+  ++path.vertex;
+  return true;
+}
+
+}  // namespace photon_splat

@@ -1,0 +1,154 @@
+// The camera's side: paths from the lens through mirrors and glass to surfaces that scatter
+// diffusely, direct light on the way, and records of what photons are to add later.
+#pragma once
+
+#include "film/packed_film.h"
+#include "film/sample_choice.h"
+#include "integrators/fallback.h"
+#include "integrators/gather_trial.h"
+#include "lights/lights.h"
+#include "scene/camera.h"
+
+namespace photon_splat {
+
+// A place where a camera path asks for indirect irradiance E: its pixel gets throughput * E. A path
+// may leave any number of records; nothing downstream knows the camera.
+struct Record {
+  Vec3 position;
+  uint32_t key;
+  Vec3 ng;
+  float footprint;  // width of a camera sample there, m
+  Rgb throughput;   // albedo / pi times what the path gathered on its way
+  uint32_t pixel;
+  uint32_t instance, triangle;
+  Part part;
+  bool caustics_only = false;  // indirect light comes by the camera path itself
+  bool wandered = false;       // the path has gone on from such a place
+};
+
+using Records = LargeArray<Record>;
+
+// Pixels along the side of a tile, which one thread traces
+inline constexpr int kTileSize = PackedFilm::kSide;
+
+class CameraTracer {
+ public:
+  CameraTracer(Scene& scene, const Lights& lights, const Camera& camera, uint32_t seed)
+      : scene_(scene), lights_(lights), camera_(camera), seed_(seed) {}
+
+  // Which tiles of the picture one call traces. Scouts: an eighth of them, all over the picture, or
+  // all of a small one. Rest: those that have been no scouts; of scouts the pixels with records
+  // where paths go on by now. Again: the same of all tiles.
+  enum class Tiles { kAll, kScouts, kRest, kAgain };
+
+  // The camera samples of pass `pass`, as many as `choice` says, instead of what `film` held;
+  // returns the records of the pass so far in tile order. Paths go through at most `max_bounces`
+  // lobes. Tells `sky` what it has seen of the world, as long as that wants to learn.
+  const Records& trace(uint32_t pass, const SampleChoice& choice, SkyGuide& sky, int max_bounces,
+                       PackedFilm& film, const CancelFlag& cancel, Tiles tiles = Tiles::kAll);
+  // What the paths of the last call have found for it, if they brought all of the indirect light
+  // (Fallback::Reach::kAll) and were asked to.
+  void keep_trial(bool on) { keeps_trial_ = on; }
+  GatherTrial trial() const;
+  // Whether scouts are less than all.
+  static bool sends_scouts(const PackedFilm& film);
+
+  // From now on paths go on for the indirect light where `fallback` says so (nullptr: nowhere);
+  // with `caustics` photons bring caustics there all the same. `radius_factor`: of the pass to
+  // come, on all radii.
+  void set_fallback(const Fallback* fallback, bool caustics, float radius_factor) {
+    fallback_ = fallback;
+    caustic_photons_ = caustics;
+    radius_factor_ = radius_factor;
+  }
+
+  // One sample per pixel of the unbiased path tracer, indirect light included; leaves no records.
+  void trace_reference(uint32_t sample, int max_bounces, PackedFilm& film,
+                       const CancelFlag& cancel);
+
+  uint64_t rays() const { return rays_; }
+  uint64_t last_rays() const { return last_rays_; }  // of the last pass
+  // Samples whose light was not finite and was left out: 0 unless something is wrong.
+  uint64_t bad_samples() const { return bad_samples_; }
+  // Places where indirect light was wanted, over all calls of trace(), and those of them where
+  // paths went on for it.
+  uint64_t places() const { return places_; }
+  uint64_t fallbacks() const { return fallbacks_; }
+  uint64_t last_fallbacks() const { return last_fallbacks_; }  // of the last call
+  // Records of tile t are [tile_ranges()[t], tile_ranges()[t + 1]); no two tiles share a pixel.
+  const std::vector<size_t>& tile_ranges() const { return ranges_; }
+  // Gives back the memory of records: no pass follows.
+  void forget_records();
+
+ private:
+  struct Tile {
+    std::vector<Record> records;
+    std::vector<SkyGuide::Sighting> sightings;
+    uint64_t rays = 0, bad_samples = 0, places = 0, fallbacks = 0;
+    std::vector<Record> kept;      // while some pixels are traced again: all there were
+    std::vector<uint8_t> changed;  // for the first of each pixel, whether that is among them
+    bool again = false;            // whether that is so
+    GatherTrial trial;
+    // Of the trial: luminance of each pixel from beyond the first place that its paths went on from
+    std::vector<float> deep;
+    uint64_t deep_rays = 0;
+    RadiusMap::Memory near;  // what `fallback_` was asked last
+    void clear();
+  };
+  struct Path;
+  enum class Passing { kStays, kPasses, kAbsorbed };
+  struct Job {
+    uint32_t pass;
+    const SampleChoice* choice;  // none: one sample
+    int max_bounces;
+    bool records;
+    Tiles tiles = Tiles::kAll;
+    bool learns = false;
+    uint32_t learning_share = 1;  // of the pixels, 1 in so many
+  };
+  void trace_tiles(const Job& job, PackedFilm& film, const CancelFlag& cancel);
+  void trace_tile(const Job& job, size_t t, PackedFilm& film);
+  bool find_changed(Tile& tile) const;
+  static void see_trial(Tile& tile, const PackedFilm::Tile& pixels, int width, int height);
+  void trace_pixel(const Job& job, int x, int y, PackedFilm& film, Pixel& pixel, Tile& tile) const;
+  void trace_path(Path& path) const;
+  void add_met(Path& path, const Rgb& radiance, Rgb& seen,
+               int16_t light_group = kNoLightGroup) const;
+  void add_lamps(Path& path, float far) const;
+  void add_linked(Path& path) const;
+  void add_world(Path& path) const;
+  void add_world_by_ray(Path& path, const Rgb& light) const;
+  void add_emission(Path& path, const Surface& hit, const Rgb& emission) const;
+  void show_first(Path& path, const Surface& hit, float alpha) const;
+  void pass_glass(Path& path, const Surface& hit) const;
+  Passing pass_through(Path& path, const Surface& hit, const Bsdf& bsdf) const;
+  void add_direct(Path& path, const Surface& hit, const Bsdf& bsdf, const Receiver& receiver) const;
+  void add_first_direct(Path& path, const Surface& hit, const Bsdf& bsdf,
+                        const Receiver& receiver) const;
+  void add_light(Path& path, const Surface& hit, const Bsdf& bsdf, const Receiver& receiver,
+                 const LightSample& light, bool world) const;
+  void see_world(Path& path, const Receiver& from, const Vec3& direction, const Rgb& light,
+                 bool ray) const;
+  Rgb light_through(const LightSample& light, const Surface& hit, const RayInfo& ray) const;
+  static void see_deep(const Path& path, const Rgb& light);
+  bool brings_all() const;
+  bool falls_back(Path& path, const Surface& hit, const Bsdf& bsdf) const;
+  void leave_records(Path& path, const Surface& hit, const Bsdf& bsdf, bool caustics_only) const;
+  bool scatter(Path& path, const Surface& hit, const Bsdf& bsdf, const Receiver& receiver,
+               bool fallback) const;
+
+  Scene& scene_;
+  const Lights& lights_;
+  const Camera& camera_;
+  uint32_t seed_;
+  std::vector<Tile> tiles_;
+  Records records_;
+  std::vector<size_t> ranges_;
+  uint64_t rays_ = 0, last_rays_ = 0, bad_samples_ = 0, places_ = 0, fallbacks_ = 0,
+           last_fallbacks_ = 0;
+  const Fallback* fallback_ = nullptr;
+  bool caustic_photons_ = false, keeps_trial_ = false;
+  float radius_factor_ = 1;
+};
+
+}  // namespace photon_splat

@@ -1,0 +1,52 @@
+// Spheres that photons are aimed at, so that a small glass in a big room gets its caustic.
+#pragma once
+
+#include <vector>
+
+#include "math/vec.h"
+
+namespace photon_splat {
+
+struct PhotonStart;
+
+// What Lights::aim_at makes and Lights::emit_towards draws from: a mixture of the lights' natural
+// emission and, for every pair of an emitter and a target, emission into what the target fills of
+// the emitter's view. Pairs are drawn in proportion to the power that passes from one to the other,
+// times the target's weight.
+class EmissionTargets {
+ public:
+  struct Sphere {
+    Vec3 center;
+    float radius;      // m, positive
+    float weight = 1;  // photons wanted there per power that arrives, relative to the other targets
+  };
+
+  size_t size() const { return spheres_.size(); }
+  const Sphere& sphere(size_t i) const { return spheres_[i]; }
+
+  // A path that began with `start` was of so much use: the squares of what its photons kept of its
+  // power, say. After finish(), pairs are drawn by the root of the mean use of their paths as well
+  // (with squares: what makes the variance of the sum least), none less than a twentieth of its
+  // share before.
+  void learn(const PhotonStart& start, double useful);
+  void finish();
+
+ private:
+  friend class Lights;
+  struct Pair {
+    uint32_t emitter, target;
+    double flux;  // about W from one to the other, times the target's weight
+    float probability = 0;
+    float paths = 0, useful = 0;
+  };
+  void distribute(const std::vector<double>& wishes);
+  double natural_share() const { return pairs_.empty() ? 1 : natural_share_; }
+
+  std::vector<Sphere> spheres_;
+  double natural_share_ = 0.125;
+  std::vector<Pair> pairs_;           // by emitter
+  std::vector<uint32_t> first_pair_;  // of each emitter, and the end
+  std::vector<double> pair_cdf_;
+};
+
+}  // namespace photon_splat

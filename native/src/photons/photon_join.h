@@ -1,0 +1,75 @@
+// Joins what runs of paths leave that several threads trace, in the order of the runs.
+#pragma once
+
+#include <memory>
+#include <mutex>
+
+#include "math/vec.h"
+#include "util/large_pages.h"
+#include "util/parallel.h"
+
+namespace photon_splat {
+
+struct Photon {
+  Vec3 position;    // m, relative to the scene's origin
+  uint32_t key;     // surface patch and side
+  uint16_t normal;  // geometric normal on the side it hit, encoded
+  uint16_t from;    // direction towards where it came from, encoded
+  Rgb power;        // W; the shading normal's factor |w.ns|/|w.ng| is in it
+};
+static_assert(sizeof(Photon) == 32);
+using Photons = LargeArray<Photon>;
+
+// Mean square of their powers over the squared mean, 1 to 32: so many times the noise of equal
+// photons is that of these.
+float power_dispersion(const Photons& photons);
+
+struct PhotonRun {
+  Photons photons;
+  std::vector<int16_t> groups;  // light groups of the photons, or empty
+  uint64_t rays = 0, shaded = 0;
+  std::vector<float> ray_log;
+
+  void clear() {
+    photons.clear();
+    groups.clear();
+    rays = shaded = 0;
+    ray_log.clear();
+  }
+};
+
+// Runs are copied to their place as soon as those before them are there, while they are still in
+// the thread's cache; their memory serves again. Where there are more photons than were expected,
+// the others follow at the end.
+class PhotonJoin {
+ public:
+  void begin(size_t runs, size_t expected_photons, bool with_groups);
+  // To be called by any thread: a run to fill, and to hand one in that is full.
+  std::unique_ptr<PhotonRun> take();
+  void add(size_t number, std::unique_ptr<PhotonRun> run);
+  // When all have been handed in.
+  void finish(ThreadPool& pool, const CancelFlag& cancel);
+  void clear();
+
+  const Photons& photons() const { return photons_; }
+  const std::vector<int16_t>& groups() const { return groups_; }
+  uint64_t rays() const { return rays_; }
+  uint64_t shaded() const { return shaded_; }
+  const std::vector<float>& ray_log() const { return ray_log_; }
+
+ private:
+  void put(const PhotonRun& run, Photon* photons, int16_t* groups) const;
+  void count(const PhotonRun& run);
+
+  Photons photons_;
+  std::vector<int16_t> groups_;
+  bool with_groups_ = false;
+  uint64_t rays_ = 0, shaded_ = 0;
+  std::vector<float> ray_log_;
+  // Of what follows, and of the sizes of what is above
+  std::unique_ptr<std::mutex> mutex_ = std::make_unique<std::mutex>();
+  std::vector<std::unique_ptr<PhotonRun>> runs_, spare_;
+  size_t next_ = 0;  // run to be put into its place
+};
+
+}  // namespace photon_splat

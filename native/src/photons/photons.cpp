@@ -1,0 +1,307 @@
+#include "photons/photons.h"
+
+#include <bit>
+
+#include "photons/caustic_targets.h"
+#include "photons/seen_places.h"
+
+namespace photon_splat {
+namespace {
+
+constexpr uint64_t kPathsPerChunk = PhotonPaths::kMost;  // their state stays in the cache
+constexpr uint32_t kStartsAtOnce = SobolPair::kMost;
+constexpr double kMorePhotons = 1.1;  // memory is kept for, than the last paths have left
+// Of unguided paths, from which on they are left unguided
+constexpr double kUsefulShare = 0.3;
+
+Scene::Rays rays_of(const PhotonPaths& paths, uint32_t first) {
+  return {paths.origin_x + first,    paths.origin_y + first,    paths.origin_z + first,
+          paths.direction_x + first, paths.direction_y + first, paths.direction_z + first};
+}
+
+void log_rays(const Scene::Rays& r, uint32_t count, std::vector<float>& log) {
+  for (uint32_t k = 0; k < count; ++k)
+    log.insert(log.end(), {r.origin_x[k], r.origin_y[k], r.origin_z[k], 0, r.direction_x[k],
+                           r.direction_y[k], r.direction_z[k], INFINITY});
+}
+
+}  // namespace
+
+BounceKernel choose_bounce_kernel(const std::string& name) {
+#if defined(__x86_64__) && defined(__GNUC__)
+  __builtin_cpu_init();
+  const bool avx512 = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
+                      __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw");
+  if (avx512 && (name.empty() || name == "avx512")) return bounce_avx512;
+  if (__builtin_cpu_supports("avx2") && (name.empty() || name == "avx2")) return bounce_avx2;
+  if (__builtin_cpu_supports("sse4.2") && (name.empty() || name == "sse42")) return bounce_sse42;
+#endif
+  return name.empty() || name == "generic" ? bounce_generic : nullptr;
+}
+
+PhotonTracer::Path PhotonTracer::Travellers::take(uint32_t i) const {
+  Path path;
+  static_cast<Rest&>(path) = rest[i];
+  path.power = {paths.red[i], paths.green[i], paths.blue[i]};
+  path.reference = paths.reference[i];
+  path.random = Random::at(paths.random[i]);
+  path.bounces = static_cast<uint16_t>(paths.bounces[i]);
+  path.caustic = paths.caustic[i];
+  return path;
+}
+
+void PhotonTracer::Travellers::put(uint32_t i, const Path& path, const Vec3& origin,
+                                   const Vec3& direction, bool alone) {
+  rest[i] = path;
+  paths.red[i] = path.power.x, paths.green[i] = path.power.y, paths.blue[i] = path.power.z;
+  paths.reference[i] = path.reference;
+  paths.random[i] = path.random.state();
+  paths.bounces[i] = path.bounces;
+  paths.caustic[i] = path.caustic;
+  paths.alone[i] = alone;
+  paths.origin_x[i] = origin.x, paths.origin_y[i] = origin.y, paths.origin_z[i] = origin.z;
+  paths.direction_x[i] = direction.x, paths.direction_y[i] = direction.y,
+  paths.direction_z[i] = direction.z;
+}
+
+PhotonStart PhotonTracer::start(uint64_t index, uint32_t seed) const {
+  if (targets_) return lights_.emit_towards(*targets_, index, seed);
+  return lights_.emit(lights_.primary(index, seed, guide_ ? &*guide_ : nullptr));
+}
+
+void PhotonTracer::start(uint64_t first, uint32_t count, uint32_t seed, PhotonStart* starts) const {
+  if (targets_) {
+    for (uint32_t i = 0; i < count; ++i) starts[i] = start(first + i, seed);
+    return;
+  }
+  EmissionPrimary primaries[kStartsAtOnce];
+  lights_.primaries(first, count, seed, guide_ ? &*guide_ : nullptr, primaries);
+  lights_.emit(primaries, count, starts);
+}
+
+unsigned PhotonTracer::seen_by_all(const RayHits& hits, unsigned which) const {
+  for (unsigned rest = which; rest; rest &= rest - 1) {
+    const uint32_t k = static_cast<uint32_t>(std::countr_zero(rest));
+    if (scene_.instances[hits.instance[k]].seen_by != kAllRays) which &= ~(1u << k);
+  }
+  return which;
+}
+
+// How many of a chunk's paths carry anything.
+uint32_t PhotonTracer::start_all(uint64_t first, uint32_t count, double total, uint32_t seed,
+                                 Travellers& travellers) const {
+  auto& [starts, paths, rest] = travellers;
+  starts.resize(count);
+  const SobolPair first_bounce(3, seed);
+  const bool guesses_first = scene_.first_kinds_differ();
+  uint32_t n = 0;
+  for (uint32_t begin = 0; begin < count; begin += kStartsAtOnce) {
+    const uint32_t end = std::min(begin + kStartsAtOnce, count);
+    start(first + begin, end - begin, seed, &starts[begin]);
+    SobolPair::Run ways;
+    first_bounce.fill(static_cast<uint32_t>(first + begin), end - begin, ways);
+    for (uint32_t place = begin; place < end; ++place) {
+      const PhotonStart& from = starts[place];
+      Path path;
+      path.power = from.power * static_cast<float>(1.0 / total);
+      path.reference = max_component(path.power);
+      path.random = Random(first + place, seed);
+      path.place = place;
+      if (!(path.reference > 0) || !std::isfinite(path.reference)) continue;
+      paths.first_u[n] = ways.x[place - begin], paths.first_v[n] = ways.y[place - begin];
+      if (guesses_first) {
+        float chance;
+        path.kind = guess_kind(path.random, RayInfo::kShadow, &chance);
+        path.guessed = true;
+        path.power *= 1 / chance;
+      }
+      travellers.put(n++, path, from.origin, from.direction, !from.plain() || path.guessed);
+    }
+  }
+  return n;
+}
+
+void PhotonTracer::keep_bounced(Travellers& travellers, uint32_t from, uint32_t to,
+                                const Bounced& bounced, uint32_t k) const {
+  PhotonPaths& paths = travellers.paths;
+  paths.origin_x[to] = bounced.origin_x[k], paths.origin_y[to] = bounced.origin_y[k],
+  paths.origin_z[to] = bounced.origin_z[k];
+  paths.direction_x[to] = bounced.direction_x[k], paths.direction_y[to] = bounced.direction_y[k],
+  paths.direction_z[to] = bounced.direction_z[k];
+  paths.red[to] = bounced.red[k], paths.green[to] = bounced.green[k],
+  paths.blue[to] = bounced.blue[k];
+  paths.reference[to] = paths.reference[from];
+  paths.caustic[to] = 0;
+  paths.random[to] = bounced.random[k];
+  paths.bounces[to] = paths.bounces[from] + 1;
+  paths.alone[to] = 0;
+  travellers.rest[to] = travellers.rest[from];
+}
+
+bool PhotonTracer::Usefulness::counts(const Photon& photon) const {
+  return (!filter || filter->contains(photon.key)) &&
+         (!places || places->contains(photon.key, photon.position));
+}
+
+float PhotonTracer::use_of(const Photon& photon, const PhotonStart& start, double total) const {
+  if (stream_ != PhotonStream::kCaustic) {
+    const float share = average(start.power) / static_cast<float>(lights_.total_power());
+    return std::isfinite(share) ? share * share : 0;
+  }
+  const float own = luminance(start.power) * static_cast<float>(1 / total),
+              share = own > 0 ? luminance(photon.power) / own : 0;
+  return std::isfinite(share) ? share * share : 0;
+}
+
+// All paths of a chunk advance by one ray at a time.
+void PhotonTracer::trace_chunk(uint64_t first, uint64_t count, double total, uint32_t seed,
+                               const KeyFilter& visible, const Usefulness* filter, float* useful,
+                               Travellers& travellers, PhotonRun& run) const {
+  uint32_t alive = start_all(first, static_cast<uint32_t>(count), total, seed, travellers);
+  PhotonPaths& paths = travellers.paths;
+  const SobolPair first_bounce(3, seed);
+  const BounceSettings settings{stream_ == PhotonStream::kCaustic ? 0.0f : 1.0f,
+                                stream_ == PhotonStream::kAll       ? 0.0f
+                                : stream_ == PhotonStream::kCaustic ? 1.0f
+                                                                    : -1.0f,
+                                static_cast<uint32_t>(max_bounces_)};
+  // By turns: what is fetched ahead for the one comes while the other is worked on
+  RayHits found[2];
+  unsigned hit[2] = {};
+  PlainSurfaces surfaces;
+  Bounced bounced;
+  const bool limited = scene_.limits_rays(), guesses = scene_.kinds_differ();
+  while (alive) {
+    run.rays += alive;
+    uint32_t kept = 0;
+    for (uint32_t next = 0, turn = 0; next < alive + kBounceLanes;
+         next += kBounceLanes, turn ^= 1) {
+      if (next < alive) {
+        const Scene::Rays rays = rays_of(paths, next);
+        const uint32_t lanes = std::min(kBounceLanes, alive - next);
+        if (ray_log) log_rays(rays, lanes, run.ray_log);
+        hit[turn] = scene_.intersect(rays, lanes, found[turn]);
+      }
+      if (next == 0) continue;
+      const uint32_t begin = next - kBounceLanes;
+      const RayHits& hits = found[turn ^ 1];
+      unsigned together = hit[turn ^ 1];
+      uint32_t any_alone = 0;
+      for (uint32_t k = 0; k < kBounceLanes; ++k) any_alone |= paths.alone[begin + k];
+      for (uint32_t k = 0; any_alone && k < kBounceLanes; ++k)
+        together &= ~(paths.alone[begin + k] << k);
+      if (limited) together = guesses ? 0 : seen_by_all(hits, together);
+      together = scene_.plain_surfaces(hits, together, surfaces);
+      if (together) bounce_(paths, begin, hits, surfaces, settings, bounced);
+      if (stream_ == PhotonStream::kCaustic) bounced.goes_on = 0;
+      for (unsigned rest = hit[turn ^ 1]; rest; rest &= rest - 1) {
+        const uint32_t k = static_cast<uint32_t>(std::countr_zero(rest)), i = begin + k,
+                       place = travellers.rest[i].place;
+        const size_t stored = run.photons.size();
+        if (together >> k & 1) {
+          if (bounced.stores >> k & 1 && visible.contains(surfaces.key[k]))
+            run.photons.push_back(
+                {{hits.x[k], hits.y[k], hits.z[k]},
+                 surfaces.key[k],
+                 static_cast<uint16_t>(bounced.directions[k]),
+                 static_cast<uint16_t>(bounced.directions[k] >> 16),
+                 {bounced.stored_red[k], bounced.stored_green[k], bounced.stored_blue[k]}});
+          // In vain where it ends, which a branch could not foresee
+          keep_bounced(travellers, i, kept, bounced, k);
+          kept += bounced.goes_on >> k & 1;
+        } else {
+          Path path = travellers.take(i);
+          Vec3 direction{paths.direction_x[i], paths.direction_y[i], paths.direction_z[i]};
+          Vec3 origin{paths.origin_x[i], paths.origin_y[i], paths.origin_z[i]};
+          const Surface surface = scene_.surface_of(hits, k, direction);
+          run.shaded += surface.program != nullptr;
+          const Draws draws{first_bounce, static_cast<uint32_t>(first + place)};
+          if (shade(path, surface, travellers.starts[place], draws, visible, origin, direction,
+                    run.photons))
+            travellers.put(
+                kept++, path, origin, direction,
+                path.bounces == 0 || path.guessed || ~travellers.starts[place].max_bounces);
+        }
+        if (useful)
+          for (size_t p = stored; p < run.photons.size(); ++p)
+            if (filter->counts(run.photons[p]))
+              useful[place] += use_of(run.photons[p], travellers.starts[place], total);
+        if (keeps_groups_)
+          run.groups.resize(run.photons.size(), travellers.starts[place].light_group);
+      }
+    }
+    alive = kept;
+  }
+}
+
+const Photons& PhotonTracer::trace(uint64_t first, uint64_t count, double total, uint32_t seed,
+                                   const KeyFilter& visible, const CancelFlag& cancel) {
+  return trace(first, count, total, seed, visible, cancel, nullptr);
+}
+
+const Photons& PhotonTracer::trace(uint64_t first, uint64_t count, double total, uint32_t seed,
+                                   const KeyFilter& visible, const CancelFlag& cancel,
+                                   Usefulness* useful) {
+  join_.clear();
+  if (useful) useful->of_path.assign(count, 0);
+  if (lights_.total_power() <= 0 || max_bounces_ < 1) return join_.photons();
+  const size_t chunk_count = (count + kPathsPerChunk - 1) / kPathsPerChunk;
+  travellers_.resize(scene_.pool().size());
+  const double per_path = last_counts_.traced ? static_cast<double>(last_counts_.stored) /
+                                                    static_cast<double>(last_counts_.traced)
+                                              : 0;
+  join_.begin(chunk_count,
+              static_cast<size_t>(per_path * kMorePhotons * static_cast<double>(count)),
+              keeps_groups_);
+  try {
+    scene_.pool().for_each(chunk_count, cancel, [&](size_t c, int worker) {
+      const uint64_t begin = c * kPathsPerChunk;
+      std::unique_ptr<PhotonRun> run = join_.take();
+      trace_chunk(first + begin, std::min(kPathsPerChunk, count - begin), total, seed, visible,
+                  useful, useful ? &useful->of_path[begin] : nullptr, travellers_[worker], *run);
+      join_.add(c, std::move(run));
+    });
+    join_.finish(scene_.pool(), cancel);
+  } catch (...) {
+    join_.clear();
+    throw;
+  }
+  if (ray_log) ray_log->insert(ray_log->end(), join_.ray_log().begin(), join_.ray_log().end());
+  last_counts_ = {count, join_.photons().size(), join_.rays(), join_.shaded()};
+  counts_ = {counts_.traced + count, counts_.stored + last_counts_.stored,
+             counts_.rays + last_counts_.rays, counts_.shaded + last_counts_.shaded};
+  return join_.photons();
+}
+
+const Photons* PhotonTracer::learn_emission(uint64_t paths, uint32_t seed, const KeyFilter& visible,
+                                            const KeyFilter& stored, const SeenPlaces* places,
+                                            const CancelFlag& cancel) {
+  guide_.reset();
+  targets_.reset();
+  if (lights_.total_power() <= 0 || max_bounces_ < 1) return nullptr;
+  if (stream_ == PhotonStream::kCaustic) {
+    targets_ = lights_.aim_at(caustic_targets(scene_));
+    Usefulness useful{nullptr, places, {}};
+    trace(0, paths, static_cast<double>(paths), seed, visible, cancel, &useful);
+    for (uint64_t i = 0; i < paths; ++i) targets_->learn(start(i, seed), useful.of_path[i]);
+    targets_->finish();
+    return nullptr;
+  }
+  Usefulness useful{&visible, places, {}};
+  const Photons& photons =
+      trace(0, paths, static_cast<double>(paths), seed, stored, cancel, &useful);
+  EmissionGuide guide = lights_.make_guide();
+  uint64_t useful_paths = 0;
+  for (uint64_t i = 0; i < paths; ++i) {
+    useful_paths += useful.of_path[i] > 0;
+    guide.learn(lights_.primary(i, seed, nullptr), useful.of_path[i]);
+  }
+  if (static_cast<double>(useful_paths) > kUsefulShare * static_cast<double>(paths) ||
+      !useful_paths)
+    return &photons;
+  guide.finish();
+  guide_ = std::move(guide);
+  return nullptr;
+}
+
+}  // namespace photon_splat

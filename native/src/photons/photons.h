@@ -1,0 +1,189 @@
+// Photons: where light arrived on a diffuse surface after at least one bounce.
+#pragma once
+
+#include "lights/lights.h"
+#include "photons/photon_join.h"
+#include "photons/photon_paths.h"
+#include "scene/camera.h"
+
+namespace photon_splat {
+
+class SeenPlaces;
+
+// Which surface keys are visible; may say yes for one that is not, never no for one that is.
+class KeyFilter {
+ public:
+  KeyFilter() : bits_(kBits / 64) {}
+  void clear() { std::fill(bits_.begin(), bits_.end(), 0); }
+  void add_all() { std::fill(bits_.begin(), bits_.end(), ~uint64_t{0}); }
+  void add(const KeyFilter& other) {
+    for (size_t i = 0; i < bits_.size(); ++i) bits_[i] |= other.bits_[i];
+  }
+  void add(uint32_t key) { bits_[slot(key) / 64] |= uint64_t{1} << (slot(key) % 64); }
+  bool contains(uint32_t key) const { return bits_[slot(key) / 64] >> (slot(key) % 64) & 1; }
+
+ private:
+  static constexpr uint32_t kBits = 1 << 18;
+  static uint32_t slot(uint32_t key) { return hash32(key) & (kBits - 1); }
+  std::vector<uint64_t> bits_;
+};
+
+struct PhotonCounts {
+  uint64_t traced = 0, stored = 0, rays = 0;
+  uint64_t shaded = 0;  // surfaces met whose programs ran
+};
+
+// Light that came through sharp lobes only, from the light to where it lands, makes caustics: it
+// wants narrow kernels and photons aimed at what focuses it. A path's share in them is the product
+// of its lobes' sharpness, which falls from 1 to 0 over a range of roughness: caustic photons carry
+// this share of the path's power, indirect ones the rest.
+enum class PhotonStream : uint8_t { kAll, kIndirect, kCaustic };
+
+// "generic", "sse42", "avx2", "avx512"; empty: the widest that this machine runs. nullptr where it
+// does not run.
+BounceKernel choose_bounce_kernel(const std::string& name = {});
+
+// Traces photon paths first .. first + count - 1 of the stream `seed` and returns what they left on
+// surfaces of `visible`. Powers are those of a set of `total` paths. Their order follows the index,
+// not the thread.
+class PhotonTracer {
+ public:
+  PhotonTracer(Scene& scene, const Lights& lights, int max_bounces, PhotonStream stream)
+      : scene_(scene),
+        lights_(lights),
+        max_bounces_(max_bounces),
+        stream_(stream),
+        bounce_(choose_bounce_kernel()) {}
+
+  const Photons& trace(uint64_t first, uint64_t count, double total, uint32_t seed,
+                       const KeyFilter& visible, const CancelFlag& cancel);
+  // Who is to see what the photons leave: Bump looks as far apart as that one's samples are wide
+  // (nullptr: nobody in particular).
+  void set_viewer(const Camera* viewer) { viewer_ = viewer; }
+  // From now on light_groups() tells the group of the light that each of the photons last traced
+  // came from; else it is empty.
+  void keep_light_groups() { keeps_groups_ = true; }
+  const std::vector<int16_t>& light_groups() const { return join_.groups(); }
+  const PhotonCounts& counts() const { return counts_; }
+  const PhotonCounts& last_counts() const { return last_counts_; }  // of the last trace()
+
+  // Traces a pilot and learns from it where photons that end on visible surfaces start. Guided
+  // emission is taken up only where few unguided paths are of use; where not, the pilot's photons
+  // are as good as those of any other paths, and are returned (null otherwise; valid until the next
+  // trace()). Caustic photons are aimed at what can focus light instead. `stored`: surfaces whose
+  // photons are returned, all visible ones among them. `places`: where on visible surfaces photons
+  // are of use (nullptr: everywhere).
+  const Photons* learn_emission(uint64_t paths, uint32_t seed, const KeyFilter& visible,
+                                const KeyFilter& stored, const SeenPlaces* places,
+                                const CancelFlag& cancel);
+  bool guided() const { return guide_.has_value() || targets_.has_value(); }
+
+  // For the benchmark: every ray that path tracing asks for, as origin, near, direction, far (8
+  // floats a ray).
+  std::vector<float>* ray_log = nullptr;
+
+ private:
+  // What seldom matters of a path between two of its rays.
+  struct Rest {
+    uint32_t place;       // among the chunk's paths as they started
+    float travelled = 0;  // before the present ray, since the last bounce
+    uint16_t passed = 0;  // transparent surfaces
+    // Where a lamp that faces its receivers lights them, after PhotonStart::soft_nearest
+    float soft_from = 0, soft_to = INFINITY;
+    // Kind of the camera path's ray that looks back along this one, where `guessed`: see
+    // scatter_by_program.
+    RayInfo::Kind kind = RayInfo::kDiffuse;
+    bool guessed = false;
+    bool unshadowed = false;  // passed what would have blocked the light of another lamp
+  };
+  // All of it.
+  struct Path : Rest {
+    Rgb power;
+    float reference;  // power that survivors of Russian roulette keep
+    Random random{0, 0};
+    uint16_t bounces = 0;  // lobes
+    float caustic = 1;     // share of caustic light
+  };
+  // The paths of a chunk on their way; a worker's own, so that it stays in its cache from chunk to
+  // chunk.
+  struct Travellers {
+    std::vector<PhotonStart> starts;  // of all
+    PhotonPaths paths{};              // those that are left
+    std::array<Rest, PhotonPaths::kSpace> rest;
+
+    Path take(uint32_t i) const;
+    void put(uint32_t i, const Path& path, const Vec3& origin, const Vec3& direction, bool alone);
+  };
+  // Where a path's next direction comes from.
+  struct Draws {
+    const SobolPair& first_bounce;
+    uint32_t index;  // of the path
+
+    Vec2 next(Path& path) const {
+      return path.bounces == 0 ? first_bounce.at(index) : path.random.next2();
+    }
+  };
+  uint32_t start_all(uint64_t first, uint32_t count, double total, uint32_t seed,
+                     Travellers& travellers) const;
+  // What each path has stored, of what `filter` and `places` let pass where there are any: the
+  // number of photons, which diffuse surfaces leave all alike, times the path's squared power over
+  // the mean one's; of a caustic path the sum of their squared powers over its own at the start.
+  struct Usefulness {
+    const KeyFilter* filter = nullptr;
+    const SeenPlaces* places = nullptr;
+    bool counts(const Photon& photon) const;
+    std::vector<float> of_path;  // from the first one traced
+  };
+  const Photons& trace(uint64_t first, uint64_t count, double total, uint32_t seed,
+                       const KeyFilter& visible, const CancelFlag& cancel, Usefulness* useful);
+  void trace_chunk(uint64_t first, uint64_t count, double total, uint32_t seed,
+                   const KeyFilter& visible, const Usefulness* filter, float* useful,
+                   Travellers& travellers, PhotonRun& run) const;
+  float use_of(const Photon& photon, const PhotonStart& start, double total) const;
+  PhotonStart start(uint64_t index, uint32_t seed) const;
+  void start(uint64_t first, uint32_t count, uint32_t seed, PhotonStart* starts) const;
+  bool scatters_for(const PhotonStart& start, const Path& path, RayInfo::Kind kind) const {
+    return path.bounces > 0 || start.seen_by & ray_bit(kind);
+  }
+  bool lit(const Path& path, const Surface& hit, const PhotonStart& start) const;
+  bool blocks(const Path& path, const Surface& hit, const PhotonStart& start) const;
+  bool shade(Path& path, const Surface& hit, const PhotonStart& start, const Draws& draws,
+             const KeyFilter& visible, Vec3& origin, Vec3& direction, Photons& photons) const;
+  // Kind of ray that looks back along the path's present way: what it does not see the photon
+  // lights and passes.
+  static RayInfo::Kind kind_of_way(const Rest& rest, uint32_t bounces) {
+    return rest.guessed ? rest.kind : bounces == 0 ? RayInfo::kShadow : RayInfo::kDiffuse;
+  }
+  bool sends_on(Path& path, const Surface& hit) const;
+  // Of the hits `which` those on instances that all rays see.
+  unsigned seen_by_all(const RayHits& hits, unsigned which) const;
+  static RayInfo::Kind guess_kind(Random& random, RayInfo::Kind first, float* chance);
+  void keep_bounced(Travellers& travellers, uint32_t from, uint32_t to, const Bounced& bounced,
+                    uint32_t k) const;
+  bool pass_before_lamp(Path& path, const Surface& hit, const Vec3& direction,
+                        const PhotonStart& start, Vec3& origin) const;
+  bool go_straight_on(Path& path, const Surface& hit, const Rgb& weight, Vec3& origin) const;
+  void store(const Path& path, const Surface& hit, const Vec3& direction, const KeyFilter& visible,
+             Photons& photons) const;
+  bool light_up(Path& path, const Surface& hit, const PhotonStart& start) const;
+  bool light_up_by_ray(Path& path, const PhotonStart& start, const Rgb& diffuse, bool transmitted,
+                       bool delta) const;
+  bool scatter_by_program(Path& path, const Surface& hit, const PhotonStart& start,
+                          const Draws& draws, const KeyFilter& visible, Vec3& origin,
+                          Vec3& direction, Photons& photons) const;
+
+  Scene& scene_;
+  const Lights& lights_;
+  int max_bounces_;
+  PhotonStream stream_;
+  BounceKernel bounce_;
+  const Camera* viewer_ = nullptr;
+  std::optional<EmissionGuide> guide_;
+  std::optional<EmissionTargets> targets_;
+  std::vector<Travellers> travellers_;  // by worker
+  PhotonJoin join_;
+  bool keeps_groups_ = false;
+  PhotonCounts counts_, last_counts_;
+};
+
+}  // namespace photon_splat

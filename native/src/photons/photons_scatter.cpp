@@ -1,0 +1,296 @@
+// What happens to a photon path where it meets a surface that is not bounced off with others.
+#include "photons/photons.h"
+
+namespace photon_splat {
+namespace {
+
+constexpr int kMaxTransparent = 4096;  // layers that let a path through before it is given up
+// What the first surface may leave of a caustic path before that goes on at less than certainty:
+// light that faint reflections throw about comes by many faint photons.
+constexpr float kFaint = 1 / 32.0f;
+
+RayInfo::Kind kind_of(const BsdfSample& s) {
+  return s.diffuse ? RayInfo::kDiffuse : s.transmitted ? RayInfo::kTransmission : RayInfo::kGlossy;
+}
+
+}  // namespace
+
+// One of three kinds of ray, `first` half of the time; *chance: its probability.
+RayInfo::Kind PhotonTracer::guess_kind(Random& random, RayInfo::Kind first, float* chance) {
+  const float u = random.next();
+  *chance = u < 0.5f ? 0.5f : 0.25f;
+  return u < 0.5f ? first : u < 0.75f ? RayInfo::kGlossy : RayInfo::kTransmission;
+}
+
+// Of a path that a surface without a program is about to scatter: guesses by which kind of ray that
+// will be seen, where it matters; false where such rays do not see the surface.
+bool PhotonTracer::sends_on(Path& path, const Surface& hit) const {
+  if (!scene_.limits_rays()) return true;
+  path.kind = RayInfo::kDiffuse;
+  if (scene_.kinds_differ()) {
+    float chance;
+    path.kind = guess_kind(path.random, RayInfo::kDiffuse, &chance);
+    path.power *= 1 / chance;
+  }
+  return scene_.instances[hit.instance].seen_by & ray_bit(path.kind);
+}
+
+// Whether the surface takes the light: the first one only what its lamp gives it.
+bool PhotonTracer::lit(const Path& path, const Surface& hit, const PhotonStart& start) const {
+  if (path.bounces > 0) return true;
+  if (start.exact >= 0 &&
+      lights_.blocked_exactly(static_cast<uint32_t>(start.exact),
+                              hit.position + hit.ng * ray_epsilon(hit.position, hit.distance),
+                              start.place))
+    return false;
+  const float distance = path.travelled + hit.distance, since_lamp = distance - start.soft_nearest;
+  if (start.soft_radius2 >= 0 && !(since_lamp >= path.soft_from && since_lamp <= path.soft_to))
+    return false;
+  return (start.lit_groups & scene_.instances[hit.instance].group) && start.accepts(distance);
+}
+
+// Light passes what the ray that looks back along its way does not see, and, straight from its
+// lamp, what does not block that; it lights those all the same.
+bool PhotonTracer::blocks(const Path& path, const Surface& hit, const PhotonStart& start) const {
+  if (!(scene_.instances[hit.instance].seen_by & ray_bit(kind_of_way(path, path.bounces))))
+    return false;
+  return path.bounces > 0 ||
+         (start.casts_shadows && start.blockers & scene_.instances[hit.instance].group);
+}
+
+// A surface that stands before the point nearest to the centre of a lamp that faces its receivers.
+// The nearer of them are lit from before the surface, and it shadows them; those further off are
+// lit from behind it. Of a transparent surface either, by chance.
+bool PhotonTracer::pass_before_lamp(Path& path, const Surface& hit, const Vec3& direction,
+                                    const PhotonStart& start, Vec3& origin) const {
+  Rgb weight{1, 1, 1};
+  const float before = start.soft_nearest - path.travelled - hit.distance;
+  if (blocks(path, hit, start) && before > 0) {
+    const float limit = start.soft_miss2 / before;
+    Rgb transparency{};
+    if (scene_.may_be_transparent(hit)) {
+      RayInfo ray;
+      ray.kind = RayInfo::kShadow;
+      ray.transparent_depth = path.passed;
+      Bsdf bsdf(Transport::kRadiance, -direction, hit.ng, hit.ns, hit.back);
+      scene_.shade(hit, -direction, ray, bsdf);
+      transparency = bsdf.transparency();
+    }
+    const bool either = average(transparency) > 0;
+    if (either && path.random.next() < 0.5f) {
+      path.soft_to = std::min(path.soft_to, limit);
+      weight = transparency * 2;
+    } else {
+      path.soft_from = std::max(path.soft_from, limit);
+      if (either) weight = {2, 2, 2};
+    }
+  }
+  path.unshadowed |= !start.casts_shadows;
+  return path.soft_from <= path.soft_to && go_straight_on(path, hit, weight, origin);
+}
+
+// Sends a path on that a surface lets pass with this weight (its transparency over the chance to
+// pass); false where it ends.
+bool PhotonTracer::go_straight_on(Path& path, const Surface& hit, const Rgb& weight,
+                                  Vec3& origin) const {
+  path.power *= weight;
+  const float survival = std::min(1.0f, max_abs(path.power) / path.reference);
+  if (++path.passed > kMaxTransparent || !(survival > 0) || path.random.next() >= survival)
+    return false;
+  path.power *= 1 / survival;
+  path.travelled += hit.distance;
+  origin = hit.position - hit.ng * ray_epsilon(hit.position, hit.distance);
+  return true;
+}
+
+// What lands after a bounce is indirect light, or caustic light, or a share of each.
+void PhotonTracer::store(const Path& path, const Surface& hit, const Vec3& direction,
+                         const KeyFilter& visible, Photons& photons) const {
+  if (path.bounces == 0 || !visible.contains(hit.key)) return;
+  // What is stored stands for a diffuse ray from here
+  if (path.guessed && path.kind != RayInfo::kDiffuse) return;
+  const float share = stream_ == PhotonStream::kAll       ? 1
+                      : stream_ == PhotonStream::kCaustic ? path.caustic
+                                                          : 1 - path.caustic;
+  const float cos_shading = -dot(direction, hit.ns), cos_geometric = -dot(direction, hit.ng);
+  if (!(share > 0) || cos_shading <= 0 || cos_geometric <= 0) return;
+  // Density on the surface measures the geometric cosine; the BSDF wants the shading one (Veach
+  // 1997, section 5.3).
+  const Rgb power = path.power * (share * cos_shading / cos_geometric);
+  photons.push_back(
+      {hit.position, hit.key, encode_direction(hit.ng), encode_direction(-direction), power});
+}
+
+// Where a path scatters first, its power is known if its lamp has a program; false where that is
+// nothing.
+bool PhotonTracer::light_up(Path& path, const Surface& hit, const PhotonStart& start) const {
+  if (path.bounces > 0 || start.shaded_by < 0) return true;
+  const Rgb factor = lights_.first_hit_factor(start, hit.position, path.travelled + hit.distance);
+  path.power *= factor;
+  path.reference *= max_component(factor);
+  return path.reference > 0;
+}
+
+// Where a world asks by what ray it is seen: by that of the lobe that scatters its photon first.
+// `diffuse`: share of the light that diffuse lobes send that way.
+bool PhotonTracer::light_up_by_ray(Path& path, const PhotonStart& start, const Rgb& diffuse,
+                                   bool transmitted, bool delta) const {
+  if (path.bounces > 0 || !start.asks_ray) return true;
+  const auto share = [&](bool by_diffuse) {
+    RayInfo ray = Environment::photon_ray(by_diffuse, transmitted, delta);
+    ray.transparent_depth = path.passed;
+    return lights_.environment().share(-start.direction, ray);
+  };
+  Rgb factor{};
+  if (!is_black(diffuse)) factor += diffuse * share(true);
+  if (const Rgb rest = Rgb{1, 1, 1} - diffuse; !is_black(rest)) factor += rest * share(false);
+  path.power *= factor;
+  path.reference *= max_component(factor);
+  return path.reference > 0;
+}
+
+// Stores a photon where one belongs and sends the path on; false where it ends.
+bool PhotonTracer::shade(Path& path, const Surface& hit, const PhotonStart& start,
+                         const Draws& draws, const KeyFilter& visible, Vec3& origin,
+                         Vec3& direction, Photons& photons) const {
+  if (path.bounces == 0 && path.travelled + hit.distance < start.soft_nearest)
+    return pass_before_lamp(path, hit, direction, start, origin);
+  if (hit.program)
+    return scatter_by_program(path, hit, start, draws, visible, origin, direction, photons);
+  const bool accepted = lit(path, hit, start);
+  if (!blocks(path, hit, start)) {  // the light goes on and is scattered: either, by chance
+    const bool passes = !accepted || path.random.next() < 0.5f;
+    if (accepted) path.power *= 2;
+    if (passes) {
+      path.unshadowed |= path.bounces == 0 && !start.casts_shadows;
+      return go_straight_on(path, hit, {1, 1, 1}, origin);
+    }
+  }
+  if (!accepted) return false;
+  store(path, hit, direction, visible, photons);
+  if (!light_up(path, hit, start) || !light_up_by_ray(path, start, {1, 1, 1}, false, false))
+    return false;
+  const float cos_shading = -dot(direction, hit.ns), cos_geometric = -dot(direction, hit.ng);
+  if (cos_shading <= 0 || cos_geometric <= 0) return false;
+  if (path.bounces == max_bounces_ || path.bounces >= start.max_bounces ||
+      stream_ == PhotonStream::kCaustic)
+    return false;
+  if (!scatters_for(start, path, RayInfo::kDiffuse)) return false;
+  if (path.guessed && path.kind != (path.bounces == 0 ? RayInfo::kShadow : RayInfo::kDiffuse))
+    return false;
+  if (!sends_on(path, hit)) return false;
+  path.power *= scene_.albedo(hit) * (cos_shading / cos_geometric);
+  const float survival = std::min(1.0f, max_component(path.power) / path.reference);
+  if (!(survival > 0) || path.random.next() >= survival) return false;
+  path.power *= 1 / survival;
+  origin = hit.position + hit.ng * ray_epsilon(hit.position, hit.distance);
+  direction = Basis(hit.ng).to_world(sample_cosine_hemisphere(draws.next(path)));
+  ++path.bounces;
+  path.caustic = 0;
+  path.guessed = scene_.kinds_differ();
+  return true;
+}
+
+// A material may ask by what kind of ray it is seen (Light Path). On a camera path that is the ray
+// from the photon's next vertex, whose kind says by which lobe the photon will scatter there: not
+// known yet. So it is guessed, and the next vertex then stores photons for diffuse rays and
+// scatters by lobes of that kind alone. What is passed on the way to the next vertex is seen by the
+// same ray; straight from the lamp by a shadow ray, which deltas do not send, or from a delta lobe.
+// Ray visibility of objects is the same question. A photon's way from A to B stands for the ray
+// from B that finds A, or, from a light, for the shadow ray from B: objects that rays of that kind
+// do not see are lit and do not stop it, and A sends it on only if they see A. What B stores stands
+// for a diffuse ray from B, and B's lobe on the way to the eye says which kind it was: guessed at A
+// where some object treats diffuse, glossy and transmitted rays differently and some surface sends
+// others than diffuse ones; else it makes no difference, and diffuse ones are taken. A light that
+// some kinds do not see is scattered by the first surface's lobes of the other kinds.
+bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const PhotonStart& start,
+                                      const Draws& draws, const KeyFilter& visible, Vec3& origin,
+                                      Vec3& direction, Photons& photons) const {
+  const bool direct = path.bounces == 0, asked = hit.program->asks_kind || scene_.kinds_differ();
+  float chance = 1;
+  RayInfo ray;
+  ray.kind = asked ? guess_kind(path.random, RayInfo::kDiffuse, &chance) : RayInfo::kDiffuse;
+  ray.singular = ray.kind != RayInfo::kDiffuse;
+  ray.depth = path.bounces;
+  ray.transparent_depth = path.passed;
+  if (viewer_) ray.footprint = viewer_->footprint_from(hit.position);
+  Bsdf bsdf(Transport::kFlux, -direction, hit.ng, hit.ns, hit.back);
+  scene_.shade(hit, -direction, ray, bsdf);
+  const bool blocking = blocks(path, hit, start);
+  Rgb transparency = blocking ? bsdf.transparency() : Rgb{1, 1, 1};
+  const bool passing_asked =
+      blocking && scene_.may_be_transparent(hit) && (direct ? hit.program->asks_shadow : asked);
+  RayInfo passing_ray = ray;
+  float passing_chance = 1;
+  if (passing_asked) {
+    passing_ray.kind = path.kind;
+    if (!path.guessed)
+      passing_ray.kind =
+          guess_kind(path.random, direct ? RayInfo::kShadow : RayInfo::kDiffuse, &passing_chance);
+    Bsdf seen(Transport::kRadiance, -direction, hit.ng, hit.ns, hit.back);
+    scene_.shade(hit, -direction, passing_ray, seen);
+    transparency = seen.transparency();
+  }
+  const bool accepted = lit(path, hit, start);
+  if (accepted) store(path, hit, direction, visible, photons);
+
+  const float mean = average(transparency);
+  if (mean > 0) {  // straight on, as if nothing had been hit, or not
+    const float scattered =
+        accepted && bsdf.scatters() ? std::max(average(bsdf.albedo()), 0.05f) : 0;
+    const float passing = mean / (mean + scattered);
+    if (scattered == 0 || path.random.next() < passing) {
+      if (passing_asked) path.kind = passing_ray.kind, path.guessed = true;
+      path.unshadowed |= direct && !blocking && !start.casts_shadows;
+      return go_straight_on(path, hit, transparency / (passing * passing_chance), origin);
+    }
+    path.power *= 1 / (1 - passing);
+  }
+  if (!(scene_.instances[hit.instance].seen_by & ray_bit(ray.kind))) return false;
+  if (!accepted || path.bounces == max_bounces_ || path.bounces >= start.max_bounces ||
+      !bsdf.scatters() || !light_up(path, hit, start))
+    return false;
+  const float choice = path.random.next();
+  const bool caustic = stream_ == PhotonStream::kCaustic;
+  const auto s =
+      caustic ? bsdf.sample_sharp(choice, draws.next(path)) : bsdf.sample(choice, draws.next(path));
+  if (!s) return false;
+  if (direct && s->pdf <= 0 && (!start.deltas || path.unshadowed)) return false;
+  if (!scatters_for(start, path, kind_of(*s))) return false;
+  if (path.guessed) {
+    const bool delta = s->pdf <= 0;
+    if (path.kind == RayInfo::kShadow ? delta : (direct && !delta) || kind_of(*s) != path.kind)
+      return false;
+  }
+  if (start.asks_ray && direct) {
+    Rgb diffuse = s->diffuse && !caustic ? Rgb{1, 1, 1} : Rgb{};
+    if (!caustic && bsdf.has_rest() && s->pdf > 0) {
+      float pdf;
+      const Rgb whole = bsdf.evaluate(s->direction, &pdf, nullptr, &diffuse);
+      diffuse = {whole.x != 0 ? diffuse.x / whole.x : 0, whole.y != 0 ? diffuse.y / whole.y : 0,
+                 whole.z != 0 ? diffuse.z / whole.z : 0};
+    }
+    if (!light_up_by_ray(path, start, diffuse, s->transmitted, s->pdf <= 0)) return false;
+  }
+  path.caustic *= s->diffuse ? 0 : sharpness(s->roughness);
+  if (caustic && !(path.caustic > 0)) return false;
+  path.power *= s->weight / chance;
+  // Refraction scales power by the square of the relative index and undoes it on the way out: no
+  // reason to end a path.
+  if (s->transmitted) path.reference *= std::clamp(max_abs(s->weight), 0.1f, 10.0f);
+  if (caustic && direct)
+    path.reference *= std::clamp(max_abs(path.power) / path.reference, kFaint, 1.0f);
+  const float survival = std::min(1.0f, max_abs(path.power) / path.reference);
+  if (!(survival > 0) || path.random.next() >= survival || !is_finite(path.power)) return false;
+  path.power *= 1 / survival;
+  ++path.bounces;
+  path.travelled = 0;
+  path.kind = ray.kind;
+  path.guessed = asked;
+  origin = hit.position + hit.ng * std::copysign(ray_epsilon(hit.position, hit.distance),
+                                                 dot(s->direction, hit.ng));
+  direction = s->direction;
+  return true;
+}
+
+}  // namespace photon_splat

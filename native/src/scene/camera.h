@@ -1,0 +1,75 @@
+// Perspective, orthographic and panoramic cameras with a lens of finite size, and the pixel filter.
+#pragma once
+
+#include "scene/panorama.h"
+
+#include <vector>
+
+namespace photon_splat {
+
+enum class FilterKind { kBox, kGaussian, kBlackmanHarris };
+
+// A thin lens: what lies at the distance of focus is sharp.
+struct ApertureSettings {
+  float radius = 0;    // m; 0: a pinhole, all is sharp
+  float focus = 1;     // m, along the viewing axis (panoramas: along the ray)
+  int blades = 0;      // 3 and more: a polygon inscribed in the circle
+  float rotation = 0;  // of its blades, radians
+  float ratio = 1;     // of height to width
+};
+
+struct CameraSettings {
+  Affine to_world;  // rigid; looks along -Z
+  // Of the frame on z = -1 (perspective) or in metres
+  float left = -1, right = 1, bottom = -1, top = 1;
+  bool orthographic = false;
+  // Of another kind than kNone: left .. top are in (u, v) of its map of directions
+  PanoramaSettings panorama;
+  ApertureSettings aperture;
+  float clip_start = 0, clip_end = INFINITY;
+  int width = 1, height = 1;  // whole frame, pixels
+  // What is rendered of it, origin bottom left
+  int x0 = 0, y0 = 0, region_width = 1, region_height = 1;
+  bool transparent = false;
+  FilterKind filter = FilterKind::kBlackmanHarris;
+  float filter_width = 1.5f;  // pixels
+};
+
+struct CameraRay {
+  Vec3 origin, direction;
+  float near, far;
+  float cosine;  // depth = cosine * distance; 1 for panoramas, whose depth is the distance
+  // Width of a pixel at distance 1 (perspective, panorama) or everywhere (orthographic), m
+  float footprint;
+};
+
+class Camera {
+ public:
+  explicit Camera(const CameraSettings& settings);
+
+  // A ray through pixel (x, y) of the region, its place in the pixel drawn from the filter's
+  // density (u), its place on the lens from the aperture (lens). nullopt outside a panorama's image
+  // circle.
+  std::optional<CameraRay> ray(int x, int y, const Vec2& u, const Vec2& lens) const;
+  // Width of a camera sample at a point, in view or not, m.
+  float footprint_from(const Vec3& x) const {
+    return s_.orthographic ? step_ : step_ * length(x - position_);
+  }
+  float footprint_at(const CameraRay& ray, float distance) const {
+    return s_.orthographic ? ray.footprint : ray.footprint * distance;
+  }
+  const CameraSettings& settings() const { return s_; }
+
+ private:
+  float filter_offset(float u) const;
+  Vec2 on_aperture(const Vec2& u) const;
+  std::optional<CameraRay> panoramic(float u, float v, const Vec2& step, const Vec2& lens) const;
+  Vec3 to_world(const Vec3& v) const { return right_ * v.x + up_ * v.y + back_ * v.z; }
+
+  CameraSettings s_;
+  Vec3 right_, up_, back_, position_;
+  float step_ = 0;                       // footprint of a ray in the middle
+  std::vector<float> filter_quantiles_;  // offset in pixels at equal steps of probability
+};
+
+}  // namespace photon_splat

@@ -1,0 +1,636 @@
+#include "scene/scene.h"
+
+#include <atomic>
+#include <bit>
+#include <new>
+#include <set>
+
+#include "math/sampling.h"
+
+namespace photon_splat {
+namespace {
+
+bool report_progress(void* cancel, double) {
+  return !static_cast<const CancelFlag*>(cancel)->is_set();
+}
+
+RTCGeometry make_geometry(RTCDevice device, const Mesh& mesh) {
+  RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  // positions has one element more than the mesh: Embree may read 16 bytes at the last vertex.
+  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                             mesh.positions.data(), 0, sizeof(Vec3), mesh.positions.size() - 1);
+  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                             mesh.triangles.data(), 0, sizeof(Triangle), mesh.triangles.size());
+  rtcCommitGeometry(geometry);
+  return geometry;
+}
+
+float largest_stretch(const Affine& a) {
+  // The Frobenius norm over sqrt(3) is exact for similarities; the longest column covers the rest
+  // well enough.
+  return std::max({length(a.column(0)), length(a.column(1)), length(a.column(2))});
+}
+
+Vec3 transform_exactly(const std::array<double, 12>& m, const Vec3& p) {
+  const auto row = [&](int r) {
+    return static_cast<float>(m[4 * r] * p.x + m[4 * r + 1] * p.y + m[4 * r + 2] * p.z +
+                              m[4 * r + 3]);
+  };
+  return {row(0), row(1), row(2)};
+}
+
+template <class Change>
+void change_all(LargeArray<Vec3>& values, ThreadPool& pool, const CancelFlag& cancel,
+                Change&& change) {
+  pool.for_parts(values.size(), 1 << 14, cancel, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) change(values[i]);
+  });
+}
+
+}  // namespace
+
+Scene::Scene(int threads) : pool_(threads) {
+  // A thread count given to Embree limits TBB, and so Blender, while the device lives: given only
+  // when asked for.
+  const bool restricted =
+      threads > 0 && static_cast<unsigned>(threads) < std::thread::hardware_concurrency();
+  const std::string n = std::to_string(pool_.size());
+  device_ = rtcNewDevice(restricted ? ("threads=" + n + ",user_threads=" + n).c_str() : nullptr);
+  if (!device_) throw std::runtime_error("Embree could not be started");
+  packets_ = rtcGetDeviceProperty(device_, RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED) != 0;
+}
+
+Scene::~Scene() {
+  if (top_) rtcReleaseScene(top_);
+  for (RTCScene scene : mesh_scenes_)
+    if (scene) rtcReleaseScene(scene);
+  rtcReleaseDevice(device_);
+}
+
+void Scene::add_instance(uint32_t mesh, const std::array<double, 12>& exact,
+                         const std::vector<int32_t>& slots) {
+  if (mesh >= meshes.size())
+    throw std::invalid_argument("an instance names a mesh that does not exist");
+  Affine to_world;
+  for (int i = 0; i < 12; ++i) to_world.m[i] = static_cast<float>(exact[i]);
+  Instance instance;
+  instance.exact = exact;
+  instance.mesh = mesh;
+  instance.to_world = to_world;
+  instance.to_local = inverse(to_world);
+  instance.mirrored = determinant(to_world) < 0;
+  instance.scale = largest_stretch(to_world);
+  instance.first_material = static_cast<uint32_t>(slot_materials.size());
+  instance.slot_count = static_cast<uint32_t>(slots.size());
+  instance.seed = hash32(static_cast<uint32_t>(instances.size()) * 2 + 1);
+  for (int32_t material : slots) {
+    if (material < 0 || static_cast<size_t>(material) >= materials.size())
+      throw std::invalid_argument("an instance names a material that does not exist");
+    slot_materials.push_back(material);
+  }
+  if (slots.empty()) throw std::invalid_argument("an instance has no material");
+  instances.push_back(instance);
+}
+
+void Scene::throw_on_error(const CancelFlag& cancel) const {
+  const RTCError error = rtcGetDeviceError(device_);
+  cancel.check();
+  if (error == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
+  if (error != RTC_ERROR_NONE)
+    throw std::runtime_error(std::string("Embree failed: ") + rtcGetErrorString(error));
+}
+
+void Mesh::describe_surface(const CancelFlag& cancel) {
+  topology = build_topology(positions, triangles, cancel);
+  edge_tree = std::make_unique<EdgeTree>(topology.edges);
+  surface_tree = std::make_unique<SurfaceTree>(positions, triangles, topology, cancel);
+}
+
+void Scene::commit(RTCScene scene, const CancelFlag& cancel,
+                   const std::function<void()>& meanwhile) {
+  rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
+  rtcSetSceneProgressMonitorFunction(scene, report_progress, const_cast<CancelFlag*>(&cancel));
+  pool_.run_on_all([&](int worker) {
+    // One with Embree, the others with what can be done meanwhile
+    const bool begins = worker == pool_.size() - 1;
+    if (!begins && meanwhile) meanwhile();
+    rtcJoinCommitScene(scene);
+    if (begins && meanwhile) meanwhile();
+  });
+  rtcSetSceneProgressMonitorFunction(scene, nullptr, nullptr);
+  throw_on_error(cancel);
+}
+
+void Scene::build(const CancelFlag& cancel) {
+  std::vector<uint32_t> uses(meshes.size());
+  for (const Instance& instance : instances) ++uses[instance.mesh];
+  world_to_object.clear();
+  for (const Instance& instance : instances) world_to_object.push_back(instance.to_local);
+  for (Instance& instance : instances) {
+    instance.shared = uses[instance.mesh] > 1;
+    if (instance.shared) continue;
+    Mesh& mesh = meshes[instance.mesh];
+    cancel.check();
+    change_all(mesh.positions, pool_, cancel,
+               [&](Vec3& p) { p = transform_exactly(instance.exact, p); });
+    change_all(mesh.corner_normals, pool_, cancel, [&](Vec3& n) {
+      const Vec3 world = instance.to_local.transposed_vector(n);
+      const float len = length(world);
+      n = len > 0 ? world / len : n;
+    });
+    if (instance.mirrored) {  // restore the winding, so that the front stays the front
+      for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+        std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
+        if (!mesh.corner_normals.empty())
+          std::swap(mesh.corner_normals[3 * t + 1], mesh.corner_normals[3 * t + 2]);
+        if (!mesh.uv.empty()) std::swap(mesh.uv[3 * t + 1], mesh.uv[3 * t + 2]);
+        for (MeshAttribute& attribute : mesh.attributes)
+          attribute.swap_corners(3 * t + 1, 3 * t + 2);
+      }
+    }
+    instance.to_world = instance.to_local = Affine{};
+    instance.mirrored = false;
+    instance.scale = 1;
+  }
+
+  see_limits();
+  top_ = rtcNewScene(device_);
+  mesh_scenes_.assign(meshes.size(), nullptr);
+  for (uint32_t i = 0; i < instances.size(); ++i) {
+    const Instance& instance = instances[i];
+    const Mesh& mesh = meshes[instance.mesh];
+    RTCGeometry geometry;
+    if (instance.shared) {
+      RTCScene& inner = mesh_scenes_[instance.mesh];
+      if (!inner) {
+        inner = rtcNewScene(device_);
+        RTCGeometry triangles = make_geometry(device_, mesh);
+        if (limits_rays()) {
+          rtcSetGeometryMask(triangles, kAllRays);
+          rtcCommitGeometry(triangles);
+        }
+        rtcAttachGeometryByID(inner, triangles, 0);
+        rtcReleaseGeometry(triangles);
+        commit(inner, cancel);
+      }
+      geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_INSTANCE);
+      rtcSetGeometryInstancedScene(geometry, inner);
+      rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR,
+                              instance.to_world.m.data());
+      if (limits_rays()) rtcSetGeometryMask(geometry, instance.seen_by);
+      rtcCommitGeometry(geometry);
+    } else {
+      geometry = make_geometry(device_, mesh);
+      if (limits_rays()) {
+        rtcSetGeometryMask(geometry, instance.seen_by);
+        rtcCommitGeometry(geometry);
+      }
+    }
+    rtcAttachGeometryByID(top_, geometry, i);
+    rtcReleaseGeometry(geometry);
+  }
+  std::atomic<size_t> next{0};
+  const auto describe_surfaces = [&] {
+    for (size_t m; (m = next++) < meshes.size();) {
+      cancel.check();
+      if (uses[m]) meshes[m].describe_surface(cancel);
+    }
+  };
+  commit(top_, cancel, describe_surfaces);
+  make_lookups();
+  update_features();
+  if (!instances.empty()) {
+    RTCBounds b;
+    rtcGetSceneBounds(top_, &b);
+    if (b.lower_x <= b.upper_x) {
+      bounds_.add(Vec3{b.lower_x, b.lower_y, b.lower_z});
+      bounds_.add(Vec3{b.upper_x, b.upper_y, b.upper_z});
+    }
+  }
+  throw_on_error(cancel);
+}
+
+void Scene::see_limits() {
+  any_ray_ = kAllRays;
+  kinds_differ_ = first_kinds_differ_ = false;
+  for (const Instance& instance : instances) {
+    const RayMask seen_by = instance.seen_by, scattered = seen_by & kScatteredRays;
+    const auto same = [&](RayInfo::Kind a, RayInfo::Kind b) {
+      return !(seen_by & ray_bit(a)) == !(seen_by & ray_bit(b));
+    };
+    if (seen_by != kAllRays) any_ray_ = 0;
+    kinds_differ_ |= scattered != 0 && scattered != kScatteredRays;
+    first_kinds_differ_ |= !same(RayInfo::kShadow, RayInfo::kGlossy) ||
+                           !same(RayInfo::kShadow, RayInfo::kTransmission);
+  }
+  if (limits_rays() && !rtcGetDeviceProperty(device_, RTC_DEVICE_PROPERTY_RAY_MASK_SUPPORTED))
+    throw std::runtime_error(
+        "this Embree has no ray masks, which the visibility of objects to rays needs");
+}
+
+void Scene::update_features() {
+  features_ = 0;
+  for (int32_t material : slot_materials) {
+    const int program = materials[material].program;
+    features_ |= program < 0 ? kProgramGathers | kProgramEmits : programs[program].features;
+  }
+}
+
+bool Scene::intersect(const Vec3& origin, const Vec3& direction, float near, float far,
+                      bool coherent, Surface& surface, RayMask kinds) const {
+  RTCRayHit hit;
+  hit.ray = {origin.x, origin.y,         origin.z, near, direction.x, direction.y, direction.z, 0,
+             far,      kinds | any_ray_, 0,        0};
+  hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  hit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  RTCIntersectArguments arguments;
+  rtcInitIntersectArguments(&arguments);
+  arguments.flags = coherent ? RTC_RAY_QUERY_FLAG_COHERENT : RTC_RAY_QUERY_FLAG_INCOHERENT;
+  rtcIntersect1(top_, &hit, &arguments);
+  if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
+  const bool instanced = hit.hit.instID[0] != RTC_INVALID_GEOMETRY_ID;
+  const uint32_t instance = instanced ? hit.hit.instID[0] : hit.hit.geomID;
+  Vec3 normal{hit.hit.Ng_x, hit.hit.Ng_y, hit.hit.Ng_z};
+  if (instanced) normal = instances[instance].to_local.transposed_vector(normal);
+  fill_surface({instance, hit.hit.primID, hit.hit.u, hit.hit.v, hit.ray.tfar,
+                origin + direction * hit.ray.tfar, normalize(normal)},
+               direction, surface);
+  return true;
+}
+
+void Scene::make_lookups() {
+  static constexpr Vec3 kNoNormals[3];
+  static constexpr uint32_t kOnePatch = 0;
+  static constexpr uint16_t kOneSlot = 0;
+  lookups_.clear();
+  for (const Instance& instance : instances) {
+    const Mesh& mesh = meshes[instance.mesh];
+    const bool flat = mesh.corner_normals.empty(), one_patch = mesh.topology.planar.size() == 1,
+               one_slot = mesh.slots.empty();
+    lookups_.push_back({flat ? kNoNormals : mesh.corner_normals.data(),
+                        one_patch ? &kOnePatch : mesh.topology.patch.data(),
+                        one_slot ? &kOneSlot : mesh.slots.data(), flat ? 0 : ~0u,
+                        one_patch ? 0 : ~0u, one_slot ? 0 : ~0u, instance.seed, instance.shared});
+  }
+}
+
+// Has the memory come while others are worked on.
+inline void Scene::Lookup::fetch_ahead(uint32_t triangle) const {
+  prefetch(normals + 3 * static_cast<size_t>(triangle & normals_mask));
+  prefetch(patches + (triangle & patches_mask));
+  prefetch(slots + (triangle & slots_mask));
+}
+
+inline uint32_t Scene::Lookup::key(uint32_t triangle, bool back) const {
+  // An odd multiplier keeps patches of one instance apart; the seed is random, so that those of
+  // others rarely meet.
+  return ((seed ^ patches[triangle & patches_mask] * 0x9e3779b1u) << 1) | (back ? 1u : 0u);
+}
+
+// Of the front, of any length; 0 where the mesh is flat.
+inline Vec3 Scene::smooth_normal(uint32_t index, uint32_t triangle, float u, float v) const {
+  const Lookup& lookup = lookups_[index];
+  const Vec3* n = lookup.normals + 3 * static_cast<size_t>(triangle & lookup.normals_mask);
+  const Vec3 ns = n[0] * (1 - u - v) + n[1] * u + n[2] * v;
+  return lookup.shared ? instances[index].to_local.transposed_vector(ns) : ns;
+}
+
+// Rays `place` and the next seven, as far as there are any. Normals are as Embree has them, of the
+// instanced mesh where `back` says that there is one; `instance` is RTC_INVALID_GEOMETRY_ID where
+// nothing was met.
+void Scene::intersect_eight(const Rays& rays, uint32_t count, RayHits& hits, uint32_t place) const {
+  const auto take = [&](uint32_t k, uint32_t geometry, uint32_t instance, uint32_t triangle,
+                        float u, float v, float distance, const Vec3& normal) {
+    hits.back[k] = instance != RTC_INVALID_GEOMETRY_ID;
+    hits.instance[k] = hits.back[k] ? instance : geometry;
+    hits.triangle[k] = triangle;
+    hits.u[k] = u, hits.v[k] = v, hits.distance[k] = distance;
+    hits.nx[k] = normal.x, hits.ny[k] = normal.y, hits.nz[k] = normal.z;
+  };
+  RTCIntersectArguments arguments;
+  rtcInitIntersectArguments(&arguments);
+  arguments.flags = RTC_RAY_QUERY_FLAG_INCOHERENT;
+  if (!packets_) {
+    for (uint32_t k = place; k < place + kPacket; ++k) {
+      RTCRayHit hit{};
+      const Vec3 d = rays.direction(k);
+      hit.ray = {rays.origin_x[k],
+                 rays.origin_y[k],
+                 rays.origin_z[k],
+                 0,
+                 d.x,
+                 d.y,
+                 d.z,
+                 0,
+                 INFINITY,
+                 rays.kinds ? rays.kinds[k] : kAllRays,
+                 0,
+                 0};
+      hit.hit.geomID = hit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+      if (k < count) rtcIntersect1(top_, &hit, &arguments);
+      take(k, hit.hit.geomID, hit.hit.instID[0], hit.hit.primID, hit.hit.u, hit.hit.v, hit.ray.tfar,
+           {hit.hit.Ng_x, hit.hit.Ng_y, hit.hit.Ng_z});
+    }
+    return;
+  }
+  alignas(64) RTCRayHit8 hit;
+  alignas(64) int valid[kPacket];
+  const auto copy = [place](const float* from, float* to) {
+    std::copy_n(from + place, kPacket, to);
+  };
+  copy(rays.origin_x, hit.ray.org_x);
+  copy(rays.origin_y, hit.ray.org_y);
+  copy(rays.origin_z, hit.ray.org_z);
+  copy(rays.direction_x, hit.ray.dir_x);
+  copy(rays.direction_y, hit.ray.dir_y);
+  copy(rays.direction_z, hit.ray.dir_z);
+  for (uint32_t k = 0; k < kPacket; ++k) {
+    valid[k] = place + k < count ? -1 : 0;
+    hit.ray.tnear[k] = hit.ray.time[k] = 0;
+    hit.ray.tfar[k] = INFINITY;
+    hit.ray.mask[k] = rays.kinds ? rays.kinds[place + k] : kAllRays;
+    hit.ray.id[k] = hit.ray.flags[k] = 0;
+    hit.hit.geomID[k] = hit.hit.instID[0][k] = RTC_INVALID_GEOMETRY_ID;
+    hit.hit.primID[k] = 0;
+    hit.hit.u[k] = hit.hit.v[k] = 0;
+    hit.hit.Ng_x[k] = hit.hit.Ng_y[k] = hit.hit.Ng_z[k] = 1;
+  }
+  rtcIntersect8(valid, top_, &hit, &arguments);
+  for (uint32_t k = 0; k < kPacket; ++k)
+    take(place + k, hit.hit.geomID[k], hit.hit.instID[0][k], hit.hit.primID[k], hit.hit.u[k],
+         hit.hit.v[k], hit.ray.tfar[k], {hit.hit.Ng_x[k], hit.hit.Ng_y[k], hit.hit.Ng_z[k]});
+}
+
+unsigned Scene::intersect(const Rays& rays, uint32_t count, RayHits& hits) const {
+  constexpr uint32_t kMost = RayHits::kMost;
+  static_assert(kMost % kPacket == 0);
+  for (uint32_t place = 0; place < kMost; place += kPacket) {
+    if (place < count)
+      intersect_eight(rays, count, hits, place);
+    else
+      std::fill_n(hits.instance + place, kPacket, RTC_INVALID_GEOMETRY_ID);
+  }
+  unsigned found = 0;
+  for (uint32_t k = 0; k < kMost; ++k) {
+    if (hits.instance[k] == RTC_INVALID_GEOMETRY_ID) continue;
+    found |= 1u << k;
+    lookups_[hits.instance[k]].fetch_ahead(hits.triangle[k]);
+    if (!hits.back[k]) continue;
+    const Vec3 n = instances[hits.instance[k]].to_local.transposed_vector(
+        {hits.nx[k], hits.ny[k], hits.nz[k]});
+    hits.nx[k] = n.x, hits.ny[k] = n.y, hits.nz[k] = n.z;
+  }
+  // All side by side, those that missed as well.
+  for (uint32_t k = 0; k < kMost; ++k) {
+    const Vec3 n = normalize({hits.nx[k], hits.ny[k], hits.nz[k]});
+    const bool back = dot(n, rays.direction(k)) > 0;
+    hits.back[k] = back;
+    hits.nx[k] = back ? -n.x : n.x;
+    hits.ny[k] = back ? -n.y : n.y;
+    hits.nz[k] = back ? -n.z : n.z;
+    hits.x[k] = rays.origin_x[k] + rays.direction_x[k] * hits.distance[k];
+    hits.y[k] = rays.origin_y[k] + rays.direction_y[k] * hits.distance[k];
+    hits.z[k] = rays.origin_z[k] + rays.direction_z[k] * hits.distance[k];
+  }
+  return found;
+}
+
+unsigned Scene::plain_surfaces(const RayHits& hits, unsigned which, PlainSurfaces& out) const {
+  unsigned plain = 0;
+  for (unsigned rest = which; rest; rest &= rest - 1) {
+    const uint32_t k = static_cast<uint32_t>(std::countr_zero(rest)), instance = hits.instance[k],
+                   triangle = hits.triangle[k];
+    const Material& material = material_of(instance, triangle);
+    if (material.program >= 0) continue;
+    plain |= 1u << k;
+    const MaterialSide& side = hits.back[k] ? material.back : material.front;
+    const Vec3 n = smooth_normal(instance, triangle, hits.u[k], hits.v[k]);
+    Rgb albedo = side.albedo;
+    if (side.albedo_texture >= 0)
+      albedo *=
+          textures[side.albedo_texture].lookup(uv_at(instance, triangle, hits.u[k], hits.v[k]));
+    out.nx[k] = n.x, out.ny[k] = n.y, out.nz[k] = n.z;
+    out.red[k] = albedo.x, out.green[k] = albedo.y, out.blue[k] = albedo.z;
+    out.key[k] = lookups_[instance].key(triangle, hits.back[k]);
+  }
+  return plain;
+}
+
+Surface Scene::surface_of(const RayHits& hits, uint32_t k, const Vec3& direction) const {
+  const Vec3 n{hits.nx[k], hits.ny[k], hits.nz[k]};
+  Surface s;
+  fill_surface({hits.instance[k],
+                hits.triangle[k],
+                hits.u[k],
+                hits.v[k],
+                hits.distance[k],
+                {hits.x[k], hits.y[k], hits.z[k]},
+                hits.back[k] ? -n : n},
+               direction, s);
+  return s;
+}
+
+unsigned Scene::intersect_packet(const Vec3* origins, const Vec3* directions, uint32_t count,
+                                 Surface* surfaces, RayMask kinds) const {
+  alignas(64) float ray[6][RayHits::kMost] = {};
+  for (uint32_t k = 0; k < count; ++k) {
+    const float all[6] = {origins[k].x,    origins[k].y,    origins[k].z,
+                          directions[k].x, directions[k].y, directions[k].z};
+    for (int i = 0; i < 6; ++i) ray[i][k] = all[i];
+  }
+  RayMask masks[RayHits::kMost];
+  std::fill_n(masks, RayHits::kMost, kinds | any_ray_);
+  RayHits hits;
+  const unsigned found =
+      intersect({ray[0], ray[1], ray[2], ray[3], ray[4], ray[5], masks}, count, hits);
+  for (uint32_t k = 0; k < count; ++k)
+    if (found >> k & 1) surfaces[k] = surface_of(hits, k, directions[k]);
+  return found;
+}
+
+bool Scene::occluded(const Vec3& origin, const Vec3& direction, float near, float far,
+                     RayMask kinds) const {
+  RTCRay ray{origin.x, origin.y,         origin.z, near, direction.x, direction.y, direction.z, 0,
+             far,      kinds | any_ray_, 0,        0};
+  RTCOccludedArguments arguments;
+  rtcInitOccludedArguments(&arguments);
+  arguments.flags = RTC_RAY_QUERY_FLAG_INCOHERENT;
+  rtcOccluded1(top_, &ray, &arguments);
+  return ray.tfar < 0;
+}
+
+unsigned Scene::occluded_packet(const Vec3* origins, uint32_t count, const Vec3& direction,
+                                float far, RayMask kinds) const {
+  unsigned found = 0;
+  if (!packets_) {
+    for (uint32_t k = 0; k < count; ++k)
+      found |= unsigned(occluded(origins[k], direction, 0, far, kinds)) << k;
+    return found;
+  }
+  alignas(64) RTCRay8 ray;
+  alignas(64) int valid[kPacket];
+  for (uint32_t k = 0; k < kPacket; ++k) {
+    const Vec3& origin = origins[std::min(k, count - 1)];
+    valid[k] = k < count ? -1 : 0;
+    ray.org_x[k] = origin.x;
+    ray.org_y[k] = origin.y;
+    ray.org_z[k] = origin.z;
+    ray.dir_x[k] = direction.x;
+    ray.dir_y[k] = direction.y;
+    ray.dir_z[k] = direction.z;
+    ray.tnear[k] = ray.time[k] = 0;
+    ray.tfar[k] = far;
+    ray.mask[k] = kinds | any_ray_;
+    ray.id[k] = ray.flags[k] = 0;
+  }
+  RTCOccludedArguments arguments;
+  rtcInitOccludedArguments(&arguments);
+  arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;
+  rtcOccluded8(valid, top_, &ray, &arguments);
+  for (uint32_t k = 0; k < count; ++k) found |= unsigned(ray.tfar[k] < 0) << k;
+  return found;
+}
+
+bool Scene::anything_within(const Vec3& x, float radius) const {
+  bool found = false;
+  RTCPointQuery query{x.x, x.y, x.z, 0, radius};
+  RTCPointQueryContext context;
+  rtcInitPointQueryContext(&context);
+  const auto stop_at_first = [](RTCPointQueryFunctionArguments* arguments) {
+    *static_cast<bool*>(arguments->userPtr) = true;
+    arguments->query->radius = 0;
+    return true;
+  };
+  rtcPointQuery(top_, &query, &context, stop_at_first, &found);
+  return found;
+}
+
+void Scene::fill_surface(const RawHit& hit, const Vec3& direction, Surface& s) const {
+  s.instance = hit.instance;
+  s.triangle = hit.triangle;
+  s.u = hit.u;
+  s.v = hit.v;
+  s.distance = hit.distance;
+  s.position = hit.position;
+  Vec3 ng = hit.normal;
+  // Blender keeps a mirrored object's front where the mesh's normals, mirrored with it, point.
+  s.back = dot(ng, direction) > 0;
+  const Vec3 ns = smooth_normal(s.instance, s.triangle, s.u, s.v);
+  const float len = length(ns);
+  s.ns = len > 0 ? ns / len : ng;
+  if (s.back) {
+    ng = -ng;
+    s.ns = -s.ns;
+  }
+  s.ng = ng;
+  s.key = lookups_[s.instance].key(s.triangle, s.back);
+  const Material& material = material_of(s.instance, s.triangle);
+  s.side = s.back ? &material.back : &material.front;
+  s.program = material.program < 0 ? nullptr : &programs[material.program];
+}
+
+Surface Scene::surface_at(uint32_t index, uint32_t triangle, float u, float v, bool back) const {
+  const Instance& instance = instances[index];
+  const Mesh& mesh = meshes[instance.mesh];
+  const Triangle& t = mesh.triangles[triangle];
+  const Vec3 a = mesh.positions[t[0]], ab = mesh.positions[t[1]] - a, ac = mesh.positions[t[2]] - a;
+  const Vec3 normal = cross(ab, ac);
+  const Vec3 front = instance.shared ? instance.to_local.transposed_vector(normal) : normal;
+  Surface s;
+  fill_surface(
+      {index, triangle, u, v, 0, instance.to_world.point(a + ab * u + ac * v), normalize(front)},
+      normalize(back ? front : -front), s);
+  return s;
+}
+
+namespace {
+
+ShadingPoint shading_point(const Surface& s, const Vec3& wo, const RayInfo& ray) {
+  ShadingPoint p;
+  p.position = s.position;
+  p.ng = s.ng;
+  p.ns = s.ns;
+  p.wo = wo;
+  p.back = s.back;
+  p.instance = s.instance;
+  p.triangle = s.triangle;
+  p.u = s.u;
+  p.v = s.v;
+  p.ray = ray;
+  p.ray.length = s.distance - ray.from;
+  return p;
+}
+
+}  // namespace
+
+void Scene::shade(const Surface& s, const Vec3& wo, const RayInfo& ray, Bsdf& bsdf) const {
+  if (s.program) {
+    run_program(*this, *s.program, shading_point(s, wo, ray), bsdf);
+  } else {
+    const Vec3 front_normal = s.back ? -s.ns : s.ns;
+    bsdf.add_diffuse(albedo(s), front_normal, 0);
+    bsdf.add_emission(textured(s.side->emission, s.side->emission_texture, s));
+  }
+  bsdf.finish();
+}
+
+Rgb Scene::emission_at(const Material& material, uint32_t instance, uint32_t triangle, float u,
+                       float v, bool back, const Vec3& wo) const {
+  const MaterialSide& side = back ? material.back : material.front;
+  if (material.program < 0 && side.emission_texture < 0) return side.emission;
+  return emission(surface_at(instance, triangle, u, v, back), wo, {RayInfo::kEmission});
+}
+
+Rgb Scene::emission(const Surface& s, const Vec3& wo, const RayInfo& ray) const {
+  if (!s.program) return textured(s.side->emission, s.side->emission_texture, s);
+  if (!(s.program->features & kProgramEmits)) return {};
+  Bsdf bsdf(Transport::kRadiance, wo, s.ng, s.ns, s.back);
+  run_program(*this, *s.program, shading_point(s, wo, ray), bsdf);
+  return bsdf.emission();
+}
+
+Rgb Scene::transmittance(const Vec3& origin, const Vec3& direction, float far, const RayInfo& ray,
+                         uint64_t blockers) const {
+  constexpr RayMask kShadow = ray_bit(RayInfo::kShadow);
+  if (!blockers || !occluded(origin, direction, 0, far, kShadow)) return {1, 1, 1};
+  if (!~blockers && !(features_ & kProgramTransparent)) return {};
+  Rgb through{1, 1, 1};
+  RayInfo info = ray;
+  info.kind = RayInfo::kShadow;
+  info.singular = info.through = false;
+  info.from = 0;
+  Surface s;
+  for (float near = 0; intersect(origin, direction, near, far, false, s, kShadow); near = past(s)) {
+    if (!(blockers & instances[s.instance].group)) continue;
+    if (!may_be_transparent(s)) return {};
+    Bsdf bsdf(Transport::kRadiance, -direction, s.ng, s.ns, s.back);
+    run_program(*this, *s.program, shading_point(s, -direction, info), bsdf);
+    through *= bsdf.transparency();
+    if (max_component(through) < 1e-6f) return {};
+    ++info.transparent_depth;
+  }
+  return through;
+}
+
+const Material& Scene::material_of(uint32_t instance_index, uint32_t triangle) const {
+  const Instance& instance = instances[instance_index];
+  const Lookup& lookup = lookups_[instance_index];
+  const uint32_t slot =
+      std::min<uint32_t>(lookup.slots[triangle & lookup.slots_mask], instance.slot_count - 1);
+  return materials[slot_materials[instance.first_material + slot]];
+}
+
+Vec2 Scene::uv_at(uint32_t instance, uint32_t triangle, float u, float v) const {
+  const Mesh& mesh = meshes[instances[instance].mesh];
+  if (mesh.uv.empty()) return {0, 0};
+  const Vec2* uv = &mesh.uv[3 * static_cast<size_t>(triangle)];
+  const float w = 1 - u - v;
+  return {uv[0].x * w + uv[1].x * u + uv[2].x * v, uv[0].y * w + uv[1].y * u + uv[2].y * v};
+}
+
+Rgb Scene::textured(const Rgb& factor, int texture, const Surface& s) const {
+  if (texture < 0) return factor;
+  return factor * textures[texture].lookup(uv_at(s.instance, s.triangle, s.u, s.v));
+}
+
+}  // namespace photon_splat

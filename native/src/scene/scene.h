@@ -1,0 +1,276 @@
+// Geometry, materials and textures as the tracers see them, in metres relative to the scene's
+// origin.
+#pragma once
+
+#include <embree4/rtcore.h>
+
+#include <memory>
+#include <string>
+
+#include "bsdf/bsdf.h"
+#include "scene/attributes.h"
+#include "scene/ray_hits.h"
+#include "scene/surface_tree.h"
+#include "scene/texture.h"
+#include "shading/program.h"
+#include "util/large_pages.h"
+#include "util/parallel.h"
+
+namespace photon_splat {
+
+// One side of a surface; albedo and emission are multiplied by their texture where there is one.
+struct MaterialSide {
+  Rgb albedo{0.8f, 0.8f, 0.8f}, emission{};  // emission: radiance, W/m^2/sr
+  int albedo_texture = -1, emission_texture = -1;
+};
+
+struct Material {
+  MaterialSide front, back;
+  int program = -1;  // into Scene::programs: then the sides are not read
+};
+
+struct Mesh {
+  LargeArray<Vec3> positions;
+  LargeArray<Triangle> triangles;
+  LargeArray<Vec3> corner_normals;  // 3 per triangle, or empty: flat
+  LargeArray<Vec2> uv;              // 3 per triangle, or empty
+  std::vector<uint16_t> slots;      // per triangle, or empty
+  std::vector<MeshAttribute> attributes;
+  GeneratedSpace generated;
+  Topology topology;
+  std::unique_ptr<EdgeTree> edge_tree;
+  std::unique_ptr<SurfaceTree> surface_tree;
+
+  // Makes the last three from the others. Throws Cancelled.
+  void describe_surface(const CancelFlag& cancel);
+
+  const MeshAttribute* attribute(uint32_t id) const {
+    for (const MeshAttribute& a : attributes)
+      if (a.id == id) return &a;
+    return nullptr;
+  }
+};
+
+// Light groups are numbers from 0; this is the light of none.
+inline constexpr int16_t kNoLightGroup = -1;
+
+// A mesh that stands once in the scene is held in world coordinates (`shared` false, to_world =
+// identity); others are Embree instances.
+struct Instance {
+  uint32_t mesh = 0;
+  bool shared = false;
+  // The transform flips the winding; the front stays where Blender has it
+  bool mirrored = false;
+  uint32_t first_material = 0;  // into Scene::slot_materials
+  uint32_t slot_count = 1;
+  uint32_t seed = 0;                   // of surface keys
+  uint64_t group = 1;                  // of light linking: a single bit
+  uint64_t lit_groups = ~uint64_t{0};  // what it lights if it shines
+  uint64_t blockers = ~uint64_t{0};    // what casts shadows in its light
+  int16_t light_group = kNoLightGroup;
+  RayMask seen_by = kAllRays;
+  bool holdout = false;  // to the camera a hole in the picture
+  float scale = 1;       // largest stretch of to_world
+  Affine to_world, to_local;
+  std::array<double, 12> exact{};  // to_world before rounding
+};
+
+// A point on a surface as a ray found it. Normals are unit length and on the side the ray came
+// from.
+struct Surface {
+  Vec3 position, ng, ns;
+  uint32_t instance, triangle;
+  uint32_t key;  // hash of instance, patch and side
+  bool back;
+  float u, v;  // barycentric
+  float distance;
+  const MaterialSide* side;
+  const Program* program;  // or null: then `side` says it all
+};
+
+// An image of the world, lit by every direction.
+struct WorldMap {
+  int texture = -1;
+  bool mirror_ball = false;  // else equirectangular
+  Affine to_lookup;          // of a direction, before it is looked up
+};
+
+// The sun of a sky: a disc with limb darkening, its radiance between that of its lower and that of
+// its upper edge.
+struct SunDisc {
+  Vec3 direction;  // towards it
+  float half_angle = 0;
+  Rgb bottom{}, top{};
+  float horizon = -kPi;  // elevation below which nothing is seen of it
+};
+
+// A ray offset that clears the rounding error of a hit at `position` found `distance` away.
+inline float ray_epsilon(const Vec3& position, float distance) {
+  return 4e-6f * std::max(max_abs(position), distance);
+}
+// Where the ray goes on that found `s` and takes no notice of it.
+inline float past(const Surface& s) {
+  return std::nextafter(s.distance + ray_epsilon(s.position, s.distance), INFINITY);
+}
+
+class Scene {
+ public:
+  explicit Scene(int threads);
+  ~Scene();
+  Scene(const Scene&) = delete;
+  Scene& operator=(const Scene&) = delete;
+
+  // Filling; indices are checked here and reported with std::invalid_argument.
+  std::vector<Mesh> meshes;
+  std::vector<Instance> instances;
+  std::vector<int32_t> slot_materials;
+  std::vector<Material> materials;
+  std::vector<Texture> textures;
+  std::vector<Program> programs;
+  Rgb world{};  // constant radiance, or the factor of the map
+  WorldMap world_map;
+  int world_program = -1;  // into programs: then neither is read
+  // Whose light is kept apart as well; photons are then splatted group by group
+  int light_groups = 0;
+  int16_t world_light_group = kNoLightGroup;
+  RayMask world_seen_by = kAllRays;
+  std::vector<SunDisc> sun_discs;
+  ShadingView view;  // for programs
+  std::vector<InstanceAttribute> instance_attributes;
+  std::vector<Affine> world_to_object;  // of each instance, shared or not; filled by build()
+  double origin[3] = {0, 0, 0};
+  // m around the origin: what the camera sees best, where other things are very far off; else 0
+  float near = 0;
+
+  // Adds a mesh placed by a matrix that is already relative to `origin`.
+  void add_instance(uint32_t mesh, const std::array<double, 12>& to_world,
+                    const std::vector<int32_t>& slot_materials_of_instance);
+
+  // Patches, world-space meshes and the acceleration structure. Stops with Cancelled.
+  void build(const CancelFlag& cancel);
+
+  // True and fills `surface` when the ray hits something between `near` and `far` that rays of
+  // `kinds` see.
+  bool intersect(const Vec3& origin, const Vec3& direction, float near, float far, bool coherent,
+                 Surface& surface, RayMask kinds = kAllRays) const;
+  // The same for `count` <= kPacket incoherent rays from 0 to infinity; bit k of the result tells
+  // whether ray k hit.
+  static constexpr uint32_t kPacket = 8;
+  unsigned intersect_packet(const Vec3* origins, const Vec3* directions, uint32_t count,
+                            Surface* surfaces, RayMask kinds = kAllRays) const;
+  // The same for `count` <= RayHits::kMost rays as arrays. Embree's packets are a fifth faster than
+  // single rays even on photons, which share nothing but their number.
+  struct Rays {
+    const float *origin_x, *origin_y, *origin_z, *direction_x, *direction_y, *direction_z;
+    const RayMask* kinds = nullptr;  // of each, if not all
+    Vec3 direction(uint32_t k) const { return {direction_x[k], direction_y[k], direction_z[k]}; }
+  };
+  unsigned intersect(const Rays& rays, uint32_t count, RayHits& hits) const;
+  // Of the hits whose bits are set in `which` those on surfaces without a program: described in
+  // `out`, their bits returned.
+  unsigned plain_surfaces(const RayHits& hits, unsigned which, PlainSurfaces& out) const;
+  // One of them as intersect() has it.
+  Surface surface_of(const RayHits& hits, uint32_t k, const Vec3& direction) const;
+  // The surface at a point of a triangle, as a ray that meets that side head-on would find it.
+  Surface surface_at(uint32_t instance, uint32_t triangle, float u, float v, bool back) const;
+  bool occluded(const Vec3& origin, const Vec3& direction, float near, float far,
+                RayMask kinds = kAllRays) const;
+  // The same for `count` <= kPacket rays side by side, from 0 to `far`; bit k of the result is ray
+  // k's.
+  unsigned occluded_packet(const Vec3* origins, uint32_t count, const Vec3& direction, float far,
+                           RayMask kinds = kAllRays) const;
+  // Share of light that comes through on the way: 1 where nothing stands, 0 behind what is opaque,
+  // between them what transparent surfaces let pass. `ray` is what programs are told of the ray.
+  // Only instances of the groups `blockers` count.
+  Rgb transmittance(const Vec3& origin, const Vec3& direction, float far, const RayInfo& ray,
+                    uint64_t blockers = ~uint64_t{0}) const;
+
+  // True when the bounds of some primitive come within `radius` of `x`.
+  bool anything_within(const Vec3& x, float radius) const;
+
+  // Closures of the surface for light that leaves towards `wo` (camera) or came from there
+  // (photons), ready for use.
+  void shade(const Surface& s, const Vec3& wo, const RayInfo& ray, Bsdf& bsdf) const;
+  // Lambertian reflectance of a surface without a program.
+  Rgb albedo(const Surface& s) const { return textured(s.side->albedo, s.side->albedo_texture, s); }
+  // Radiance towards `wo`.
+  Rgb emission(const Surface& s, const Vec3& wo, const RayInfo& ray) const;
+  // That of a point of a triangle of this material, for whoever samples lights: surface_at() is
+  // left out where it tells nothing.
+  Rgb emission_at(const Material& material, uint32_t instance, uint32_t triangle, float u, float v,
+                  bool back, const Vec3& wo) const;
+  // Whether the material lets light through without scattering it, or could (its program knows).
+  bool may_be_transparent(const Surface& s) const {
+    return s.program && s.program->features & kProgramTransparent;
+  }
+  // Features of any material in use, as ProgramFeature bits; the plain ones gather and emit.
+  uint32_t features() const { return features_; }
+  // Whether some instance is not seen by every ray; and whether what happens to photons then
+  // depends on the kind of ray that looks back along them: along all of their ways, or straight
+  // from a light.
+  bool limits_rays() const { return any_ray_ == 0; }
+  bool kinds_differ() const { return kinds_differ_ && features_ & kProgramRest; }
+  bool first_kinds_differ() const { return first_kinds_differ_ && features_ & kProgramSharp; }
+  // To be called when materials have changed after build().
+  void update_features();
+  Vec2 uv_at(uint32_t instance, uint32_t triangle, float u, float v) const;
+  const Material& material_of(uint32_t instance, uint32_t triangle) const;
+
+  const Bounds& bounds() const { return bounds_; }
+  Vec3 center() const { return bounds_.empty() ? Vec3{} : bounds_.center(); }
+  float radius() const {
+    return bounds_.empty() ? 1.0f : std::max(0.5f * bounds_.diagonal(), 1e-20f);
+  }
+  // The same of what matters: things that are very far off do not count.
+  bool has_far_things() const { return near > 0 && near < radius(); }
+  Vec3 near_center() const { return has_far_things() ? Vec3{} : center(); }
+  float near_radius() const { return has_far_things() ? near : radius(); }
+  ThreadPool& pool() { return pool_; }
+  RTCScene embree() const { return top_; }
+
+ private:
+  Rgb textured(const Rgb& factor, int texture, const Surface& s) const;
+  struct RawHit {
+    uint32_t instance, triangle;
+    float u, v, distance;
+    Vec3 position;
+    Vec3 normal;  // unit length, of the front
+  };
+  void fill_surface(const RawHit& hit, const Vec3& direction, Surface& surface) const;
+  void intersect_eight(const Rays& rays, uint32_t count, RayHits& hits, uint32_t place) const;
+  // Where an instance's mesh holds what is asked of every hit. What is the same for all triangles
+  // lies at 0 of an array of its own, and its mask is 0 instead of ~0: so no branch asks which it
+  // is, which nothing could foresee as rays meet one thing after another.
+  struct alignas(64) Lookup {
+    const Vec3* normals;  // 3 per triangle
+    const uint32_t* patches;
+    const uint16_t* slots;
+    uint32_t normals_mask, patches_mask, slots_mask;
+    uint32_t seed;  // Instance::seed
+    bool shared;    // Instance::shared
+
+    void fetch_ahead(uint32_t triangle) const;
+    uint32_t key(uint32_t triangle, bool back) const;
+  };
+  void make_lookups();
+  void see_limits();
+  Vec3 smooth_normal(uint32_t instance, uint32_t triangle, float u, float v) const;
+  // Every thread calls `meanwhile` once.
+  void commit(RTCScene scene, const CancelFlag& cancel,
+              const std::function<void()>& meanwhile = {});
+  void throw_on_error(const CancelFlag& cancel) const;
+
+  ThreadPool pool_;
+  RTCDevice device_ = nullptr;
+  RTCScene top_ = nullptr;
+  uint32_t features_ = 0;
+  // Rays are of these kinds as well: all, where no instance's mask is set
+  RayMask any_ray_ = kAllRays;
+  bool kinds_differ_ = false, first_kinds_differ_ = false;
+  bool packets_ = false;  // this Embree has code for packets of eight
+  std::vector<RTCScene> mesh_scenes_;
+  std::vector<Lookup> lookups_;  // by instance
+  Bounds bounds_;
+};
+
+}  // namespace photon_splat

@@ -1,0 +1,175 @@
+#include "scene/surface_tree.h"
+
+#include <bit>
+
+#include "math/morton.h"
+#include "util/radix_sort.h"
+
+namespace photon_splat {
+namespace {
+
+// Integrals over a surface of 1, position, position times its transpose, and normal; doubles, as
+// variances are differences.
+struct Moments {
+  double area = 0, first[3] = {}, second[6] = {}, normal[3] = {};
+
+  void add(const Moments& m) {
+    area += m.area;
+    for (int i = 0; i < 3; ++i) first[i] += m.first[i], normal[i] += m.normal[i];
+    for (int i = 0; i < 6; ++i) second[i] += m.second[i];
+  }
+};
+
+constexpr int kPlaceBits = 30;     // of place_in()
+constexpr size_t kUsedOfLeaf = 4;  // triangles in a leaf, about
+
+// Axes of the entries of a symmetric matrix
+constexpr int kPairs[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}};
+
+// Among 1,024 cells along the longest axis of the bounds, the same on all axes, for branches to be
+// compact.
+uint64_t place_in(const Bounds& b, const Vec3& p) {
+  const float size = max_component(b.upper - b.lower);
+  const auto cell = [&](int axis) {
+    const float u = size > 0 ? (p[axis] - b.lower[axis]) / size : 0;
+    return static_cast<uint64_t>(std::clamp(u * 1024.0f, 0.0f, 1023.0f));
+  };
+  return morton(cell(0), cell(1), cell(2));
+}
+
+}  // namespace
+
+struct SurfaceTree::Builder {
+  std::span<const Vec3> positions;
+  std::span<const Triangle> triangles;
+  SurfaceTree& tree;
+  const CancelFlag& cancel;
+  std::vector<uint64_t> keys;  // patch << kPlaceBits | Morton code, sorted
+
+  Vec3 centroid(uint32_t t) const {
+    const Triangle& v = triangles[t];
+    return (positions[v[0]] + positions[v[1]] + positions[v[2]]) * (1.0f / 3);
+  }
+
+  // About `origin`.
+  Moments moments(uint32_t t, const Vec3& origin) const {
+    const Vec3 a = positions[triangles[t][0]] - origin, b = positions[triangles[t][1]] - origin,
+               c = positions[triangles[t][2]] - origin;
+    const Vec3 n = cross(b - a, c - a), sum = a + b + c;
+    Moments m;
+    m.area = 0.5 * length(n);
+    for (int i = 0; i < 3; ++i) {
+      m.first[i] = m.area * sum[i] / 3;
+      m.normal[i] = 0.5 * n[i];
+    }
+    for (int i = 0; i < 6; ++i) {
+      const auto [p, q] = kPairs[i];
+      m.second[i] = m.area / 12 *
+                    (double(a[p]) * a[q] + double(b[p]) * b[q] + double(c[p]) * c[q] +
+                     double(sum[p]) * sum[q]);
+    }
+    return m;
+  }
+
+  // Where the highest bit in which the keys differ turns to 1; the middle where they are all equal.
+  uint32_t split(uint32_t first, uint32_t end) const {
+    const uint64_t differ = keys[first] ^ keys[end - 1];
+    if (!differ) return (first + end) / 2;
+    const uint64_t bit = std::bit_floor(differ);
+    return static_cast<uint32_t>(std::partition_point(keys.begin() + first, keys.begin() + end,
+                                                      [&](uint64_t k) { return !(k & bit); }) -
+                                 keys.begin());
+  }
+
+  Moments build(uint32_t first, uint32_t end, const Vec3& origin) {
+    const uint32_t index = static_cast<uint32_t>(tree.nodes_.size());
+    tree.nodes_.emplace_back();
+    Moments m;
+    uint32_t right = 0;
+    float radius = 0;
+    if (end - first <= kLeaf) {
+      for (uint32_t i = first; i < end; ++i) m.add(moments(tree.order_[i], origin));
+    } else {
+      cancel.check();
+      const uint32_t middle = split(first, end);
+      m = build(first, middle, origin);
+      right = static_cast<uint32_t>(tree.nodes_.size());
+      m.add(build(middle, end, origin));
+    }
+    SurfaceNode node;
+    const double scale = m.area > 0 ? 1 / m.area : 0;
+    const double mean[3] = {m.first[0] * scale, m.first[1] * scale, m.first[2] * scale};
+    const Vec3 offset{static_cast<float>(mean[0]), static_cast<float>(mean[1]),
+                      static_cast<float>(mean[2])};
+    node.centre = m.area > 0 ? origin + offset : centroid(tree.order_[first]);
+    node.normal = {static_cast<float>(m.normal[0] * scale), static_cast<float>(m.normal[1] * scale),
+                   static_cast<float>(m.normal[2] * scale)};
+    node.even = length(node.normal);
+    node.area = static_cast<float>(m.area);
+    for (int i = 0; i < 6; ++i)
+      node.spread[i] =
+          static_cast<float>(m.second[i] * scale - mean[kPairs[i][0]] * mean[kPairs[i][1]]);
+    if (right) {
+      for (const SurfaceNode* child : {&tree.nodes_[index + 1], &tree.nodes_[right]})
+        radius = std::max(radius, length(child->centre - node.centre) + child->radius);
+    } else {
+      for (uint32_t i = first; i < end; ++i)
+        for (uint32_t v : triangles[tree.order_[i]])
+          radius = std::max(radius, length(positions[v] - node.centre));
+    }
+    node.radius = radius;
+    node.first = first;
+    node.count = end - first;
+    node.right = right;
+    tree.nodes_[index] = node;
+    return m;
+  }
+};
+
+SurfaceTree::SurfaceTree(std::span<const Vec3> positions, std::span<const Triangle> triangles,
+                         const Topology& topology, const CancelFlag& cancel) {
+  const size_t patches = topology.planar.size();
+  std::vector<Bounds> bounds(patches);
+  Builder builder{positions, triangles, *this, cancel, {}};
+  size_t count = 0;
+  for (uint32_t t = 0; t < triangles.size(); ++t)
+    if (const uint32_t p = topology.patch[t]; !topology.planar[p]) {
+      bounds[p].add(builder.centroid(t));
+      ++count;
+    }
+  if (!count) return;
+  struct Placed {
+    uint64_t key;
+    uint32_t triangle;
+  };
+  LargeArray<Placed> sorted, scratch;
+  sorted.reserve(count);
+  for (uint32_t t = 0; t < triangles.size(); ++t)
+    if (const uint32_t p = topology.patch[t]; !topology.planar[p])
+      sorted.push_back({uint64_t{p} << kPlaceBits | place_in(bounds[p], builder.centroid(t)), t});
+  cancel.check();
+  radix_sort(sorted, scratch, 0, kPlaceBits + std::bit_width(patches - 1), nullptr,
+             [](const Placed& placed) { return placed.key; });
+  cancel.check();
+  order_.reserve(count);
+  builder.keys.reserve(count);
+  for (const auto& [key, triangle] : sorted) {
+    builder.keys.push_back(key);
+    order_.push_back(triangle);
+  }
+  sorted = {};
+  scratch = {};
+  nodes_.reserve(2 * count / kUsedOfLeaf);
+  roots_.assign(patches, kNone);
+  for (uint32_t first = 0, end; first < count; first = end) {
+    const uint64_t patch = builder.keys[first] >> kPlaceBits;
+    end = static_cast<uint32_t>(
+        std::partition_point(builder.keys.begin() + first, builder.keys.end(),
+                             [&](uint64_t k) { return k >> kPlaceBits == patch; }) -
+        builder.keys.begin());
+    roots_[patch] = static_cast<uint32_t>(nodes_.size());
+    builder.build(first, end, bounds[patch].center());
+  }
+}
+
+}  // namespace photon_splat

@@ -1,0 +1,146 @@
+#include <stdexcept>
+
+#include "scene/scene.h"
+#include "shading/ops.h"
+
+namespace photon_splat {
+namespace {
+
+using nodes::Operand;
+
+class Checker {
+ public:
+  Checker(const Scene& scene, const Program& program) : scene_(scene), program_(program) {}
+
+  void run() {
+    const size_t size = program_.code.size();
+    if (program_.registers > kMaxRegisters) fail("uses more registers than there are");
+    std::vector<bool> starts(size, false);
+    std::vector<uint32_t> targets;
+    uint32_t last = 0;
+    for (size_t at = 0; at < size;) {
+      const uint32_t opcode = program_.code[at];
+      if (opcode >= static_cast<uint32_t>(nodes::Op::kCount)) fail("has an unknown operation");
+      const uint32_t words = nodes::kWords[opcode];
+      if (words > size - at) fail("ends within an instruction");
+      starts[at] = true;
+      const auto& operands = nodes::operations()[opcode].operands;
+      for (size_t i = 0; i < operands.size(); ++i) {
+        const uint32_t word = program_.code[at + 1 + i];
+        if (operands[i].code == Operand::Kind::kJump) {
+          if (word <= at) fail("jumps backwards");
+          targets.push_back(word);
+        } else {
+          check(operands[i], word);
+        }
+      }
+      last = opcode;
+      at += words;
+    }
+    if (size == 0 || last != static_cast<uint32_t>(nodes::Op::End)) fail("does not end with End");
+    for (uint32_t target : targets)
+      if (target >= size || !starts[target]) fail("jumps to where no instruction starts");
+  }
+
+ private:
+  static constexpr uint32_t kMaxRegisters = 1u << 22;
+
+  [[noreturn]] void fail(const char* what) const {
+    throw std::invalid_argument("the shader program of '" + program_.name + "' " + what);
+  }
+
+  // `count` floats from `offset` on exist among `size`.
+  void within(uint64_t offset, uint64_t count, uint64_t size, const char* what) const {
+    if (offset + count > size) fail(what);
+  }
+
+  void read(uint32_t word, uint32_t count) const {
+    if (word & nodes::kConstant)
+      within(word & ~nodes::kConstant, count, program_.constants.size(),
+             "reads beyond its constants");
+    else
+      within(word, count, program_.registers, "reads beyond its registers");
+  }
+
+  uint64_t constant_count(uint64_t at) const {
+    within(at, 1, program_.constants.size(), "has a table beyond its constants");
+    const float count = program_.constants[at];
+    if (!(count >= 2 && count <= 1e6f)) fail("has a table of an impossible length");
+    return static_cast<uint64_t>(count);
+  }
+
+  void table(uint64_t at, uint64_t components) const {
+    within(at + 1, constant_count(at) * components, program_.constants.size(),
+           "has a table beyond its constants");
+  }
+
+  void profile(uint64_t at) const {
+    const uint64_t h = constant_count(at), v = constant_count(at + 1);
+    within(at + 2, h + v + h * v, program_.constants.size(), "has a table beyond its constants");
+  }
+
+  void check(const Operand& operand, uint32_t word) const {
+    using Kind = Operand::Kind;
+    switch (operand.code) {
+      case Kind::kOutFloat:
+      case Kind::kOutVector:
+        if (word != nodes::kUnused)
+          within(word, operand.code == Kind::kOutVector ? 3 : 1, program_.registers,
+                 "writes beyond its registers");
+        break;
+      case Kind::kFloat: read(word, 1); break;
+      case Kind::kVector: read(word, 3); break;
+      case Kind::kMode:
+        if (word >= operand.modes.size()) fail("has an unknown mode");
+        break;
+      case Kind::kNumber:
+        if (word > 65535) fail("has a number out of range");
+        break;
+      case Kind::kTexture:
+        if (word != nodes::kNone && word >= scene_.textures.size())
+          fail("names a texture that does not exist");
+        break;
+      case Kind::kAttribute:
+      case Kind::kJump: break;
+      case Kind::kTable1: table(word, 1); break;
+      case Kind::kTable3: table(word, 3); break;
+      case Kind::kTable4: table(word, 4); break;
+      case Kind::kMatrix:
+        within(word, 12, program_.constants.size(), "has a table beyond its constants");
+        break;
+      case Kind::kProfile: profile(word); break;
+    }
+  }
+
+  const Scene& scene_;
+  const Program& program_;
+};
+
+}  // namespace
+
+void check_program(const Scene& scene, const Program& program) { Checker(scene, program).run(); }
+
+void look_at_light_path(Program& program) {
+  using enum nodes::PathValue;
+  program.asks_shadow = program.asks_kind = program.asks_singular = program.asks_depth =
+      program.asks_ray = false;
+  for (size_t at = 0; at < program.code.size(); at += nodes::kWords[program.code[at]]) {
+    if (program.code[at] != static_cast<uint32_t>(nodes::Op::LightPath)) continue;
+    program.asks_ray = true;
+    const auto what = static_cast<nodes::PathValue>(program.code[at + 2]);
+    program.asks_singular |= what == IS_SINGULAR_RAY;
+    program.asks_depth |= what == RAY_DEPTH || what == DIFFUSE_DEPTH || what == GLOSSY_DEPTH ||
+                          what == TRANSMISSION_DEPTH || what == TRANSPARENT_DEPTH;
+    switch (what) {
+      case IS_SHADOW_RAY: program.asks_shadow = true; break;
+      case IS_DIFFUSE_RAY:
+      case IS_GLOSSY_RAY:
+      case IS_SINGULAR_RAY:
+      case IS_REFLECTION_RAY:
+      case IS_TRANSMISSION_RAY: program.asks_shadow = program.asks_kind = true; break;
+      default: break;  // depths and lengths are guessed without choice
+    }
+  }
+}
+
+}  // namespace photon_splat

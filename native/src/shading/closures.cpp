@@ -1,0 +1,155 @@
+#include "shading/frame.h"
+
+namespace photon_splat::nodes {
+namespace {
+
+Distribution distribution(uint32_t word) {
+  switch (Frame::mode<Microfacets>(word)) {
+    case Microfacets::GGX: return Distribution::kGgx;
+    case Microfacets::MULTI_GGX: return Distribution::kMultiGgx;
+    case Microfacets::BECKMANN: return Distribution::kBeckmann;
+    case Microfacets::ASHIKHMIN_SHIRLEY: return Distribution::kAshikhminShirley;
+  }
+  return Distribution::kGgx;
+}
+
+// Within what a chain of lobes can multiply without leaving the range of floats; what is not a
+// number is 0.
+constexpr float kMostScattered = 1e6f, kMostEmitted = 1e16f;
+float bounded(float x, float most) { return x == x ? std::clamp(x, -most, most) : 0; }
+Rgb bounded(const Rgb& c, float most) {
+  return {bounded(c.x, most), bounded(c.y, most), bounded(c.z, most)};
+}
+
+// Nodes have normals on the side that is looked at, closures on the surface's front. Without
+// length: the shading normal.
+Vec3 front_normal(const Frame& f, uint32_t word) {
+  Vec3 n = f.vector(word);
+  const float l = length(n);
+  n = l > 0 && std::isfinite(l) ? n / l : f.normal();
+  return f.point.back ? -n : n;
+}
+
+void principled(Frame& f, const uint32_t* w) {
+  enum {
+    kWeight,
+    kBaseColor,
+    kMetallic,
+    kRoughness,
+    kIor,
+    kAlpha,
+    kNormal,
+    kDiffuseRoughness,
+    kSubsurface,
+    kSpecular,
+    kSpecularTint,
+    kAnisotropic,
+    kRotation,
+    kTangent,
+    kTransmission,
+    kCoat,
+    kCoatRoughness,
+    kCoatIor,
+    kCoatTint,
+    kCoatNormal,
+    kSheen,
+    kSheenRoughness,
+    kSheenTint,
+    kEmission,
+    kEmissionStrength,
+    kFilm,
+    kFilmIor,
+    kDistribution
+  };
+  const float weight = bounded(f.number(w[kWeight]), kMostScattered);
+  PrincipledInputs p;
+  p.base_color = bounded(f.vector(w[kBaseColor]), kMostScattered);
+  p.metallic = f.number(w[kMetallic]);
+  p.roughness = f.number(w[kRoughness]);
+  p.ior = f.number(w[kIor]);
+  p.alpha = f.number(w[kAlpha]);
+  p.normal = front_normal(f, w[kNormal]);
+  p.diffuse_roughness = f.number(w[kDiffuseRoughness]);
+  p.subsurface_weight = f.number(w[kSubsurface]);
+  p.specular_level = f.number(w[kSpecular]);
+  p.specular_tint = bounded(f.vector(w[kSpecularTint]), kMostScattered);
+  p.anisotropic = f.number(w[kAnisotropic]);
+  p.anisotropic_rotation = f.number(w[kRotation]);
+  p.tangent = f.vector(w[kTangent]);
+  p.transmission_weight = f.number(w[kTransmission]);
+  p.coat_weight = f.number(w[kCoat]);
+  if (p.coat_weight > 0) {
+    p.coat_roughness = f.number(w[kCoatRoughness]);
+    p.coat_ior = f.number(w[kCoatIor]);
+    p.coat_tint = bounded(f.vector(w[kCoatTint]), 1);  // it is raised to powers
+    p.coat_normal = front_normal(f, w[kCoatNormal]);
+  }
+  p.sheen_weight = f.number(w[kSheen]);
+  if (p.sheen_weight > 0) {
+    p.sheen_roughness = f.number(w[kSheenRoughness]);
+    p.sheen_tint = bounded(f.vector(w[kSheenTint]), kMostScattered);
+  }
+  p.emission_color = bounded(f.vector(w[kEmission]), 1e5f);
+  p.emission_strength = bounded(f.number(w[kEmissionStrength]), 1e10f);
+  p.thin_film_thickness = f.number(w[kFilm]);
+  p.thin_film_ior = f.number(w[kFilmIor]);
+  p.distribution = distribution(w[kDistribution]);
+  f.out.add_principled({weight, weight, weight}, std::move(p));
+}
+
+}  // namespace
+
+void closure(Frame& f, Op op, const uint32_t* w) {
+  const float weight = f.number(w[0]);
+  if (weight == 0) return;
+  const auto colored = [&] { return bounded(f.vector(w[1]) * weight, kMostScattered); };
+  // Tints light scattered more than once
+  const auto color = [&] { return bounded(f.vector(w[1]), kMostScattered); };
+  switch (op) {
+    case Op::Emission: f.out.add_emission(bounded(f.vector(w[1]) * weight, kMostEmitted)); break;
+    case Op::Transparent: f.out.add_transparent(colored()); break;
+    case Op::Holdout: f.out.add_holdout(bounded(weight, 1)); break;
+    case Op::Diffuse: {
+      const Rgb tint = color();
+      f.out.add_diffuse(colored(), front_normal(f, w[2]), f.number(w[3]), &tint);
+      break;
+    }
+    case Op::Translucent: f.out.add_translucent(colored(), front_normal(f, w[2])); break;
+    case Op::Glossy: {
+      const Rgb tint = color();
+      f.out.add_glossy(colored(), front_normal(f, w[2]), distribution(w[7]), f.number(w[3]),
+                       f.number(w[4]), f.number(w[5]), f.vector(w[6]), &tint);
+      break;
+    }
+    case Op::Glass: {
+      const Rgb tint = color();
+      f.out.add_glass(colored(), front_normal(f, w[2]), distribution(w[7]), f.number(w[3]),
+                      f.number(w[4]), f.number(w[5]), f.number(w[6]), &tint);
+      break;
+    }
+    case Op::Refraction:
+      f.out.add_refraction(colored(), front_normal(f, w[2]), distribution(w[5]), f.number(w[3]),
+                           f.number(w[4]));
+      break;
+    case Op::Metallic:
+      f.out.add_metallic(bounded({weight, weight, weight}, kMostScattered), front_normal(f, w[1]),
+                         distribution(w[11]), f.number(w[2]), f.number(w[3]), f.number(w[4]),
+                         f.vector(w[5]),
+                         f.mode<MetallicType>(w[10]) == MetallicType::PHYSICAL_CONDUCTOR,
+                         bounded(f.vector(w[6]), kMostScattered),
+                         bounded(f.vector(w[7]), kMostScattered), f.number(w[8]), f.number(w[9]));
+      break;
+    case Op::Sheen:
+      f.out.add_sheen(colored(), front_normal(f, w[2]), f.number(w[3]),
+                      f.mode<SheenType>(w[4]) == SheenType::ASHIKHMIN);
+      break;
+    case Op::Toon:
+      f.out.add_toon(colored(), front_normal(f, w[2]), f.mode<ToonType>(w[5]) == ToonType::GLOSSY,
+                     f.number(w[3]), f.number(w[4]));
+      break;
+    case Op::Principled: principled(f, w); break;
+    default: break;
+  }
+}
+
+}  // namespace photon_splat::nodes

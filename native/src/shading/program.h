@@ -1,0 +1,115 @@
+// Shader node trees as programs that run at a hit. The compiler is addon/export; the operations are
+// listed in ops.def.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "math/sampling.h"
+
+namespace photon_splat {
+
+class Bsdf;
+class Scene;
+
+// A program: instructions `opcode, operand...` as 32-bit words. An operand is the offset (in
+// floats) of a register, or, with the top bit set, of a constant in `constants`; vectors and
+// colours are three consecutive floats. Integers that choose a mode are written as plain words.
+// ops.def says for every operation what its operands are.
+struct Program {
+  std::string name;
+  std::vector<uint32_t> code;
+  std::vector<float> constants;
+  uint32_t registers = 0;  // floats of scratch space
+  uint32_t features = 0;   // ProgramFeature bits: what a run may produce
+  // Whether shadow rays, and which others, see something else: look_at_light_path()
+  bool asks_shadow = false, asks_kind = false;
+  // And those of deltas, later ones, any others
+  bool asks_singular = false, asks_depth = false, asks_ray = false;
+};
+
+enum ProgramFeature : uint32_t {
+  // Rest: lobes beyond Lambert
+  kProgramEmits = 1,
+  kProgramTransparent = 2,
+  kProgramGathers = 4,
+  kProgramRest = 8,
+  kProgramSharp = 16,             // a lobe of roughness below 1/2 is possible: caustics
+  kProgramConstantEmission = 32,  // emission is the same everywhere and from every direction
+  kProgramTransmits = 64,         // a lobe may send light to the other side
+};
+
+// The ray that found the hit: the Light Path node's outputs.
+struct RayInfo {
+  // kEmission: none, as an emitter is asked
+  enum Kind : uint8_t { kCamera, kShadow, kDiffuse, kGlossy, kTransmission, kEmission };
+  Kind kind = kCamera;    // kTransmission: glossy, kDiffuse: either way
+  bool singular = false;  // left a delta lobe
+  bool through = false;   // left to the other side
+  float length = 0;
+  float from = 0;  // where it began to see, m: the camera's clipping, as in Cycles
+  // Width of a camera sample where it meets something, m: how far apart Bump looks; 0: not known
+  float footprint = 0;
+  uint16_t depth = 0, diffuse_depth = 0, glossy_depth = 0, transmission_depth = 0,
+           transparent_depth = 0;
+
+  // Of the ray that leaves a surface, which this one met, by a lobe.
+  RayInfo scattered(bool diffuse, bool transmitted, bool delta) const {
+    RayInfo out = *this;
+    out.kind = diffuse ? kDiffuse : transmitted ? kTransmission : kGlossy;
+    out.through = transmitted;
+    out.singular = delta;
+    out.from = 0;
+    ++out.depth;
+    ++(transmitted ? out.transmission_depth : diffuse ? out.diffuse_depth : out.glossy_depth);
+    return out;
+  }
+};
+
+// Rays by which something is seen: a bit for each kind. Light samples come by shadow rays. What a
+// translucent surface scatters through itself counts as diffuse.
+using RayMask = uint32_t;
+inline constexpr RayMask kAllRays = ~0u;
+constexpr RayMask ray_bit(RayInfo::Kind kind) { return 1u << kind; }
+inline constexpr RayMask kScatteredRays =
+    ray_bit(RayInfo::kDiffuse) | ray_bit(RayInfo::kGlossy) | ray_bit(RayInfo::kTransmission);
+
+// For light that is scattered only these make a difference.
+constexpr RayMask as_scattered(RayMask seen_by) { return seen_by | ~kScatteredRays; }
+
+// Where a lamp stands, in coordinates relative to the scene's origin.
+struct LampPlace {
+  Affine to_world, to_local;
+};
+
+// Where a program runs. World programs: `position` and wi = -direction, no instance. Those of
+// lamps: `lamp`, no instance; (1 - u - v, u) are the lamp's own coordinates, from 0 to 1 over it.
+struct ShadingPoint {
+  static constexpr uint32_t kNoInstance = ~0u;
+  Vec3 position;  // m, relative to the scene's origin
+  Vec3 ng, ns;    // on the side of wo
+  Vec3 wo;        // unit, towards where the ray came from
+  bool back = false;
+  uint32_t instance = kNoInstance, triangle = 0;
+  float u = 0, v = 0;  // barycentric
+  RayInfo ray;
+  const LampPlace* lamp = nullptr;
+};
+
+// Runs `program` at `point` and adds its closures to `out` (not finished). Never fails, never
+// yields NaN or infinity.
+void run_program(const Scene& scene, const Program& program, const ShadingPoint& point, Bsdf& out);
+
+// What the registers hold after a run of `program`, which asks for nothing of a hit: for folding of
+// constants.
+std::vector<float> run_constant_program(const Scene& scene, const Program& program);
+
+// Sets what a checked program asks of the ray.
+void look_at_light_path(Program& program);
+
+// Throws std::invalid_argument for a program that reads or writes outside its registers, constants
+// or textures.
+void check_program(const Scene& scene, const Program& program);
+
+}  // namespace photon_splat

@@ -1,0 +1,178 @@
+#include "density/occlusion.h"
+
+#include <doctest/doctest.h>
+
+#include "density/kernel_mass.h"
+#include "support/meshes.h"
+
+using namespace photon_splat;
+
+namespace {
+
+// A closed box with its floor at z = 0.
+Mesh make_box(const Vec3& low, const Vec3& high) {
+  Mesh mesh;
+  for (int i = 0; i < 8; ++i)
+    mesh.positions.push_back(
+        {i & 1 ? high.x : low.x, i & 2 ? high.y : low.y, i & 4 ? high.z : low.z});
+  mesh.triangles = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
+                    {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
+  return mesh;
+}
+
+// A sheet in the plane x = `x`, standing on z = 0.
+Mesh make_sheet(float x) {
+  Mesh mesh;
+  mesh.positions = {{x, -1, 0}, {x, 2, 0}, {x, 2, 1}, {x, -1, 1}};
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  return mesh;
+}
+
+// Several meshes, each where it is.
+void fill_all(Scene& scene, std::vector<Mesh> meshes) {
+  scene.materials.resize(1);
+  for (Mesh& mesh : meshes) {
+    scene.meshes.push_back(padded(std::move(mesh)));
+    scene.add_instance(static_cast<uint32_t>(scene.meshes.size() - 1), identity, {0});
+  }
+  scene.build(CancelFlag());
+}
+std::vector<Mesh> floor_and(Mesh thing) {
+  std::vector<Mesh> meshes;
+  meshes.push_back(make_grid(4));
+  meshes.push_back(std::move(thing));
+  return meshes;
+}
+
+// Of the floor at (x, y), seen from above; a mean over turns of the rays.
+DiscOcclusion at_floor(Scene& scene, float x, float y, float h) {
+  Surface s;
+  REQUIRE(scene.intersect({x, y, 0.05f}, {0, 0, -1}, 0, 100, true, s));
+  REQUIRE(s.position.z == doctest::Approx(0));
+  DiscOcclusion sum{0, 0, h};
+  for (uint32_t i = 0; i < 64; ++i) {
+    const DiscOcclusion one =
+        disc_occlusion(scene, s.instance, s.triangle, s.key, s.position, s.ng, h, i);
+    sum.hidden += one.hidden / 64;
+    sum.narrow_hidden += one.narrow_hidden / 64;
+    sum.clear = std::min(sum.clear, one.clear);
+  }
+  return sum;
+}
+
+// What a straight edge `distance` from the middle cuts off the disc: the mass of the floor up to
+// there is the rest.
+float mass_beyond(float distance, float h) {
+  Scene scene(1);
+  Mesh half;
+  half.positions = {{-9, -9, 0}, {distance, -9, 0}, {distance, 9, 0}, {-9, 9, 0}};
+  half.triangles = {{0, 1, 2}, {0, 2, 3}};
+  fill(scene, std::move(half), {identity});
+  Surface s;
+  REQUIRE(scene.intersect({0, 0, 1}, {0, 0, -1}, 0, 100, true, s));
+  return 1 - kernel_mass(scene, s.instance, s.triangle, s.position, s.ng, h).mass;
+}
+
+}  // namespace
+
+TEST_CASE("a box on the floor hides what lies under it, and no more") {
+  for (const bool sunk : {false, true}) {
+    Scene both(1);
+    fill_all(both, floor_and(make_box({0.5f, 0.1f, sunk ? -0.2f : 0.0f}, {0.9f, 0.9f, 0.4f})));
+    for (float distance : {0.01f, 0.05f, 0.1f}) {
+      const DiscOcclusion o = at_floor(both, 0.5f - distance, 0.5f, 0.2f);
+      CAPTURE(distance);
+      CHECK(o.hidden == doctest::Approx(mass_beyond(distance, 0.2f)).epsilon(0.08));
+      CHECK(o.narrow_hidden == doctest::Approx(mass_beyond(distance, 0.2f * kNarrow)).epsilon(0.2));
+      CHECK(o.clear == 0.2f);
+    }
+    CHECK(at_floor(both, 0.2f, 0.5f, 0.2f).hidden == 0);
+  }
+}
+
+TEST_CASE("a sheet on the floor hides nothing, and no disc reaches past it") {
+  Scene scene(1);
+  fill_all(scene, floor_and(make_sheet(0.5f)));
+  const DiscOcclusion near = at_floor(scene, 0.45f, 0.5f, 0.2f);
+  CHECK(near.hidden == 0);
+  CHECK(near.clear == doctest::Approx(0.05).epsilon(0.05));
+  CHECK(at_floor(scene, 0.25f, 0.5f, 0.2f).clear == 0.2f);
+}
+
+TEST_CASE("a disc at the foot of a sheet steps away from it, if there is room") {
+  const auto step = [](Scene& scene, float x, float y, float r, Vec3& place) {
+    Surface s;
+    REQUIRE(scene.intersect({x, y, 0.05f}, {0, 0, -1}, 0, 100, true, s));
+    place = s.position;
+    DiscOcclusion near = disc_occlusion(scene, s.instance, s.triangle, s.key, place, s.ng, 0.2f, 7);
+    REQUIRE(near.clear < r);
+    return step_clear_of_walls(scene, s.instance, s.triangle, s.key, place, s.ng, r, 7, near) &&
+           near.clear == r;
+  };
+  Vec3 place;
+  Scene one(1);
+  fill_all(one, floor_and(make_sheet(0.5f)));
+  for (const float side : {-1.0f, 1.0f}) {
+    CHECK(step(one, 0.5f + side * 0.01f, 0.5f, 0.05f, place));
+    CHECK(side * (place.x - 0.5f) > 0.05f);
+    CHECK(length(place - Vec3{0.5f + side * 0.01f, 0.5f, 0}) < 0.1f);
+    CHECK(place.z == doctest::Approx(0));
+  }
+  Scene corridor(1);
+  std::vector<Mesh> meshes = floor_and(make_sheet(0.5f));
+  meshes.push_back(padded(make_sheet(0.53f)));
+  fill_all(corridor, std::move(meshes));
+  CHECK_FALSE(step(corridor, 0.51f, 0.5f, 0.05f, place));
+  CHECK(place.x == doctest::Approx(0.51f));
+  Scene rim(1);  // the floor ends at x = 1
+  fill_all(rim, floor_and(make_sheet(0.97f)));
+  CHECK_FALSE(step(rim, 0.98f, 0.5f, 0.05f, place));
+}
+
+TEST_CASE("under an awning next to nothing is hidden: one sees its back, but not all around") {
+  Scene scene(1);
+  Mesh awning;  // over x < 0.5, from a wall of its own at x = 0.5 down to x = 0.1
+  awning.positions = {{0.5f, 0, 0},    {0.5f, 1, 0},    {0.5f, 1, 0.3f},
+                      {0.5f, 0, 0.3f}, {0.9f, 0, 0.2f}, {0.9f, 1, 0.2f}};
+  awning.triangles = {{0, 2, 1}, {0, 3, 2}, {3, 4, 5}, {3, 5, 2}};
+  fill_all(scene, floor_and(std::move(awning)));
+  const DiscOcclusion o = at_floor(scene, 0.45f, 0.5f, 0.2f);
+  CHECK(o.hidden < 0.1f * mass_beyond(0.05f, 0.2f));
+  CHECK(o.clear == doctest::Approx(0.05).epsilon(0.05));
+}
+
+TEST_CASE("where the floor ends at the wall there is nothing beyond") {
+  Scene scene(1);
+  fill_all(scene, floor_and(make_sheet(1.0f)));
+  const DiscOcclusion o = at_floor(scene, 0.95f, 0.5f, 0.2f);
+  CHECK(o.hidden == 0);
+  CHECK(o.clear == 0.2f);
+}
+
+TEST_CASE("a board that hovers close over the floor keeps photons off it") {
+  for (const float gap : {0.0f, 0.004f}) {  // lying on it, and just above
+    Scene scene(1);
+    fill_all(scene, floor_and(make_box({0.5f, -1, gap}, {2, 2, gap + 0.004f})));
+    for (float distance : {0.02f, 0.1f}) {
+      const DiscOcclusion o = at_floor(scene, 0.5f - distance, 0.5f, 0.2f);
+      CAPTURE(gap);
+      CAPTURE(distance);
+      CHECK(o.hidden == doctest::Approx(mass_beyond(distance, 0.2f)).epsilon(0.12));
+      CHECK(o.narrow_hidden ==
+            doctest::Approx(mass_beyond(distance, 0.2f * kNarrow)).epsilon(0.25));
+      CHECK(o.clear == 0.2f);
+    }
+    CHECK(at_floor(scene, 0.2f, 0.5f, 0.2f).hidden == 0);
+  }
+}
+
+TEST_CASE("light comes in under a board that hovers higher, and one that shines is no cover") {
+  Scene high(1);
+  fill_all(high, floor_and(make_box({0.5f, -1, 0.05f}, {2, 2, 0.06f})));
+  CHECK(at_floor(high, 0.45f, 0.5f, 0.2f).hidden == 0);
+  Scene shining(1);
+  shining.materials.resize(1);
+  shining.materials[0].front.emission = shining.materials[0].back.emission = {1, 1, 1};
+  fill_all(shining, floor_and(make_box({0.5f, -1, 0.001f}, {2, 2, 0.004f})));
+  CHECK(at_floor(shining, 0.45f, 0.5f, 0.2f).hidden == 0);
+}

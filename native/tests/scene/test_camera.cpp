@@ -1,0 +1,157 @@
+#include "scene/camera.h"
+
+#include <doctest/doctest.h>
+
+#include <stdexcept>
+
+using namespace photon_splat;
+
+namespace {
+
+CameraSettings settings_of(int width = 8, int height = 8) {
+  CameraSettings s;
+  s.width = s.region_width = width;
+  s.height = s.region_height = height;
+  s.clip_start = 0.5f;
+  s.clip_end = 50;
+  s.filter = FilterKind::kBox;
+  s.filter_width = 1;
+  return s;
+}
+
+PanoramaSettings panorama_of(PanoramaKind kind) {
+  PanoramaSettings p;
+  p.kind = kind;
+  p.polynomial = {0, -0.03f, 0, 0, 0};
+  return p;
+}
+
+void check_direction(const std::optional<Vec3>& is, const Vec3& should) {
+  REQUIRE(is);
+  CHECK(length(*is - normalize(should)) < 1e-5f);
+}
+
+constexpr PanoramaKind kAll[] = {
+    PanoramaKind::kEquirectangular,   PanoramaKind::kEquiangularCubeFace,
+    PanoramaKind::kMirrorBall,        PanoramaKind::kFisheyeEquidistant,
+    PanoramaKind::kFisheyeEquisolid,  PanoramaKind::kFisheyePolynomial,
+    PanoramaKind::kCentralCylindrical};
+
+}  // namespace
+
+TEST_CASE("every panorama looks along the viewing axis at its centre and gives unit directions") {
+  for (const PanoramaKind kind : kAll) {
+    const PanoramaSettings p = panorama_of(kind);
+    check_direction(panorama_direction(p, 0.5f, 0.5f), {0, 0, -1});
+    for (float u = -0.05f; u < 1.1f; u += 0.05f)
+      for (float v = -0.05f; v < 1.1f; v += 0.05f)
+        if (const auto d = panorama_direction(p, u, v))
+          CHECK(length(*d) == doctest::Approx(1).epsilon(1e-5));
+    // Right is right and up is up.
+    CHECK(panorama_direction(p, 0.6f, 0.5f)->x > 0);
+    CHECK(panorama_direction(p, 0.5f, 0.6f)->y > 0);
+  }
+}
+
+TEST_CASE("places of known direction on each panorama") {
+  check_direction(panorama_direction(panorama_of(PanoramaKind::kEquirectangular), 0.75f, 0.5f),
+                  {1, 0, 0});
+  check_direction(panorama_direction(panorama_of(PanoramaKind::kEquirectangular), 0.3f, 1),
+                  {0, 1, 0});
+  check_direction(panorama_direction(panorama_of(PanoramaKind::kEquiangularCubeFace), 1, 0),
+                  {1, -1, -1});
+  check_direction(panorama_direction(panorama_of(PanoramaKind::kMirrorBall), 1, 0.5f), {0, 0, 1});
+  check_direction(panorama_direction(panorama_of(PanoramaKind::kFisheyeEquidistant), 1, 0.5f),
+                  {1, 0, 0});
+  check_direction(panorama_direction(panorama_of(PanoramaKind::kCentralCylindrical), 0.75f, 1),
+                  {1, 1, 0});
+  CHECK_FALSE(panorama_direction(panorama_of(PanoramaKind::kFisheyeEquidistant), 0.9f, 0.9f));
+  CHECK_FALSE(panorama_direction(panorama_of(PanoramaKind::kMirrorBall), 0.9f, 0.9f));
+  PanoramaSettings equisolid = panorama_of(PanoramaKind::kFisheyeEquisolid);
+  equisolid.focal_length = 10;
+  equisolid.fov = 2.001f;
+  const float edge = 20 * std::sin(0.5f) / 36;  // 1 radian off the axis: r = 2 f sin(angle / 2)
+  check_direction(panorama_direction(equisolid, 0.5f, 0.5f + edge),
+                  {0, std::sin(1.0f), -std::cos(1.0f)});
+  CHECK_FALSE(panorama_direction(equisolid, 0.5f, 0.5f + edge * 1.01f));
+}
+
+TEST_CASE(
+    "an aperture blurs nothing at the distance of focus and by the thin lens' circle elsewhere") {
+  for (const bool orthographic : {false, true}) {
+    CameraSettings s = settings_of();
+    s.orthographic = orthographic;
+    s.aperture = {0.1f, 4, 0, 0, 1};
+    const Camera camera(s);
+    CameraSettings sharp = s;
+    sharp.aperture.radius = 0;
+    const Camera pinhole(sharp);
+    float widest = 0;
+    for (uint32_t i = 0; i < 256; ++i) {
+      const Vec2 u = sobol_2d(i, 0, 3), lens = sobol_2d(i, 1, 3);
+      const auto through = camera.ray(6, 2, u, lens), centre = pinhole.ray(6, 2, u, lens);
+      REQUIRE(through);
+      CHECK(length(through->direction) == doctest::Approx(1).epsilon(1e-5));
+      CHECK(through->near * through->cosine == doctest::Approx(0.5).epsilon(1e-4));
+      CHECK(through->cosine == doctest::Approx(-through->direction.z).epsilon(1e-5));
+      const auto at_depth = [](const CameraRay& r, float depth) {
+        return r.origin + r.direction * (depth / r.cosine);
+      };
+      CHECK(length(at_depth(*through, 4) - at_depth(*centre, 4)) < 1e-5f);
+      widest = std::max(widest, length(at_depth(*through, 8) - at_depth(*centre, 8)));
+    }
+    // As far behind the focus as the lens is before it
+    CHECK(widest == doctest::Approx(0.1).epsilon(0.05));
+    CHECK(widest <= 0.1001f);
+  }
+}
+
+TEST_CASE("an aperture of blades is its regular polygon, uniformly filled") {
+  CameraSettings s = settings_of();
+  s.aperture = {1, 1e6f, 4, 0.3f, 2};
+  const Camera camera(s);
+  double area = 0, moment = 0;
+  constexpr int count = 4096;
+  for (uint32_t i = 0; i < count; ++i) {
+    const Vec3 p = camera.ray(4, 4, {0.5f, 0.5f}, sobol_2d(i, 1, 3))->origin;
+    const float x = p.x * 2, y = p.y;  // the ratio undone
+    const float c = std::cos(0.3f), n = std::sin(0.3f), a = c * x + n * y, b = -n * x + c * y;
+    CHECK(std::max(std::abs(a), std::abs(b)) <= std::sqrt(0.5f) + 1e-5f);
+    area += std::abs(a) < 0.25f && std::abs(b) < 0.25f;
+    moment += a * a;
+  }
+  CHECK(area / count == doctest::Approx(0.25 / 2).epsilon(0.02));  // a square of side sqrt 2
+  CHECK(moment / count == doctest::Approx(2.0 / 12).epsilon(0.02));
+}
+
+TEST_CASE(
+    "a panorama's depth is distance, its footprint an angle, and its lens focuses at that distance") {
+  for (const PanoramaKind kind : kAll) {
+    CameraSettings s = settings_of(64, 64);
+    s.left = s.bottom = 0;
+    s.panorama = panorama_of(kind);
+    s.aperture = {0.05f, 2, 5, 0, 1};
+    const Camera camera(s);
+    CameraSettings sharp = s;
+    sharp.aperture.radius = 0;
+    for (uint32_t i = 0; i < 64; ++i) {
+      const Vec2 u = sobol_2d(i, 0, 3), lens = sobol_2d(i, 1, 3);
+      const auto ray = camera.ray(20, 40, u, lens), centre = Camera(sharp).ray(20, 40, u, lens);
+      REQUIRE(ray.has_value() == centre.has_value());
+      if (!ray) continue;
+      CHECK(ray->cosine == 1);
+      CHECK(ray->near == 0.5f);
+      CHECK(ray->footprint > 0.01f);
+      CHECK(ray->footprint < 0.2f);
+      CHECK(length(ray->origin) <= 0.0501f);
+      const Vec3 to_focus = centre->direction * 2 - ray->origin;
+      CHECK(length(normalize(to_focus) - ray->direction) < 1e-5f);
+    }
+  }
+}
+
+TEST_CASE("an aperture that cannot be is refused") {
+  CameraSettings s = settings_of();
+  s.aperture = {0.1f, 0, 0, 0, 1};
+  CHECK_THROWS_AS(Camera{s}, std::invalid_argument);
+}
