@@ -52,19 +52,20 @@ void replay_packets(Renderer& r, const std::vector<float>& log, Intersect&& inte
 
 TracerBench bench_photon_tracer(Renderer& r, uint64_t paths) {
   TracerBench out;
-  KeyFilter all;
+  SurfaceFilter all;
   for (uint32_t i = 0; i < 1u << 22; ++i) all.add(i);
+  PhotonTracer& tracer = r.map().tracer();
   const auto trace = [&] {
-    r.photon_tracer().trace(0, paths, static_cast<double>(paths), 1, all, r.cancel_flag());
+    tracer.trace(0, paths, static_cast<double>(paths), 1, all, r.cancel_flag());
   };
   trace();
-  const uint64_t before = r.photon_tracer().counts().rays;
+  const uint64_t before = tracer.counts().rays;
   out.tracer_seconds = seconds_of(trace);
-  out.rays = r.photon_tracer().counts().rays - before;
+  out.rays = tracer.counts().rays - before;
   std::vector<float> log;
-  r.photon_tracer().ray_log = &log;
+  tracer.ray_log = &log;
   trace();
-  r.photon_tracer().ray_log = nullptr;
+  tracer.ray_log = nullptr;
 
   RTCScene scene = r.scene.embree();
   out.intersect1_seconds = seconds_of([&] {

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 
 import numpy as np
@@ -10,12 +9,7 @@ import pytest
 from photon_splat.core.render import ending, memory
 from photon_splat.core.render.ending import Ending, denoising_runs
 from photon_splat.core.render.persistent import start_anew
-from photon_splat.core.render.session import (
-    FEWEST_PATHS,
-    TRIAL_PATHS,
-    batch_that_fits,
-    final_arrays,
-)
+from photon_splat.core.render.session import final_arrays
 from photon_splat.core.render.settings import RenderSettings
 from photon_splat.core.scene import Light, LightKind
 
@@ -46,7 +40,7 @@ def test_photons_that_are_left_out_are_made_up_for() -> None:
         renderer = start.renderer
         for number in range(4):
             renderer.trace_camera(number)
-            renderer.make_points(number)
+            renderer.place_points(number)
             paths = renderer.paths_per_pass // part
             renderer.trace_photons(0, paths)
             renderer.splat()
@@ -56,18 +50,6 @@ def test_photons_that_are_left_out_are_made_up_for() -> None:
         means.append(renderer.film(["diffuse_indirect"])["diffuse_indirect"].mean())
     assert means[0] > 0
     assert means[1] == pytest.approx(means[0], rel=0.02)
-
-
-def test_batches_fit_into_what_is_left() -> None:
-    fits = batch_that_fits
-    assert fits(10**9, 10**6, math.inf, None, whole=False) == 10**6
-    assert fits(10**9, 10**6, 1.0, None, whole=False) == TRIAL_PATHS
-    assert fits(200_000, 10**6, 1.0, None, whole=True) == 200_000
-    assert fits(10**9, 10**6, 1.0, 1e-5, whole=False) == pytest.approx(10**5, abs=1)
-    assert fits(10**9, 10**6, 1.0, 1e-7, whole=False) == 10**6
-    assert fits(10**9, 10**6, 1.0, 1e-5, whole=True) == 0
-    assert fits(10**9, 10**6, 1e-5 * FEWEST_PATHS / 2, 1e-5, whole=False) == 0
-    assert fits(10**9, 10**6, -1.0, 1e-5, whole=False) == 0
 
 
 def test_denoising_is_foreseen(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -134,9 +116,7 @@ def test_the_film_takes_150_bytes_a_pixel_at_most() -> None:
         start.renderer.keep_film(arrays)
         start.prepare()
         for number in range(3):
-            start.renderer.trace_camera(number)
-            start.renderer.make_points(number)
-            start.renderer.resolve()
+            start.renderer.render_pass(number)
         assert start.renderer.film_bytes < most * 512**2
         assert set(start.renderer.film(arrays)) == set(arrays)
     start.renderer.keep_film(["combined"])

@@ -43,7 +43,7 @@ def prepared(scene: Scene, **settings: object):
     fill_renderer(renderer, scene, made)
     renderer.build()
     renderer.trace_camera(0)
-    renderer.make_points(0)
+    renderer.place_points(0)
     renderer.trace_photons(0, made.photons_per_pass)
     return renderer
 
@@ -82,10 +82,10 @@ def compare(scene: Scene, **settings: object) -> None:
     methods = context.submit(lambda: list(available(context.graphics().gl))).result()
     renderer = prepared(scene, **settings)
     dark = True
-    for layer in range(renderer.layers):
+    for layer in range(renderer.photon_maps):
         if layer:
-            renderer.select_layer(layer)
-            renderer.make_points(0)
+            renderer.select_photon_map(layer)
+            renderer.place_points(0)
             renderer.trace_photons(0, renderer.paths_per_pass)
         renderer.splat()
         cpu = renderer.points()

@@ -43,8 +43,8 @@ def test_a_faint_mirror_gets_fewer_photons_than_a_bright_one() -> None:
     )
     renderer.build()
     renderer.trace_camera(0)
-    renderer.select_layer(1)
-    renderer.make_points(0)
+    renderer.select_photon_map(1)
+    renderer.place_points(0)
     renderer.trace_photons(0, PATHS)
     photons = renderer.photons()
     x = photons["position"][:, 0] + world_bounds(scene).mean(0)[0]

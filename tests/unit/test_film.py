@@ -19,11 +19,7 @@ def test_arrays_by_name_are_those_of_the_whole_film() -> None:
     renderer = start.renderer
     assert all(not array.any() for array in renderer.film().values())  # before the first pass
     for number in range(3):
-        renderer.trace_camera(number)
-        renderer.make_points(number)
-        renderer.trace_photons(0, 2000)
-        renderer.splat()
-        renderer.resolve()
+        renderer.render_pass(number)
         film = renderer.film()
         parts = [film[f"{kind}_{way}"] for kind in LIGHT for way in ("direct", "indirect")] + [
             film["emission"],

@@ -22,6 +22,7 @@ from ..scene import (
     Scene,
     Side,
 )
+from .library import load
 
 if TYPE_CHECKING:
     from photon_splat_native import Renderer
@@ -128,23 +129,38 @@ def fill_renderer(renderer: Renderer, scene: Scene, settings: RenderSettings) ->
     _add_instances(renderer, scene)
     _add_lights(renderer, scene)
     place_camera(renderer, scene.camera, scene.frame)
-    by_trial = settings.final_gather == FinalGather.AUTO and settings.denoise
-    renderer.set_options(
-        photons_per_pass=settings.photons_per_pass,
-        max_bounces=settings.max_bounces,
-        radius_scale=settings.radius_scale,
-        point_spacing=settings.point_spacing,
-        boundary_correction=settings.boundary_correction,
-        caustics=settings.caustics,
-        force_caustics="caustics" in settings.force,
-        seed=settings.seed & 0xFFFFFFFF,
-        adaptive_radius=settings.adaptive_radius,
-        adaptive_samples=settings.adaptive_samples,
-        occlusion=settings.occlusion,
-        fallback=settings.fallback,
-        final_gather=settings.final_gather == FinalGather.ON or by_trial,
-        gather_trial=by_trial,
-    )
+    set_options(renderer, settings)
+
+
+SAME_OPTIONS = (
+    "photons_per_pass",
+    "max_bounces",
+    "radius_scale",
+    "point_spacing",
+    "boundary_correction",
+    "caustics",
+    "adaptive_radius",
+    "adaptive_samples",
+    "occlusion",
+    "fallback",
+)
+"""Settings that the renderer has by the same name."""
+
+
+def set_options(renderer: Renderer, settings: RenderSettings) -> None:
+    """What the renderer is to know of `settings`, before it is built."""
+    native = load()
+    options = renderer.options
+    for name in SAME_OPTIONS:
+        setattr(options, name, getattr(settings, name))
+    options.force_caustics = "caustics" in settings.force
+    options.seed = settings.seed & 0xFFFFFFFF
+    if settings.final_gather == FinalGather.ON:
+        options.final_gather = native.FinalGather.ON
+    elif settings.final_gather == FinalGather.AUTO and settings.denoise:
+        options.final_gather = native.FinalGather.BY_TRIAL
+    else:
+        options.final_gather = native.FinalGather.OFF
 
 
 def replace_shading(renderer: Renderer, scene: Scene) -> None:

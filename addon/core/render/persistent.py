@@ -38,7 +38,7 @@ def start_anew(scene: Scene, settings: RenderSettings, kept_photon_bytes: int = 
     """A new renderer that holds all of `scene`. Errors: those of fill_renderer."""
     renderer = load().Renderer(settings.threads)
     fill_renderer(renderer, scene, make_plan(scene, settings).applied_to(settings))
-    renderer.keep_photons(kept_photon_bytes)
+    renderer.options.kept_photon_bytes = kept_photon_bytes
     return Start(renderer, renderer.build)
 
 

@@ -32,11 +32,6 @@ from .result import (
 from .settings import Backend, Integrator, RenderSettings
 from .splatter import CpuSplatter, Splatter, SplatterFailed
 
-LEAST_PHOTONS_PER_BATCH = 1 << 14
-BATCHES_PER_PASS = 8
-"""At least so many, if they are not too small, where a graphics card splats one while the CPU
-traces the next.
-"""
 OF_DENOISING = ("Combined", "Normal")
 """Passes that the denoiser reads."""
 FOR_DENOISING = ("albedo", "variance", "diffuse_direct")
@@ -52,15 +47,6 @@ SAMPLES_OF_NOISY_FEATURES = 32.0
 1, 14, 64 samples has an error (relMSE) .49, .90, .99 times as large.
 """
 POLL_SECONDS = 0.05
-TRIAL_PATHS = 1 << 16
-"""Of photons, which tell how many more there is time for in the first pass, if it wants more than
-twice as many.
-"""
-FEWEST_PATHS = 1 << 12
-"""Worth a batch where time is short."""
-OF_RESOLVING = 0.15
-"""Of the seconds of a pass' camera samples: the end of a pass, when all of its photons are there.
-"""
 FEWEST_PHOTONS = 0.25
 """Of those that a pass wants: where time is short it has so many before a second sample of any
 pixel, or is left out.
@@ -109,22 +95,31 @@ def pass_that_fits(
     return PassSize(1.0 + share * (wanted.samples - 1.0), FEWEST_PHOTONS * wanted.photons)
 
 
-def batch_that_fits(
-    wanted: int, most: int, left: float, path_seconds: float | None, *, whole: bool
-) -> int:
-    """How many of the `wanted` photon paths are to be traced next, `most` at once, if `left`
-    seconds are left and one took `path_seconds` (None: nobody knows); 0 where there is no time for
-    more. whole: no fewer than `most` or all.
-    """
-    batch = min(wanted, most)
-    if math.isinf(left):
-        return batch
-    if path_seconds is None:
-        return batch if whole or wanted <= 2 * TRIAL_PATHS else min(batch, TRIAL_PATHS)
-    fitting = int(max(left, 0.0) / max(path_seconds, 1e-12))
-    if fitting >= batch:
-        return batch
-    return 0 if whole or fitting < FEWEST_PATHS else fitting
+class _Elsewhere:
+    """A splatter as render_pass() asks for it: each call says whether it can go on."""
+
+    def __init__(self, splatter: Splatter, failed: Callable[[SplatterFailed], None]) -> None:
+        self._splatter = splatter
+        self._failed = failed
+        self._works = True
+
+    def begin_pass(self) -> bool:
+        return self._try(self._splatter.begin_pass)
+
+    def add_photons(self) -> bool:
+        return self._try(self._splatter.add_photons)
+
+    def finish_pass(self) -> bool:
+        return self._try(self._splatter.finish_pass)
+
+    def _try(self, work: Callable[[], None]) -> bool:
+        if self._works:
+            try:
+                work()
+            except SplatterFailed as failure:
+                self._works = False
+                self._failed(failure)
+        return self._works
 
 
 class _Worker(threading.Thread):
@@ -166,7 +161,6 @@ class _Worker(threading.Thread):
         self.warnings: list[str] = []
         self.splatter: Splatter = CpuSplatter(self.renderer)
         self.ending = Ending(*frame_size)
-        self.path_seconds: dict[int, float] = {}  # by layer
         self.film_bytes = 0
 
     def cancel(self) -> None:
@@ -287,59 +281,22 @@ class _Worker(threading.Thread):
         return CpuSplatter(self.renderer)
 
     def _splat_pass(self, number: int) -> None:
-        before = self.renderer.camera_seconds
-        samples = self.renderer.next_pass[0]
-        self.renderer.trace_camera(number)
-        resolving = OF_RESOLVING * (self.renderer.camera_seconds - before)
-        for layer in range(self.renderer.layers):
-            self.renderer.select_layer(layer)
-            self.renderer.make_points(number)
-            left = (self._seconds_left(samples) - resolving) / (self.renderer.layers - layer)
-            try:
-                self._splat_photons(layer, left)
-            except SplatterFailed as failure:
-                self.warnings.append(
-                    f"The GPU splatter failed in pass {number + 1} ({failure}); the CPU splatter "
-                    "has done the rest."
-                )
-                self.splatter.close()
-                gpu_context.submit(gpu_context.discard)
-                self.splatter = CpuSplatter(self.renderer)
-                self._splat_photons(layer, left)
-        self.renderer.resolve()
+        seconds = self._seconds_left(self.renderer.next_pass[0])
+        if self.splatter.backend == Backend.CPU:
+            return self.renderer.render_pass(number, seconds=seconds)
 
-    def _splat_photons(self, layer: int, seconds: float) -> None:
-        """Adds the photons of a pass and layer to its points, whose sums are 0 before: all, or as
-        many as `seconds` are enough for, but one batch at the least.
-        """
-        photons = self.renderer.paths_per_pass
-        most = self.renderer.paths_per_batch
-        if self.splatter.backend == Backend.GPU:
-            most = min(max(-(-photons // BATCHES_PER_PASS), LEAST_PHOTONS_PER_BATCH), most)
-        end = time.monotonic() + seconds
-        self.splatter.begin_pass()
-        first = 0
-        while first < photons:
-            began = time.monotonic()
-            batch = batch_that_fits(
-                photons - first,
-                most,
-                end - began,
-                self.path_seconds.get(layer),
-                whole=self.renderer.keeps_photons,
+        def failed(failure: SplatterFailed) -> None:
+            self.warnings.append(
+                f"The GPU splatter failed in pass {number + 1} ({failure}); the CPU splatter has "
+                "done the rest."
             )
-            if first and not batch:
-                break
-            batch = batch or min(
-                photons, most, FEWEST_PATHS if not self.renderer.keeps_photons else most
-            )
-            self.renderer.trace_photons(first, batch)
-            self.splatter.add_photons()
-            first += batch
-            self.path_seconds[layer] = (time.monotonic() - began) / batch
-        self.splatter.finish_pass()
-        if first < photons:
-            self.renderer.end_photons(first)
+            self.splatter.close()
+            gpu_context.submit(gpu_context.discard)
+            self.splatter = CpuSplatter(self.renderer)
+
+        return self.renderer.render_pass(
+            number, seconds=seconds, splatter=_Elsewhere(self.splatter, failed)
+        )
 
     def _estimate_error(self) -> bool:
         """Now and then; whether the render is good enough."""

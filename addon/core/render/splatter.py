@@ -27,7 +27,7 @@ class Splatter(Protocol):
     backend: Backend
 
     def begin_pass(self) -> None:
-        """Takes the points of the pass; call it after the renderer's make_points()."""
+        """Takes the points of the pass; call it after the renderer's place_points()."""
 
     def add_photons(self) -> None:
         """Adds the renderer's latest batch of photons. They may be in use no longer when it

@@ -300,11 +300,11 @@ class Controller:
     def _trace_store(self, renderer: Renderer, photons: int, most_paths: int) -> None:
         started, traced = time.monotonic(), False
         while True:
-            store = renderer.store_statistics()
+            store = renderer.viewport_photons()
             if store["full"] or store["photons"] >= photons or store["paths"] >= most_paths:
                 break
             self._say("Tracing photons", store["photons"] / photons)
-            renderer.trace_store(
+            renderer.trace_viewport_photons(
                 min(max(FIRST_PATHS, store["paths"]), PHOTONS_PER_BATCH), MOST_STORE_BYTES
             )
             traced = True
@@ -316,7 +316,7 @@ class Controller:
         started = time.monotonic()
         frame, region = scaled(view.frame, step)
         place_camera(renderer, fitted(view, frame, step), frame)
-        renderer.draw_store()
+        renderer.draw_viewport()
         self._publish(renderer, view, region, step, 1, moving)
         self.counts.frames += 1
         seconds = time.monotonic() - started
@@ -333,16 +333,7 @@ class Controller:
         for number in range(settings.passes):
             self._say("Rendering", number / settings.passes)
             began = time.monotonic()
-            renderer.trace_camera(number)
-            for layer in range(renderer.layers):
-                renderer.select_layer(layer)
-                renderer.make_points(number)
-                for first in range(0, renderer.paths_per_pass, PHOTONS_PER_BATCH):
-                    renderer.trace_photons(
-                        first, min(PHOTONS_PER_BATCH, renderer.paths_per_pass - first)
-                    )
-                    renderer.splat()
-            renderer.resolve()
+            renderer.render_pass(number, paths_per_batch=PHOTONS_PER_BATCH)
             self.counts.passes += 1
             self._count(renderer)
             now = time.monotonic()
@@ -357,7 +348,7 @@ class Controller:
     def _count(self, renderer: Renderer) -> None:
         photons = renderer.statistics()["photons"]
         self.counts.photon_paths = (
-            renderer.store_statistics()["traced"] + photons["traced"] + photons["pilot"]
+            renderer.viewport_photons()["traced"] + photons["traced"] + photons["pilot"]
         )
 
     def _publish(

@@ -23,8 +23,26 @@ nanobind::ndarray<nanobind::numpy, T> to_numpy(std::vector<T>&& values,
   return to_numpy(std::make_unique<std::vector<T>>(std::move(values)), shape);
 }
 
-// Shader programs, what they read from meshes and instances, and their table of operations.
-void bind_shading(nanobind::module_& m, nanobind::class_<Renderer>& renderer);
+template <class T, class... Shape>
+using Array = nanobind::ndarray<const T, nanobind::c_contig, nanobind::device::cpu, Shape...>;
+using Matrix = Array<double, nanobind::shape<4, 4>>;  // affine, row by row
+using Rgb3 = std::array<float, 3>;
+
+inline Rgb to_rgb(const Rgb3& c) { return {c[0], c[1], c[2]}; }
+
+// The upper three rows, relative to the renderer's origin.
+inline std::array<double, 12> relative_rows(const Matrix& matrix, const double origin[3]) {
+  std::array<double, 12> rows;
+  std::copy_n(matrix.data(), 12, rows.begin());
+  for (int i = 0; i < 3; ++i) rows[4 * i + 3] -= origin[i];
+  return rows;
+}
+inline Affine relative(const Matrix& matrix, const double origin[3]) {
+  const auto rows = relative_rows(matrix, origin);
+  Affine out;
+  for (int i = 0; i < 12; ++i) out.m[i] = static_cast<float>(rows[i]);
+  return out;
+}
 
 // The value that `known` gives to a name; std::invalid_argument for another one.
 template <class E>
@@ -35,16 +53,23 @@ E named(const std::string& name, std::initializer_list<std::pair<const char*, E>
   throw std::invalid_argument("unknown " + std::string(what) + " '" + name + "'");
 }
 
-// World, skies and suns.
-void bind_world(nanobind::module_& m, nanobind::class_<Renderer>& renderer);
+using RendererClass = nanobind::class_<Renderer>;
 
+// Textures, materials, meshes, instances.
+void bind_geometry(RendererClass& renderer);
+// Lamps, light groups, world, skies and suns.
+void bind_lights(nanobind::module_& m, RendererClass& renderer);
+void bind_camera(RendererClass& renderer);
+// Shader programs, what they read from meshes and instances, and their table of operations.
+void bind_shading(nanobind::module_& m, RendererClass& renderer);
+// Options, passes and their stages.
+void bind_render(nanobind::module_& m, RendererClass& renderer);
+void bind_statistics(RendererClass& renderer);
 // The picture: means over the film's samples as arrays.
-void bind_film(nanobind::class_<Renderer>& renderer);
-
+void bind_film(RendererClass& renderer);
 // What a splatter outside of the native module needs: photons, pairs, points as an atlas, sums.
-void bind_splatting(nanobind::class_<Renderer>& renderer);
-
-// What a viewport needs: another camera, the store of photons, the picture as it is drawn.
-void bind_viewport(nanobind::class_<Renderer>& renderer);
+void bind_splatting(RendererClass& renderer);
+// What a viewport and other renders of the scene need: other cameras, other light.
+void bind_viewport(RendererClass& renderer);
 
 }  // namespace photon_splat

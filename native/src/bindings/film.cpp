@@ -79,10 +79,10 @@ void fill_combined(const Run& run, float* to) {
 }
 
 void fill_variance(const Run& run, float* to) {
-  std::copy_n(&run.renderer.errors().variance()[run.first], run.count, to);
+  std::copy_n(&run.renderer.film().errors().variance()[run.first], run.count, to);
 }
 void fill_error(const Run& run, float* to) {
-  std::copy_n(&run.renderer.errors().error()[run.first], run.count, to);
+  std::copy_n(&run.renderer.film().errors().error()[run.first], run.count, to);
 }
 
 // One member of Pixel.
@@ -129,16 +129,16 @@ const Source& source_of(const std::string& name) {
   throw std::invalid_argument("the film has no array of such a name");
 }
 
-struct Array {
+struct FilmArray {
   const Source* source;
   std::unique_ptr<LargeArray<float>> values;
 };
 
 // Those asked for by name, or all that the film keeps.
 nb::dict film_arrays(Renderer& r, const std::optional<std::vector<std::string>>& names) {
-  const PackedFilm& film = r.packed_film();
+  const PackedFilm& film = r.film().sum();
   const size_t width = film.width, height = film.height, groups = film.light_groups;
-  std::vector<Array> arrays;
+  std::vector<FilmArray> arrays;
   bool with_groups = !names;
   const auto add = [&](const Source& source) {
     arrays.push_back({&source, std::make_unique<LargeArray<float>>()});
@@ -156,7 +156,8 @@ nb::dict film_arrays(Renderer& r, const std::optional<std::vector<std::string>>&
       throw std::invalid_argument("the film has not been told to keep " + name);
     add(source);
   }
-  for (const Array& array : arrays) array.values->resize(width * height * array.source->channels);
+  for (const FilmArray& array : arrays)
+    array.values->resize(width * height * array.source->channels);
   auto by_group = std::make_unique<LargeArray<float>>();
   by_group->resize(with_groups ? width * height * groups * 3 : 0);
   {
@@ -165,7 +166,7 @@ nb::dict film_arrays(Renderer& r, const std::optional<std::vector<std::string>>&
       PackedFilm::Tile pixels;
       if (film.passes) film.get(t, pixels);
       film.each_run(t, [&](size_t first, size_t count, size_t place) {
-        for (const Array& array : arrays) {
+        for (const FilmArray& array : arrays) {
           float* to = array.values->data() + first * array.source->channels;
           if (film.passes)
             array.source->fill({r, &pixels[place], first, count}, to);
@@ -184,7 +185,7 @@ nb::dict film_arrays(Renderer& r, const std::optional<std::vector<std::string>>&
     });
   }
   nb::dict out;
-  for (Array& array : arrays)
+  for (FilmArray& array : arrays)
     out[array.source->name] =
         to_numpy(std::move(array.values), {height, width, array.source->channels});
   if (with_groups) out[kLightGroups] = to_numpy(std::move(by_group), {groups, height, width, 3});
@@ -193,14 +194,14 @@ nb::dict film_arrays(Renderer& r, const std::optional<std::vector<std::string>>&
 
 }  // namespace
 
-void bind_film(nb::class_<Renderer>& renderer) {
+void bind_film(RendererClass& renderer) {
   renderer.def(
       "keep_film",
       [](Renderer& r, const std::vector<std::string>& names) {
         ChannelMask channels = 0;
         for (const std::string& name : names)
           if (name != kLightGroups) channels |= source_of(name).needs;
-        r.keep_channels(channels);
+        r.film().keep_channels(channels);
       },
       "names"_a,
       "Of which arrays film() is to be able to tell; all if this is not called. Before build(), set_view() or begin_again().");

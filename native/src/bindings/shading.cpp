@@ -11,10 +11,7 @@ using namespace nb::literals;
 namespace photon_splat {
 namespace {
 
-template <class T, class... Shape>
-using Array = nb::ndarray<const T, nb::c_contig, nb::device::cpu, Shape...>;
-
-// {name: (opcode, [(kind, operand, (mode, ...)), ...])}, see nodes/ops.def.
+// {name: (opcode, [(kind, operand, (mode, ...)), ...])}, see shading/ops.def.
 nb::dict operation_table() {
   nb::dict table;
   uint32_t opcode = 0;
@@ -207,7 +204,7 @@ nb::dict shade_rays(Renderer& r, Array<float, nb::shape<-1, 3>> origins,
 
 }  // namespace
 
-void bind_shading(nb::module_& m, nb::class_<Renderer>& renderer) {
+void bind_shading(nb::module_& m, RendererClass& renderer) {
   m.def(
       "shader_operations", &operation_table,
       "{name: (opcode, [(kind, operand, modes), ...])} of every instruction of shader programs, in the order of its words.");
@@ -225,7 +222,7 @@ void bind_shading(nb::module_& m, nb::class_<Renderer>& renderer) {
           [](Renderer& r, uint32_t program) {
             r.scene.world_program = require_program(r, program);
           },
-          "program"_a)
+          "program"_a, "The program that tells the world's radiance; after add_program().")
       .def(
           "add_mesh_attribute", &add_mesh_attribute, "mesh"_a, "attribute"_a, "domain"_a,
           "values"_a,

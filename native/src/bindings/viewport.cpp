@@ -8,7 +8,7 @@ namespace {
 
 // (height, width, 4): mean premultiplied scene-linear RGB and alpha, row 0 at the bottom.
 nb::ndarray<nb::numpy, float> picture(Renderer& r) {
-  const PackedFilm& film = r.packed_film();
+  const PackedFilm& film = r.film().sum();
   std::vector<float> values(static_cast<size_t>(film.width) * film.height * 4);
   if (film.passes) {
     nb::gil_scoped_release release;
@@ -28,18 +28,18 @@ nb::ndarray<nb::numpy, float> picture(Renderer& r) {
                   {static_cast<size_t>(film.height), static_cast<size_t>(film.width), 4});
 }
 
-// Sums over the layers; `paths` are those of each.
-nb::dict store_statistics(const Renderer& r) {
+// Sums over the photon maps; `paths` are those of each.
+nb::dict viewport_photons(Renderer& r) {
   uint64_t paths = 0, photons = 0, bytes = 0, traced = 0;
   bool full = false;
-  for (size_t i = 0; i < r.layer_count(); ++i) {
-    const auto& store = r.layer(i).store;
-    if (!store) continue;
-    paths = std::max(paths, store->paths());
-    photons += store->photons().size();
-    bytes += store->bytes();
-    traced += store->counts().traced;
-    full |= store->full();
+  for (const auto& map : r.maps()) {
+    const auto& there = map->viewport_photons();
+    if (!there) continue;
+    paths = std::max(paths, there->paths());
+    photons += there->photons().size();
+    bytes += there->bytes();
+    traced += there->counts().traced;
+    full |= there->full();
   }
   nb::dict out;
   out["paths"] = paths;
@@ -60,32 +60,34 @@ void clear_shading(Renderer& r) {
 
 }  // namespace
 
-void bind_viewport(nb::class_<Renderer>& renderer) {
+void bind_viewport(RendererClass& renderer) {
   const auto released = nb::call_guard<nb::gil_scoped_release>();
   renderer
-      .def("set_view", &Renderer::set_view, released,
-           "Takes the camera of set_camera() after build(): the film is empty then.")
-      .def("clear_shading", &clear_shading,
-           "Forgets lamps, materials and textures, which are then added anew before relight().")
-      .def("relight", &Renderer::relight, released,
-           "Takes other lamps, materials, textures or world on the same geometry.")
       .def(
-          "fix_radius", [](Renderer& r, float radius) { r.options.fixed_radius = radius; },
-          "metres"_a, "All discs of that radius, whatever the scene; 0: chosen. For comparisons.")
+          "set_view", &Renderer::set_view, released,
+          "Takes the camera of set_camera() after build(): the film is empty then, and passes begin with 0.")
       .def(
-          "keep_photons",
-          [](Renderer& r, size_t most_bytes) { r.options.kept_photon_bytes = most_bytes; },
-          "most_bytes"_a,
-          "After set_options() and before build(): every render has the same photons, of which so many are kept for the next.")
-      .def("begin_again", &Renderer::begin_again, released,
-           "After set_camera(): another render with what build() and kept photons give.")
-      .def("trace_store", &Renderer::trace_store, "paths"_a, "most_bytes"_a, released)
-      .def("draw_store", &Renderer::draw_store, released)
-      .def("resume", &Renderer::resume, "Takes cancel() back; only while no stage runs.")
+          "clear_shading", &clear_shading,
+          "Forgets lamps, materials, textures and programs, which are then added anew before relight().")
+      .def(
+          "relight", &Renderer::relight, released,
+          "Takes other lamps, materials, textures or world on the same geometry; forgets film and photons.")
+      .def(
+          "begin_again", &Renderer::begin_again, released,
+          "After set_camera(): another render with what build() and kept photons (options.kept_photon_bytes) give.")
+      .def(
+          "trace_viewport_photons", &Renderer::trace_viewport_photons, "paths"_a, "most_bytes"_a,
+          released,
+          "Traces so many photon paths more in each photon map that serve every view, up to so many bytes of photons.")
+      .def("viewport_photons", &viewport_photons,
+           "Of those: paths, photons, bytes, traced (paths, pilot included), full (no more fit).")
+      .def(
+          "draw_viewport", &Renderer::draw_viewport, released,
+          "One camera sample per pixel of the camera of set_camera(), lit indirectly by those photons; the film then holds\n"
+          "it alone. RuntimeError before trace_viewport_photons().")
       .def(
           "picture", &picture,
-          "(height, width, 4) float32 premultiplied scene-linear mean of the film, row 0 at the bottom.")
-      .def("store_statistics", &store_statistics);
+          "(height, width, 4) float32 premultiplied scene-linear RGBA, mean of the film, row 0 at the bottom.");
 }
 
 }  // namespace photon_splat

@@ -1,7 +1,8 @@
 // How dense photons lie on each surface, learnt from a pilot set; it chooses kernel radii.
 #pragma once
 
-#include "photons/photons.h"
+#include "photons/photon.h"
+#include "scene/scene.h"
 #include "util/count_table.h"
 
 namespace photon_splat {

@@ -4,8 +4,9 @@
 #include <string>
 
 #include "density/point_blocks.h"
-#include "photons/photons.h"
+#include "photons/photon.h"
 #include "util/large_pages.h"
+#include "util/parallel.h"
 
 namespace photon_splat {
 

@@ -6,6 +6,7 @@
 
 #include "density/occlusion.h"
 #include "math/morton.h"
+#include "math/random_streams.h"
 #include "util/radix_sort.h"
 
 namespace photon_splat {
@@ -40,38 +41,38 @@ uint32_t seed_of(const Vec3& x) {
 
 }  // namespace
 
-void VisiblePoints::build(Scene& scene, const Records& records, const RadiusMap& radii,
+void VisiblePoints::build(Scene& scene, const GatherPoints& gather_points, const RadiusMap& radii,
                           const PointSettings& settings, uint32_t pass, uint32_t seed,
                           const CancelFlag& cancel) {
-  find_cells(scene, records, radii, settings, pass, seed, cancel);
+  find_cells(scene, gather_points, radii, settings, pass, seed, cancel);
   pick_points(scene, cancel);
   looks_.clear();
-  if (settings.occlusion) split_at_walls(scene, records, cancel);
-  fill_blocks(scene, records, cancel);
+  if (settings.occlusion) split_at_walls(scene, gather_points, cancel);
+  fill_blocks(scene, gather_points, cancel);
 }
 
-void VisiblePoints::find_cells(Scene& scene, const Records& records, const RadiusMap& radii,
-                               const PointSettings& s, uint32_t pass, uint32_t seed,
-                               const CancelFlag& cancel) {
-  cells_.resize(records.size());
-  Random random(pass, hash_combine(seed, 0x9017u));
+void VisiblePoints::find_cells(Scene& scene, const GatherPoints& gather_points,
+                               const RadiusMap& radii, const PointSettings& s, uint32_t pass,
+                               uint32_t seed, const CancelFlag& cancel) {
+  cells_.resize(gather_points.size());
+  Random random(pass, stream_seed(seed, RandomStream::kPointGrid));
   const Vec3 shift{random.next(), random.next(), random.next()};
   // Rounding takes part of a disc's place; of things far off the disc's own footprint is larger.
   const float magnitude = scene.has_far_things() ? scene.near
                                                  : std::max(max_abs(scene.bounds().lower),
                                                             max_abs(scene.bounds().upper));
   const float smallest = std::max(1e-6f * (std::isfinite(magnitude) ? magnitude : 1.0f), 1e-30f);
-  scene.pool().for_each(chunks_of(records.size()), cancel, [&](size_t c, int) {
-    const size_t end = std::min(records.size(), (c + 1) * kChunk);
+  scene.pool().for_each(chunks_of(gather_points.size()), cancel, [&](size_t c, int) {
+    const size_t end = std::min(gather_points.size(), (c + 1) * kChunk);
     RadiusMap::Memory near;
     for (size_t i = c * kChunk; i < end; ++i) {
-      const Record& r = records[i];
+      const GatherPoint& r = gather_points[i];
       if (r.caustics_only && !s.caustics) {
         cells_[i] = {};
         continue;
       }
       const float factor =
-          s.radius_factor * (s.pixel_factors && !r.wandered ? s.pixel_factors[r.pixel] : 1.0f);
+          s.radius_factor * (s.pixel_factors && !r.after_gather ? s.pixel_factors[r.pixel] : 1.0f);
       float whole = radii.radius(r.key, r.position, s.photons_per_disc, s.paths_per_pass, near);
       // Discs of any size that reach across a strip agree with each other, however the light
       // changes across it: passes begin with such as do not, and widen them where nothing is seen
@@ -89,8 +90,8 @@ void VisiblePoints::find_cells(Scene& scene, const Records& records, const Radiu
       uint64_t hash = i;
       uint32_t rank = hash_combine(static_cast<uint32_t>(i), pass);
       if (s.spacing > 0) {
-        const bool sparse = r.wandered && s.wandered_spacing > s.spacing;
-        const float inverse = 1 / ((sparse ? s.wandered_spacing : s.spacing) * h);
+        const bool sparse = r.after_gather && s.after_gather_spacing > s.spacing;
+        const float inverse = 1 / ((sparse ? s.after_gather_spacing : s.spacing) * h);
         const auto index = [&](float p, float d) {
           return static_cast<uint64_t>(static_cast<int64_t>(std::floor(p * inverse + d)));
         };
@@ -114,9 +115,9 @@ void VisiblePoints::find_cells(Scene& scene, const Records& records, const Radiu
   });
 }
 
-// The record of lowest rank gives each cell's point its place. Cells are dealt to shards by their
-// hash and each shard is worked off in record order, so that the outcome does not depend on
-// threads.
+// The gather point of lowest rank gives each cell's point its place. Cells are dealt to shards by
+// their hash and each shard is worked off in gather point order, so that the outcome does not
+// depend on threads.
 void VisiblePoints::pick_points(Scene& scene, const CancelFlag& cancel) {
   const size_t count = cells_.size(), chunk_count = chunks_of(count);
   std::vector<uint32_t> dealt(chunk_count * kShards);
@@ -143,7 +144,7 @@ void VisiblePoints::pick_points(Scene& scene, const CancelFlag& cancel) {
         order[dealt[c * kShards + shard_of(cells_[i].hash)]++] = static_cast<uint32_t>(i);
   });
 
-  point_of_record_.assign(count, kNone);
+  point_of_.assign(count, kNone);
   std::vector<std::vector<Point>> shard_points(kShards);
   scene.pool().for_each(kShards, cancel, [&](size_t shard, int) {
     const uint32_t begin = first[shard], end = first[shard + 1];
@@ -155,7 +156,7 @@ void VisiblePoints::pick_points(Scene& scene, const CancelFlag& cancel) {
     for (uint32_t k = begin; k < end; ++k) {
       const uint32_t i = order[k];
       uint32_t slot = static_cast<uint32_t>(cells_[i].hash) & (capacity - 1);
-      while (table[slot] != ~0u && cells_[points[table[slot]].record].hash != cells_[i].hash)
+      while (table[slot] != ~0u && cells_[points[table[slot]].gather_point].hash != cells_[i].hash)
         slot = (slot + 1) & (capacity - 1);
       const uint32_t draw = cells_[i].rank;
       if (table[slot] == ~0u) {
@@ -163,10 +164,10 @@ void VisiblePoints::pick_points(Scene& scene, const CancelFlag& cancel) {
         points.push_back({i, cells_[i].h});
         rank.push_back(draw);
       } else if (draw < rank[table[slot]]) {
-        points[table[slot]].record = i;
+        points[table[slot]].gather_point = i;
         rank[table[slot]] = draw;
       }
-      point_of_record_[i] = table[slot];
+      point_of_[i] = table[slot];
     }
   });
   std::vector<uint32_t> offset(kShards + 1);
@@ -176,12 +177,11 @@ void VisiblePoints::pick_points(Scene& scene, const CancelFlag& cancel) {
   scene.pool().for_each(kShards, cancel, [&](size_t shard, int) {
     std::copy(shard_points[shard].begin(), shard_points[shard].end(),
               points_.begin() + offset[shard]);
-    for (uint32_t k = first[shard]; k < first[shard + 1]; ++k)
-      point_of_record_[order[k]] += offset[shard];
+    for (uint32_t k = first[shard]; k < first[shard + 1]; ++k) point_of_[order[k]] += offset[shard];
   });
 }
 
-VisiblePoints::Look VisiblePoints::look(Scene& scene, const Record& r, float h) const {
+VisiblePoints::Look VisiblePoints::look(Scene& scene, const GatherPoint& r, float h) const {
   const uint32_t seed = seed_of(r.position);
   Look look;
   look.region = ClearRegions::region(r.key, r.position, h);
@@ -192,22 +192,25 @@ VisiblePoints::Look VisiblePoints::look(Scene& scene, const Record& r, float h) 
   return look;
 }
 
-void VisiblePoints::split_at_walls(Scene& scene, const Records& records, const CancelFlag& cancel) {
+void VisiblePoints::split_at_walls(Scene& scene, const GatherPoints& gather_points,
+                                   const CancelFlag& cancel) {
   looks_.resize(points_.size());
   scene.pool().for_parts(points_.size(), 64, cancel, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i)
-      looks_[i] = look(scene, records[points_[i].record], points_[i].h);
+      looks_[i] = look(scene, gather_points[points_[i].gather_point], points_[i].h);
   });
-  std::vector<std::vector<uint32_t>> behind(chunks_of(records.size()));  // records, in their order
+  std::vector<std::vector<uint32_t>> behind(
+      chunks_of(gather_points.size()));  // gather points, in their order
   scene.pool().for_each(behind.size(), cancel, [&](size_t c, int) {
-    for (size_t i = c * kChunk; i < std::min(records.size(), (c + 1) * kChunk); ++i) {
-      const uint32_t p = point_of_record_[i];
+    for (size_t i = c * kChunk; i < std::min(gather_points.size(), (c + 1) * kChunk); ++i) {
+      const uint32_t p = point_of_[i];
       if (p == kNone) continue;
       const Point& point = points_[p];
-      const Vec3& middle = records[point.record].position;
+      const Vec3& middle = gather_points[point.gather_point].position;
       const float clear = looks_[p].found.clear;
-      if (clear < point.h && length2(records[i].position - middle) > sqr(clear) &&
-          wall_between(scene, records[i].position, middle, records[point.record].ng, point.h))
+      if (clear < point.h && length2(gather_points[i].position - middle) > sqr(clear) &&
+          wall_between(scene, gather_points[i].position, middle,
+                       gather_points[point.gather_point].ng, point.h))
         behind[c].push_back(static_cast<uint32_t>(i));
     }
   });
@@ -215,34 +218,36 @@ void VisiblePoints::split_at_walls(Scene& scene, const Records& records, const C
   const size_t before = points_.size();
   for (const std::vector<uint32_t>& some : behind) {
     for (const uint32_t i : some) {
-      uint32_t& p = second[point_of_record_[i]];
+      uint32_t& p = second[point_of_[i]];
       if (p == kNone) {
         p = static_cast<uint32_t>(points_.size());
-        points_.push_back({i, points_[point_of_record_[i]].h});
-      } else if (cells_[i].rank < cells_[points_[p].record].rank) {
-        points_[p].record = i;
+        points_.push_back({i, points_[point_of_[i]].h});
+      } else if (cells_[i].rank < cells_[points_[p].gather_point].rank) {
+        points_[p].gather_point = i;
       }
-      point_of_record_[i] = p;
+      point_of_[i] = p;
     }
   }
   looks_.resize(points_.size());
   scene.pool().for_parts(points_.size() - before, 64, cancel, [&](size_t begin, size_t end) {
     for (size_t i = before + begin; i < before + end; ++i)
-      looks_[i] = look(scene, records[points_[i].record], points_[i].h);
+      looks_[i] = look(scene, gather_points[points_[i].gather_point], points_[i].h);
   });
   for (size_t i = 0; i < looks_.size(); ++i)
     if (looks_[i].done) clear_regions_.learn(looks_[i].region, looks_[i].clear(points_[i].h));
 }
 
-void VisiblePoints::fill_blocks(Scene& scene, const Records& records, const CancelFlag& cancel) {
+void VisiblePoints::fill_blocks(Scene& scene, const GatherPoints& gather_points,
+                                const CancelFlag& cancel) {
   // Morton order makes blocks compact.
   Bounds all;
-  for (const Point& p : points_) all.add(records[p.record].position);
+  for (const Point& p : points_) all.add(gather_points[p.gather_point].position);
   const Vec3 size = points_.empty() ? Vec3{} : all.upper - all.lower;
   const float extent = std::max(max_component(size), 1e-30f);
   std::vector<std::pair<uint64_t, uint32_t>> order(points_.size());
   for (uint32_t i = 0; i < order.size(); ++i) {
-    const Vec3 q = (records[points_[i].record].position - all.lower) * (2097151.0f / extent);
+    const Vec3 q =
+        (gather_points[points_[i].gather_point].position - all.lower) * (2097151.0f / extent);
     order[i] = {
         morton(static_cast<uint64_t>(q.x), static_cast<uint64_t>(q.y), static_cast<uint64_t>(q.z)),
         i};
@@ -252,14 +257,15 @@ void VisiblePoints::fill_blocks(Scene& scene, const Records& records, const Canc
   // The points of a block by surface: a photon is looked at with those of one.
   scene.pool().for_parts(order.size(), kBlockSize, cancel, [&](size_t begin, size_t end) {
     std::stable_sort(order.begin() + begin, order.begin() + end, [&](const auto& a, const auto& b) {
-      return records[points_[a.second].record].key < records[points_[b.second].record].key;
+      return gather_points[points_[a.second].gather_point].key <
+             gather_points[points_[b.second].gather_point].key;
     });
   });
   std::vector<uint32_t> place(order.size());
   for (uint32_t i = 0; i < order.size(); ++i) place[order[i].second] = i;
-  scene.pool().for_each(chunks_of(point_of_record_.size()), cancel, [&](size_t c, int) {
-    for (size_t i = c * kChunk; i < std::min(point_of_record_.size(), (c + 1) * kChunk); ++i)
-      if (point_of_record_[i] != kNone) point_of_record_[i] = place[point_of_record_[i]];
+  scene.pool().for_each(chunks_of(point_of_.size()), cancel, [&](size_t c, int) {
+    for (size_t i = c * kChunk; i < std::min(point_of_.size(), (c + 1) * kChunk); ++i)
+      if (point_of_[i] != kNone) point_of_[i] = place[point_of_[i]];
   });
 
   std::vector<Look> found(looks_.size());
@@ -270,7 +276,7 @@ void VisiblePoints::fill_blocks(Scene& scene, const Records& records, const Canc
   bounds_.resize(block_count);
   places_.resize(points_.size());
   keys_.clear();
-  for (const Point& p : points_) keys_.add(records[p.record].key);
+  for (const Point& p : points_) keys_.add(gather_points[p.gather_point].key);
   scene.pool().for_each(block_count, cancel, [&](size_t b, int) {
     PointBlock& block = blocks_[b];
     Bounds bounds;
@@ -286,7 +292,7 @@ void VisiblePoints::fill_blocks(Scene& scene, const Records& records, const Canc
         continue;
       }
       const Point& point = points_[order[at].second];
-      const Record& r = records[point.record];
+      const GatherPoint& r = gather_points[point.gather_point];
       const float h = point.h;
       places_[at] = {r.instance, r.triangle};
       block.x[lane] = r.position.x;

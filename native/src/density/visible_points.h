@@ -1,5 +1,5 @@
-// Where irradiance is wanted: points on surfaces, in blocks. They come from records but are no
-// pixels: many records share a point, and the splatter that fills them knows no camera.
+// Where irradiance is wanted: points on surfaces, in blocks. They come from gather points but are
+// no pixels: many gather points share a point, and the splatter that fills them knows no camera.
 #pragma once
 
 #include "density/clear_regions.h"
@@ -7,7 +7,8 @@
 #include "density/occlusion.h"
 #include "density/point_blocks.h"
 #include "density/radius_map.h"
-#include "integrators/camera_tracer.h"
+#include "density/surface_filter.h"
+#include "integrators/gather_point.h"
 
 namespace photon_splat {
 
@@ -15,21 +16,23 @@ struct PointSettings {
   double photons_per_disc = 0;  // wanted in each kernel disc from one pass
   double paths_per_pass = 0;
   float radius_factor = 1;      // user's scale times the shrinking over passes
-  float spacing = 1.0f / 3.0f;  // of points, in kernel radii; 0: a point per record
-  float wandered_spacing = 0;   // of points for records of paths that went on, if it is more
-  bool occlusion = false;       // what stands in discs is looked for
-  const float* pixel_factors = nullptr;  // on the radius, by the record's pixel; none: 1
-  // These points are for caustics: records that want nothing else count
+  float spacing = 1.0f / 3.0f;  // of points, in kernel radii; 0: a point per gather point
+  float after_gather_spacing =
+      0;                   // of points for gather points of paths that went on, if it is more
+  bool occlusion = false;  // what stands in discs is looked for
+  const float* pixel_factors = nullptr;  // on the radius, by the gather point's pixel; none: 1
+  // These points are for caustics: gather points that want nothing else count
   bool caustics = false;
   float fixed_radius = 0;  // metres; 0: chosen
-  // The record next to the middle of its cell gives the point, whatever the camera: no flicker
+  // The gather point next to the middle of its cell gives the point, whatever the camera: no
+  // flicker
   bool steady = false;
 };
 
 class VisiblePoints {
  public:
-  // Chooses radii and points for `records`; `pass` decides the random places of the cells.
-  void build(Scene& scene, const Records& records, const RadiusMap& radii,
+  // Chooses radii and points for `gather_points`; `pass` decides the random places of the cells.
+  void build(Scene& scene, const GatherPoints& gather_points, const RadiusMap& radii,
              const PointSettings& settings, uint32_t pass, uint32_t seed, const CancelFlag& cancel);
 
   // Kernel masses of all points (the seed's boundary term), kept apart so that it can be timed;
@@ -51,13 +54,13 @@ class VisiblePoints {
   PointBlocks& blocks() { return blocks_; }
   const PointBlocks& blocks() const { return blocks_; }
   const std::vector<Bounds>& block_bounds() const { return bounds_; }  // grown by the kernel radii
-  const KeyFilter& keys() const { return keys_; }
-  static constexpr uint32_t kNone = ~0u;  // of a record that wants none of this light
-  uint32_t point_of_record(size_t record) const { return point_of_record_[record]; }
+  const SurfaceFilter& keys() const { return keys_; }
+  static constexpr uint32_t kNone = ~0u;  // of a gather point that wants none of this light
+  uint32_t point_of(size_t gather_point) const { return point_of_[gather_point]; }
 
  private:
   struct Point {
-    uint32_t record;
+    uint32_t gather_point;
     float h;
   };
   // What stands in a point's disc. Where earlier passes have met nothing, few points are looked at.
@@ -69,17 +72,17 @@ class VisiblePoints {
   };
   struct Cell {
     uint64_t hash;
-    uint32_t record;
+    uint32_t gather_point;
     float h;        // 0: none
     uint32_t rank;  // the lowest of a cell gives the point
   };
-  void find_cells(Scene& scene, const Records& records, const RadiusMap& radii,
+  void find_cells(Scene& scene, const GatherPoints& gather_points, const RadiusMap& radii,
                   const PointSettings& s, uint32_t pass, uint32_t seed, const CancelFlag& cancel);
   void pick_points(Scene& scene, const CancelFlag& cancel);
-  Look look(Scene& scene, const Record& r, float h) const;
-  // Records that see their point only through a wall get one of their own.
-  void split_at_walls(Scene& scene, const Records& records, const CancelFlag& cancel);
-  void fill_blocks(Scene& scene, const Records& records, const CancelFlag& cancel);
+  Look look(Scene& scene, const GatherPoint& r, float h) const;
+  // GatherPoints that see their point only through a wall get one of their own.
+  void split_at_walls(Scene& scene, const GatherPoints& gather_points, const CancelFlag& cancel);
+  void fill_blocks(Scene& scene, const GatherPoints& gather_points, const CancelFlag& cancel);
 
   std::vector<Cell> cells_;
   std::vector<Point> points_;
@@ -87,10 +90,10 @@ class VisiblePoints {
   std::vector<Look> looks_;
   // Instance and triangle per point, in block order
   std::vector<std::pair<uint32_t, uint32_t>> places_;
-  std::vector<uint32_t> point_of_record_;
+  std::vector<uint32_t> point_of_;
   PointBlocks blocks_;
   std::vector<Bounds> bounds_;
-  KeyFilter keys_;
+  SurfaceFilter keys_;
   Counts counts_;
   ClearRegions clear_regions_;
 };

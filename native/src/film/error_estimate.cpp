@@ -26,7 +26,7 @@ constexpr size_t kSorted = 20000;  // pixels that tell where groups end
 constexpr float kLentInGroup = 20;
 constexpr float kGroupStep = 4;  // at most, of the variance, up or down
 constexpr float kMost = 1e37f;
-constexpr float kNoisePerDetail = 2;  // squared: see RadiusChoice
+constexpr float kNoisePerDetail = 2;  // squared: see AdaptiveRadius
 // Bias ~ h^2: discs of h and h/sqrt(2) differ by half of it
 constexpr float kBiasPerDetail = 2;
 

@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "film/lobe_category.h"
 #include "math/vec.h"
 #include "util/large_pages.h"
 
@@ -29,18 +30,15 @@ struct Pixel {
   }
 };
 
-// The light of a pixel by the first lobe of the path that brought it.
-enum class Part : uint8_t { kDiffuse, kGlossy, kTransmission };
-
-inline Rgb& direct_of(Pixel& pixel, Part part) {
-  return part == Part::kDiffuse  ? pixel.diffuse_direct
-         : part == Part::kGlossy ? pixel.glossy_direct
-                                 : pixel.transmission_direct;
+inline Rgb& direct_of(Pixel& pixel, LobeCategory category) {
+  return category == LobeCategory::kDiffuse  ? pixel.diffuse_direct
+         : category == LobeCategory::kGlossy ? pixel.glossy_direct
+                                             : pixel.transmission_direct;
 }
-inline Rgb& indirect_of(Pixel& pixel, Part part) {
-  return part == Part::kDiffuse  ? pixel.diffuse_indirect
-         : part == Part::kGlossy ? pixel.glossy_indirect
-                                 : pixel.transmission_indirect;
+inline Rgb& indirect_of(Pixel& pixel, LobeCategory category) {
+  return category == LobeCategory::kDiffuse  ? pixel.diffuse_indirect
+         : category == LobeCategory::kGlossy ? pixel.glossy_indirect
+                                             : pixel.transmission_indirect;
 }
 
 inline constexpr float kBackgroundDepth = 1e10f;

@@ -1,4 +1,5 @@
-// The tiles of a pass: which are traced when, what they tell, and how their records come together.
+// The tiles of a pass: which are traced when, what they tell, and how their gather points come
+// together.
 #include "integrators/camera_tracer.h"
 
 namespace photon_splat {
@@ -23,7 +24,7 @@ bool CameraTracer::sends_scouts(const PackedFilm& film) {
 }
 
 void CameraTracer::Tile::clear() {
-  rays = bad_samples = places = fallbacks = deep_rays = 0;
+  rays = bad_samples = places = continued = deep_rays = 0;
   trial = {};
   deep.clear();
   near = {};
@@ -39,7 +40,7 @@ void CameraTracer::trace_tiles(const Job& job, PackedFilm& film, const CancelFla
     const bool scout = (scouts || rest) && is_scout(t, across);
     tile.clear();
     if (scouts && !scout) {
-      tile.records.clear();
+      tile.gather_points.clear();
       return;
     }
     if (job.tiles == Tiles::kAgain || (rest && scout)) {
@@ -51,21 +52,21 @@ void CameraTracer::trace_tiles(const Job& job, PackedFilm& film, const CancelFla
     trace_tile(job, t, film);
   });
   if (job.tiles == Tiles::kAll || scouts) last_rays_ = 0;
-  last_fallbacks_ = 0;
+  last_continued_ = 0;
   for (const Tile& tile : tiles_) {
     last_rays_ += tile.rays;
     rays_ += tile.rays;
     bad_samples_ += tile.bad_samples;
     places_ += tile.places;
-    last_fallbacks_ += tile.fallbacks;
+    last_continued_ += tile.continued;
   }
-  fallbacks_ += last_fallbacks_;
+  continued_ += last_continued_;
 }
 
 void CameraTracer::trace_tile(const Job& job, size_t t, PackedFilm& film) {
   Tile& tile = tiles_[t];
-  tile.records.clear();
-  tile.records.reserve(kTileSize * kTileSize);  // of most
+  tile.gather_points.clear();
+  tile.gather_points.reserve(kTileSize * kTileSize);  // of most
   const size_t across = tiles_along(film.width);
   const int x_begin = static_cast<int>(t % across) * kTileSize,
             y_begin = static_cast<int>(t / across) * kTileSize;
@@ -85,8 +86,8 @@ void CameraTracer::trace_tile(const Job& job, size_t t, PackedFilm& film) {
         const size_t first = next;
         while (next < tile.kept.size() && tile.kept[next].pixel == pixel) ++next;
         if (first == next || !tile.changed[first]) {
-          tile.records.insert(tile.records.end(), tile.kept.begin() + first,
-                              tile.kept.begin() + next);
+          tile.gather_points.insert(tile.gather_points.end(), tile.kept.begin() + first,
+                                    tile.kept.begin() + next);
           continue;
         }
       }
@@ -95,7 +96,7 @@ void CameraTracer::trace_tile(const Job& job, size_t t, PackedFilm& film) {
     }
   film.put(t, pixels);
   if (keeps_trial_) see_trial(tile, pixels, x_end - x_begin, y_end - y_begin);
-  tile.kept = std::vector<Record>();  // once in a render: not worth keeping the memory
+  tile.kept = std::vector<GatherPoint>();  // once in a render: not worth keeping the memory
   tile.changed = std::vector<uint8_t>();
 }
 
@@ -125,47 +126,50 @@ GatherTrial CameraTracer::trial() const {
   return sum;
 }
 
-// Whether paths go on by now at records of a tile, and at those of which pixels.
+// Whether paths go on by now at gather points of a tile, and at those of which pixels.
 bool CameraTracer::find_changed(Tile& tile) const {
-  tile.changed.assign(tile.records.size(), 0);
+  tile.changed.assign(tile.gather_points.size(), 0);
   bool any = false;
-  for (size_t first = 0, end; first < tile.records.size(); first = end) {
+  for (size_t first = 0, end; first < tile.gather_points.size(); first = end) {
     bool changed = false;
-    for (end = first;
-         end < tile.records.size() && tile.records[end].pixel == tile.records[first].pixel; ++end) {
-      const Record& r = tile.records[end];
+    for (end = first; end < tile.gather_points.size() &&
+                      tile.gather_points[end].pixel == tile.gather_points[first].pixel;
+         ++end) {
+      const GatherPoint& r = tile.gather_points[end];
       changed =
-          changed || (!r.caustics_only && fallback_->at(r.key, r.position, r.instance, r.triangle,
+          changed || (!r.caustics_only && strategy_->at(r.key, r.position, r.instance, r.triangle,
                                                         radius_factor_, tile.near));
     }
     tile.changed[first] = changed;
     any |= changed;
   }
-  if (any) tile.kept.swap(tile.records);
+  if (any) tile.kept.swap(tile.gather_points);
   return any;
 }
 
-const Records& CameraTracer::trace(uint32_t pass, const SampleChoice& choice, SkyGuide& sky,
-                                   int max_bounces, PackedFilm& film, const CancelFlag& cancel,
-                                   Tiles tiles) {
-  const bool learns = sky.learning() && !lights_.environment().black();
+const GatherPoints& CameraTracer::trace(uint32_t pass, const AdaptiveSampler& choice,
+                                        EnvironmentGuide& guide, int max_bounces, PackedFilm& film,
+                                        const CancelFlag& cancel, Tiles tiles) {
+  const bool learns = guide.learning() && !lights_.environment().black();
   const uint32_t share = 1 + static_cast<uint32_t>(film.size() / kLearningPaths);
   trace_tiles({pass, &choice, max_bounces, true, tiles, learns, share}, film, cancel);
   if (learns) {
     for (Tile& tile : tiles_) {
-      sky.learn(tile.sightings);
+      guide.learn(tile.sightings);
       tile.sightings.clear();
     }
-    sky.end_pass();
+    guide.end_pass();
   }
   ranges_.assign(tiles_.size() + 1, 0);
-  for (size_t t = 0; t < tiles_.size(); ++t) ranges_[t + 1] = ranges_[t] + tiles_[t].records.size();
-  records_.clear();
-  records_.resize(ranges_.back());
+  for (size_t t = 0; t < tiles_.size(); ++t)
+    ranges_[t + 1] = ranges_[t] + tiles_[t].gather_points.size();
+  gather_points_.clear();
+  gather_points_.resize(ranges_.back());
   scene_.pool().for_each(tiles_.size(), cancel, [&](size_t t, int) {
-    std::copy(tiles_[t].records.begin(), tiles_[t].records.end(), records_.begin() + ranges_[t]);
+    std::copy(tiles_[t].gather_points.begin(), tiles_[t].gather_points.end(),
+              gather_points_.begin() + ranges_[t]);
   });
-  return records_;
+  return gather_points_;
 }
 
 void CameraTracer::trace_reference(uint32_t sample, int max_bounces, PackedFilm& film,
@@ -173,8 +177,8 @@ void CameraTracer::trace_reference(uint32_t sample, int max_bounces, PackedFilm&
   trace_tiles({sample, nullptr, max_bounces, false}, film, cancel);
 }
 
-void CameraTracer::forget_records() {
-  records_ = {};
+void CameraTracer::forget_gather_points() {
+  gather_points_ = {};
   ranges_ = {};
   tiles_ = {};
 }

@@ -82,13 +82,13 @@ struct CameraTracer::Path {
   uint32_t pixel_index, sample, seed;
   size_t place = 0;  // of the pixel in its tile
   int max_bounces = 0;
-  Rgb* groups = nullptr;   // the pixel's light by group, if wanted
-  bool learns = false;     // what it sees of the world is noted
-  int wanders = 0;         // times that it went on for light that photons were to bring
-  bool deep = false;       // the ray on its way does so from beyond the first place where it did
-  bool fell_back = false;  // because they would bring it badly
+  Rgb* groups = nullptr;      // the pixel's light by group, if wanted
+  bool learns = false;        // what it sees of the world is noted
+  int gather_bounces = 0;     // times that it went on for light that photons were to bring
+  bool deep = false;          // the ray on its way does so from beyond the first place where it did
+  bool badly_served = false;  // because they would bring it badly
   // Photons bring the diffuse part of the light; else the path goes on for it
-  bool records = false;
+  bool leaves_gather_points = false;
 
   Vec3 origin, direction;
   float near, far;
@@ -105,9 +105,9 @@ struct CameraTracer::Path {
   Rgb emission_throughput{1, 1, 1};  // of its emission
   Rgb diffuse_emission{};            // the part of that which the diffuse lobes of vertex 0 sent on
   // Of throughput: what photons bring of light that meets nothing but sharp lobes from here on
-  Rgb brought{};
+  Rgb covered{};
   Rgb withheld{};  // of emission_throughput: what photons bring of it
-  Part part = Part::kDiffuse;
+  LobeCategory category = LobeCategory::kDiffuse;
   // The last vertex
   Receiver from{{}, {}, true, ~uint64_t{0}, nullptr, 1, ray_bit(RayInfo::kCamera)};
   float pdf = INFINITY;  // of the direction, by its BSDF
@@ -117,7 +117,7 @@ struct CameraTracer::Path {
     throughput *= factor;
     emission_throughput *= factor;
     diffuse_emission *= factor;
-    brought *= factor;
+    covered *= factor;
     withheld *= factor;
   }
   // Numbers for the next vertex: the low-discrepancy sequence at the first one.
@@ -149,7 +149,7 @@ void CameraTracer::trace_pixel(const Job& job, int x, int y, PackedFilm& film, P
     if (ray) {
       Path path(*ray, pixel, tile, index, sample, seed);
       path.max_bounces = job.max_bounces;
-      path.records = job.records;
+      path.leaves_gather_points = job.leaves_gather_points;
       path.learns = learns;
       path.place =
           static_cast<size_t>(y % kTileSize) * kTileSize + static_cast<size_t>(x % kTileSize);
@@ -205,21 +205,22 @@ void CameraTracer::trace_path(Path& path) const {
     if (!bsdf.scatters() || !(max_abs(path.throughput) > 0)) return;
     Receiver receiver{hit.position, bsdf.transmits() ? Vec3{} : hit.ng, bsdf.has_rest(),
                       scene_.instances[hit.instance].group};
-    if (!brings_all()) receiver.sky = lights_.guide_at(receiver.x, receiver.n);
+    if (!brings_all()) receiver.guide = lights_.guide_at(receiver.x, receiver.n);
     receiver.ns = hit.ns;
     receiver.bounces = static_cast<uint16_t>(path.vertex);
     if (path.vertex < kSunnyVertices && lights_.environment().contrast() > kSunny)
       receiver.world_samples = 2;
-    const bool gathers = path.records && path.vertex < path.max_bounces,
-               fallback = gathers && falls_back(path, hit, bsdf);
-    if (path.records && bsdf.has_rest()) {
+    const bool gathers = path.leaves_gather_points && path.vertex < path.max_bounces,
+               continued = gathers && continues(path, hit, bsdf);
+    if (path.leaves_gather_points && bsdf.has_rest()) {
       const bool shares_diffuse =
           lights_.wants_bsdf_ray({receiver.x, receiver.n, false, receiver.group});
-      bsdf.prefer_rest(fallback ? 1 : shares_diffuse ? kDiffuseShared : kDiffuseLeast);
+      bsdf.prefer_rest(continued ? 1 : shares_diffuse ? kDiffuseShared : kDiffuseLeast);
     }
     add_direct(path, hit, bsdf, receiver);
-    if (gathers && (!fallback || caustic_photons_)) leave_records(path, hit, bsdf, fallback);
-    if (!scatter(path, hit, bsdf, receiver, fallback)) return;
+    if (gathers && (!continued || caustic_photons_))
+      leave_gather_points(path, hit, bsdf, continued);
+    if (!scatter(path, hit, bsdf, receiver, continued)) return;
     if (lights_.shadow_linked()) add_linked(path);
   }
 }
@@ -241,10 +242,11 @@ void CameraTracer::add_met(Path& path, const Rgb& radiance, Rgb& seen, int16_t l
   } else if (path.vertex == 1) {
     const Rgb diffuse = path.diffuse_emission * radiance;
     add_finite(path.pixel.diffuse_direct, diffuse, path.tile.bad_samples);
-    add_finite(direct_of(path.pixel, path.part == Part::kDiffuse ? Part::kGlossy : path.part),
+    add_finite(direct_of(path.pixel, path.category == LobeCategory::kDiffuse ? LobeCategory::kGlossy
+                                                                             : path.category),
                light - diffuse, path.tile.bad_samples);
   } else {
-    add_finite(indirect_of(path.pixel, path.part), light, path.tile.bad_samples);
+    add_finite(indirect_of(path.pixel, path.category), light, path.tile.bad_samples);
   }
 }
 
@@ -365,9 +367,9 @@ void CameraTracer::add_direct(Path& path, const Surface& hit, const Bsdf& bsdf,
 // Several samples, each with its part of the light.
 void CameraTracer::add_first_direct(Path& path, const Surface& hit, const Bsdf& bsdf,
                                     const Receiver& receiver) const {
-  const Rgb throughput = path.throughput, brought = path.brought;
+  const Rgb throughput = path.throughput, covered = path.covered;
   path.throughput = throughput * (1.0f / kFirstLights);
-  path.brought = brought * (1.0f / kFirstLights);
+  path.covered = covered * (1.0f / kFirstLights);
   for (uint32_t i = 0; i < kFirstLights; ++i) {
     const uint32_t index = path.sample * kFirstLights + i;
     if (const auto light = lights_.sample(receiver, sobol_2d(index, kChoicePair, path.seed).x,
@@ -375,7 +377,7 @@ void CameraTracer::add_first_direct(Path& path, const Surface& hit, const Bsdf& 
       add_light(path, hit, bsdf, receiver, *light, false);
   }
   path.throughput = throughput;
-  path.brought = brought;
+  path.covered = covered;
 }
 
 void CameraTracer::see_deep(const Path& path, const Rgb& light) {
@@ -397,13 +399,13 @@ void CameraTracer::add_light(Path& path, const Surface& hit, const Bsdf& bsdf,
                              const Receiver& receiver, const LightSample& light, bool world) const {
   float pdf = 0, sharp = 0;
   Rgb diffuse{};
-  const bool brought = !is_black(path.brought);
+  const bool covered = !is_black(path.covered);
   Rgb scattered =
-      bsdf.evaluate(light.direction, &pdf, nullptr, &diffuse, brought ? &sharp : nullptr);
+      bsdf.evaluate(light.direction, &pdf, nullptr, &diffuse, covered ? &sharp : nullptr);
   if (light.seen_by != kAllRays) keep_seen(light, hit, scattered, diffuse, sharp);
   if (!(max_abs(scattered) > 0)) return;
   ++path.tile.rays;
-  path.tile.deep_rays += path.wanders > 1;
+  path.tile.deep_rays += path.gather_bounces > 1;
   Rgb arriving = light.weight * light_through(light, hit, path.info);
   if (light.use_mis) arriving *= light.pdf * light.pdf / (light.pdf * light.pdf + pdf * pdf);
   if (world) {
@@ -418,21 +420,21 @@ void CameraTracer::add_light(Path& path, const Surface& hit, const Bsdf& bsdf,
                                     light.direction, path.info.scattered(false, through, false))
                               : Rgb{};
     const Rgb rest =
-        (path.throughput * (scattered - diffuse) - path.brought * scattered * sharp) * seen_rest;
+        (path.throughput * (scattered - diffuse) - path.covered * scattered * sharp) * seen_rest;
     diffuse = path.throughput * diffuse * seen;
     scattered = diffuse + rest;
   } else {
-    arriving *= path.throughput - path.brought * sharp;
+    arriving *= path.throughput - path.covered * sharp;
   }
-  if (path.wanders > 1) see_deep(path, arriving * scattered);
+  if (path.gather_bounces > 1) see_deep(path, arriving * scattered);
   if (path.groups) GroupLight{path.groups, scattered}.add(arriving, light.light_group);
   if (path.vertex == 0) {
     const bool through = dot(light.direction, hit.ng) < 0;
     add_finite(path.pixel.diffuse_direct, arriving * diffuse, path.tile.bad_samples);
-    add_finite(direct_of(path.pixel, through ? Part::kTransmission : Part::kGlossy),
+    add_finite(direct_of(path.pixel, through ? LobeCategory::kTransmission : LobeCategory::kGlossy),
                arriving * (scattered - diffuse), path.tile.bad_samples);
   } else {
-    add_finite(indirect_of(path.pixel, path.part), arriving * scattered, path.tile.bad_samples);
+    add_finite(indirect_of(path.pixel, path.category), arriving * scattered, path.tile.bad_samples);
   }
 }
 
@@ -456,45 +458,47 @@ Rgb CameraTracer::light_through(const LightSample& light, const Surface& hit,
 }
 
 bool CameraTracer::brings_all() const {
-  return fallback_ && fallback_->reach() == Fallback::Reach::kAll;
+  return strategy_ && strategy_->kind() == IndirectStrategy::Kind::kPathTraced;
 }
 
-bool CameraTracer::falls_back(Path& path, const Surface& hit, const Bsdf& bsdf) const {
+bool CameraTracer::continues(Path& path, const Surface& hit, const Bsdf& bsdf) const {
   const bool here = !is_black(bsdf.gather());
   if (!here && is_black(bsdf.gather_through())) return false;
-  if (!fallback_) return false;
-  if (fallback_->reach() == Fallback::Reach::kAll) return true;
-  if (fallback_->reach() == Fallback::Reach::kFirst && path.wanders == 0) return true;
+  if (!strategy_) return false;
+  if (strategy_->kind() == IndirectStrategy::Kind::kPathTraced) return true;
+  if (strategy_->kind() == IndirectStrategy::Kind::kFinalGather && path.gather_bounces == 0)
+    return true;
   ++path.tile.places;
   const uint32_t key = here ? hit.key : hit.key ^ 1u;
-  if (!(path.fell_back && !fallback_->knows(key)) &&
-      !fallback_->at(key, hit.position, hit.instance, hit.triangle, radius_factor_, path.tile.near))
+  if (!(path.badly_served && !strategy_->knows(key)) &&
+      !strategy_->at(key, hit.position, hit.instance, hit.triangle, radius_factor_, path.tile.near))
     return false;
-  ++path.tile.fallbacks;
-  path.fell_back = true;
+  ++path.tile.continued;
+  path.badly_served = true;
   return true;
 }
 
-void CameraTracer::leave_records(Path& path, const Surface& hit, const Bsdf& bsdf,
-                                 bool caustics_only) const {
+void CameraTracer::leave_gather_points(Path& path, const Surface& hit, const Bsdf& bsdf,
+                                       bool caustics_only) const {
   const auto leave = [&](const Rgb& albedo, uint32_t key, const Vec3& ng) {
     const Rgb throughput = path.throughput * albedo * (1 / kPi);
     if (is_black(throughput)) return;
     if (!is_finite(throughput))
       ++path.tile.bad_samples;
     else
-      path.tile.records.push_back({hit.position, key, ng, path.info.footprint, throughput,
-                                   path.pixel_index, hit.instance, hit.triangle, path.part,
-                                   caustics_only, path.wanders > 0});
+      path.tile.gather_points.push_back({hit.position, key, ng, path.info.footprint, throughput,
+                                         path.pixel_index, hit.instance, hit.triangle,
+                                         path.category, caustics_only, path.gather_bounces > 0});
   };
   leave(bsdf.gather(), hit.key, hit.ng);
   leave(bsdf.gather_through(), hit.key ^ 1u, -hit.ng);
 }
 
-// Sends the path on for light that records do not bring; false where it ends.
+// Sends the path on for light that gather points do not bring; false where it ends.
 bool CameraTracer::scatter(Path& path, const Surface& hit, const Bsdf& bsdf,
-                           const Receiver& receiver, bool fallback) const {
-  const bool last = path.vertex >= path.max_bounces, whole = !path.records || fallback;
+                           const Receiver& receiver, bool continued) const {
+  const bool last = path.vertex >= path.max_bounces,
+             whole = !path.leaves_gather_points || continued;
   const bool goes_on = !last && (whole || bsdf.has_rest());
   if (!goes_on && !bsdf.has_rest() && !lights_.wants_bsdf_ray(receiver)) return false;
   const Vec2 lobe = path.numbers(kLobePair), way = path.numbers(kBsdfPair);
@@ -518,13 +522,13 @@ bool CameraTracer::scatter(Path& path, const Surface& hit, const Bsdf& bsdf,
   }
   const Rgb before = path.throughput;
   path.throughput = !goes_on ? Rgb{} : whole ? before * s->weight : before * s->rest;
-  const Rgb still_brought = s->diffuse ? Rgb{} : path.brought * s->weight * sharpness(s->roughness);
-  path.withheld = still_brought;
-  path.emission_throughput = before * s->weight - still_brought;
-  path.brought = still_brought;
-  path.deep = path.wanders > 1;
-  path.wanders += fallback;
-  if (fallback && caustic_photons_) path.brought += before * (s->weight - s->rest);
+  const Rgb still_covered = s->diffuse ? Rgb{} : path.covered * s->weight * sharpness(s->roughness);
+  path.withheld = still_covered;
+  path.emission_throughput = before * s->weight - still_covered;
+  path.covered = still_covered;
+  path.deep = path.gather_bounces > 1;
+  path.gather_bounces += continued;
+  if (continued && caustic_photons_) path.covered += before * (s->weight - s->rest);
   path.diffuse_emission = before * diffuse;
   if (!is_finite(path.emission_throughput) || !is_finite(path.throughput) ||
       !is_finite(path.diffuse_emission)) {
@@ -537,7 +541,9 @@ bool CameraTracer::scatter(Path& path, const Surface& hit, const Bsdf& bsdf,
   path.scale(Rgb{1, 1, 1} / survival);
 
   if (path.vertex == 0)
-    path.part = s->transmitted ? Part::kTransmission : s->diffuse ? Part::kDiffuse : Part::kGlossy;
+    path.category = s->transmitted ? LobeCategory::kTransmission
+                    : s->diffuse   ? LobeCategory::kDiffuse
+                                   : LobeCategory::kGlossy;
   path.info = path.info.scattered(s->diffuse, s->transmitted, s->pdf <= 0);
   const float side =
       std::copysign(ray_epsilon(hit.position, hit.distance), dot(s->direction, hit.ng));

@@ -1,32 +1,16 @@
 // The camera's side: paths from the lens through mirrors and glass to surfaces that scatter
-// diffusely, direct light on the way, and records of what photons are to add later.
+// diffusely, direct light on the way, and gather points of what photons are to add later.
 #pragma once
 
+#include "film/adaptive_sampler.h"
 #include "film/packed_film.h"
-#include "film/sample_choice.h"
-#include "integrators/fallback.h"
+#include "integrators/gather_point.h"
 #include "integrators/gather_trial.h"
+#include "integrators/indirect_strategy.h"
 #include "lights/lights.h"
 #include "scene/camera.h"
 
 namespace photon_splat {
-
-// A place where a camera path asks for indirect irradiance E: its pixel gets throughput * E. A path
-// may leave any number of records; nothing downstream knows the camera.
-struct Record {
-  Vec3 position;
-  uint32_t key;
-  Vec3 ng;
-  float footprint;  // width of a camera sample there, m
-  Rgb throughput;   // albedo / pi times what the path gathered on its way
-  uint32_t pixel;
-  uint32_t instance, triangle;
-  Part part;
-  bool caustics_only = false;  // indirect light comes by the camera path itself
-  bool wandered = false;       // the path has gone on from such a place
-};
-
-using Records = LargeArray<Record>;
 
 // Pixels along the side of a tile, which one thread traces
 inline constexpr int kTileSize = PackedFilm::kSide;
@@ -37,32 +21,35 @@ class CameraTracer {
       : scene_(scene), lights_(lights), camera_(camera), seed_(seed) {}
 
   // Which tiles of the picture one call traces. Scouts: an eighth of them, all over the picture, or
-  // all of a small one. Rest: those that have been no scouts; of scouts the pixels with records
-  // where paths go on by now. Again: the same of all tiles.
+  // all of a small one. Rest: those that have been no scouts; of scouts the pixels with gather
+  // points where paths go on by now. Again: the same of all tiles.
   enum class Tiles { kAll, kScouts, kRest, kAgain };
 
   // The camera samples of pass `pass`, as many as `choice` says, instead of what `film` held;
-  // returns the records of the pass so far in tile order. Paths go through at most `max_bounces`
-  // lobes. Tells `sky` what it has seen of the world, as long as that wants to learn.
-  const Records& trace(uint32_t pass, const SampleChoice& choice, SkyGuide& sky, int max_bounces,
-                       PackedFilm& film, const CancelFlag& cancel, Tiles tiles = Tiles::kAll);
+  // returns the gather points of the pass so far in tile order. Paths go through at most
+  // `max_bounces` lobes. Tells `guide` what it has seen of the world, as long as that wants to
+  // learn.
+  const GatherPoints& trace(uint32_t pass, const AdaptiveSampler& choice, EnvironmentGuide& guide,
+                            int max_bounces, PackedFilm& film, const CancelFlag& cancel,
+                            Tiles tiles = Tiles::kAll);
   // What the paths of the last call have found for it, if they brought all of the indirect light
-  // (Fallback::Reach::kAll) and were asked to.
+  // (IndirectStrategy::Kind::kPathTraced) and were asked to.
   void keep_trial(bool on) { keeps_trial_ = on; }
   GatherTrial trial() const;
   // Whether scouts are less than all.
   static bool sends_scouts(const PackedFilm& film);
 
-  // From now on paths go on for the indirect light where `fallback` says so (nullptr: nowhere);
+  // From now on paths go on for the indirect light where `strategy` says so (nullptr: nowhere);
   // with `caustics` photons bring caustics there all the same. `radius_factor`: of the pass to
   // come, on all radii.
-  void set_fallback(const Fallback* fallback, bool caustics, float radius_factor) {
-    fallback_ = fallback;
+  void set_strategy(const IndirectStrategy* strategy, bool caustics, float radius_factor) {
+    strategy_ = strategy;
     caustic_photons_ = caustics;
     radius_factor_ = radius_factor;
   }
 
-  // One sample per pixel of the unbiased path tracer, indirect light included; leaves no records.
+  // One sample per pixel of the unbiased path tracer, indirect light included; leaves no gather
+  // points.
   void trace_reference(uint32_t sample, int max_bounces, PackedFilm& film,
                        const CancelFlag& cancel);
 
@@ -73,35 +60,36 @@ class CameraTracer {
   // Places where indirect light was wanted, over all calls of trace(), and those of them where
   // paths went on for it.
   uint64_t places() const { return places_; }
-  uint64_t fallbacks() const { return fallbacks_; }
-  uint64_t last_fallbacks() const { return last_fallbacks_; }  // of the last call
-  // Records of tile t are [tile_ranges()[t], tile_ranges()[t + 1]); no two tiles share a pixel.
+  uint64_t continued() const { return continued_; }
+  uint64_t last_continued() const { return last_continued_; }  // of the last call
+  // GatherPoints of tile t are [tile_ranges()[t], tile_ranges()[t + 1]); no two tiles share a
+  // pixel.
   const std::vector<size_t>& tile_ranges() const { return ranges_; }
-  // Gives back the memory of records: no pass follows.
-  void forget_records();
+  // Gives back the memory of gather points: no pass follows.
+  void forget_gather_points();
 
  private:
   struct Tile {
-    std::vector<Record> records;
-    std::vector<SkyGuide::Sighting> sightings;
-    uint64_t rays = 0, bad_samples = 0, places = 0, fallbacks = 0;
-    std::vector<Record> kept;      // while some pixels are traced again: all there were
-    std::vector<uint8_t> changed;  // for the first of each pixel, whether that is among them
-    bool again = false;            // whether that is so
+    std::vector<GatherPoint> gather_points;
+    std::vector<EnvironmentGuide::Sighting> sightings;
+    uint64_t rays = 0, bad_samples = 0, places = 0, continued = 0;
+    std::vector<GatherPoint> kept;  // while some pixels are traced again: all there were
+    std::vector<uint8_t> changed;   // for the first of each pixel, whether that is among them
+    bool again = false;             // whether that is so
     GatherTrial trial;
     // Of the trial: luminance of each pixel from beyond the first place that its paths went on from
     std::vector<float> deep;
     uint64_t deep_rays = 0;
-    RadiusMap::Memory near;  // what `fallback_` was asked last
+    RadiusMap::Memory near;  // what `strategy_` was asked last
     void clear();
   };
   struct Path;
   enum class Passing { kStays, kPasses, kAbsorbed };
   struct Job {
     uint32_t pass;
-    const SampleChoice* choice;  // none: one sample
+    const AdaptiveSampler* choice;  // none: one sample
     int max_bounces;
-    bool records;
+    bool leaves_gather_points;
     Tiles tiles = Tiles::kAll;
     bool learns = false;
     uint32_t learning_share = 1;  // of the pixels, 1 in so many
@@ -132,21 +120,22 @@ class CameraTracer {
   Rgb light_through(const LightSample& light, const Surface& hit, const RayInfo& ray) const;
   static void see_deep(const Path& path, const Rgb& light);
   bool brings_all() const;
-  bool falls_back(Path& path, const Surface& hit, const Bsdf& bsdf) const;
-  void leave_records(Path& path, const Surface& hit, const Bsdf& bsdf, bool caustics_only) const;
+  bool continues(Path& path, const Surface& hit, const Bsdf& bsdf) const;
+  void leave_gather_points(Path& path, const Surface& hit, const Bsdf& bsdf,
+                           bool caustics_only) const;
   bool scatter(Path& path, const Surface& hit, const Bsdf& bsdf, const Receiver& receiver,
-               bool fallback) const;
+               bool continued) const;
 
   Scene& scene_;
   const Lights& lights_;
   const Camera& camera_;
   uint32_t seed_;
   std::vector<Tile> tiles_;
-  Records records_;
+  GatherPoints gather_points_;
   std::vector<size_t> ranges_;
-  uint64_t rays_ = 0, last_rays_ = 0, bad_samples_ = 0, places_ = 0, fallbacks_ = 0,
-           last_fallbacks_ = 0;
-  const Fallback* fallback_ = nullptr;
+  uint64_t rays_ = 0, last_rays_ = 0, bad_samples_ = 0, places_ = 0, continued_ = 0,
+           last_continued_ = 0;
+  const IndirectStrategy* strategy_ = nullptr;
   bool caustic_photons_ = false, keeps_trial_ = false;
   float radius_factor_ = 1;
 };

@@ -2,15 +2,13 @@
 
 #include <algorithm>
 
+#include "render/cost_model.h"
+
 namespace photon_splat {
 namespace {
 
 constexpr double kDark = 1e-4;  // squared luminance that errors are not measured against
 constexpr double kMost = 2;     // of a squared relative difference: specks count no more
-// Work in camera rays with their shading, measured on street and kitchen.
-// One of a path that ends at photons, with its part of records and points
-constexpr double kGatherRay = 1.5;
-constexpr double kPhotonPath = 4.5;  // a photon path, with its part of boundaries
 
 }  // namespace
 
@@ -33,8 +31,8 @@ void GatherTrial::add(const GatherTrial& other) {
 
 bool GatherTrial::paths_pay(double photon_paths) const {
   const double by_paths = static_cast<double>(rays_);
-  const double by_photons = kGatherRay * static_cast<double>(rays_ - deep_rays_) +
-                            kPhotonPath * photon_paths * static_cast<double>(paths_);
+  const double by_photons = cost::kGatherRay * static_cast<double>(rays_ - deep_rays_) +
+                            cost::kPhotonPath * photon_paths * static_cast<double>(paths_);
   return noise_ * by_paths < shallow_noise_ * by_photons;
 }
 

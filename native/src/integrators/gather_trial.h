@@ -7,7 +7,7 @@
 namespace photon_splat {
 
 // What some paths that bring all of it have found. Photons bring their part next to free of noise,
-// but they must be traced, and paths that end at them need records, points and a guide to the
+// but they must be traced, and paths that end at them need gather points, points and a guide to the
 // world; paths that go on need their own rays. A sum of noise and cost for each way, from the
 // differences between neighbours in the picture: the noise of paths, next to what it were without
 // that part.

@@ -172,7 +172,7 @@ float Lights::emitters_weight(const Receiver& to) const {
 
 // The world is drawn from as far as that is better than leaving it to the rays that BSDFs draw.
 float Lights::world_probability(const Receiver& to, float emitters) const {
-  if (environment_.constant() || to.sky || !(scene_.world_seen_by & kScatteredRays)) return 0;
+  if (environment_.constant() || to.guide || !(scene_.world_seen_by & kScatteredRays)) return 0;
   const float world = environment_.irradiance(to.n) * environment_.contrast();
   return world > 0 ? world / (world + emitters) : 0;
 }
@@ -218,13 +218,14 @@ std::optional<Lights::Pick> Lights::pick_of_many(const Receiver& to, float weigh
 }
 
 // Where the guide is wrong the world's own density makes up for it.
-float Lights::guided_pdf(const SkyGuide::Cell& cell, const Environment::Density& density) const {
+float Lights::guided_pdf(const EnvironmentGuide::Cell& cell,
+                         const Environment::Density& density) const {
   return kGuided * cell.pdf(environment_, density) + (1 - kGuided) * environment_.pdf(density);
 }
 
 std::optional<LightSample> Lights::sample_world(const Receiver& to, uint32_t i, float choice,
                                                 const Vec2& all) const {
-  if (environment_.black() || !to.sky) return std::nullopt;
+  if (environment_.black() || !to.guide) return std::nullopt;
   // Parts of the world are drawn by u.x: each sample takes its share of them, and the others of
   // what else there is to draw.
   const float count = static_cast<float>(to.world_samples), n = static_cast<float>(i);
@@ -232,10 +233,10 @@ std::optional<LightSample> Lights::sample_world(const Receiver& to, uint32_t i, 
   choice = shifted(choice, n / count);
   LightSample out{};
   const Environment::Sample s =
-      choice < kGuided ? to.sky->sample(environment_, u) : environment_.sample(u);
+      choice < kGuided ? to.guide->sample(environment_, u) : environment_.sample(u);
   out.direction = s.direction;
   out.distance = INFINITY;
-  out.pdf = count * guided_pdf(*to.sky, s.density);
+  out.pdf = count * guided_pdf(*to.guide, s.density);
   if (!(out.pdf > 0)) return std::nullopt;
   out.weight = environment_.radiance(out.direction) / out.pdf;
   out.use_mis = true;
@@ -539,10 +540,10 @@ Rgb Lights::world_met(const Receiver& to, const Vec3& direction, float bsdf_pdf)
   if (!(scene_.world_seen_by & to.ray)) return {};
   const Rgb radiance = environment_.radiance(direction);
   if (!(bsdf_pdf < INFINITY) || is_black(radiance)) return radiance;
-  if (to.sky)
+  if (to.guide)
     return radiance *
            power_heuristic(bsdf_pdf, static_cast<float>(to.world_samples) *
-                                         guided_pdf(*to.sky, environment_.density(direction)));
+                                         guided_pdf(*to.guide, environment_.density(direction)));
   if (environment_.constant()) return radiance;
   return radiance * power_heuristic(bsdf_pdf, world_probability(to, emitters_weight(to)) *
                                                   environment_.pdf(direction));

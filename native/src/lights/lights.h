@@ -8,8 +8,8 @@
 #include "lights/emission_guide.h"
 #include "lights/emission_targets.h"
 #include "lights/environment.h"
+#include "lights/environment_guide.h"
 #include "lights/light_tree.h"
-#include "lights/sky_guide.h"
 #include "math/spherical_triangle.h"
 
 namespace photon_splat {
@@ -62,7 +62,7 @@ struct Receiver {
   bool sharp = false;
   uint64_t group = ~uint64_t{0};  // Instance::group
   // Of Lights::guide_at(), if any: by what the world is looked for from there
-  const SkyGuide::Cell* sky = nullptr;
+  const EnvironmentGuide::Cell* guide = nullptr;
   uint8_t world_samples = 1;  // how many sample_world() is asked for
   uint8_t ray = 0xff;         // RayMask of the ray on its way from there
   uint16_t bounces = 0;       // of the path before that
@@ -158,8 +158,8 @@ class Lights {
   std::optional<LightSample> sample_world(const Receiver& to, uint32_t i, float choice,
                                           const Vec2& u) const;
   // Lives as long as it is used here; none at first.
-  void set_guide(const SkyGuide* guide) { guide_ = guide; }
-  const SkyGuide::Cell* guide_at(const Vec3& x, const Vec3& n) const {
+  void set_guide(const EnvironmentGuide* guide) { guide_ = guide; }
+  const EnvironmentGuide::Cell* guide_at(const Vec3& x, const Vec3& n) const {
     return guide_ ? guide_->find(x, n) : nullptr;
   }
 
@@ -342,7 +342,7 @@ class Lights {
   float choice_probability(uint32_t emitter, const Receiver& to) const;
   float emitters_weight(const Receiver& to) const;  // of all together
   float world_probability(const Receiver& to, float emitters_weight) const;
-  float guided_pdf(const SkyGuide::Cell& cell, const Environment::Density& density) const;
+  float guided_pdf(const EnvironmentGuide::Cell& cell, const Environment::Density& density) const;
   // lights_shaded.cpp: the factor of the lamp's radiance by its program, at `position` (of a sun:
   // anything) seen from `distance` along -wo. White for lamps without one.
   Rgb shade(const Lamp& lamp, const Vec3& position, const Vec3& wo, float distance) const;
@@ -431,7 +431,7 @@ class Lights {
   const Scene& scene_;
   Environment environment_;
   EmissionDiscs discs_;
-  const SkyGuide* guide_ = nullptr;
+  const EnvironmentGuide* guide_ = nullptr;
   std::vector<Lamp> lamps_;
   std::vector<Emitter> emitters_;
   std::vector<int32_t> emitter_of_instance_;  // -1: none

@@ -2,6 +2,7 @@
 #include <stdexcept>
 
 #include "lights/lights.h"
+#include "math/random_streams.h"
 #include "math/table.h"
 
 namespace photon_splat {
@@ -414,10 +415,10 @@ void Lights::primaries(uint64_t first, uint32_t count, uint32_t seed, const Emis
     return primaries(first + before, count - before, seed, guide, out + before);
   }
   SobolPair::Run pick, place, way, again;
-  SobolPair(0, key).fill(low, count, pick);
-  SobolPair(1, key).fill(low, count, place);
-  SobolPair(2, key).fill(low, count, way);
-  if (guide) SobolPair(4, key).fill(low, count, again);
+  photon_numbers(PhotonDimension::kEmitter, key).fill(low, count, pick);
+  photon_numbers(PhotonDimension::kPlace, key).fill(low, count, place);
+  photon_numbers(PhotonDimension::kDirection, key).fill(low, count, way);
+  if (guide) photon_numbers(PhotonDimension::kGuide, key).fill(low, count, again);
   for (uint32_t i = 0; i < count; ++i) {
     EmissionPrimary& p = out[i] = {0, pick[i], place[i], way[i]};
     if (guide) {

@@ -4,21 +4,10 @@
 #include <memory>
 #include <mutex>
 
-#include "math/vec.h"
-#include "util/large_pages.h"
+#include "photons/photon.h"
 #include "util/parallel.h"
 
 namespace photon_splat {
-
-struct Photon {
-  Vec3 position;    // m, relative to the scene's origin
-  uint32_t key;     // surface patch and side
-  uint16_t normal;  // geometric normal on the side it hit, encoded
-  uint16_t from;    // direction towards where it came from, encoded
-  Rgb power;        // W; the shading normal's factor |w.ns|/|w.ng| is in it
-};
-static_assert(sizeof(Photon) == 32);
-using Photons = LargeArray<Photon>;
 
 // Mean square of their powers over the squared mean, 1 to 32: so many times the noise of equal
 // photons is that of these.

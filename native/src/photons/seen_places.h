@@ -2,7 +2,7 @@
 #pragma once
 
 #include "density/clear_regions.h"
-#include "photons/photons.h"
+#include "density/surface_filter.h"
 
 namespace photon_splat {
 
@@ -25,7 +25,7 @@ class SeenPlaces {
 
   Vec3 middle_;
   float reach_;
-  KeyFilter cells_;
+  SurfaceFilter cells_;
 };
 
 }  // namespace photon_splat

@@ -58,8 +58,8 @@ void fill_room(Renderer& renderer, Thing thing, float radius, bool blocking, boo
 Rgb mean_light(Renderer& renderer, uint32_t passes, bool reference) {
   render_passes(renderer, passes, reference);
   Rgb sum{};
-  for (const Pixel& p : renderer.film().pixels) sum += p.combined() * p.share();
-  return sum / float(renderer.film().pixels.size());
+  for (const Pixel& p : renderer.film().unpacked().pixels) sum += p.combined() * p.share();
+  return sum / float(renderer.film().unpacked().pixels.size());
 }
 
 // Whether both films show the same surface at a pixel and two pixels around it.
@@ -82,10 +82,10 @@ TEST_CASE(
   fill_room(blocked, Thing::kGrey, 0.2f, true, false);
   for (Renderer* r : {&without, &with, &blocked}) r->trace_reference(0);
   int beside = 0, darker = 0;
-  for (size_t i = 0; i < without.film().pixels.size(); ++i) {
-    const Pixel &a = without.film().pixels[i], &b = with.film().pixels[i],
-                &c = blocked.film().pixels[i];
-    if (!alike_around(without.film(), with.film(), i)) continue;
+  for (size_t i = 0; i < without.film().unpacked().pixels.size(); ++i) {
+    const Pixel &a = without.film().unpacked().pixels[i], &b = with.film().unpacked().pixels[i],
+                &c = blocked.film().unpacked().pixels[i];
+    if (!alike_around(without.film().unpacked(), with.film().unpacked(), i)) continue;
     ++beside;
     CHECK(luminance(b.diffuse_direct) ==
           doctest::Approx(luminance(a.diffuse_direct)).epsilon(1e-5));
@@ -107,7 +107,7 @@ TEST_CASE(
       fill_room(splatted, thing, 0.9f, false, lit);
       fill_room(blocked, thing, 0.9f, true, lit);
       const Rgb truth = mean_light(traced, 128, true), found = mean_light(splatted, 8, false);
-      CHECK(splatted.layer_count() == (thing == Thing::kGrey ? 1 : 2));
+      CHECK(splatted.map_count() == (thing == Thing::kGrey ? 1 : 2));
       for (int k = 0; k < 3; ++k)
         CHECK((&found.x)[k] == doctest::Approx((&truth.x)[k]).epsilon(0.01));
       CHECK(luminance(mean_light(blocked, 4, false)) < 0.97f * luminance(truth));
@@ -146,9 +146,9 @@ TEST_CASE(
   double sum[2] = {};
   for (Renderer* r : {&without, &with})
     for (uint32_t pass = 0; pass < 64; ++pass) r->trace_reference(pass);
-  for (size_t i = 0; i < without.film().pixels.size(); ++i) {
-    const Pixel &a = without.film().pixels[i], &b = with.film().pixels[i];
-    if (!alike_around(without.film(), with.film(), i)) continue;
+  for (size_t i = 0; i < without.film().unpacked().pixels.size(); ++i) {
+    const Pixel &a = without.film().unpacked().pixels[i], &b = with.film().unpacked().pixels[i];
+    if (!alike_around(without.film().unpacked(), with.film().unpacked(), i)) continue;
     sum[0] += luminance(a.diffuse_direct) * a.share();
     sum[1] += luminance(b.diffuse_direct) * b.share();
   }
@@ -188,8 +188,8 @@ TEST_CASE(
     fill(second, 0, {0, 20, 0});
     const Rgb sum = mean_light(all, 8, reference), same = mean_light(plain, 8, reference);
     CHECK(luminance(sum) == doctest::Approx(luminance(same)).epsilon(1e-5));
-    CHECK(plain.film().by_group.empty());
-    const Film& film = all.film();
+    CHECK(plain.film().unpacked().by_group.empty());
+    const Film& film = all.film().unpacked();
     Rgb parts[2] = {};
     for (size_t i = 0; i < film.pixels.size(); ++i)
       for (int g = 0; g < 2; ++g)

@@ -3,7 +3,7 @@
 #include <cstring>
 #include <memory>
 
-#include "photons/photons.h"
+#include "photons/photon_tracer.h"
 
 using namespace photon_splat;
 

@@ -35,17 +35,6 @@ void fill_box(Renderer& renderer, bool glowing) {
   renderer.build();
 }
 
-void render_pass(Renderer& renderer, uint32_t pass) {
-  renderer.trace_camera(pass);
-  renderer.make_points(pass);
-  const uint64_t photons = renderer.paths_per_pass();
-  for (uint64_t first = 0; first < photons; first += 8192) {
-    renderer.trace_photons(first, std::min<uint64_t>(8192, photons - first));
-    renderer.splat();
-  }
-  renderer.resolve();
-}
-
 double mean_radiance(const Film& film) {
   double sum = 0;
   for (const Pixel& p : film.pixels)
@@ -60,10 +49,11 @@ TEST_CASE("a closed box of albedo 1/2 and emission 1 shows 2, by photons and by 
     Renderer renderer(2);
     fill_box(renderer, true);
     for (uint32_t pass = 0; pass < 16; ++pass)
-      reference ? renderer.trace_reference(pass) : render_pass(renderer, pass);
-    CHECK(renderer.film().passes == 16);
-    CHECK(mean_radiance(renderer.film()) == doctest::Approx(2).epsilon(0.02));
-    CHECK(renderer.bad_samples() == 0);
+      reference ? renderer.trace_reference(pass)
+                : renderer.render_pass(pass, {.paths_per_batch = 8192});
+    CHECK(renderer.film().sum().passes == 16);
+    CHECK(mean_radiance(renderer.film().unpacked()) == doctest::Approx(2).epsilon(0.02));
+    CHECK(renderer.statistics().bad_samples == 0);
   }
 }
 
@@ -72,9 +62,9 @@ TEST_CASE("the film is the same bit for bit for any number of threads") {
   for (int threads : {1, 2, 5}) {
     Renderer renderer(threads);
     fill_box(renderer, false);
-    CHECK(renderer.threads() == threads);
-    for (uint32_t pass = 0; pass < 3; ++pass) render_pass(renderer, pass);
-    const Film& film = renderer.film();
+    CHECK(renderer.statistics().threads == threads);
+    for (uint32_t pass = 0; pass < 3; ++pass) renderer.render_pass(pass);
+    const Film& film = renderer.film().unpacked();
     REQUIRE(film.pixels.size() == size_t(size) * size);
     if (threads == 1) first = film;
     CHECK(std::memcmp(film.pixels.data(), first.pixels.data(),
@@ -87,21 +77,81 @@ TEST_CASE(
     "a render that is cancelled from another thread stops soon, with Cancelled, and keeps its film") {
   Renderer renderer(3);
   fill_box(renderer, false);
-  render_pass(renderer, 0);
-  const double before = mean_radiance(renderer.film());
+  renderer.render_pass(0);
   std::thread canceller([&] {
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
     renderer.cancel();
   });
   const auto render_on = [&] {
-    for (uint32_t pass = 1; pass < 100000; ++pass) {
-      renderer.trace_camera(pass);
-      renderer.make_points(pass);
-      renderer.trace_photons(0, 20000);
-      renderer.splat();
-    }
+    for (uint32_t pass = 1; pass < 100000; ++pass) renderer.render_pass(pass);
   };
   CHECK_THROWS_AS(render_on(), Cancelled);
   canceller.join();
-  CHECK(mean_radiance(renderer.film()) == before);
+  // Of whole passes: that which was cancelled has left nothing in it.
+  Renderer whole(3);
+  fill_box(whole, false);
+  const uint32_t passes = renderer.film().sum().passes;
+  for (uint32_t pass = 0; pass < passes; ++pass) whole.render_pass(pass);
+  CHECK(mean_radiance(renderer.film().unpacked()) == mean_radiance(whole.film().unpacked()));
+}
+
+namespace {
+
+// Splats like the native one as long as it works.
+struct Elsewhere : ExternalSplatter {
+  Renderer& renderer;
+  int batches_until_failure;
+  int begun = 0;
+  Elsewhere(Renderer& r, int batches) : renderer(r), batches_until_failure(batches) {}
+  bool begin_pass() override {
+    ++begun;
+    return batches_until_failure > 0;
+  }
+  bool add_photons() override {
+    if (--batches_until_failure == 0) return false;
+    waiting.insert(waiting.end(), renderer.photons().begin(), renderer.photons().end());
+    return true;
+  }
+  bool finish_pass() override {
+    renderer.map().set_photons(std::move(waiting));
+    renderer.map().splat();
+    waiting = {};
+    return true;
+  }
+  Photons waiting;
+};
+
+}  // namespace
+
+TEST_CASE(
+    "a splatter elsewhere is handed all photons, and where it fails the native one does them") {
+  Renderer native(2);
+  fill_box(native, false);
+  for (uint32_t pass = 0; pass < 3; ++pass) native.render_pass(pass);
+  const double expected = mean_radiance(native.film().unpacked());
+  for (int batches : {1000, 3, 1, 0}) {
+    Renderer renderer(2);
+    fill_box(renderer, false);
+    Elsewhere elsewhere(renderer, batches);
+    for (uint32_t pass = 0; pass < 3; ++pass) renderer.render_pass(pass, {}, &elsewhere);
+    CHECK(elsewhere.begun == 3);
+    CHECK(mean_radiance(renderer.film().unpacked()) == doctest::Approx(expected).epsilon(1e-4));
+  }
+}
+
+TEST_CASE("a pass that is short of time has fewer photons, and is as bright") {
+  Renderer whole(2), cut(2);
+  for (Renderer* renderer : {&whole, &cut}) {
+    renderer->options.fallback = renderer->options.adaptive_samples = false;
+    fill_box(*renderer, false);
+    renderer->options.photons_per_pass = 1 << 20;
+    renderer->build();
+  }
+  for (uint32_t pass = 0; pass < 4; ++pass) {
+    whole.render_pass(pass);
+    cut.render_pass(pass, {.seconds = 0, .paths_per_batch = 1 << 16});
+  }
+  CHECK(cut.map().statistics().photons.traced < whole.map().statistics().photons.traced / 2);
+  CHECK(mean_radiance(cut.film().unpacked()) ==
+        doctest::Approx(mean_radiance(whole.film().unpacked())).epsilon(0.02));
 }

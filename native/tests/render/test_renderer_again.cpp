@@ -46,16 +46,9 @@ void fill_box(Renderer& renderer, size_t kept_bytes, float x = 0.5f, int width =
 }
 
 const Film& render(Renderer& renderer) {
-  for (uint32_t pass = 0; pass < passes; ++pass) {
-    renderer.trace_camera(pass);
-    renderer.make_points(pass);
-    for (uint64_t first = 0; first < renderer.paths_per_pass(); first += 10000) {
-      renderer.trace_photons(first, std::min<uint64_t>(10000, renderer.paths_per_pass() - first));
-      renderer.splat();
-    }
-    renderer.resolve();
-  }
-  return renderer.film();
+  for (uint32_t pass = 0; pass < passes; ++pass)
+    renderer.render_pass(pass, {.paths_per_batch = 10000});
+  return renderer.film().unpacked();
 }
 
 bool same(const Film& a, const Film& b) {
@@ -69,9 +62,7 @@ double mean_indirect(const Film& film) {
   return sum / double(film.pixels.size());
 }
 
-uint64_t traced(const Renderer& renderer) {
-  return renderer.photon_counts(renderer.layer(0)).traced;
-}
+uint64_t traced(Renderer& renderer) { return renderer.map().statistics().photons.traced; }
 
 }  // namespace
 
@@ -84,32 +75,32 @@ TEST_CASE("a render of another view is that of a new renderer, bit for bit, and 
     fill_box(moved, bytes);
     render(moved);
     CHECK(traced(moved) == passes * 20000);
-    CHECK(moved.layer(0).reused == 0);
-    CHECK(moved.kept_photon_bytes() <= bytes);
+    CHECK(moved.map().statistics().reused == 0);
+    CHECK(moved.statistics().kept_photon_bytes <= bytes);
     look_from(moved, 0.3f, 17);
     moved.begin_again();
-    CHECK(moved.film().passes == 0);
-    CHECK(moved.rays() == 0);
+    CHECK(moved.film().sum().passes == 0);
+    CHECK(moved.statistics().rays == 0);
     render(moved);
     if (bytes == plenty) {
       CHECK(traced(moved) == 0);
-      CHECK(moved.layer(0).pilot.traced == 0);
-      CHECK(moved.layer(0).reused == moved.layer(0).used);
-      CHECK(moved.layer(0).reused > 0);
+      CHECK(moved.map().statistics().pilot.traced == 0);
+      CHECK(moved.map().statistics().reused == moved.map().statistics().used);
+      CHECK(moved.map().statistics().reused > 0);
     } else if (bytes < 2) {
       CHECK(traced(moved) == passes * 20000);
-      CHECK(moved.layer(0).reused == 0);
+      CHECK(moved.map().statistics().reused == 0);
     } else {
       CHECK(traced(moved) > 0);
-      CHECK(moved.layer(0).reused > 0);
-      CHECK(moved.kept_photon_bytes() > 0);
+      CHECK(moved.map().statistics().reused > 0);
+      CHECK(moved.statistics().kept_photon_bytes > 0);
     }
     fill_box(made, bytes, 0.3f, 17);
     if (bytes)
-      CHECK(same(render(made), moved.film()));
+      CHECK(same(render(made), moved.film().unpacked()));
     else
       CHECK(mean_indirect(render(made)) ==
-            doctest::Approx(mean_indirect(moved.film())).epsilon(0.01));
+            doctest::Approx(mean_indirect(moved.film().unpacked())).epsilon(0.01));
   }
 }
 
@@ -120,12 +111,8 @@ TEST_CASE("a single photon path is left in passes that want fewer") {
   renderer.options.fallback = false;  // else one photon is not worth its work
   renderer.build();
   for (uint32_t pass = 0; pass < 9; ++pass) {
-    renderer.trace_camera(pass);
-    CHECK(renderer.paths_per_pass() == 1);
-    renderer.make_points(pass);
-    renderer.trace_photons(0, renderer.paths_per_pass());
-    renderer.splat();
-    renderer.resolve();
+    renderer.render_pass(pass);
+    CHECK(traced(renderer) == pass + 1);
     renderer.limit_pass({1, 0.01});
   }
 }
@@ -153,7 +140,7 @@ TEST_CASE("other lamps have photons of their own") {
   renderer.begin_again();
   light(renderer, 20);
   renderer.relight();
-  CHECK(renderer.kept_photon_bytes() == 0);
+  CHECK(renderer.statistics().kept_photon_bytes == 0);
   CHECK(mean_indirect(render(renderer)) == doctest::Approx(2 * before).epsilon(1e-4));
   CHECK(traced(renderer) == passes * 20000);
 }
@@ -178,8 +165,8 @@ TEST_CASE("programs that ask where the camera is are found, and keep photons fro
   fill_box(renderer, plenty);
   render(renderer);
   renderer.begin_again();
-  CHECK(renderer.kept_photon_bytes() > 0);
+  CHECK(renderer.statistics().kept_photon_bytes > 0);
   renderer.scene.programs = {window.program()};
   renderer.begin_again();
-  CHECK(renderer.kept_photon_bytes() == 0);
+  CHECK(renderer.statistics().kept_photon_bytes == 0);
 }

@@ -52,108 +52,100 @@ double mean_indirect(const Film& film) {
   return sum / double(film.pixels.size());
 }
 
-void render_pass(Renderer& renderer, uint32_t pass) {
-  renderer.trace_camera(pass);
-  renderer.make_points(pass);
-  renderer.trace_photons(0, renderer.paths_per_pass());
-  renderer.splat();
-  renderer.resolve();
-}
-
 }  // namespace
 
 TEST_CASE("views from the store trace no photon, and the same view is the same bit for bit") {
   for (int threads : {1, 3}) {
     Renderer renderer(threads);
     fill_box(renderer);
-    renderer.trace_store(30000, budget);
-    const uint64_t traced = renderer.layer(0).store->counts().traced;
-    CHECK(renderer.layer(0).store->paths() == 30000);
-    renderer.draw_store();
-    const Film first = renderer.film();
+    renderer.trace_viewport_photons(30000, budget);
+    const uint64_t traced = renderer.map().viewport_photons()->counts().traced;
+    CHECK(renderer.map().viewport_photons()->paths() == 30000);
+    renderer.draw_viewport();
+    const Film first = renderer.film().unpacked();
     CHECK(first.passes == 1);
     look_from(renderer, 0.3f);
-    renderer.draw_store();
-    CHECK(!same(renderer.film(), first));
+    renderer.draw_viewport();
+    CHECK(!same(renderer.film().unpacked(), first));
     look_from(renderer, 0.5f);
-    renderer.draw_store();
-    CHECK(same(renderer.film(), first));
-    CHECK(renderer.layer(0).store->counts().traced == traced);
-    CHECK(renderer.photon_counts(renderer.layer(0)).traced == 0);
+    renderer.draw_viewport();
+    CHECK(same(renderer.film().unpacked(), first));
+    CHECK(renderer.map().viewport_photons()->counts().traced == traced);
+    CHECK(renderer.map().statistics().photons.traced == 0);
   }
 }
 
 TEST_CASE("indirect light from the store is that of a render") {
   Renderer renderer(2);
   fill_box(renderer);
-  for (uint32_t pass = 0; pass < 4; ++pass) render_pass(renderer, pass);
-  const double expected = mean_indirect(renderer.film());
-  renderer.trace_store(60000, budget);
-  renderer.trace_store(60000, budget);
-  renderer.draw_store();
-  CHECK(mean_indirect(renderer.film()) == doctest::Approx(expected).epsilon(0.02));
+  for (uint32_t pass = 0; pass < 4; ++pass) renderer.render_pass(pass);
+  const double expected = mean_indirect(renderer.film().unpacked());
+  renderer.trace_viewport_photons(60000, budget);
+  renderer.trace_viewport_photons(60000, budget);
+  renderer.draw_viewport();
+  CHECK(mean_indirect(renderer.film().unpacked()) == doctest::Approx(expected).epsilon(0.02));
 }
 
 TEST_CASE("the store keeps to its memory") {
   Renderer renderer(2);
   fill_box(renderer);
-  renderer.trace_store(1000, 0);  // the first photons are always taken in
-  CHECK(renderer.layer(0).store->paths() == 1000);
-  renderer.trace_store(1000, 0);
-  CHECK(renderer.layer(0).store->paths() == 1000);
-  CHECK(renderer.layer(0).store->full());
-  renderer.draw_store();
+  renderer.trace_viewport_photons(1000, 0);  // the first photons are always taken in
+  CHECK(renderer.map().viewport_photons()->paths() == 1000);
+  renderer.trace_viewport_photons(1000, 0);
+  CHECK(renderer.map().viewport_photons()->paths() == 1000);
+  CHECK(renderer.map().viewport_photons()->full());
+  renderer.draw_viewport();
 }
 
 TEST_CASE("another view begins passes anew, and the film is that of a renderer made for it") {
   Renderer moved(2), made(2);
   fill_box(moved);
-  render_pass(moved, 0);
+  moved.render_pass(0);
   look_from(moved, 0.3f);
   moved.camera_settings.width = moved.camera_settings.region_width = 17;
   moved.set_view();
-  CHECK(moved.film().passes == 0);
-  render_pass(moved, 0);
+  CHECK(moved.film().sum().passes == 0);
+  moved.render_pass(0);
   fill_box(made);
   made.camera_settings = moved.camera_settings;
   made.set_view();
-  render_pass(made, 0);
-  CHECK(same(moved.film(), made.film()));
+  made.render_pass(0);
+  CHECK(same(moved.film().unpacked(), made.film().unpacked()));
 }
 
 TEST_CASE("relight takes other lamps on the same geometry") {
   Renderer renderer(2);
   fill_box(renderer);
-  renderer.trace_store(30000, budget);
-  renderer.draw_store();
-  const double before = mean_indirect(renderer.film());
+  renderer.trace_viewport_photons(30000, budget);
+  renderer.draw_viewport();
+  const double before = mean_indirect(renderer.film().unpacked());
   light(renderer, 20);
   renderer.relight();
-  CHECK(!renderer.layer(0).store);
-  CHECK(renderer.film().passes == 0);
-  renderer.trace_store(30000, budget);
-  renderer.draw_store();
-  CHECK(mean_indirect(renderer.film()) == doctest::Approx(2 * before).epsilon(1e-4));
+  CHECK(!renderer.map().viewport_photons());
+  CHECK(renderer.film().sum().passes == 0);
+  renderer.trace_viewport_photons(30000, budget);
+  renderer.draw_viewport();
+  CHECK(mean_indirect(renderer.film().unpacked()) == doctest::Approx(2 * before).epsilon(1e-4));
 }
 
 TEST_CASE("what cancel stopped goes on after resume") {
   Renderer renderer(2);
   fill_box(renderer);
-  renderer.trace_store(30000, budget);
-  renderer.draw_store();
-  const Film first = renderer.film();
+  renderer.trace_viewport_photons(30000, budget);
+  renderer.draw_viewport();
+  const Film first = renderer.film().unpacked();
   renderer.cancel();
-  CHECK_THROWS_AS(renderer.draw_store(), Cancelled);
-  CHECK_THROWS_AS(renderer.trace_store(1000, budget), Cancelled);
+  CHECK_THROWS_AS(renderer.draw_viewport(), Cancelled);
+  CHECK_THROWS_AS(renderer.trace_viewport_photons(1000, budget), Cancelled);
   renderer.resume();
-  renderer.draw_store();
-  CHECK(same(renderer.film(), first));
+  renderer.draw_viewport();
+  CHECK(same(renderer.film().unpacked(), first));
 }
 
 TEST_CASE("stages out of order are refused") {
   Renderer renderer(1);
   CHECK_THROWS_AS(renderer.set_view(), std::logic_error);
-  CHECK_THROWS_AS(renderer.trace_store(1, budget), std::logic_error);
+  CHECK_THROWS_AS(renderer.trace_viewport_photons(1, budget), std::logic_error);
   fill_box(renderer);
-  CHECK_THROWS_AS(renderer.draw_store(), std::logic_error);
+  CHECK_THROWS_AS(renderer.draw_viewport(), std::logic_error);
 }

@@ -62,8 +62,9 @@ void fill_room(Renderer& renderer, Thing thing, RayMask seen_by, bool instanced 
 double mean_light(Renderer& renderer, uint32_t passes, bool reference) {
   render_passes(renderer, passes, reference);
   double sum = 0;
-  for (const Pixel& p : renderer.film().pixels) sum += luminance(p.combined() * p.share());
-  return sum / static_cast<double>(renderer.film().pixels.size());
+  for (const Pixel& p : renderer.film().unpacked().pixels)
+    sum += luminance(p.combined() * p.share());
+  return sum / static_cast<double>(renderer.film().unpacked().pixels.size());
 }
 
 }  // namespace

@@ -112,7 +112,7 @@ def measure(case: Case) -> dict[str, Any]:
     fill_renderer(renderer, room(case.width, case.height), settings)
     renderer.build()
     renderer.trace_camera(0)
-    renderer.make_points(0)
+    renderer.place_points(0)
     card = splatter.GpuSplatter(renderer, threading.Event(), method=case.method)
     try:
         repeats = REPEATS if case.photons <= MILLION else 0

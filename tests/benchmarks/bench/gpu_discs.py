@@ -113,7 +113,7 @@ def measure_discs(case: Case, scene: Any) -> dict[str, Any]:
     fill_renderer(renderer, scene, settings)
     renderer.build()
     renderer.trace_camera(0)
-    renderer.make_points(0)
+    renderer.place_points(0)
     points = renderer.points()
     view = view_matrix(scene.camera)
     seen, at = pixels_of(points["position"], view, case.width, case.height)

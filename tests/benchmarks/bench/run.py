@@ -43,7 +43,7 @@ def seed_table() -> Figures:
             fill_renderer(renderer, scene, RenderSettings(photons_per_pass=2_000_000, seed=seed))
             renderer.build()
             renderer.trace_camera(0)
-            renderer.make_points(0)
+            renderer.place_points(0)
             before = renderer.statistics()
             renderer.trace_photons(0, 2_000_000)
             traced = renderer.statistics()

@@ -34,7 +34,7 @@ def panel(scene: object, share: float) -> np.ndarray:
     )
     renderer.build()
     renderer.trace_camera(0)
-    renderer.make_points(0)
+    renderer.place_points(0)
     renderer.trace_photons(0, round(PHOTONS * share))
     renderer.splat()
     renderer.resolve()

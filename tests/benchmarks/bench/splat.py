@@ -82,7 +82,7 @@ def seconds_of(scene: Scene, radius: float = 1.0) -> dict[str, float]:
     seconds = []
     for number in range(REPEATS + 1):
         renderer.trace_camera(number)
-        renderer.make_points(number)
+        renderer.place_points(number)
         before = renderer.statistics()
         first, stored, batch = 0, 0, renderer.paths_per_batch
         while stored < PHOTONS:

@@ -103,7 +103,7 @@ def follow(name: str, seed: int, budgets: tuple[float, ...]) -> Figures:
     start.prepare()
     renderer = start.renderer
     while len(rows) < len(budgets):
-        _one_pass(renderer, done)
+        renderer.render_pass(done)
         done += 1
         estimated = done >= estimate_after
         if estimated:
@@ -133,18 +133,6 @@ def follow(name: str, seed: int, budgets: tuple[float, ...]) -> Figures:
             stops += [{"asked": x, "seconds": spent} | common | figures for x in reached]
         began = time.process_time()
     return {"rows": rows, "stops": stops}
-
-
-def _one_pass(renderer: Any, number: int) -> None:
-    renderer.trace_camera(number)
-    for layer in range(renderer.layers):
-        renderer.select_layer(layer)
-        renderer.make_points(number)
-        paths, batch = renderer.paths_per_pass, renderer.paths_per_batch
-        for first in range(0, paths, batch):
-            renderer.trace_photons(first, min(batch, paths - first))
-            renderer.splat()
-    renderer.resolve()
 
 
 def measure(name: str, budgets: tuple[float, ...]) -> Figures:

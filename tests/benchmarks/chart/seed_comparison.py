@@ -58,7 +58,7 @@ def dual(
         fill_renderer(renderer, scene, settings)
         renderer.build()
         renderer.trace_camera(0)
-        renderer.make_points(0)
+        renderer.place_points(0)
         kept = []
         before = renderer.statistics()["seconds"]["splat"]
         for first in range(0, photons, BATCH):

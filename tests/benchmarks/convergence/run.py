@@ -93,6 +93,9 @@ and a caustic's rim.
 """
 
 
+ALL_AT_ONCE = 1 << 40
+
+
 def errors(scene: Scene, halves: np.ndarray, seed: int, radius: float = 0.0) -> list[float]:
     """Mean squared error of the luminance after each of COUNTS passes, over the squared mean.
     radius: fixed, metres; 0 = the product's.
@@ -103,17 +106,11 @@ def errors(scene: Scene, halves: np.ndarray, seed: int, radius: float = 0.0) -> 
     settings = make_plan(scene, settings).applied_to(settings)
     renderer = load().Renderer(0)
     fill_renderer(renderer, scene, settings)
-    renderer.fix_radius(radius)
+    renderer.options.fixed_radius = radius
     renderer.build()
     out = []
     for number in range(COUNTS[-1]):
-        renderer.trace_camera(number)
-        for layer in range(renderer.layers):
-            renderer.select_layer(layer)
-            renderer.make_points(number)
-            renderer.trace_photons(0, renderer.paths_per_pass)
-            renderer.splat()
-        renderer.resolve()
+        renderer.render_pass(number, paths_per_batch=ALL_AT_ONCE)
         if number + 1 in COUNTS:
             picture = passes_from_film(renderer.film())["Combined"][..., :3] @ LUMINANCE
             out.append(

@@ -105,10 +105,10 @@ def renderer_after_camera(scene: Scene, settings: RenderSettings) -> Renderer:
     """With points, for photons of all surfaces."""
     renderer = load().Renderer(0)
     fill_renderer(renderer, scene, settings)
-    renderer.keep_photons(EVERYWHERE)
+    renderer.options.kept_photon_bytes = EVERYWHERE
     renderer.build()
     renderer.trace_camera(0)
-    renderer.make_points(0)
+    renderer.place_points(0)
     return renderer
 
 

@@ -71,7 +71,7 @@ def test_random_photons(
     )
     bits[:, 4] = random.integers(0, 255, count) | random.integers(0, 255, count) << 8
     records[:, 5:] = np.exp(random.normal(0, spread, (count, 3)))
-    room.make_points(0)
+    room.place_points(0)
     room.set_photon_records(records)
     room.splat()
     cpu = room.points()
@@ -79,7 +79,7 @@ def test_random_photons(
 
 
 def test_several_atlases(room, method: str) -> None:
-    room.make_points(0)
+    room.place_points(0)
     room.trace_photons(0, 20_000)
     room.splat()
     cpu = room.points()
@@ -109,7 +109,7 @@ def test_pairs_are_bounded(room, method: str, monkeypatch: pytest.MonkeyPatch) -
         "splat",
         lambda self, batch: (handed.append(len(batch.order)), splat(self, batch))[1],
     )
-    room.make_points(0)
+    room.place_points(0)
     room.trace_photons(0, 20_000)
     room.splat()
     cpu = room.points()
@@ -143,7 +143,7 @@ def test_more_blocks_than_work_groups_in_a_row(
 ) -> None:
     need_method("gather")
     monkeypatch.setattr(methods, "MOST_GROUPS", groups)
-    room.make_points(0)
+    room.place_points(0)
     room.trace_photons(0, 5_000)
     room.splat()
     cpu = room.points()
@@ -155,7 +155,7 @@ def test_both_methods_in_one_pass(room, monkeypatch: pytest.MonkeyPatch) -> None
     need_method("gather")
     monkeypatch.setattr(splatter, "MOST_PAIRS", 20_000)
     monkeypatch.setattr(context.submit(context.graphics).result().rule, "_seconds", {})
-    room.make_points(0)
+    room.place_points(0)
     room.trace_photons(0, 20_000)
     room.splat()
     cpu = room.points()

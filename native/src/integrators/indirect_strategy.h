@@ -5,6 +5,7 @@
 
 #include "density/clear_regions.h"
 #include "density/radius_map.h"
+#include "density/surface_filter.h"
 
 namespace photon_splat {
 
@@ -12,15 +13,15 @@ namespace photon_splat {
 // pebbles, slivers, or surfaces that hardly any photon meets. What decides is the pilot and the
 // shape of the surface, never the photons that would be gathered. Constant while paths are traced;
 // any thread may ask.
-class Fallback {
+class IndirectStrategy {
  public:
-  enum class Reach { kBadlyServed, kFirst, kAll };
+  enum class Kind { kPhotonDensity, kFinalGather, kPathTraced };
 
-  Fallback(const Scene& scene, Reach reach) : scene_(scene), reach_(reach) {}
+  IndirectStrategy(const Scene& scene, Kind kind) : scene_(scene), kind_(kind) {}
 
   // `photons`: wanted in a disc from a pass of `paths` paths. `radii` must outlive it. `known`:
   // surfaces that photons are aimed at. Until then photons serve every point well.
-  void learn(const RadiusMap& radii, const KeyFilter& known, double photons, double paths) {
+  void learn(const RadiusMap& radii, const SurfaceFilter& known, double photons, double paths) {
     radii_ = &radii;
     known_ = known;
     photons_ = photons;
@@ -46,11 +47,11 @@ class Fallback {
     see_crowds(looks, pool, cancel);
   }
 
-  Reach reach() const { return reach_; }
+  Kind kind() const { return kind_; }
   bool knows(uint32_t key) const { return !radii_ || known_.contains(key); }
   // Whether too few photons of a pass come into the largest disc about x that neither bends nor
   // reaches past its patch. `radius_factor`: on all radii of that pass. `memory`: of this
-  // Fallback's map.
+  // IndirectStrategy's map.
   bool at(uint32_t key, const Vec3& x, uint32_t instance, uint32_t triangle, float radius_factor,
           RadiusMap::Memory& memory) const;
 
@@ -69,10 +70,10 @@ class Fallback {
   bool bent(uint32_t instance, uint32_t triangle) const;
 
   const Scene& scene_;
-  const Reach reach_;
+  const Kind kind_;
   CountTable looked_, crowded_;  // by ClearRegions::region
   const RadiusMap* radii_ = nullptr;
-  KeyFilter known_;
+  SurfaceFilter known_;
   double photons_ = 0, paths_ = 0;
 };
 

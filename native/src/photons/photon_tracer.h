@@ -1,6 +1,7 @@
 // Photons: where light arrived on a diffuse surface after at least one bounce.
 #pragma once
 
+#include "density/surface_filter.h"
 #include "lights/lights.h"
 #include "photons/photon_join.h"
 #include "photons/photon_paths.h"
@@ -9,24 +10,6 @@
 namespace photon_splat {
 
 class SeenPlaces;
-
-// Which surface keys are visible; may say yes for one that is not, never no for one that is.
-class KeyFilter {
- public:
-  KeyFilter() : bits_(kBits / 64) {}
-  void clear() { std::fill(bits_.begin(), bits_.end(), 0); }
-  void add_all() { std::fill(bits_.begin(), bits_.end(), ~uint64_t{0}); }
-  void add(const KeyFilter& other) {
-    for (size_t i = 0; i < bits_.size(); ++i) bits_[i] |= other.bits_[i];
-  }
-  void add(uint32_t key) { bits_[slot(key) / 64] |= uint64_t{1} << (slot(key) % 64); }
-  bool contains(uint32_t key) const { return bits_[slot(key) / 64] >> (slot(key) % 64) & 1; }
-
- private:
-  static constexpr uint32_t kBits = 1 << 18;
-  static uint32_t slot(uint32_t key) { return hash32(key) & (kBits - 1); }
-  std::vector<uint64_t> bits_;
-};
 
 struct PhotonCounts {
   uint64_t traced = 0, stored = 0, rays = 0;
@@ -56,7 +39,7 @@ class PhotonTracer {
         bounce_(choose_bounce_kernel()) {}
 
   const Photons& trace(uint64_t first, uint64_t count, double total, uint32_t seed,
-                       const KeyFilter& visible, const CancelFlag& cancel);
+                       const SurfaceFilter& visible, const CancelFlag& cancel);
   // Who is to see what the photons leave: Bump looks as far apart as that one's samples are wide
   // (nullptr: nobody in particular).
   void set_viewer(const Camera* viewer) { viewer_ = viewer; }
@@ -73,8 +56,8 @@ class PhotonTracer {
   // trace()). Caustic photons are aimed at what can focus light instead. `stored`: surfaces whose
   // photons are returned, all visible ones among them. `places`: where on visible surfaces photons
   // are of use (nullptr: everywhere).
-  const Photons* learn_emission(uint64_t paths, uint32_t seed, const KeyFilter& visible,
-                                const KeyFilter& stored, const SeenPlaces* places,
+  const Photons* learn_emission(uint64_t paths, uint32_t seed, const SurfaceFilter& visible,
+                                const SurfaceFilter& stored, const SeenPlaces* places,
                                 const CancelFlag& cancel);
   bool guided() const { return guide_.has_value() || targets_.has_value(); }
 
@@ -129,15 +112,15 @@ class PhotonTracer {
   // number of photons, which diffuse surfaces leave all alike, times the path's squared power over
   // the mean one's; of a caustic path the sum of their squared powers over its own at the start.
   struct Usefulness {
-    const KeyFilter* filter = nullptr;
+    const SurfaceFilter* filter = nullptr;
     const SeenPlaces* places = nullptr;
     bool counts(const Photon& photon) const;
     std::vector<float> of_path;  // from the first one traced
   };
   const Photons& trace(uint64_t first, uint64_t count, double total, uint32_t seed,
-                       const KeyFilter& visible, const CancelFlag& cancel, Usefulness* useful);
+                       const SurfaceFilter& visible, const CancelFlag& cancel, Usefulness* useful);
   void trace_chunk(uint64_t first, uint64_t count, double total, uint32_t seed,
-                   const KeyFilter& visible, const Usefulness* filter, float* useful,
+                   const SurfaceFilter& visible, const Usefulness* filter, float* useful,
                    Travellers& travellers, PhotonRun& run) const;
   float use_of(const Photon& photon, const PhotonStart& start, double total) const;
   PhotonStart start(uint64_t index, uint32_t seed) const;
@@ -148,7 +131,7 @@ class PhotonTracer {
   bool lit(const Path& path, const Surface& hit, const PhotonStart& start) const;
   bool blocks(const Path& path, const Surface& hit, const PhotonStart& start) const;
   bool shade(Path& path, const Surface& hit, const PhotonStart& start, const Draws& draws,
-             const KeyFilter& visible, Vec3& origin, Vec3& direction, Photons& photons) const;
+             const SurfaceFilter& visible, Vec3& origin, Vec3& direction, Photons& photons) const;
   // Kind of ray that looks back along the path's present way: what it does not see the photon
   // lights and passes.
   static RayInfo::Kind kind_of_way(const Rest& rest, uint32_t bounces) {
@@ -163,13 +146,13 @@ class PhotonTracer {
   bool pass_before_lamp(Path& path, const Surface& hit, const Vec3& direction,
                         const PhotonStart& start, Vec3& origin) const;
   bool go_straight_on(Path& path, const Surface& hit, const Rgb& weight, Vec3& origin) const;
-  void store(const Path& path, const Surface& hit, const Vec3& direction, const KeyFilter& visible,
-             Photons& photons) const;
+  void store(const Path& path, const Surface& hit, const Vec3& direction,
+             const SurfaceFilter& visible, Photons& photons) const;
   bool light_up(Path& path, const Surface& hit, const PhotonStart& start) const;
   bool light_up_by_ray(Path& path, const PhotonStart& start, const Rgb& diffuse, bool transmitted,
                        bool delta) const;
   bool scatter_by_program(Path& path, const Surface& hit, const PhotonStart& start,
-                          const Draws& draws, const KeyFilter& visible, Vec3& origin,
+                          const Draws& draws, const SurfaceFilter& visible, Vec3& origin,
                           Vec3& direction, Photons& photons) const;
 
   Scene& scene_;

@@ -1,4 +1,4 @@
-#include "lights/sky_guide.h"
+#include "lights/environment_guide.h"
 
 #include <algorithm>
 #include <bit>
@@ -19,7 +19,8 @@ constexpr double kDoubt = 32;
 
 }  // namespace
 
-Environment::Sample SkyGuide::Cell::sample(const Environment& environment, const Vec2& u) const {
+Environment::Sample EnvironmentGuide::Cell::sample(const Environment& environment,
+                                                   const Vec2& u) const {
   constexpr int kSectors = DirectionTable::kSectors;
   const float patches = band_cdf_[DirectionTable::kBands - 1];
   if (u.x >= patches && environment.part_share(Environment::kDiscs) > 0)
@@ -29,8 +30,8 @@ Environment::Sample SkyGuide::Cell::sample(const Environment& environment, const
   return environment.sample_part(part, {within(part ? cdf_[part - 1] : 0, cdf_[part], u.x), u.y});
 }
 
-float SkyGuide::Cell::pdf(const Environment& environment,
-                          const Environment::Density& density) const {
+float EnvironmentGuide::Cell::pdf(const Environment& environment,
+                                  const Environment::Density& density) const {
   return environment.pdf_by_parts(
       [this](int part) {
         return part == Environment::kDiscs ? 1 - cdf_[part - 1]
@@ -39,11 +40,11 @@ float SkyGuide::Cell::pdf(const Environment& environment,
       density);
 }
 
-void SkyGuide::learn(const std::vector<Sighting>& sightings) {
+void EnvironmentGuide::learn(const std::vector<Sighting>& sightings) {
   waiting_.insert(waiting_.end(), sightings.begin(), sightings.end());
 }
 
-uint64_t SkyGuide::key(int level, const Vec3& x, const Vec3& n) const {
+uint64_t EnvironmentGuide::key(int level, const Vec3& x, const Vec3& n) const {
   const auto along = [&](float at, float low) {
     const float cells = (at - low) * scale_[level];
     return cells >= 0 ? 1 + static_cast<uint64_t>(std::min(cells, 65000.0f)) : uint64_t{0};
@@ -56,7 +57,7 @@ uint64_t SkyGuide::key(int level, const Vec3& x, const Vec3& n) const {
   return along(x.x, low_.x) | along(x.y, low_.y) << 16 | along(x.z, low_.z) << 32 | side << 48;
 }
 
-uint64_t SkyGuide::parent_of(uint64_t key) {
+uint64_t EnvironmentGuide::parent_of(uint64_t key) {
   const auto along = [&](int shift) {
     const uint64_t cell = key >> shift & 0xffff;
     return (cell ? 1 + (cell - 1) / kCoarser : 0) << shift;
@@ -65,7 +66,7 @@ uint64_t SkyGuide::parent_of(uint64_t key) {
 }
 
 // The coarser cells hold what the finest have found.
-void SkyGuide::join_levels() {
+void EnvironmentGuide::join_levels() {
   for (int level = 1; level < kLevels; ++level) {
     found_[level].clear();
     for (const auto& [key, cell] : found_[level - 1]) {
@@ -80,7 +81,7 @@ void SkyGuide::join_levels() {
   }
 }
 
-void SkyGuide::add(Found& cell, const Sighting& s) const {
+void EnvironmentGuide::add(Found& cell, const Sighting& s) const {
   cell.rays += s.ray;
   if (!(s.weight > 0)) return;
   cell.seen += s.ray;
@@ -110,7 +111,7 @@ void SkyGuide::add(Found& cell, const Sighting& s) const {
   }
 }
 
-void SkyGuide::end_pass() {
+void EnvironmentGuide::end_pass() {
   if (!learning()) return;
   ++passes_;
   // Cells fit what the first pass has seen; what lies outside shares the outermost ones
@@ -142,7 +143,7 @@ void SkyGuide::end_pass() {
   }
 }
 
-int32_t SkyGuide::believe(const Found& cell, bool uneven) {
+int32_t EnvironmentGuide::believe(const Found& cell, bool uneven) {
   if (cell.found < kEnough) return kUnknown;
   double total = 0;
   for (const float sum : cell.sums) total += sum;
@@ -162,14 +163,14 @@ int32_t SkyGuide::believe(const Found& cell, bool uneven) {
   return static_cast<int32_t>(cells_.size() - 1);
 }
 
-void SkyGuide::keep(int level, uint64_t key, int32_t cell) {
+void EnvironmentGuide::keep(int level, uint64_t key, int32_t cell) {
   std::vector<Slot>& slots = slots_[level];
   size_t at = hash64(key);
   while (slots[at & (slots.size() - 1)].cell != kUnknown) ++at;
   slots[at & (slots.size() - 1)] = {key, cell};
 }
 
-int32_t SkyGuide::look_up(int level, uint64_t key) const {
+int32_t EnvironmentGuide::look_up(int level, uint64_t key) const {
   const std::vector<Slot>& slots = slots_[level];
   for (size_t at = hash64(key);; ++at) {
     const Slot& slot = slots[at & (slots.size() - 1)];
@@ -177,7 +178,7 @@ int32_t SkyGuide::look_up(int level, uint64_t key) const {
   }
 }
 
-const SkyGuide::Cell* SkyGuide::find(const Vec3& x, const Vec3& n) const {
+const EnvironmentGuide::Cell* EnvironmentGuide::find(const Vec3& x, const Vec3& n) const {
   if (cells_.empty()) return nullptr;
   for (int level = 0; level < kLevels; ++level)
     if (const int32_t cell = look_up(level, key(level, x, n)); cell != kUnknown)

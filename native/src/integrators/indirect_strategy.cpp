@@ -1,4 +1,4 @@
-#include "integrators/fallback.h"
+#include "integrators/indirect_strategy.h"
 
 #include "density/kernel_mass.h"
 #include "density/occlusion.h"
@@ -14,18 +14,19 @@ constexpr float kAcross = 1.7f;
 
 }  // namespace
 
-bool Fallback::bent(uint32_t instance, uint32_t triangle) const {
+bool IndirectStrategy::bent(uint32_t instance, uint32_t triangle) const {
   const Topology& topology = scene_.meshes[scene_.instances[instance].mesh].topology;
   return !topology.planar[topology.patch[triangle]];
 }
 
-float Fallback::first_radius(uint32_t key, const Vec3& x, uint32_t instance, uint32_t triangle,
-                             RadiusMap::Memory& memory) const {
+float IndirectStrategy::first_radius(uint32_t key, const Vec3& x, uint32_t instance,
+                                     uint32_t triangle, RadiusMap::Memory& memory) const {
   return std::min(radii_->radius(key, x, photons_, paths_, memory),
                   curvature_radius_limit(scene_, instance, triangle));
 }
 
-Fallback::Look Fallback::look_at(const Place& place, RadiusMap::Memory& memory) const {
+IndirectStrategy::Look IndirectStrategy::look_at(const Place& place,
+                                                 RadiusMap::Memory& memory) const {
   Look look{place, 0};
   if (!bent(place.instance, place.triangle)) return look;
   look.h = first_radius(place.key, place.position, place.instance, place.triangle, memory);
@@ -33,7 +34,8 @@ Fallback::Look Fallback::look_at(const Place& place, RadiusMap::Memory& memory) 
   return look;
 }
 
-void Fallback::see_crowds(std::vector<Look>& looks, ThreadPool& pool, const CancelFlag& cancel) {
+void IndirectStrategy::see_crowds(std::vector<Look>& looks, ThreadPool& pool,
+                                  const CancelFlag& cancel) {
   std::erase_if(looks, [&](const Look& look) {
     return !(look.h > 0) || crowded_.count(look.region) || looked_.count(look.region) >= kLooks ||
            looked_.add(look.region) > kLooks;
@@ -50,9 +52,9 @@ void Fallback::see_crowds(std::vector<Look>& looks, ThreadPool& pool, const Canc
     if (look.crowded) crowded_.add(look.region);
 }
 
-bool Fallback::at(uint32_t key, const Vec3& x, uint32_t instance, uint32_t triangle,
-                  float radius_factor, RadiusMap::Memory& memory) const {
-  if (reach_ == Reach::kAll) return true;
+bool IndirectStrategy::at(uint32_t key, const Vec3& x, uint32_t instance, uint32_t triangle,
+                          float radius_factor, RadiusMap::Memory& memory) const {
+  if (kind_ == Kind::kPathTraced) return true;
   if (!radii_) return false;
   if (!crowded_.empty() && bent(instance, triangle) &&
       crowded_.count(

@@ -1,6 +1,6 @@
 #include <doctest/doctest.h>
 
-#include "film/sample_choice.h"
+#include "film/adaptive_sampler.h"
 #include "math/sampling.h"
 
 using namespace photon_splat;
@@ -12,10 +12,10 @@ constexpr int kWidth = 32, kHeight = 24;
 // After `passes` passes of a picture in which camera_noise(x) and photon_noise(x) are the
 // deviations of one sample of each kind.
 template <class Camera, class Photons>
-SampleChoice after(uint32_t passes, Camera&& camera_noise, Photons&& photon_noise,
-                   uint32_t least = 1, const PassWork& work = {1, 0}) {
+AdaptiveSampler after(uint32_t passes, Camera&& camera_noise, Photons&& photon_noise,
+                      uint32_t least = 1, const PassWork& work = {1, 0}) {
   ThreadPool pool(2);
-  SampleChoice choice;
+  AdaptiveSampler choice;
   choice.reset(kWidth, kHeight, least, {PhotonSet{}});
   Film film;
   film.reset(kWidth, kHeight);
@@ -47,7 +47,7 @@ SampleChoice after(uint32_t passes, Camera&& camera_noise, Photons&& photon_nois
   return choice;
 }
 
-uint32_t total(const SampleChoice& choice) {
+uint32_t total(const AdaptiveSampler& choice) {
   uint32_t sum = 0;
   for (size_t i = 0; i < size_t(kWidth) * kHeight; ++i) sum += choice.count(i);
   return sum;
@@ -63,13 +63,13 @@ const auto stripe = [](int x) { return x == 20 ? 1.0f : 0.01f; };
 TEST_CASE(
     "camera samples go where they deviate, not many more than photons are worth, and numbers are used once") {
   for (uint32_t passes : {1u, 2u, 8u, 64u}) {
-    const SampleChoice choice = after(passes, stripe, even);
+    const AdaptiveSampler choice = after(passes, stripe, even);
     CHECK(choice.count(kMiddle + 20) >= 4);  // of the eight around, two are in the stripe
     CHECK(choice.count(kMiddle + 5) == 1);
     CHECK(total(choice) <= 5 * kWidth * kHeight);
     CHECK(choice.first(kMiddle + 5, passes) == passes);
   }
-  const SampleChoice once = after(1, stripe, even), twice = after(2, stripe, even);
+  const AdaptiveSampler once = after(1, stripe, even), twice = after(2, stripe, even);
   CHECK(once.first(kMiddle + 20, 1) == 1);
   CHECK(twice.first(kMiddle + 20, 2) == 1 + once.count(kMiddle + 20));
 }
@@ -89,7 +89,7 @@ TEST_CASE("camera noise without any of photons gets more samples everywhere, wit
 
 TEST_CASE(
     "a least number of samples is for all pixels from the second pass on, as far as it is worth it") {
-  const SampleChoice first = after(0, stripe, even, 4), quiet = after(4, stripe, nothing, 4);
+  const AdaptiveSampler first = after(0, stripe, even, 4), quiet = after(4, stripe, nothing, 4);
   CHECK(total(first) == kWidth * kHeight);
   CHECK(quiet.count(kMiddle + 5) == 4);
   CHECK(quiet.count(kMiddle + 20) > 4);
@@ -99,7 +99,7 @@ TEST_CASE(
 }
 
 TEST_CASE("limited samples keep where they go, and number on") {
-  SampleChoice choice = after(4, stripe, nothing, 4);
+  AdaptiveSampler choice = after(4, stripe, nothing, 4);
   const uint32_t first = choice.first(kMiddle + 20, 4), count = choice.count(kMiddle + 20);
   ThreadPool pool(2);
   choice.limit(3, 8, pool);
@@ -140,7 +140,7 @@ TEST_CASE("limited photons keep their proportions; where all passes have to have
   ThreadPool pool(2);
   PhotonSet fixed;
   fixed.fewest = fixed.most = 1;
-  SampleChoice choice;
+  AdaptiveSampler choice;
   choice.reset(kWidth, kHeight, 1, {PhotonSet{}, PhotonSet{}, fixed});
   Film film;
   film.reset(kWidth, kHeight);
@@ -171,7 +171,7 @@ TEST_CASE("heavy-tailed noise: samples that ask for more do not make the mean da
   double sum = 0, squares = 0;
   constexpr int kRuns = 40;
   for (int run = 0; run < kRuns; ++run) {
-    SampleChoice choice;
+    AdaptiveSampler choice;
     choice.reset(kWidth, kHeight, 1, {});
     Film film;
     film.reset(kWidth, kHeight);

@@ -14,7 +14,7 @@ namespace photon_splat {
 // of space and of the surface's orientation, as an estimate of radiance times cosine times
 // visibility in each part of the environment; within a part directions are drawn as the environment
 // draws them. It is learnt between passes and fixed during them.
-class SkyGuide {
+class EnvironmentGuide {
  public:
   // What was met in a direction from the place x, of unit normal n (0: any). weight: its radiance
   // times cosine over the density it was found with, 0 where something stood in the way. ray: found
@@ -32,7 +32,7 @@ class SkyGuide {
     float pdf(const Environment& environment, const Environment::Density& density) const;
 
    private:
-    friend class SkyGuide;
+    friend class EnvironmentGuide;
     // The patches' share of all up to the end of each band; what is left is the discs'
     float band_cdf_[DirectionTable::kBands];
     float cdf_[DirectionTable::kPatches];

@@ -1,12 +1,16 @@
-#include "photons/photon_store.h"
+#include "photons/viewport_photons.h"
+
+#include "math/random_streams.h"
 
 namespace photon_splat {
 
-void PhotonStore::trace(uint64_t paths, size_t most_bytes, const CancelFlag& cancel) {
+void ViewportPhotons::trace(uint64_t paths, size_t most_bytes, const CancelFlag& cancel) {
   if (full_ || paths < 1) return;
-  KeyFilter all;
+  SurfaceFilter all;
   all.add_all();
-  if (!paths_) tracer_.learn_emission(paths, hash_combine(seed_, 1), all, all, nullptr, cancel);
+  if (!paths_)
+    tracer_.learn_emission(paths, stream_seed(seed_, RandomStream::kPhotons), all, all, nullptr,
+                           cancel);
   const Photons& traced = tracer_.trace(paths_, paths, 1.0, seed_, all, cancel);
   if (paths_ > 0 && (photons_.size() + traced.size()) * sizeof(Photon) > most_bytes) {
     full_ = true;

@@ -1,7 +1,8 @@
-#include "photons/photons.h"
+#include "photons/photon_tracer.h"
 
 #include <bit>
 
+#include "math/random_streams.h"
 #include "photons/caustic_targets.h"
 #include "photons/seen_places.h"
 
@@ -92,7 +93,7 @@ uint32_t PhotonTracer::start_all(uint64_t first, uint32_t count, double total, u
                                  Travellers& travellers) const {
   auto& [starts, paths, rest] = travellers;
   starts.resize(count);
-  const SobolPair first_bounce(3, seed);
+  const SobolPair first_bounce = photon_numbers(PhotonDimension::kFirstBounce, seed);
   const bool guesses_first = scene_.first_kinds_differ();
   uint32_t n = 0;
   for (uint32_t begin = 0; begin < count; begin += kStartsAtOnce) {
@@ -155,11 +156,11 @@ float PhotonTracer::use_of(const Photon& photon, const PhotonStart& start, doubl
 
 // All paths of a chunk advance by one ray at a time.
 void PhotonTracer::trace_chunk(uint64_t first, uint64_t count, double total, uint32_t seed,
-                               const KeyFilter& visible, const Usefulness* filter, float* useful,
-                               Travellers& travellers, PhotonRun& run) const {
+                               const SurfaceFilter& visible, const Usefulness* filter,
+                               float* useful, Travellers& travellers, PhotonRun& run) const {
   uint32_t alive = start_all(first, static_cast<uint32_t>(count), total, seed, travellers);
   PhotonPaths& paths = travellers.paths;
-  const SobolPair first_bounce(3, seed);
+  const SobolPair first_bounce = photon_numbers(PhotonDimension::kFirstBounce, seed);
   const BounceSettings settings{stream_ == PhotonStream::kCaustic ? 0.0f : 1.0f,
                                 stream_ == PhotonStream::kAll       ? 0.0f
                                 : stream_ == PhotonStream::kCaustic ? 1.0f
@@ -235,12 +236,12 @@ void PhotonTracer::trace_chunk(uint64_t first, uint64_t count, double total, uin
 }
 
 const Photons& PhotonTracer::trace(uint64_t first, uint64_t count, double total, uint32_t seed,
-                                   const KeyFilter& visible, const CancelFlag& cancel) {
+                                   const SurfaceFilter& visible, const CancelFlag& cancel) {
   return trace(first, count, total, seed, visible, cancel, nullptr);
 }
 
 const Photons& PhotonTracer::trace(uint64_t first, uint64_t count, double total, uint32_t seed,
-                                   const KeyFilter& visible, const CancelFlag& cancel,
+                                   const SurfaceFilter& visible, const CancelFlag& cancel,
                                    Usefulness* useful) {
   join_.clear();
   if (useful) useful->of_path.assign(count, 0);
@@ -273,8 +274,9 @@ const Photons& PhotonTracer::trace(uint64_t first, uint64_t count, double total,
   return join_.photons();
 }
 
-const Photons* PhotonTracer::learn_emission(uint64_t paths, uint32_t seed, const KeyFilter& visible,
-                                            const KeyFilter& stored, const SeenPlaces* places,
+const Photons* PhotonTracer::learn_emission(uint64_t paths, uint32_t seed,
+                                            const SurfaceFilter& visible,
+                                            const SurfaceFilter& stored, const SeenPlaces* places,
                                             const CancelFlag& cancel) {
   guide_.reset();
   targets_.reset();

@@ -44,7 +44,7 @@ struct PassWork {
 // A denoiser brings every pixel's error to the root of what it was, and dark places count as much
 // as bright ones: then all pixels have `least` samples, if photons leave so many worth their work,
 // before some get more.
-class SampleChoice {
+class AdaptiveSampler {
  public:
   void reset(int width, int height, uint32_t least, std::vector<PhotonSet> photons);
   void set_least(uint32_t least) { least_ = least; }

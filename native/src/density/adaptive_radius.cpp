@@ -1,4 +1,4 @@
-#include "density/radius_choice.h"
+#include "density/adaptive_radius.h"
 
 #include <algorithm>
 #include <bit>
@@ -19,7 +19,7 @@ constexpr float kLeast = 0.1f, kMost = 2.0f;           // of all together
 
 }  // namespace
 
-void RadiusChoice::reset(int width, int height) {
+void AdaptiveRadius::reset(int width, int height) {
   width_ = width;
   height_ = height;
   passes_ = since_ = 0;
@@ -28,7 +28,7 @@ void RadiusChoice::reset(int width, int height) {
   factors_.assign(pixels, 1.0f);
 }
 
-void RadiusChoice::end_pass(ThreadPool& pool) {
+void AdaptiveRadius::end_pass(ThreadPool& pool) {
   const CancelFlag never;
   pool.for_each(static_cast<size_t>(height_), never, [&](size_t row, int) {
     for (size_t i = row * width_; i < (row + 1) * width_; ++i) {
@@ -40,7 +40,7 @@ void RadiusChoice::end_pass(ThreadPool& pool) {
   if (++passes_ >= kFirstChoice && std::has_single_bit(passes_)) choose(pool);
 }
 
-void RadiusChoice::choose(ThreadPool& pool) {
+void AdaptiveRadius::choose(ThreadPool& pool) {
   const float n = static_cast<float>(passes_ - since_);
   std::vector<float> square(sum_.size()), variance(sum_.size()), squares, variances, far_squares,
       far_variances;

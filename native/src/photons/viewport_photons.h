@@ -6,13 +6,14 @@
 #include <optional>
 
 #include "density/radius_map.h"
+#include "photons/photon_tracer.h"
 
 namespace photon_splat {
 
-class PhotonStore {
+class ViewportPhotons {
  public:
-  PhotonStore(Scene& scene, const Lights& lights, int max_bounces, PhotonStream stream,
-              uint32_t seed)
+  ViewportPhotons(Scene& scene, const Lights& lights, int max_bounces, PhotonStream stream,
+                  uint32_t seed)
       : scene_(scene), tracer_(scene, lights, max_bounces, stream), seed_(seed) {}
 
   // Traces `paths` more; the first call learns where photons start that come to lie anywhere at

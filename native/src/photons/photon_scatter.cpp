@@ -1,5 +1,5 @@
 // What happens to a photon path where it meets a surface that is not bounced off with others.
-#include "photons/photons.h"
+#include "photons/photon_tracer.h"
 
 namespace photon_splat {
 namespace {
@@ -105,7 +105,7 @@ bool PhotonTracer::go_straight_on(Path& path, const Surface& hit, const Rgb& wei
 
 // What lands after a bounce is indirect light, or caustic light, or a share of each.
 void PhotonTracer::store(const Path& path, const Surface& hit, const Vec3& direction,
-                         const KeyFilter& visible, Photons& photons) const {
+                         const SurfaceFilter& visible, Photons& photons) const {
   if (path.bounces == 0 || !visible.contains(hit.key)) return;
   // What is stored stands for a diffuse ray from here
   if (path.guessed && path.kind != RayInfo::kDiffuse) return;
@@ -151,7 +151,7 @@ bool PhotonTracer::light_up_by_ray(Path& path, const PhotonStart& start, const R
 
 // Stores a photon where one belongs and sends the path on; false where it ends.
 bool PhotonTracer::shade(Path& path, const Surface& hit, const PhotonStart& start,
-                         const Draws& draws, const KeyFilter& visible, Vec3& origin,
+                         const Draws& draws, const SurfaceFilter& visible, Vec3& origin,
                          Vec3& direction, Photons& photons) const {
   if (path.bounces == 0 && path.travelled + hit.distance < start.soft_nearest)
     return pass_before_lamp(path, hit, direction, start, origin);
@@ -204,8 +204,8 @@ bool PhotonTracer::shade(Path& path, const Surface& hit, const PhotonStart& star
 // others than diffuse ones; else it makes no difference, and diffuse ones are taken. A light that
 // some kinds do not see is scattered by the first surface's lobes of the other kinds.
 bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const PhotonStart& start,
-                                      const Draws& draws, const KeyFilter& visible, Vec3& origin,
-                                      Vec3& direction, Photons& photons) const {
+                                      const Draws& draws, const SurfaceFilter& visible,
+                                      Vec3& origin, Vec3& direction, Photons& photons) const {
   const bool direct = path.bounces == 0, asked = hit.program->asks_kind || scene_.kinds_differ();
   float chance = 1;
   RayInfo ray;

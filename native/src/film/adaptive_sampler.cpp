@@ -1,4 +1,4 @@
-#include "film/sample_choice.h"
+#include "film/adaptive_sampler.h"
 
 #include <bit>
 #include <numeric>
@@ -13,7 +13,7 @@ constexpr double kMostMean = 3;   // of all pixels: passes stay short
 constexpr double kOutlier = 100;  // times the mean deviation: more counts as that much
 constexpr double kLeastWork = 0.05;
 // Times the variance of photons is their squared error, where radii balance the two: see
-// RadiusChoice
+// AdaptiveRadius
 constexpr double kWithBlur = 1.5;
 // Variance of low-discrepancy samples over that of random ones: before it is known, and the
 // smallest that is believed.
@@ -28,17 +28,17 @@ uint32_t rounded(double samples, double least) {
 
 }  // namespace
 
-void SampleChoice::Moments::reset(size_t pixels) {
+void AdaptiveSampler::Moments::reset(size_t pixels) {
   sum.assign(pixels, 0.0f);
   squares.assign(pixels, 0.0f);
 }
 
-void SampleChoice::Moments::add(size_t i, float mean, float samples) {
+void AdaptiveSampler::Moments::add(size_t i, float mean, float samples) {
   sum[i] += mean * samples;
   squares[i] += mean * mean * samples;
 }
 
-float SampleChoice::Moments::variance(size_t i, float samples, float passes) const {
+float AdaptiveSampler::Moments::variance(size_t i, float samples, float passes) const {
   return std::max(0.0f, squares[i] - sum[i] * sum[i] / samples) / (passes - 1);
 }
 
@@ -48,7 +48,7 @@ double PhotonSet::variance(double limit) const {
   return sum * last;
 }
 
-void SampleChoice::reset(int width, int height, uint32_t least, std::vector<PhotonSet> photons) {
+void AdaptiveSampler::reset(int width, int height, uint32_t least, std::vector<PhotonSet> photons) {
   least_ = least;
   width_ = width;
   height_ = height;
@@ -65,7 +65,7 @@ void SampleChoice::reset(int width, int height, uint32_t least, std::vector<Phot
   count_.assign(pixels, 1);
 }
 
-void SampleChoice::see(const PackedFilm& pass, Moments& moments, ThreadPool& pool) const {
+void AdaptiveSampler::see(const PackedFilm& pass, Moments& moments, ThreadPool& pool) const {
   const CancelFlag never;
   pool.for_each(pass.tiles(), never, [&](size_t t, int) {
     PackedFilm::Sums sums;
@@ -77,17 +77,17 @@ void SampleChoice::see(const PackedFilm& pass, Moments& moments, ThreadPool& poo
   });
 }
 
-double SampleChoice::mean_count() const {
+double AdaptiveSampler::mean_count() const {
   return count_.empty() ? 1
                         : std::accumulate(count_.begin(), count_.end(), 0.0) /
                               static_cast<double>(count_.size());
 }
 
-void SampleChoice::see_camera(const PackedFilm& pass, ThreadPool& pool) {
+void AdaptiveSampler::see_camera(const PackedFilm& pass, ThreadPool& pool) {
   see(pass, camera_, pool);
 }
 
-double SampleChoice::photon_count() const {
+double AdaptiveSampler::photon_count() const {
   double first = 0, next = 0;
   for (const PhotonSet& set : photons_) {
     first += set.unit_work();
@@ -96,7 +96,7 @@ double SampleChoice::photon_count() const {
   return first > 0 ? next / first : 1;
 }
 
-void SampleChoice::end_pass(const PackedFilm& pass, const PassWork& work, ThreadPool& pool) {
+void AdaptiveSampler::end_pass(const PackedFilm& pass, const PassWork& work, ThreadPool& pool) {
   see(pass, all_, pool);
   const CancelFlag never;
   pool.for_each(pass.tiles(), never, [&](size_t t, int) {
@@ -114,7 +114,7 @@ void SampleChoice::end_pass(const PackedFilm& pass, const PassWork& work, Thread
   work_ = work;
 }
 
-void SampleChoice::limit(double mean, double photons, ThreadPool& pool) {
+void AdaptiveSampler::limit(double mean, double photons, ThreadPool& pool) {
   begin_pass(pool);
   const double all = mean_count();
   if (all > mean) {
@@ -131,7 +131,7 @@ void SampleChoice::limit(double mean, double photons, ThreadPool& pool) {
     if (set.fewest < set.most) set.count *= share;
 }
 
-void SampleChoice::begin_pass(ThreadPool& pool) {
+void AdaptiveSampler::begin_pass(ThreadPool& pool) {
   if (to_choose_) choose(passes_ > 1 ? deviations(pool) : first_deviations(pool));
   to_choose_ = false;
 }
@@ -139,7 +139,7 @@ void SampleChoice::begin_pass(ThreadPool& pool) {
 // Of one sample, as the eight pixels around tell. The pixel's own samples have no say: what is
 // bright by chance would get more company than what is dark by chance, and the mean come out too
 // dark. What edges do to the light of photons counts as well.
-std::vector<float> SampleChoice::deviations(ThreadPool& pool) const {
+std::vector<float> AdaptiveSampler::deviations(ThreadPool& pool) const {
   std::vector<float> own(samples_.size()), result(samples_.size());
   const CancelFlag never;
   pool.for_each(static_cast<size_t>(height_), never, [&](size_t row, int) {
@@ -170,7 +170,7 @@ std::vector<float> SampleChoice::deviations(ThreadPool& pool) const {
 // The same after one sample of each pixel: as those next to each other differ, at most two pixels
 // away. What is seen only further than one away counts little, but an edge that is as bright as a
 // lamp is not to be missed. What photons add differs little so close by, but at edges.
-std::vector<float> SampleChoice::first_deviations(ThreadPool& pool) const {
+std::vector<float> AdaptiveSampler::first_deviations(ThreadPool& pool) const {
   const std::vector<float>& light = all_.sum;
   std::vector<float> across(light.size()), down(light.size()), result(light.size());
   const CancelFlag never;
@@ -213,7 +213,7 @@ std::vector<float> SampleChoice::first_deviations(ThreadPool& pool) const {
   return result;
 }
 
-void SampleChoice::choose(const std::vector<float>& deviations) {
+void AdaptiveSampler::choose(const std::vector<float>& deviations) {
   const double pixels = static_cast<double>(deviations.size());
   double all = 0, wanted = 0, photons = 0, photon_work = work_.fixed;
   for (size_t i = 0; i < deviations.size(); ++i) {
@@ -243,7 +243,7 @@ void SampleChoice::choose(const std::vector<float>& deviations) {
 
 // By how much the mean of low-discrepancy samples varies less than that of random ones with the
 // same deviations, as the passes since the last choice differ from those before it.
-double SampleChoice::gain_of_order(const std::vector<float>& deviations, double limit) {
+double AdaptiveSampler::gain_of_order(const std::vector<float>& deviations, double limit) {
   double found = 0, random = 0;
   if (passes_ > 1)
     for (size_t i = 0; i < samples_.size(); ++i) {
@@ -258,7 +258,7 @@ double SampleChoice::gain_of_order(const std::vector<float>& deviations, double 
   return random > 0 ? std::clamp(found / random, kBestOrder, 1.0) : kUsualOrder;
 }
 
-void SampleChoice::choose_photons(double limit, double camera_variance) {
+void AdaptiveSampler::choose_photons(double limit, double camera_variance) {
   const double others = work_.fixed + work_.samples * mean_count();
   for (PhotonSet& set : photons_) {
     const double variance = set.variance(limit);

@@ -13,7 +13,7 @@ namespace photon_splat {
 // that of the estimate itself (Epanechnikov kernel); the mean squared error is least where bias^2 =
 // variance/2, both going as h^4 and h^-2. Choices are made after pass 4, 8, 16, ... and are for the
 // passes that follow: photons never judge themselves.
-class RadiusChoice {
+class AdaptiveRadius {
  public:
   void reset(int width, int height);
   // What d adds to each pixel's luminance in this pass; written by the renderer, then taken by

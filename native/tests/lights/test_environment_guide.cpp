@@ -1,6 +1,6 @@
 #include <doctest/doctest.h>
 
-#include "lights/sky_guide.h"
+#include "lights/environment_guide.h"
 #include "math/vec.h"
 
 using namespace photon_splat;
@@ -42,9 +42,9 @@ struct World {
 
 // Sightings from places in the unit cube, most of them of a patch of sky around `centre`; every
 // tenth ray meets the world.
-SkyGuide taught(const World& world, const Vec3& centre, int rays) {
+EnvironmentGuide taught(const World& world, const Vec3& centre, int rays) {
   Random random(5, 6);
-  std::vector<SkyGuide::Sighting> sightings;
+  std::vector<EnvironmentGuide::Sighting> sightings;
   for (int i = 0; i < rays; ++i) {
     const Vec3 x{random.next(), random.next(), 0.1f * random.next()};
     const bool met = i % 10 == 0;
@@ -52,7 +52,7 @@ SkyGuide taught(const World& world, const Vec3& centre, int rays) {
                          : sample_sphere(random.next2());
     sightings.push_back({x, kUp, way, met ? 1.0f : 0.0f, true});
   }
-  SkyGuide guide;
+  EnvironmentGuide guide;
   guide.reset(*world.environment);
   guide.learn(sightings);
   guide.end_pass();
@@ -67,7 +67,7 @@ TEST_CASE("the guide's density integrates to 1 and its samples follow it") {
     CAPTURE(int(sky));
     const World world(sky);
     const Environment& environment = *world.environment;
-    const SkyGuide guide = taught(world, centre, 20000);
+    const EnvironmentGuide guide = taught(world, centre, 20000);
     const auto* cell = guide.find({0.5f, 0.5f, 0.05f}, kUp);
     REQUIRE(cell);
     Random random(1, 1);
@@ -106,7 +106,7 @@ TEST_CASE(
           environment.radiance(d).x > environment.radiance(sun).x)
         sun = d;
     for (const bool seen : {true, false}) {
-      std::vector<SkyGuide::Sighting> sightings;
+      std::vector<EnvironmentGuide::Sighting> sightings;
       for (int i = 0; i < 20000; ++i) {
         const Environment::Sample s = environment.sample(random.next2());
         const bool shines = dot(s.direction, sun) > 0.99f;
@@ -115,7 +115,7 @@ TEST_CASE(
                                  : 0;
         sightings.push_back({{random.next(), random.next(), 0}, kUp, s.direction, weight, false});
       }
-      SkyGuide guide;
+      EnvironmentGuide guide;
       guide.reset(environment);
       guide.learn(sightings);
       guide.end_pass();
@@ -135,12 +135,12 @@ TEST_CASE(
 TEST_CASE(
     "no guide where nothing is known, where little is, or where an even world is seen freely") {
   const World world(Sky::kEven);
-  CHECK(SkyGuide().find({0, 0, 0}, kUp) == nullptr);
+  CHECK(EnvironmentGuide().find({0, 0, 0}, kUp) == nullptr);
   CHECK(taught(world, {0, 0, 1}, 100).find({0.5f, 0.5f, 0}, kUp) == nullptr);
   CHECK(taught(world, {0, 0, 1}, 20000).find({0.5f, 0.5f, 0}, -kUp) == nullptr);
-  SkyGuide free;
+  EnvironmentGuide free;
   free.reset(*world.environment);
-  std::vector<SkyGuide::Sighting> all;
+  std::vector<EnvironmentGuide::Sighting> all;
   Random random(2, 3);
   for (int i = 0; i < 1000; ++i)
     all.push_back({{random.next(), 0, 0}, kUp, sample_sphere(random.next2()), 1, true});
@@ -151,7 +151,7 @@ TEST_CASE(
 
 TEST_CASE("learning ends, and what is learnt in one place is no harm far outside of it") {
   const World world(Sky::kEven);
-  SkyGuide guide = taught(world, {0, 0, 1}, 20000);
+  EnvironmentGuide guide = taught(world, {0, 0, 1}, 20000);
   for (int pass = 0; pass < 100; ++pass) guide.end_pass();
   CHECK(!guide.learning());
   for (const Vec3& x : {Vec3{1e30f, 0, 0}, Vec3{-1e30f, 5, -3}, Vec3{NAN, 0, 0}}) {

@@ -1,0 +1,221 @@
+// Textures, materials, meshes and instances: numpy's arrays are copied, checked by all threads.
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <atomic>
+
+#include "bindings/bindings.h"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+namespace photon_splat {
+namespace {
+
+// numpy's memory into the first `count` elements of ours, by all threads; visit(element) sees each.
+template <class T, class Source, class Visit>
+void copy_in_parts(ThreadPool& pool, const Source* from, LargeArray<T>* to, size_t count,
+                   Visit&& visit) {
+  const T* source = reinterpret_cast<const T*>(from);
+  pool.for_parts(count, 1 << 15, CancelFlag{}, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) visit((*to)[i] = source[i]);
+  });
+}
+
+uint32_t add_mesh(Renderer& r, Array<float, nb::shape<-1, 3>> positions,
+                  Array<uint32_t, nb::shape<-1, 3>> triangles,
+                  std::optional<Array<float, nb::shape<-1, 3, 3>>> corner_normals,
+                  std::optional<Array<float, nb::shape<-1, 3, 2>>> uv,
+                  std::optional<Array<uint16_t, nb::shape<-1>>> slots,
+                  std::optional<Array<float, nb::shape<-1, 3>>> vertex_normals) {
+  const size_t vertices = positions.shape(0), count = triangles.shape(0);
+  if (count >= (1u << 30))
+    throw std::invalid_argument("a mesh has more triangles than the renderer can hold");
+  if ((corner_normals && corner_normals->shape(0) != count) || (uv && uv->shape(0) != count) ||
+      (slots && slots->shape(0) != count))
+    throw std::invalid_argument("a mesh's corner data does not fit its triangles");
+  if (vertex_normals && (corner_normals || vertex_normals->shape(0) != vertices))
+    throw std::invalid_argument("a mesh's normals do not fit its vertices");
+  Mesh mesh;
+  std::atomic<bool> outside{false}, not_finite{false};
+  mesh.triangles.resize(count);
+  copy_in_parts(r.scene.pool(), triangles.data(), &mesh.triangles, count, [&](const Triangle& t) {
+    if (std::max({t[0], t[1], t[2]}) >= vertices) outside.store(true, std::memory_order_relaxed);
+  });
+  if (outside) throw std::invalid_argument("a mesh's triangle names a vertex that does not exist");
+  mesh.positions.resize(vertices + 1);
+  mesh.positions.back() = {};  // Embree reads 16 bytes at the last vertex
+  copy_in_parts(r.scene.pool(), positions.data(), &mesh.positions, vertices, [&](const Vec3& p) {
+    if (!is_finite(p)) not_finite.store(true, std::memory_order_relaxed);
+  });
+  if (not_finite) throw std::invalid_argument("a mesh has a vertex that is not finite");
+  if (corner_normals) {
+    mesh.corner_normals.resize(3 * count);
+    copy_in_parts(r.scene.pool(), corner_normals->data(), &mesh.corner_normals, 3 * count,
+                  [](const Vec3&) {});
+  }
+  if (vertex_normals) {  // no vertex is named that does not exist
+    mesh.corner_normals.resize(3 * count);
+    const Vec3* normals = reinterpret_cast<const Vec3*>(vertex_normals->data());
+    r.scene.pool().for_parts(count, 1 << 15, CancelFlag{}, [&](size_t begin, size_t end) {
+      for (size_t t = begin; t < end; ++t)
+        for (size_t i = 0; i < 3; ++i)
+          mesh.corner_normals[3 * t + i] = normals[mesh.triangles[t][i]];
+    });
+  }
+  if (uv) {
+    mesh.uv.resize(3 * count);
+    copy_in_parts(r.scene.pool(), uv->data(), &mesh.uv, 3 * count, [](const Vec2&) {});
+  }
+  if (slots) mesh.slots.assign(slots->data(), slots->data() + count);
+  r.scene.meshes.push_back(std::move(mesh));
+  return static_cast<uint32_t>(r.scene.meshes.size() - 1);
+}
+
+Interpolation interpolation_named(const std::string& name) {
+  return named<Interpolation>(name,
+                              {{"linear", Interpolation::kLinear},
+                               {"closest", Interpolation::kClosest},
+                               {"cubic", Interpolation::kCubic}},
+                              "interpolation");
+}
+
+Extension extension_named(const std::string& name) {
+  return named<Extension>(name,
+                          {{"repeat", Extension::kRepeat},
+                           {"extend", Extension::kExtend},
+                           {"clip", Extension::kClip},
+                           {"mirror", Extension::kMirror}},
+                          "extension");
+}
+
+uint32_t add_texture_reading(Renderer& r, uint32_t of, const std::string& interpolation,
+                             const std::string& extension) {
+  if (of >= r.scene.textures.size())
+    throw std::invalid_argument("a reading names a texture that does not exist");
+  r.scene.textures.push_back(
+      r.scene.textures[of].reading(interpolation_named(interpolation), extension_named(extension)));
+  return static_cast<uint32_t>(r.scene.textures.size() - 1);
+}
+
+size_t texture_memory(const Renderer& r) {
+  std::vector<const Texture*> kept;
+  for (const Texture& t : r.scene.textures) kept.push_back(t.pixels_of ? t.pixels_of.get() : &t);
+  std::sort(kept.begin(), kept.end());
+  kept.erase(std::unique(kept.begin(), kept.end()), kept.end());
+  size_t sum = 0;
+  for (const Texture* t : kept) sum += t->memory();
+  return sum;
+}
+
+uint32_t add_texture(
+    Renderer& r, nb::ndarray<nb::c_contig, nb::device::cpu, nb::shape<-1, -1, 4>, nb::ro> pixels,
+    bool srgb, const std::string& interpolation, const std::string& extension) {
+  Texture texture;
+  texture.height = static_cast<int>(pixels.shape(0));
+  texture.width = static_cast<int>(pixels.shape(1));
+  if (texture.width < 1 || texture.height < 1)
+    throw std::invalid_argument("a texture has no pixels");
+  texture.srgb = srgb;
+  texture.interpolation = interpolation_named(interpolation);
+  texture.extension = extension_named(extension);
+  if (pixels.dtype() == nb::dtype<uint8_t>()) {
+    const auto* p = static_cast<const uint8_t*>(pixels.data());
+    texture.bytes.assign(p, p + pixels.size());
+  } else if (pixels.dtype() == nb::dtype<float>()) {
+    const auto* p = static_cast<const float*>(pixels.data());
+    texture.floats.assign(p, p + pixels.size());
+    for (float& f : texture.floats)
+      if (!std::isfinite(f)) f = 0;
+  } else {
+    throw std::invalid_argument("a texture's pixels are neither uint8 nor float32");
+  }
+  texture.compact();
+  r.scene.textures.push_back(std::move(texture));
+  return static_cast<uint32_t>(r.scene.textures.size() - 1);
+}
+
+MaterialSide make_side(const Renderer& r, const nb::tuple& t) {
+  MaterialSide side;
+  side.albedo = to_rgb(nb::cast<Rgb3>(t[0]));
+  side.albedo_texture = nb::cast<int>(t[1]);
+  side.emission = to_rgb(nb::cast<Rgb3>(t[2]));
+  side.emission_texture = nb::cast<int>(t[3]);
+  if (!is_finite(side.albedo) || !is_finite(side.emission))
+    throw std::invalid_argument("a material has a colour that is not finite");
+  side.albedo = max(side.albedo, Vec3{});
+  for (int texture : {side.albedo_texture, side.emission_texture})
+    if (texture >= static_cast<int>(r.scene.textures.size()))
+      throw std::invalid_argument("a material names a texture that does not exist");
+  return side;
+}
+
+uint32_t add_instance(Renderer& r, uint32_t mesh, Matrix matrix, std::vector<int32_t> materials,
+                      int group, uint64_t lit_groups, uint64_t blockers, int16_t light_group,
+                      RayMask seen_by, bool holdout) {
+  const auto rows = relative_rows(matrix, r.scene.origin);
+  for (double d : rows)
+    if (!std::isfinite(d))
+      throw std::invalid_argument("an instance has a matrix that is not finite");
+  if (group < 0 || group > 63)
+    throw std::invalid_argument("an instance has a group of light linking beyond 0..63");
+  r.scene.add_instance(mesh, rows, materials);
+  Instance& added = r.scene.instances.back();
+  added.group = uint64_t{1} << group;
+  added.lit_groups = lit_groups;
+  added.blockers = blockers;
+  added.light_group = light_group;
+  added.seen_by = seen_by;
+  added.holdout = holdout;
+  return static_cast<uint32_t>(r.scene.instances.size() - 1);
+}
+
+}  // namespace
+
+void bind_geometry(RendererClass& renderer) {
+  renderer
+      .def(
+          "set_origin",
+          [](Renderer& r, std::array<double, 3> o, float near) {
+            std::copy(o.begin(), o.end(), r.scene.origin);
+            r.scene.near = near;
+          },
+          "origin"_a, "near"_a = 0.0f,
+          "World position (x, y, z), m, that the renderer's coordinates are relative to; before anything is added.\n"
+          "near: radius, m, of what stands close to it where other things are very far off, else 0.")
+      .def(
+          "add_texture", &add_texture, "pixels"_a, "srgb"_a, "interpolation"_a, "extension"_a,
+          "(height, width, 4) uint8 or float32, row 0 at the bottom; float pixels are scene-linear.\n"
+          "srgb: bytes are sRGB-encoded. interpolation: 'linear', 'closest', 'cubic'; extension: 'repeat', 'extend',\n"
+          "'clip', 'mirror'. Returns the texture's index. ValueError for another dtype or name, or no pixels.")
+      .def("add_texture_reading", &add_texture_reading, "of"_a, "interpolation"_a, "extension"_a,
+           "The pixels of texture `of` read in another way; they are kept once. Returns its index.")
+      .def_prop_ro("texture_memory", &texture_memory, "Bytes of all textures' pixels.")
+      .def(
+          "add_material",
+          [](Renderer& r, nb::tuple front, nb::tuple back) {
+            r.scene.materials.push_back({make_side(r, front), make_side(r, back)});
+          },
+          "front"_a, "back"_a,
+          "A Lambertian material without a program. Each side: (albedo rgb, albedo texture or -1, emission rgb in\n"
+          "W/m^2/sr, emission texture or -1). ValueError for what is not finite or a texture that is not there.")
+      .def(
+          "add_mesh", &add_mesh, "positions"_a, "triangles"_a, "corner_normals"_a.none(),
+          "uv"_a.none(), "slots"_a.none(), "vertex_normals"_a = nb::none(),
+          "positions: (V, 3) float32, m, in the mesh's own space; triangles: (T, 3) uint32 vertices; corner_normals:\n"
+          "(T, 3, 3) float32 or None; uv: (T, 3, 2) float32 or None; slots: (T,) uint16 material slots or None;\n"
+          "vertex_normals: (V, 3) float32 instead of corner_normals. Returns the mesh's index. ValueError for shapes that\n"
+          "do not fit, vertices that do not exist or are not finite.")
+      .def(
+          "add_instance", &add_instance, "mesh"_a, "matrix"_a, "materials"_a, "group"_a = 0,
+          "lit_groups"_a = ~uint64_t{0}, "blockers"_a = ~uint64_t{0},
+          "light_group"_a = kNoLightGroup, "seen_by"_a = kAllRays, "holdout"_a = false,
+          "matrix: (4, 4) float64, to the world; materials: index of a material for each slot. For light linking: group\n"
+          "0..63, and as an emitter bits of the groups it lights (lit_groups) and of those that block it (blockers).\n"
+          "light_group: index, -1 for none; seen_by: bits of the kinds of rays that meet it; holdout: a hole in the\n"
+          "picture. Returns the instance's index. After its mesh and materials.");
+}
+
+}  // namespace photon_splat

@@ -1,0 +1,10 @@
+#pragma once
+
+#include <cstdint>
+
+namespace photon_splat {
+
+// The light of a pixel by the first lobe of the path that brought it.
+enum class LobeCategory : uint8_t { kDiffuse, kGlossy, kTransmission };
+
+}  // namespace photon_splat

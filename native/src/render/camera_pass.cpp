@@ -1,0 +1,233 @@
+#include "render/camera_pass.h"
+
+#include "math/random_streams.h"
+#include "render/cost_model.h"
+
+namespace photon_splat {
+namespace {
+
+// At most one gather point of so many lies on a surface that scouts have not seen, or the pilot is
+// traced again
+constexpr size_t kUnscouted = 16;
+// Samples of a pixel in a pass where photons light what paths meet: theirs is most of the noise
+constexpr uint32_t kGatheredSamples = 4;
+constexpr uint32_t kPathSamples = 16;  // the same where paths bring all of the indirect light
+constexpr double kServedWell = 0.5;    // share of places
+constexpr size_t kLaterLooks = 16;     // one gather point in so many, in each pass but the first
+
+}  // namespace
+
+CameraPass::CameraPass(const RenderContext& context, Lights& lights, const Camera& camera)
+    : context_(context),
+      lights_(lights),
+      tracer_(context.scene, lights, camera,
+              stream_seed(context.options.seed, RandomStream::kCamera)) {
+  guide_.reset(lights.environment());
+  lights.set_guide(&guide_);
+}
+
+void CameraPass::reset_view(const PackedFilm& film, const PhotonMaps& maps) {
+  const RenderOptions& options = context_.options;
+  guide_.reset(lights_.environment());
+  std::vector<PhotonSet> photons(maps.size());
+  for (size_t i = 0; i < maps.size(); ++i) {
+    // What photons do to paths that end at them passes for the camera's noise.
+    if (options.gathers() && !maps[i]->caustic()) photons[i].fewest = 1;
+    if (options.keeps_photons()) photons[i].fewest = photons[i].most = 1;
+  }
+  context_.sampler.reset(film.width, film.height, options.gathers() ? kGatheredSamples : 1,
+                         std::move(photons));
+  strategy_.reset();
+  chosen_ = false;
+  focus_ = {};
+  gather_points_ = nullptr;
+}
+
+void CameraPass::trace_gather_points(uint32_t pass, const PhotonMaps& maps, PackedFilm& film,
+                                     CameraTracer::Tiles tiles) {
+  Timer timer(context_.seconds.camera);
+  tracer_.set_strategy(strategy_ ? &*strategy_ : nullptr, maps.size() > 1,
+                       maps.front()->radius_factor());
+  film.reset(film.width, film.height, film.light_groups);
+  context_.sampler.begin_pass(context_.scene.pool());
+  gather_points_ = &tracer_.trace(pass, context_.sampler, guide_, context_.options.max_bounces,
+                                  film, context_.cancel, tiles);
+}
+
+void CameraPass::trace(uint32_t pass, const PhotonMaps& maps, PackedFilm& film) {
+  const RenderOptions& options = context_.options;
+  PhotonMap& indirect = *maps.front();
+  const bool photons = indirect.first_pass_paths() > 0,
+             learns = !chosen_ && options.fallback && photons;
+  const bool by_view = learns && !options.keeps_photons();
+  if (!strategy_ && options.gathers() && photons) {
+    if (options.final_gather == FinalGather::kByTrial && by_view && try_paths(pass, maps, film))
+      return;
+    strategy_.emplace(context_.scene, IndirectStrategy::Kind::kFinalGather);
+  }
+  if (learns && !by_view) {  // the pilot asks for no view
+    const SurfaceFilter all = indirect.wanted_on(gather_points_);
+    if (!indirect.learnt()) teach(indirect, all, false);
+    make_strategy(indirect, all);
+  }
+  const bool scouts = by_view && CameraTracer::sends_scouts(film);
+  trace_gather_points(pass, maps, film,
+                      scouts ? CameraTracer::Tiles::kScouts : CameraTracer::Tiles::kAll);
+  if (by_view)
+    choose(pass, scouts, maps, film);
+  else if (learns && !tracer_.continued())
+    forget_strategy();
+  chosen_ = true;
+}
+
+// Before any photon is traced: whether paths had better bring all of the indirect light in this
+// view. Then the pass is done.
+bool CameraPass::try_paths(uint32_t pass, const PhotonMaps& maps, PackedFilm& film) {
+  strategy_.emplace(context_.scene, IndirectStrategy::Kind::kPathTraced);
+  tracer_.keep_trial(true);
+  const bool scouts = CameraTracer::sends_scouts(film);
+  trace_gather_points(pass, maps, film,
+                      scouts ? CameraTracer::Tiles::kScouts : CameraTracer::Tiles::kAll);
+  tracer_.keep_trial(false);
+  double photon_paths = 0;
+  for (const auto& map : maps) photon_paths += static_cast<double>(map->first_pass_paths());
+  const double camera_paths = static_cast<double>(film.size()) * kGatheredSamples;
+  if (!tracer_.trial().paths_pay(photon_paths / camera_paths)) {
+    strategy_.reset();
+    return false;
+  }
+  if (scouts) trace_more(pass, CameraTracer::Tiles::kRest, maps, film);
+  context_.sampler.set_least(kPathSamples);
+  chosen_ = true;
+  return true;
+}
+
+void CameraPass::make_strategy(const PhotonMap& indirect, const SurfaceFilter& known) {
+  if (!strategy_) strategy_.emplace(context_.scene, IndirectStrategy::Kind::kPhotonDensity);
+  strategy_->learn(indirect.radii(), known, indirect.photons_per_disc(),
+                   static_cast<double>(indirect.first_pass_paths()));
+}
+
+// Nothing in view needs it.
+void CameraPass::forget_strategy() {
+  strategy_.reset();
+  if (context_.options.gathers())
+    strategy_.emplace(context_.scene, IndirectStrategy::Kind::kFinalGather);
+}
+
+// Gather points of the first pass are all looked at, later ones now and then.
+void CameraPass::look_for_crowds(uint32_t pass) {
+  if (!strategy_ || !gather_points_ || all_path_traced()) return;
+  const size_t step = chosen_ ? kLaterLooks : 1, first = pass % step;
+  if (gather_points_->size() <= first) return;
+  strategy_->look_for_crowds((gather_points_->size() - first - 1) / step + 1, context_.scene.pool(),
+                             context_.cancel, [&](size_t i) {
+                               const GatherPoint& r = (*gather_points_)[first + i * step];
+                               return IndirectStrategy::Place{r.position, r.ng, r.key, r.instance,
+                                                              r.triangle};
+                             });
+}
+
+// What the first pass lacks once the strategy has been learnt; whether any path goes on.
+bool CameraPass::trace_more(uint32_t pass, CameraTracer::Tiles tiles, const PhotonMaps& maps,
+                            PackedFilm& film) {
+  Timer timer(context_.seconds.camera);
+  tracer_.set_strategy(&*strategy_, maps.size() > 1, maps.front()->radius_factor());
+  gather_points_ = &tracer_.trace(pass, context_.sampler, guide_, context_.options.max_bounces,
+                                  film, context_.cancel, tiles);
+  return tracer_.last_continued() > 0;
+}
+
+// Needs gather points of places where paths have not gone on: of scouts, or of all, which it
+// replaces. What paths meet that go on from there, or what scouts have not met, is learnt of as
+// well, if there is enough of it.
+void CameraPass::choose(uint32_t pass, bool scouts, const PhotonMaps& maps, PackedFilm& film) {
+  PhotonMap& indirect = *maps.front();
+  SurfaceFilter known = indirect.wanted_on(gather_points_);
+  teach(indirect, known, scouts);
+  make_strategy(indirect, known);
+  look_for_crowds(pass);
+  bool any;
+  if (scouts) {
+    any = trace_more(pass, CameraTracer::Tiles::kRest, maps, film);
+  } else {
+    Timer pilot(context_.seconds.pilot);
+    any = trace_more(pass, CameraTracer::Tiles::kAgain, maps, film);
+  }
+  const auto unknown = [&](const GatherPoint& r) {
+    return !known.contains(r.key) && !(scouts && r.caustics_only);
+  };
+  const size_t most = scouts ? gather_points_->size() / kUnscouted : 0;
+  if (!any && !scouts) return forget_strategy();
+  if (static_cast<size_t>(std::count_if(gather_points_->begin(), gather_points_->end(), unknown)) >
+      most) {
+    const SurfaceFilter seen = indirect.wanted_on(gather_points_);
+    if (scouts)
+      known.add(seen);
+    else
+      known = seen;
+    teach(indirect, known, false);
+    make_strategy(indirect, known);
+    if (scouts) {
+      Timer pilot(context_.seconds.pilot);
+      any |= trace_more(pass, CameraTracer::Tiles::kAgain, maps, film);
+    }
+  }
+  if (!any) return forget_strategy();
+  if (photons_pay(indirect)) return;
+  strategy_.emplace(context_.scene, IndirectStrategy::Kind::kPathTraced);
+  trace_more(pass, CameraTracer::Tiles::kAgain, maps, film);
+}
+
+// Places that photons serve, a share s, have little noise; those of paths have all of it. Without
+// photons, of work P beside the camera's C, there is time for (C + P)/C as many paths, and noise is
+// of all places instead of 1 - s: photons pay if P (1 - s) < C s. P: of the smallest pass that
+// there may be. Where they serve half of the places they stay all the same, for whoever renders a
+// number of passes.
+bool CameraPass::photons_pay(const PhotonMap& indirect) const {
+  if (strategy_->kind() != IndirectStrategy::Kind::kPhotonDensity ||
+      context_.options.keeps_photons())
+    return true;
+  const double wanted =
+      static_cast<double>(std::count_if(gather_points_->begin(), gather_points_->end(),
+                                        [](const GatherPoint& r) { return !r.caustics_only; }));
+  const double served = wanted / std::max(1.0, wanted + static_cast<double>(tracer_.continued()));
+  const double photons = cost::kLeastOfPhotons * indirect.pilot_work_per_pass();
+  const double camera = static_cast<double>(tracer_.last_rays() + gather_points_->size());
+  return served >= kServedWell || photons * (1 - served) < camera * served;
+}
+
+void CameraPass::teach(PhotonMap& map) { teach(map, map.wanted_on(gather_points_), false); }
+
+void CameraPass::teach(PhotonMap& map, const SurfaceFilter& seen, bool all_surfaces) {
+  Timer timer(context_.seconds.photons), pilot_timer(context_.seconds.pilot);
+  std::optional<SeenPlaces> places;
+  if (!context_.options.keeps_photons() && gather_points_)
+    places = focus_.look(*gather_points_, lights_);
+  map.learn({seen, all_surfaces, places ? &*places : nullptr, focus_.middle(), focus_.reach()});
+}
+
+void CameraPass::trace_reference(uint32_t sample, PackedFilm& film) {
+  Timer timer(context_.seconds.camera);
+  film.reset(film.width, film.height, film.light_groups);
+  tracer_.trace_reference(sample, context_.options.max_bounces, film, context_.cancel);
+}
+
+void CameraPass::forget_gather_points() {
+  gather_points_ = nullptr;
+  tracer_.forget_gather_points();
+}
+
+double CameraPass::work_of_samples(const PackedFilm& film) const {
+  double samples = 0;
+  for (size_t t = 0; t < film.tiles(); ++t) {
+    PackedFilm::Sums sums;
+    film.see(t, sums);
+    film.each(t, [&](size_t, size_t place) { samples += sums.samples[place]; });
+  }
+  const double camera = static_cast<double>(tracer_.last_rays()) +
+                        static_cast<double>(gather_points_ ? gather_points_->size() : 0);
+  return camera / std::max(samples, 1.0) * static_cast<double>(film.size());
+}
+
+}  // namespace photon_splat

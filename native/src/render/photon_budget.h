@@ -1,0 +1,47 @@
+// How many photon paths are traced at once, and how many in all where a pass is short of time.
+#pragma once
+
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <optional>
+
+namespace photon_splat {
+
+struct PassLimits {
+  double seconds = INFINITY;     // that the pass may take; it has one batch of photons at the least
+  uint64_t paths_per_batch = 0;  // of photons; 0: as many as suit the points
+};
+
+// Of photons, which tell how many more there is time for in the first pass, if it wants more than
+// twice as many.
+inline constexpr uint64_t kTrialPaths = 1 << 16;
+inline constexpr uint64_t kFewestPaths = 1 << 12;  // worth a batch where time is short
+
+// How many of the `wanted` photon paths are to be traced next, `most` at once, if `left` seconds
+// are left and one took `path_seconds` (none: nobody knows); 0 where there is no time for more.
+// whole: no fewer than `most` or all.
+uint64_t batch_that_fits(uint64_t wanted, uint64_t most, double left,
+                         std::optional<double> path_seconds, bool whole);
+
+class PassClock {
+ public:
+  explicit PassClock(double seconds) : end_(now() + seconds) {}
+  // From now on; the end of the pass is left out, which goes with the camera samples.
+  void see_camera(double seconds) { resolving_ = kOfResolving * seconds; }
+  // For the next of `maps` photon maps.
+  double seconds_for_one_of(size_t maps) const {
+    return (end_ - now() - resolving_) / static_cast<double>(maps);
+  }
+  static double now() {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch())
+        .count();
+  }
+
+ private:
+  // Of the seconds of a pass' camera samples: the end of a pass, when all of its photons are there
+  static constexpr double kOfResolving = 0.15;
+  double end_, resolving_ = 0;
+};
+
+}  // namespace photon_splat
