@@ -6,6 +6,7 @@
 
 #include "density/splat_parts.h"
 #include "math/morton.h"
+#include "simd/dispatch.h"
 #include "util/radix_sort.h"
 
 #if defined(__SSE2__)
@@ -37,21 +38,9 @@ void fetch_ahead(const PointBlock& block) {
 }  // namespace
 
 SplatKernel choose_kernel(const std::string& name, std::string* chosen) {
-  const auto take = [&](const char* kernel_name, SplatKernel kernel) {
-    if (chosen) *chosen = kernel_name;
+  if (const auto kernel =
+          choose_variant<SplatKernel>(PHOTON_SPLAT_VARIANTS(splat_part), name, chosen))
     return kernel;
-  };
-#if defined(__x86_64__) && defined(__GNUC__)
-  __builtin_cpu_init();
-  const bool avx512 = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
-                      __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw");
-  const bool avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
-  if (avx512 && (name.empty() || name == "avx512")) return take("avx512", splat_part_avx512);
-  if (avx2 && (name.empty() || name == "avx2")) return take("avx2", splat_part_avx2);
-  if (__builtin_cpu_supports("sse4.2") && (name.empty() || name == "sse42"))
-    return take("sse42", splat_part_sse42);
-#endif
-  if (name.empty() || name == "generic") return take("generic", splat_part_generic);
   throw std::invalid_argument("the splatting kernel '" + name + "' does not run on this machine");
 }
 

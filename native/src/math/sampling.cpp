@@ -1,17 +1,11 @@
 #include "math/sampling.h"
 
+#include "simd/dispatch.h"
+
 namespace photon_splat {
 
 SobolKernel choose_sobol_kernel(const std::string& name) {
-#if defined(__x86_64__) && defined(__GNUC__)
-  __builtin_cpu_init();
-  const bool avx512 = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
-                      __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw");
-  if (avx512 && (name.empty() || name == "avx512")) return sobol_avx512;
-  if (__builtin_cpu_supports("avx2") && (name.empty() || name == "avx2")) return sobol_avx2;
-  if (__builtin_cpu_supports("sse4.2") && (name.empty() || name == "sse42")) return sobol_sse42;
-#endif
-  return name.empty() || name == "generic" ? sobol_generic : nullptr;
+  return choose_variant<SobolKernel>(PHOTON_SPLAT_VARIANTS(sobol), name);
 }
 
 void SobolPair::fill(uint32_t first, uint32_t count, Run& out) const {

@@ -93,8 +93,7 @@ inline uint32_t owen_scramble_reversed(uint32_t x, uint32_t seed) {
   return x;
 }
 
-// "generic", "sse42", "avx2", "avx512"; empty: the widest that this machine runs. nullptr where it
-// does not run.
+// See choose_variant().
 SobolKernel choose_sobol_kernel(const std::string& name = {});
 
 // Owen-scrambled Sobol' points, padded from 2D pairs (Burley 2020, "Practical hash-based Owen

@@ -5,6 +5,7 @@
 #include "math/random_streams.h"
 #include "photons/caustic_targets.h"
 #include "photons/seen_places.h"
+#include "simd/dispatch.h"
 
 namespace photon_splat {
 namespace {
@@ -29,15 +30,7 @@ void log_rays(const Scene::Rays& r, uint32_t count, std::vector<float>& log) {
 }  // namespace
 
 BounceKernel choose_bounce_kernel(const std::string& name) {
-#if defined(__x86_64__) && defined(__GNUC__)
-  __builtin_cpu_init();
-  const bool avx512 = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
-                      __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw");
-  if (avx512 && (name.empty() || name == "avx512")) return bounce_avx512;
-  if (__builtin_cpu_supports("avx2") && (name.empty() || name == "avx2")) return bounce_avx2;
-  if (__builtin_cpu_supports("sse4.2") && (name.empty() || name == "sse42")) return bounce_sse42;
-#endif
-  return name.empty() || name == "generic" ? bounce_generic : nullptr;
+  return choose_variant<BounceKernel>(PHOTON_SPLAT_VARIANTS(bounce), name);
 }
 
 PhotonTracer::Path PhotonTracer::Travellers::take(uint32_t i) const {

@@ -22,8 +22,7 @@ struct PhotonCounts {
 // this share of the path's power, indirect ones the rest.
 enum class PhotonStream : uint8_t { kAll, kIndirect, kCaustic };
 
-// "generic", "sse42", "avx2", "avx512"; empty: the widest that this machine runs. nullptr where it
-// does not run.
+// See choose_variant().
 BounceKernel choose_bounce_kernel(const std::string& name = {});
 
 // Traces photon paths first .. first + count - 1 of the stream `seed` and returns what they left on

@@ -4,6 +4,7 @@
 
 #include "shading/frame.h"
 #include "shading/hashes.h"
+#include "simd/dispatch.h"
 
 namespace photon_splat::nodes {
 namespace {
@@ -89,15 +90,7 @@ void add_noise(Frame& f, const NoiseQueue::Texture& texture, Point<N> p, float d
 }  // namespace
 
 NoiseKernel choose_noise_kernel(const std::string& name) {
-#if defined(__x86_64__) && defined(__GNUC__)
-  __builtin_cpu_init();
-  const bool avx512 = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
-                      __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw");
-  if (avx512 && (name.empty() || name == "avx512")) return noise_avx512;
-  if (__builtin_cpu_supports("avx2") && (name.empty() || name == "avx2")) return noise_avx2;
-  if (__builtin_cpu_supports("sse4.2") && (name.empty() || name == "sse42")) return noise_sse42;
-#endif
-  return name.empty() || name == "generic" ? noise_generic : nullptr;
+  return choose_variant<NoiseKernel>(PHOTON_SPLAT_VARIANTS(noise), name);
 }
 
 template <int N>

@@ -24,8 +24,7 @@ void noise_sse42(int dimensions, const NoisePoints& points, uint32_t count, floa
 void noise_avx2(int dimensions, const NoisePoints& points, uint32_t count, float* values);
 void noise_avx512(int dimensions, const NoisePoints& points, uint32_t count, float* values);
 
-// "generic", "sse42", "avx2", "avx512"; empty: the widest that this machine runs. nullptr where it
-// does not run.
+// See choose_variant().
 NoiseKernel choose_noise_kernel(const std::string& name = {});
 
 }  // namespace photon_splat::nodes
