@@ -1,140 +1,24 @@
-// Light sources: sampled from a point (direct light), met by a ray, and as starting places of
-// photons.
+// All lights of a scene: sampled from a point and met by rays (light_sampler.cpp, linking.cpp), and
+// as starting places of photons (photon_emitter.cpp, photon_aiming.cpp). What a light of one kind
+// is stands in a file of its own: lamp.h, mesh_light.h, environment.h.
+//
+// To add a kind of lamp: LampKind and the functions of lamp.h, a file with them, and a line in each
+// switch over LampKind.
 #pragma once
 
 #include <optional>
 
+#include "lights/close_light.h"
 #include "lights/emission_discs.h"
 #include "lights/emission_guide.h"
 #include "lights/emission_targets.h"
 #include "lights/environment.h"
 #include "lights/environment_guide.h"
+#include "lights/lamp.h"
 #include "lights/light_tree.h"
-#include "math/spherical_triangle.h"
+#include "lights/mesh_light.h"
 
 namespace photon_splat {
-
-enum class LampKind { kPoint, kSpot, kSun, kArea };
-
-// A lamp as Blender means it; positions relative to the scene's origin. Which radiometric quantity
-// `strength` stands for is said in lights.cpp, beside the conversion.
-struct LampSettings {
-  LampKind kind = LampKind::kPoint;
-  Affine to_world;
-  Rgb strength{};
-  float radius = 0;
-  bool soft_falloff = true;
-  float spot_size = kPi / 4, spot_blend = 0;
-  float angle = 0;
-  float size_x = 1, size_y = 1;
-  bool ellipse = false;
-  float spread = kPi;
-  bool normalize = true;
-  bool camera_visible = false;
-  int program = -1;  // into Scene::programs: its emission is a factor of `strength`
-  uint64_t lit_groups = ~uint64_t{0};  // of light linking: instances with one of these bits see it
-  uint64_t blockers = ~uint64_t{0};    // of shadow linking: the others let its light pass
-  int16_t light_group = kNoLightGroup;
-  // Rays of these kinds bring its light; what shadow rays bring is scattered as if by one of them
-  RayMask seen_by = kAllRays;
-  uint32_t max_bounces = ~0u;  // of a path before it finds the lamp
-  bool met_by_rays = true;     // else by light samples alone
-  // Else light samples pass everything, which other rays to the lamp do not
-  bool casts_shadows = true;
-};
-
-// Sums of light by group, each times a factor.
-struct GroupLight {
-  Rgb* sums;  // by number of the group
-  Rgb factor;
-  void add(const Rgb& light, int16_t group) {
-    if (const Rgb scaled = factor * light; group != kNoLightGroup && can_be_added(scaled))
-      sums[group] += scaled;
-  }
-};
-
-// Where light is wanted.
-struct Receiver {
-  Vec3 x;
-  Vec3 n;  // unit; 0 where light from either side counts
-  // Scatters in narrow lobes: its rays share all lights they can find with `sample`, not near ones
-  // only
-  bool sharp = false;
-  uint64_t group = ~uint64_t{0};  // Instance::group
-  // Of Lights::guide_at(), if any: by what the world is looked for from there
-  const EnvironmentGuide::Cell* guide = nullptr;
-  uint8_t world_samples = 1;  // how many sample_world() is asked for
-  uint8_t ray = 0xff;         // RayMask of the ray on its way from there
-  uint16_t bounces = 0;       // of the path before that
-  // unit: it scatters in proportion to the cosine with this, more or less; 0: who knows
-  Vec3 ns{};
-
-  // Whether light is to be sampled in proportion to the cosine.
-  bool diffuse() const { return !sharp && !is_black(n * n) && !is_black(ns * ns); }
-};
-
-// Light arriving at a point from one direction. weight = radiance / pdf (solid angle, choice of
-// light included).
-struct LightSample {
-  Vec3 direction;
-  float distance;
-  // Of an emissive surface, towards the point; 0 for lamps, which nothing shadows but what is
-  // before them
-  Vec3 normal;
-  Rgb weight;
-  float pdf;  // solid angle; 0 for directions no BSDF sample can find
-  bool use_mis;
-  uint64_t blockers = ~uint64_t{0};
-  int16_t light_group = kNoLightGroup;
-  RayMask seen_by = kAllRays;
-  bool from_world = false;
-  int32_t exact = -1;  // a lamp's emitter that lies in a surface: see Lights::blocked_exactly()
-  Vec3 place;          // on it
-};
-
-// Where a photon path starts. `power` is that of the whole light field divided by the pdf: W for
-// one photon of one.
-struct PhotonStart {
-  Vec3 origin, direction;
-  Rgb power;
-  // Of a lamp that faces its receiver, see `accepts`: its squared radius, the squared distance at
-  // which the ray passes its centre, and how far from the origin that is.
-  float soft_radius2 = -1, soft_miss2 = 0, soft_nearest = 0;
-  // Distances at which the first surface is lit by this photon
-  float first_hit_from = 0, first_hit_to = INFINITY;
-  uint64_t lit_groups = ~uint64_t{0};  // the first surface is lit if it is of one of these
-  uint64_t blockers = ~uint64_t{0};    // and lets the light pass if it is of none of these
-  int16_t light_group = kNoLightGroup;
-  RayMask seen_by = kAllRays;  // the first surface scatters it by lobes of these kinds
-  uint32_t max_bounces = ~0u;  // lobes that it goes through
-  bool deltas = true;          // the first surface's may be deltas
-  // Else nothing blocks it, but behind what would have done so deltas do not scatter it
-  bool casts_shadows = true;
-  int32_t aim = -1;  // pair of EmissionTargets; -1: natural emission
-  // An emitter that lies in a surface, and the place on it that the first surface must be seen from
-  int32_t exact = -1;
-  Vec3 place;
-  // a lamp with a program: `power` lacks Lights::first_hit_factor(), which needs the distance
-  int32_t shaded_by = -1;
-  // Of a world: `power` lacks Environment::share() of the ray that sees it
-  bool asks_ray = false;
-
-  // Whether it lights and is stopped by whatever it meets, as it is.
-  bool plain() const {
-    return !~lit_groups && seen_by == kAllRays && !~max_bounces && deltas && casts_shadows &&
-           !~blockers && soft_radius2 < 0 && first_hit_from == 0 && first_hit_to == INFINITY &&
-           shaded_by < 0 && !asks_ray && exact < 0;
-  }
-  // A disc of radius r that faces a receiver shows it, of the rays that pass its centre at a
-  // distance m, those that have gone on for t >= m^2 / sqrt(r^2 - m^2) since they were nearest to
-  // the centre. (They leave the disc m^2 / t before that.)
-  bool accepts(float distance) const {
-    if (distance < first_hit_from || distance > first_hit_to) return false;
-    if (soft_radius2 < 0) return true;
-    const float t = distance - soft_nearest;
-    return t > 0 && soft_miss2 <= t * std::sqrt(std::max(0.0f, soft_radius2 - soft_miss2));
-  }
-};
 
 class Lights {
  public:
@@ -226,35 +110,7 @@ class Lights {
   PhotonStart emit_towards(const EmissionTargets& targets, uint64_t index, uint32_t seed) const;
 
  private:
-  struct Lamp {
-    static constexpr uint32_t kUnnumbered = ~0u;
-    uint32_t number = kUnnumbered;  // among those given
-    LampSettings s;
-    Vec3 center, axis_x, axis_y, forward;  // unit axes; forward: where the light shines
-    // W/m^2/sr; W/sr of point and spot; W/m^2 of a sun in `intensity`
-    Rgb radiance, intensity;
-    float half_x = 0, half_y = 0, area = 0;
-    bool holds_geometry = false;  // a spherical lamp with something inside it
-    bool faces_geometry = false;  // the same of one that faces its receiver
-    float one_minus_cos = 0;      // of a sun's half angle
-    float cos_half = 0, inverse_smooth = 0, scale_x = 1, scale_y = 1, scale_z = 1;  // spot cone
-    float tan_half_spread = 0, normalize_spread = 0;
-    // Of the photon's direction: spots and narrow areas, see lights_photons.cpp
-    std::vector<float> angle_cdf;
-    // Lower end of the tabled variable; the upper end is 1 (spot) or in angle_high
-    float angle_low = 0;
-    float angle_high = 1;
-    LampPlace place;  // of those with a program
-  };
-  // All that sampling reads of a triangle that emits: one line of the cache.
-  struct alignas(64) EmissiveTriangle {
-    Vec3 corner[3];
-    Vec3 normal;        // unit, on the front side
-    float pdf;          // of its places, area measure, among all of the emitter
-    float front_share;  // of its power
-    uint32_t triangle;  // of the mesh
-    uint32_t material;  // into Scene::materials
-  };
+  static constexpr size_t kFewEmitters = 32;  // up to here every emitter is ranked at every point
   // Something that emits: a lamp or an emissive instance. `importance` over squared distance ranks
   // them.
   struct Emitter {
@@ -272,47 +128,11 @@ class Lights {
     double power = 0;
     // Of a sun: through a surface that faces it, mean over RGB, W/m^2
     double parallel_flux = 0;
-    bool exact = false;    // lies in a surface: lights_exact.cpp
+    bool exact = false;    // lies in a surface: lamps_in_surfaces.cpp
     float over_share = 0;  // one over its share of all lights' power
-    std::vector<EmissiveTriangle> triangles;
-    std::vector<float> cdf;           // over triangles, by power
-    std::vector<uint32_t> cdf_start;  // where to begin looking, for equal steps of the cdf
-
-    size_t step_at(float target) const {
-      const float at = target / cdf.back() * static_cast<float>(cdf_start.size());
-      return std::min(static_cast<size_t>(at), cdf_start.size() - 1);
-    }
-    // The triangle whose share of the cdf holds `target`: a look-up and a step or two instead of a
-    // search.
-    size_t triangle_at(float target) const {
-      return triangle_from(cdf_start[step_at(target)], target);
-    }
-    size_t triangle_from(size_t i, float target) const {
-      while (i > 0 && cdf[i - 1] > target) --i;
-      while (i + 1 < cdf.size() && cdf[i] <= target) ++i;
-      return i;
-    }
-    // Of the whole: what the mesh's `triangle` is picked with; 0 where it does not emit.
-    float share_of(uint32_t triangle) const {
-      // Right where no other stands between them
-      size_t i = size_t{triangle} - triangles.front().triangle;
-      if (i >= triangles.size() || triangles[i].triangle != triangle)
-        i = std::lower_bound(
-                triangles.begin(), triangles.end(), triangle,
-                [](const EmissiveTriangle& t, uint32_t number) { return t.triangle < number; }) -
-            triangles.begin();
-      if (i == triangles.size() || triangles[i].triangle != triangle) return 0;
-      return (cdf[i] - (i ? cdf[i - 1] : 0)) / cdf.back();
-    }
+    MeshLight mesh{};      // of an instance
   };
 
-  // A place on an emissive mesh, in proportion to the power from there.
-  struct MeshPoint {
-    Vec3 position;
-    const EmissiveTriangle* triangle;
-    float u, v;
-    float side;  // uniform in [0, 1), to choose the side by
-  };
   bool lies_in_surface(const Lamp& lamp, uint32_t& instance) const;
   void find_lamps_in_surfaces();
   // How far off such a lamp may be found before something `far` off
@@ -320,12 +140,6 @@ class Lights {
   void start_exactly(uint32_t emitter, PhotonStart& start) const;
   void add_lamp(const LampSettings& settings);
   void add_emissive_instances();
-  void add_emissive_triangles(uint32_t instance, Emitter& emitter, Bounds& bounds,
-                              double& sum) const;
-  Rgb emission_of(const Emitter& e, const EmissiveTriangle& t, float u, float v, bool back,
-                  const Vec3& wo) const {
-    return scene_.emission_at(scene_.materials[t.material], e.instance, t.triangle, u, v, back, wo);
-  }
   float emitter_weight(const Emitter& e, const Receiver& to) const;
   bool shares_with_rays(const Emitter& e, const Receiver& to) const;
   struct Pick {
@@ -343,16 +157,7 @@ class Lights {
   float emitters_weight(const Receiver& to) const;  // of all together
   float world_probability(const Receiver& to, float emitters_weight) const;
   float guided_pdf(const EnvironmentGuide::Cell& cell, const Environment::Density& density) const;
-  // lights_shaded.cpp: the factor of the lamp's radiance by its program, at `position` (of a sun:
-  // anything) seen from `distance` along -wo. White for lamps without one.
-  Rgb shade(const Lamp& lamp, const Vec3& position, const Vec3& wo, float distance) const;
-  Vec2 lamp_uv(const Lamp& lamp, const Vec3& position, const Vec3& normal, const Vec3& wo) const;
-  float mean_shade(const Lamp& lamp) const;
-  float spot_attenuation(const Lamp& lamp, const Vec3& from_lamp) const;
-  // Of the angle to the lamp's axis
-  float spread_attenuation(const Lamp& lamp, float tangent) const;
-  bool inside_shape(const Lamp& lamp, const Vec3& from_center) const;
-  float sampled_area(const Lamp& lamp, const Vec3& x) const;  // of an area lamp, from x
+  float mean_of_program(const Lamp& lamp) const;
   bool sample(const Receiver& to, float choice, const Vec2& u, LightSample& out) const;
   // `by_cosine`: in proportion to the receiver's cosine.
   bool sample_lamp(const Emitter& e, const Receiver& receiver, const Vec2& u, LightSample& out,
@@ -370,16 +175,8 @@ class Lights {
                    PhotonStart* out) const;
   void emit_areas(const EmissionPrimary* primaries, const uint32_t* which, uint32_t count,
                   PhotonStart* out) const;
-  PhotonStart emit_mesh(const Emitter& e, float pick, const Vec2& place, const Vec2& way) const;
-  // A photon that is not weighted yet, and what its weight is made of: lights_aimed.cpp.
+  // A photon that is not weighted yet, and what its weight is made of: photon_aiming.cpp.
   struct Draft;
-  // In [0, 1], uniform: where in the triangle's share of the cdf `target` lies.
-  static float side_of(const Emitter& e, size_t triangle, float target) {
-    const float low = triangle ? e.cdf[triangle - 1] : 0,
-                share = std::max(e.cdf[triangle] - low, 1e-37f);
-    return std::clamp((target - low) / share, 0.0f, 1.0f);
-  }
-  MeshPoint point_on_mesh(const Emitter& e, float pick, const Vec2& place) const;
   Draft natural_draft(uint32_t emitter, const Vec2& pick, const Vec2& place, const Vec2& way) const;
   Draft aimed_draft(uint32_t emitter, const EmissionTargets::Sphere& target, const Vec2& pick,
                     const Vec2& place, const Vec2& way) const;
@@ -395,7 +192,7 @@ class Lights {
                        float width) const;
   void share_power();
   // Where other things are very far off, photons of lamps and meshes there are aimed at spheres
-  // around what is near as well: lights_aimed.cpp.
+  // around what is near as well: photon_aiming.cpp.
   float near_sphere(int k) const {
     return scene_.near_radius() * static_cast<float>(1 << 2 * k) * 1.0001f;
   }
@@ -405,28 +202,8 @@ class Lights {
   double near_share(const Vec3& x) const;
   PhotonStart emit_nearby(const EmissionPrimary& primary) const;
   void start_nearby(const Vec3& across, PhotonStart& start) const;
-  // A lamp of a few triangles, seen from a place: lights_close.cpp.
-  struct CloseLamp {
-    static constexpr int kMost = 4;
-    struct Place {
-      int triangle;
-      Vec3 direction, normal;
-      float distance, u, v;
-      float pdf;  // solid angle
-    };
-    int count = 0;
-    Vec3 corner[kMost][3];  // relative to the place
-    SphericalTriangle seen[kMost];
-    bool by_cosine = false;
-    float cosine[kMost][3];  // at the corners, by_cosine, and not less than a little
-    float share[kMost];      // of the samples, not normalised
-    float total = 0;         // of those: solid angle, sr, or times the cosine
-    void weigh_by_cosine(const Vec3& ns);
-    bool sample(Vec2 u, Place& out) const;
-  };
   // False where the emitter is to be sampled by area.
-  bool see_close(const Emitter& e, const Receiver& to, CloseLamp& out) const;
-  void triangle_corners(uint32_t instance, uint32_t triangle, Vec3 corner[3]) const;
+  bool see_close(const Emitter& e, const Receiver& to, CloseLight& out) const;
 
   const Scene& scene_;
   Environment environment_;

@@ -109,8 +109,8 @@ void Lights::weigh_mesh(const Emitter& e, const MeshPoint& p, Draft& draft) cons
   start.power = {};
   if (!(draft.natural > 0)) return;
   start.origin = p.position + (on_back ? -t.normal : t.normal) * ray_epsilon(p.position, 0);
-  start.power =
-      emission_of(e, t, p.u, p.v, on_back, start.direction) * (kPi / (t.pdf * side_share));
+  start.power = emission_of(scene_, e.instance, t, p.u, p.v, on_back, start.direction) *
+                (kPi / (t.pdf * side_share));
 }
 
 // Of a draft of natural emission.
@@ -139,8 +139,8 @@ Lights::Draft Lights::natural_draft(uint32_t index, const Vec2& pick, const Vec2
   }
   const Emitter& e = emitters_[index];
   if (e.lamp < 0) {
-    draft.start = emit_mesh(e, pick.y, place, way);
-    weigh_mesh(e, point_on_mesh(e, pick.y, place), draft);
+    draft.start = emit_mesh_light(scene_, e.mesh, e.instance, pick.y, place, way);
+    weigh_mesh(e, e.mesh.point_at(pick.y, place), draft);
     return draft;
   }
   const Lamp& lamp = lamps_[e.lamp];
@@ -173,7 +173,7 @@ Lights::Draft Lights::aimed_draft(uint32_t index, const EmissionTargets::Sphere&
     if (e.lamp >= 0)
       weigh_lamp(lamps_[e.lamp], draft);
     else
-      weigh_mesh(e, point_on_mesh(e, pick.y, place), draft);
+      weigh_mesh(e, e.mesh.point_at(pick.y, place), draft);
     return draft;
   }
   const Lamp* lamp = draft.sort == Draft::kLines ? &lamps_[emitters_[index].lamp] : nullptr;
@@ -249,7 +249,7 @@ double Lights::near_share(const Vec3& x) const {
 PhotonStart Lights::emit_nearby(const EmissionPrimary& p) const {
   const Emitter& e = emitters_[p.emitter];
   const Vec3 from =
-      e.lamp >= 0 ? lamps_[e.lamp].center : point_on_mesh(e, p.pick.y, p.place).position;
+      e.lamp >= 0 ? lamps_[e.lamp].center : e.mesh.point_at(p.pick.y, p.place).position;
   const int spheres = near_spheres(length(from));
   Vec2 way = p.way;
   // Of as many equal chances the first third goes to the smallest sphere, beside its own one.

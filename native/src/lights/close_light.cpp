@@ -1,7 +1,7 @@
 // Lamps of a few flat triangles, seen from near: sampled by solid angle, which leaves of direct
 // light's noise only shadows and the receiver's cosine; or, where that is known, by solid angle
 // times cosine, which leaves the shadows.
-#include "lights/lights.h"
+#include "lights/close_light.h"
 
 namespace photon_splat {
 namespace {
@@ -32,46 +32,52 @@ float sample_linear_from_corner(float u, float a, float b) {
 
 }  // namespace
 
-bool Lights::see_close(const Emitter& e, const Receiver& to, CloseLamp& out) const {
-  const Vec3& x = to.x;
-  if (e.exact) return false;  // its places are to be known to the last bit
-  if (length2(e.center - x) > kClose * kClose * e.radius * e.radius) return false;
-  const auto add = [&](int i, const Vec3& a, const Vec3& b, const Vec3& c) {
-    out.corner[i][0] = a - x;
-    out.corner[i][1] = b - x;
-    out.corner[i][2] = c - x;
-    out.seen[i].see(out.corner[i][0], out.corner[i][1], out.corner[i][2]);
-    out.share[i] = out.seen[i].solid_angle();
-    out.total += out.share[i];
-    return out.share[i] > kLeastSolidAngle;
-  };
-  out.total = 0;
-  if (e.lamp < 0) {
-    if (e.triangles.size() > CloseLamp::kMost) return false;
-    out.count = static_cast<int>(e.triangles.size());
-    for (int i = 0; i < out.count; ++i)
-      if (const Vec3* const c = e.triangles[i].corner; !add(i, c[0], c[1], c[2])) return false;
-  } else {
-    const Lamp& lamp = lamps_[e.lamp];
-    if (lamp.s.kind != LampKind::kArea || lamp.s.ellipse || lamp.normalize_spread != 0)
-      return false;
-    const Vec3 right = lamp.axis_x * lamp.half_x, up = lamp.axis_y * lamp.half_y;
-    const Vec3 low = lamp.center - right - up, high = lamp.center + right + up;
-    out.count = 2;
-    if (!add(0, low, lamp.center + right - up, high) ||
-        !add(1, low, high, lamp.center - right + up))
-      return false;
-  }
+bool CloseLight::add(const Vec3& a, const Vec3& b, const Vec3& c) {
+  const int i = count++;
+  corner[i][0] = a;
+  corner[i][1] = b;
+  corner[i][2] = c;
+  seen[i].see(corner[i][0], corner[i][1], corner[i][2]);
+  share[i] = seen[i].solid_angle();
+  total += share[i];
+  return share[i] > kLeastSolidAngle;
+}
+
+namespace {
+
+bool finish(const Receiver& to, CloseLight& out) {
   if (!(out.total < kMostSolidAngle)) return false;
   if (out.total < kMostByCosine && to.diffuse()) out.weigh_by_cosine(to.ns);
   return true;
+}
+
+}  // namespace
+
+bool is_close(const Vec3& center, float radius, const Vec3& x) {
+  return length2(center - x) <= kClose * kClose * radius * radius;
+}
+
+bool see_close(const Lamp& lamp, const Receiver& to, CloseLight& out) {
+  if (lamp.s.kind != LampKind::kArea || lamp.s.ellipse || lamp.normalize_spread != 0) return false;
+  const Vec3& x = to.x;
+  const Vec3 right = lamp.axis_x * lamp.half_x, up = lamp.axis_y * lamp.half_y;
+  const Vec3 low = lamp.center - right - up, high = lamp.center + right + up;
+  return out.add(low - x, lamp.center + right - up - x, high - x) &&
+         out.add(low - x, high - x, lamp.center - right + up - x) && finish(to, out);
+}
+
+bool see_close(const MeshLight& mesh, const Receiver& to, CloseLight& out) {
+  if (mesh.triangles.size() > CloseLight::kMost) return false;
+  for (const EmissiveTriangle& t : mesh.triangles)
+    if (!out.add(t.corner[0] - to.x, t.corner[1] - to.x, t.corner[2] - to.x)) return false;
+  return finish(to, out);
 }
 
 // Cosines are warped in as linear over the triangle, after a thought of Hart and others (Practical
 // product sampling by fitting and composing warps, 2020): in the unit square that
 // SphericalTriangle::sample() takes, x cuts the edge from a to c, and y goes from the corner b to
 // there, as the square of the distance.
-void Lights::CloseLamp::weigh_by_cosine(const Vec3& ns) {
+void CloseLight::weigh_by_cosine(const Vec3& ns) {
   float largest = 0;
   for (int i = 0; i < count; ++i)
     for (int k = 0; k < 3; ++k) {
@@ -89,7 +95,7 @@ void Lights::CloseLamp::weigh_by_cosine(const Vec3& ns) {
 }
 
 // The first number picks the triangle; what is left of it is used again.
-bool Lights::CloseLamp::sample(Vec2 u, Place& out) const {
+bool CloseLight::sample(Vec2 u, Place& out) const {
   float target = u.x * total;
   int i = 0;
   while (i + 1 < count && target >= share[i]) target -= share[i++];

@@ -1,0 +1,58 @@
+// What a place asks of the lights, and what one of them sends there.
+#pragma once
+
+#include "lights/environment_guide.h"
+#include "scene/scene.h"
+
+namespace photon_splat {
+
+// Sums of light by group, each times a factor.
+struct GroupLight {
+  Rgb* sums;  // by number of the group
+  Rgb factor;
+  void add(const Rgb& light, int16_t group) {
+    if (const Rgb scaled = factor * light; group != kNoLightGroup && can_be_added(scaled))
+      sums[group] += scaled;
+  }
+};
+
+// Where light is wanted.
+struct Receiver {
+  Vec3 x;
+  Vec3 n;  // unit; 0 where light from either side counts
+  // Scatters in narrow lobes: its rays share all lights they can find with `sample`, not near ones
+  // only
+  bool sharp = false;
+  uint64_t group = ~uint64_t{0};  // Instance::group
+  // Of Lights::guide_at(), if any: by what the world is looked for from there
+  const EnvironmentGuide::Cell* guide = nullptr;
+  uint8_t world_samples = 1;  // how many sample_world() is asked for
+  uint8_t ray = 0xff;         // RayMask of the ray on its way from there
+  uint16_t bounces = 0;       // of the path before that
+  // unit: it scatters in proportion to the cosine with this, more or less; 0: who knows
+  Vec3 ns{};
+
+  // Whether light is to be sampled in proportion to the cosine.
+  bool diffuse() const { return !sharp && !is_black(n * n) && !is_black(ns * ns); }
+};
+
+// Light arriving at a point from one direction. weight = radiance / pdf (solid angle, choice of
+// light included).
+struct LightSample {
+  Vec3 direction;
+  float distance;
+  // Of an emissive surface, towards the point; 0 for lamps, which nothing shadows but what is
+  // before them
+  Vec3 normal;
+  Rgb weight;
+  float pdf;  // solid angle; 0 for directions no BSDF sample can find
+  bool use_mis;
+  uint64_t blockers = ~uint64_t{0};
+  int16_t light_group = kNoLightGroup;
+  RayMask seen_by = kAllRays;
+  bool from_world = false;
+  int32_t exact = -1;  // a lamp's emitter that lies in a surface: see Lights::blocked_exactly()
+  Vec3 place;          // on it
+};
+
+}  // namespace photon_splat
