@@ -20,13 +20,15 @@ LEAST = 0.03
 @dataclass(frozen=True, slots=True)
 class Agreement:
     """mean: ratio to the reference; mean_error: its standard error. off: share of blocks that
-    differ. told_over_true: of the RMSE, None where the reference is too noisy to tell it.
+    differ. told_over_true: of the RMSE, None where the reference is too noisy to tell it. error:
+    the true RMSE over the mean, 0 where noise hides it.
     """
 
     mean: float
     mean_error: float
     off: float
     told_over_true: float | None
+    error: float
 
     @property
     def mean_agrees(self) -> bool:
@@ -71,4 +73,5 @@ def agreement(
     squared = ((light[0] - light[2]) * (light[0] - light[3]))[counted]
     true, known = float(squared.mean()), 3.0 * float(squared.std()) / np.sqrt(squared.size)
     ratio = float(np.sqrt((told[counted] ** 2).mean() / true)) if true > known else None
-    return Agreement(float(ours.mean() / level), mean_error, float(off.mean()), ratio)
+    error = float(np.sqrt(max(true, 0.0)) / (light[2] + light[3])[counted].mean() * 2.0)
+    return Agreement(float(ours.mean() / level), mean_error, float(off.mean()), ratio, error)

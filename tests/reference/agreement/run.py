@@ -130,7 +130,7 @@ def main() -> None:
         )
         print(
             f"{seed:4} mean {result.mean:.4f} +- {result.mean_error:.4f} off "
-            f"{100 * result.off:4.1f} % "
+            f"{100 * result.off:4.1f} % error {result.error:.4f} "
             f"told/true {'unknown' if ratio is None else f'{ratio:.2f}'} "
             f"{time.monotonic() - began:5.1f} s {words}",
             flush=True,
