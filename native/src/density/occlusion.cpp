@@ -265,15 +265,28 @@ bool stands_in_bent_disc(const Scene& scene, uint32_t instance, uint32_t triangl
     origins[k] = origin;
     ways[k] = normalize(basis.to_world({std::cos(angle), std::sin(angle), k % 2 ? -tilt : 0}));
   }
+  const auto patch_below = [&](const Vec3& place, Surface& found) {
+    return scene.intersect(place, -normal, 0, h, false, found) && (found.key | 1u) == (key | 1u);
+  };
   Surface hits[Scene::kPacket];
   for (unsigned met = scene.intersect_packet(origins, ways, Scene::kPacket, hits, kStored); met;
        met &= met - 1) {
     const int k = std::countr_zero(met);
     const Surface& hit = hits[k];
     if (hit.distance >= kBentReach * h || (hit.key | 1u) == (key | 1u)) continue;
-    Surface below;
-    const Vec3 beyond = origin + ways[k] * (hit.distance + kBeyond * h);
-    if (scene.intersect(beyond, -normal, 0, h, false, below) && (below.key | 1u) == (key | 1u))
+    // What has been met may hang over the surface, or stand beside a fold of it: only what also
+    // parts the surface under it stands in the disc.
+    Surface before, behind, wall;
+    const float to_before = std::max(0.0f, hit.distance - kBeyond * h);
+    if (!patch_below(origin + ways[k] * (hit.distance + kBeyond * h), behind) ||
+        !patch_below(origin + ways[k] * to_before, before))
+      continue;
+    const float above = std::max(kHeight * h, ray_epsilon(x, h));
+    const Vec3 from = before.position + normal * above;
+    const Vec3 way = behind.position + normal * above - from;
+    const float distance = length(way);
+    if (distance > 0 && scene.intersect(from, way / distance, 0, distance, false, wall, kStored) &&
+        (wall.key | 1u) != (key | 1u))
       return true;
   }
   return false;

@@ -23,7 +23,7 @@ constexpr float kLeastOfDensityRadius = 0.2f;
 constexpr float kWhole = 0.999f;      // mass of a disc that no edge cuts
 constexpr float kClearOfWall = 0.9f;  // of the distance to it
 // Closer to a wall a disc of this size is moved away from it
-constexpr float kLeastOfWalledRadius = 0.18f;
+constexpr float kLeastOfWalledRadius = 0.15f;
 constexpr float kLeastBetweenWalls = 0.5f;  // of that, where there is no room for it
 constexpr float kLeastUnhidden = 0.1f;      // of a kernel's mass, whatever the probes say
 // Of a kernel's radius in camera samples, in the first pass

@@ -6,7 +6,7 @@
 namespace photon_splat {
 namespace {
 
-constexpr float kFewest = 3;    // photons in such a disc, while a whole one is to hold a hundred
+constexpr float kFewest = 2;    // photons in such a disc, while a whole one is to hold a hundred
 constexpr uint32_t kLooks = 6;  // for things that stand in discs, in a region
 // Mass of a disc of radius 1 that a strip of width w crosses: 8/(3 pi) w, and the width is 2
 // area/perimeter
