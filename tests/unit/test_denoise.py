@@ -23,7 +23,7 @@ def _box() -> Scene:
 
 
 def test_less_noise_and_the_same_light() -> None:
-    reference = c.picture(_box(), passes=64, photons_per_pass=30_000, seed=5)
+    reference = c.picture(_box(), passes=32, photons_per_pass=20_000, seed=5)
     noisy, clean = (
         c.shoot(_box(), passes=1, photons_per_pass=5_000, denoise=on, final_gather=FinalGather.OFF)
         for on in (False, True)

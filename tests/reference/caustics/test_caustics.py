@@ -78,7 +78,11 @@ def compare(name: str, ours: np.ndarray, reference: np.ndarray) -> None:
         )
 
 
-@pytest.mark.parametrize("name", ["glass", "ring", "pool"])
+@pytest.mark.parametrize(
+    "name",
+    # the pool, quickly: test_pool_seen_through_its_waves, whose light lands on the same floor
+    ["glass", "ring", pytest.param("pool", marks=pytest.mark.slow)],
+)
 def test_light_lands_where_it_should(worker: Worker, name: str) -> None:
     ours, _ = worker.render(
         view_case(name),
