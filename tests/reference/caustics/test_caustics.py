@@ -99,7 +99,7 @@ def test_pool_seen_through_its_waves(worker: Worker) -> None:
     """Light, water, floor, water, eye: the path that no path tracer finds."""
     case = view_case("pool", surface_only=False)
     ours, _ = worker.render(
-        case, "splat", list(range(5)), passes=12, photons_per_pass=PHOTONS, max_bounces=64
+        case, "splat", list(range(5)), passes=6, photons_per_pass=PHOTONS, max_bounces=64
     )
     compare("pool_from_above", ours[..., :3], load("pool_from_above"))
 

@@ -45,8 +45,15 @@ QUICK_REFERENCE = [
     if case.name in REFERENCE_SCENES or (case.name not in SCENES and k % SHARE == 1)
 ]
 
-SLOW = {"interior", "light_types", "instances", "cornell_box_100k"}
-"""Scenes of their own that only `make reference` renders."""
+SLOW = {
+    "interior",
+    "light_types",
+    "instances",
+    "cornell_box_100k",
+    "linked_lamps",
+    "equirectangular",
+}
+"""Those that only `make reference` renders."""
 
 FAILURES = ROOT / "out" / "failures"
 

@@ -20,7 +20,6 @@ QUICK = {
     "glass_sharp_ior_1.5",
     "sheet_alpha_image",
     "principled_roughness_0.25",
-    "principled_everything",
 }
 """The others only `make reference` renders."""
 
