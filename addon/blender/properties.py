@@ -172,7 +172,7 @@ class PhotonSplatSettings(bpy.types.PropertyGroup):
     )
     point_spacing: FloatProperty(  # type: ignore[valid-type]
         name="Point Spacing",
-        description="Distance of visible points in kernel radii; 0 = one point per camera sample",
+        description="Distance of gather points in kernel radii; 0 = one point per camera sample",
         default=DEFAULTS.point_spacing,
         min=0.0,
         max=1.0,

@@ -140,7 +140,7 @@ def parser() -> argparse.ArgumentParser:
         "--point-spacing",
         type=_number(float, 0, 1),
         metavar="X",
-        help="of visible points, in kernel radii; 0 = one per sample",
+        help="distance of gather points, in kernel radii; 0 = one per sample",
     )
     r.add_argument(
         "--no-boundary-correction", dest="boundary_correction", action="store_const", const=False
@@ -176,7 +176,7 @@ def parser() -> argparse.ArgumentParser:
         "--final-gather",
         choices=[g.value for g in FinalGather],
         type=str.upper,
-        help="photons light the second place of paths",
+        help="photons light what camera paths meet second",
     )
     r.add_argument(
         "--component",

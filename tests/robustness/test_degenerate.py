@@ -88,7 +88,7 @@ def test_area_lamp_without_size_is_black(integrator: Integrator) -> None:
 
 @integrators
 def test_sun_outside_of_a_closed_room(integrator: Integrator) -> None:
-    """No photon gets in; nothing is seen."""
+    """The room is closed, so no light gets in."""
     picture = finite(
         room(lights=[c.lamp(LightKind.SUN, 5.0, (0.0, 0.0, 9.0), angle=0.1)]), integrator
     )
@@ -136,7 +136,7 @@ def test_few_photons(photons: int) -> None:
 
 
 def test_huge_picture_of_few_photons() -> None:
-    """Most visible points catch nothing."""
+    """Most gather points catch no photon at all."""
     finite(room(pixels=400), passes=1, photons_per_pass=50)
 
 
@@ -155,8 +155,8 @@ def test_scale(integrator: Integrator, scale: float) -> None:
 
 @integrators
 def test_far_from_the_origin(integrator: Integrator) -> None:
-    """1 km away a metre still has eight thousand float32 steps; what is left of the error is the
-    vertices' rounding.
+    """At 1 km from the origin a metre still has eight thousand float32 steps; the error that is
+    left comes from rounded vertices.
     """
     settings = {"passes": 32, "photons_per_pass": 10_000, "seed": 5}
     plain, far = (
@@ -202,8 +202,8 @@ def _finite_or_refused(what: Scene, integrator: Integrator = Integrator.SPLAT) -
 @integrators
 @pytest.mark.parametrize("bad", [np.nan, np.inf])
 def test_vertices_that_are_not_finite(integrator: Integrator, bad: float) -> None:
-    """The exporter drops them; the core must refuse them in a sentence or leave them out, but not
-    spread them.
+    """The exporter drops such vertices. The core must refuse them with one sentence, or leave them
+    out, without other damage.
     """
     what = room()
     what.meshes[1].positions[2, 1] = bad

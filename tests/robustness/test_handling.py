@@ -18,7 +18,9 @@ from tests.support import corescene as c
 
 
 def test_a_pass_is_cut_where_its_time_ends() -> None:
-    """Photons for an hour, and the picture is as bright as by few."""
+    """The first pass asks for more photons than there is time for; the picture is as bright as with
+    few.
+    """
     few = c.shoot(room(pixels=32), passes=8, photons_per_pass=100_000)
     cut = c.shoot(room(pixels=32), passes=4, photons_per_pass=1 << 34, time_limit=1.0)
     assert cut.statistics["passes"] == 1
@@ -53,7 +55,7 @@ def test_photons_that_are_left_out_are_made_up_for() -> None:
 
 
 def test_denoising_is_foreseen(monkeypatch: pytest.MonkeyPatch) -> None:
-    """From squares of two sizes: what goes with their area, and what does not."""
+    """Two trial squares of different size tell the seconds per pixel from the seconds per run."""
     monkeypatch.setattr(ending, "_denoise_seconds", lambda side, threads: 0.1 + 1e-5 * side**2)
     foreseen = Ending(960, 540)
     assert foreseen.seconds(1, 1.0) == 0.0

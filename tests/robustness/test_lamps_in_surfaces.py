@@ -29,7 +29,7 @@ def shoot(
 
 
 def means(below: float) -> list[float]:
-    """Of splats without and with final gathering, and of the path tracer."""
+    """Mean radiance by splatting without and with final gathering, and by the path tracer."""
     ways = (
         (Integrator.SPLAT, FinalGather.OFF),
         (Integrator.SPLAT, FinalGather.ON),

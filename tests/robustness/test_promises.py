@@ -74,7 +74,9 @@ def test_memory_does_not_grow_with_photons() -> None:
 
 
 def test_passes_add_up() -> None:
-    """Twice as many like passes is half the variance; the first passes are the same."""
+    """Variance falls with the number of like passes, and the first passes of a longer render are
+    the same.
+    """
     spread = []
     for passes in (4, 16):
         alike = {"passes": passes, "photons_per_pass": 3000, "adaptive_samples": False}
@@ -84,7 +86,8 @@ def test_passes_add_up() -> None:
 
 
 def test_the_last_pass_gets_what_fits() -> None:
-    # of the last pass, which took half a second for the rest
+    # the last pass, and the seconds of it that went with samples and photons; half a second went to
+    # the rest
     seconds, last = PassSize(2.0, 0.5), PassSize(4.0, 1.0)
     fits = pass_that_fits
     assert fits(3.0, 3.0, seconds, last, last) == last

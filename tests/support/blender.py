@@ -23,7 +23,7 @@ from typing import Any
 import pytest
 
 from tests.support.hang import killed_if_hung
-from tests.support.paths import ROOT
+from tests.support.paths import ROOT, environment
 
 
 class Blender:
@@ -58,16 +58,11 @@ class Blender:
             pytest.fail(f"in Blender:\n{error}", pytrace=False)
 
     def _start(self) -> None:
-        path = os.pathsep.join([str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])])
-        environment = os.environ | {
-            "BLENDER_USER_RESOURCES": tempfile.mkdtemp(dir=self.scratch),
-            "PYTHONPATH": path,
-        }
         command = [sys.executable, "-m", "tests.support.blender"]
         self.process = subprocess.Popen(
             command,
             cwd=ROOT,
-            env=environment,
+            env=environment(tempfile.mkdtemp(dir=self.scratch)),
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             text=True,

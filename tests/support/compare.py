@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from scipy import stats
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
-"""Of linear RGB with Rec. 709 primaries."""
+"""Weights of linear RGB with Rec. 709 primaries."""
 
 Array = NDArray[np.float64]
 

@@ -28,7 +28,7 @@ def need_opengl() -> None:
 
 
 def need_method(name: str) -> None:
-    """Skip where the OpenGL that is here is too old for that way to splat."""
+    """Skip where OpenGL is too old for this method."""
     if (
         name == "gather"
         and context.submit(lambda: context.graphics().gl.version_code).result() < GATHER_NEEDS
@@ -78,7 +78,7 @@ def expect_agreement(cpu: dict[str, np.ndarray], gpu: dict[str, np.ndarray]) -> 
 
 
 def compare(scene: Scene, **settings: object) -> None:
-    """Every layer of the scene's first pass by the CPU splatter and by all methods of the GPU's."""
+    """The first pass of each photon map by the CPU splatter and by all methods of the GPU's."""
     methods = context.submit(lambda: list(available(context.graphics().gl))).result()
     renderer = prepared(scene, **settings)
     dark = True

@@ -1,4 +1,4 @@
-"""What processes that are timed find around them."""
+"""The environment of processes that are timed."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ import os
 
 
 def environment(user_folder: str) -> dict[str, str]:
-    """As Blender's users have it: compiled modules are kept (a render's first export compiles for
-    50 ms where a variable forbids that), with a Blender user folder of its own.
+    """The environment as Blender's users have it, with a Blender user folder of its own: compiled
+    Python modules are kept, or a render's first export would take 50 ms longer.
     """
     kept = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
     return kept | {"BLENDER_USER_RESOURCES": user_folder}

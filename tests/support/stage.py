@@ -132,7 +132,7 @@ def exported() -> Scene:
 
 
 def exports(**operator: Any) -> list[Scene]:
-    """One per view layer and frame that is rendered."""
+    """The scenes that are exported, one per view layer and frame that is rendered."""
     import bpy
 
     seen: list[Scene] = []

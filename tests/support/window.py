@@ -17,7 +17,7 @@ SECONDS = 600.0
 
 
 class Engine:
-    """Stands for a bpy.types.RenderEngine. `gone`: Blender has freed it."""
+    """A stand-in for bpy.types.RenderEngine. `gone`: Blender has freed it."""
 
     def __init__(self) -> None:
         self.gone = False
@@ -49,7 +49,9 @@ def projection_matrix(
     far: float,
     orthographic: bool = False,
 ) -> np.ndarray:
-    """OpenGL's, as a 3D viewport of Blender has it; sides at the near plane for a perspective."""
+    """An OpenGL projection matrix as a 3D viewport of Blender has it; left, right, bottom and top
+    are those of the near plane in a perspective.
+    """
     m = np.zeros((4, 4))
     m[0, 0], m[1, 1] = 2 / (right - left), 2 / (top - bottom)
     x, y, z = (
@@ -107,7 +109,7 @@ def context(
 
 
 class Canvas:
-    """Instead of the one that needs a window: keeps what was drawn."""
+    """A stand-in for the Canvas, which needs a window: it keeps what was drawn."""
 
     def __init__(self) -> None:
         self.drawn: list[Any] = []

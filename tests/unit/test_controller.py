@@ -107,7 +107,7 @@ def test_pictures_come_coarse_then_full_then_refined() -> None:
 
 
 def test_the_refined_picture_is_that_of_a_render(controller: Controller) -> None:
-    """With no view-dependent choices but those of a render, it is the same bit for bit."""
+    """Bit for bit, where no choice depends on the view."""
     from photon_splat.core.render.session import render
 
     scene = room()

@@ -23,7 +23,7 @@ def _box() -> Scene:
 
 
 def test_less_noise_and_the_same_light() -> None:
-    reference = c.picture(_box(), passes=64, photons_per_pass=30_000, seed=5)
+    reference = c.picture(_box(), passes=32, photons_per_pass=20_000, seed=5)
     noisy, clean = (
         c.shoot(_box(), passes=1, photons_per_pass=5_000, denoise=on, final_gather=FinalGather.OFF)
         for on in (False, True)
@@ -43,7 +43,9 @@ def test_less_noise_and_the_same_light() -> None:
 
 
 def test_the_mixture_is_never_much_worse_than_either() -> None:
-    """A blurred edge stays with the noisy picture, a noisy plain with the denoised one."""
+    """At an edge that the denoiser has blurred the noisy picture counts, on a plain the denoised
+    one.
+    """
     random = np.random.default_rng(4)
     reference = np.ones((64, 64, 3), np.float32)
     reference[:, 32:] = 3.0
@@ -102,8 +104,9 @@ def test_noise_of_the_features_does_not_come_back_in_the_picture() -> None:
 
 
 def test_a_part_denoised_by_itself_keeps_its_edges() -> None:
-    """The shadow's edge in the direct light is lost in the noise of the rest; what is brighter than
-    the picture counts as none.
+    """Denoised together, the shadow's edge in the direct light would be lost in the noise of the
+    rest. The part that is denoised alone may be brighter than the picture; the rest then counts as
+    black.
     """
     random = np.random.default_rng(6)
     shadow = np.where(np.arange(96) < 48, 0.1, 0.3)[None, :, None] * np.ones(

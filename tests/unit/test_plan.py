@@ -80,7 +80,7 @@ def test_components_can_be_forced_off() -> None:
 
 
 def test_components_can_be_forced_on() -> None:
-    """What the plan leaves out would have cost something and brought nothing."""
+    """A part that the plan leaves out costs something when it is forced on, and changes nothing."""
     what = room(pixels=24)
     plain = c.shoot(what, passes=6, photons_per_pass=20_000, adaptive_samples=False)
     forced = c.shoot(

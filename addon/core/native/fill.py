@@ -110,7 +110,7 @@ def fill_renderer(renderer: Renderer, scene: Scene, settings: RenderSettings) ->
     """
     origin, near = focus(scene)
     if not np.isfinite(origin).all():
-        raise ValueError("the scene has an instance whose place in the world is not finite")
+        raise ValueError("the scene has an instance whose position in the world is not finite")
     renderer.set_origin([float(c) for c in origin], near)
     _add_materials(renderer, scene)
     for index, mesh in enumerate(scene.meshes):

@@ -159,7 +159,7 @@ def pilot_sentences(statistics: Statistics) -> list[str]:
         )
     elif share:
         sentences.append(
-            f"Too few photons reach {100 * share:.2g} % of the visible places: paths from the "
+            f"Too few photons reach {100 * share:.2g} % of the gather points: paths from the "
             "camera go on there."
         )
     return sentences

@@ -36,34 +36,34 @@ from .statistics import Statistics
 OF_DENOISING = ("Combined", "Normal")
 """Passes that the denoiser reads."""
 FOR_DENOISING = ("albedo", "variance", "diffuse_direct")
-"""And arrays of the film that are no passes."""
+"""Arrays of the film that the denoiser reads and that are no passes."""
 SAMPLES_WORTH_TWO = 8.0
-"""From so many camera samples a pixel on the diffuse direct light is denoised by itself, which
-takes a tenth of a second per 100,000 pixels: after 14 samples relMSE is .90 (cornell_box), .95
-(kitchen, street), .99 (interior) times as large.
+"""Camera samples per pixel from which the diffuse direct light is denoised separately. That takes a
+tenth of a second per 100,000 pixels; after 14 samples relMSE is .90 (cornell_box), .95 (kitchen,
+street), .99 (interior) times as large.
 """
 SAMPLES_OF_NOISY_FEATURES = 32.0
-"""Up to so many the denoiser's features are noisier than it expects: filtered first, street after
-1, 14, 64 samples has an error (relMSE) .49, .90, .99 times as large.
+"""Camera samples per pixel up to which the denoiser's features are noisier than it expects, so that
+they are denoised first. After 1, 14, 64 samples relMSE of street is .49, .90, .99 times as large.
 """
 POLL_SECONDS = 0.05
 FEWEST_PHOTONS = 0.25
-"""Of those that a pass wants: where time is short it has so many before a second sample of any
-pixel, or is left out.
+"""Least share of the photons that a pass wants. Where time is short, a pass gets so many before any
+pixel gets a second sample, or is left out.
 """
 FEWEST_PASSES_TO_STOP = 8
-"""Before so many the error's estimate is too rough to end a render."""
+"""Fewest passes before a render may end by its error: the estimate is too rough before."""
 
 
 def next_estimate(passes: int) -> int:
-    """The pass after which the error is estimated again; it depends on nothing else, so that a
-    render can be repeated.
+    """The pass after which the error is estimated again. It depends on the number of passes alone,
+    so that a render can be repeated.
     """
     return passes + max(1, passes // 4)
 
 
 class PassSize(NamedTuple):
-    """What a pass has, or the seconds that go with it: camera samples per pixel, and photons over
+    """The size of a pass, or the seconds for it: camera samples per pixel, and photons relative to
     those of the first pass.
     """
 
@@ -122,8 +122,8 @@ class _Elsewhere:
 
 
 class _Worker(threading.Thread):
-    """Does the passes off the caller's thread, which meanwhile reports progress and polls for
-    cancellation.
+    """Runs the passes on a thread of its own, while the caller's thread reports progress and polls
+    for cancellation.
     """
 
     def __init__(
@@ -163,7 +163,7 @@ class _Worker(threading.Thread):
         self.film_bytes = 0
 
     def cancel(self) -> None:
-        """From any thread."""
+        """May be called from any thread."""
         self.cancel_asked.set()
         self.renderer.cancel()
 
@@ -261,7 +261,7 @@ class _Worker(threading.Thread):
         return self.started + self.settings.time_limit - time.monotonic() - after
 
     def denoising(self, samples: float) -> dict[str, bool]:
-        """How a picture of so many camera samples a pixel is denoised."""
+        """The options of denoise() for a picture of so many camera samples per pixel."""
         return {
             "apart": samples >= SAMPLES_WORTH_TWO,
             "noisy_features": samples <= SAMPLES_OF_NOISY_FEATURES,
@@ -298,11 +298,13 @@ class _Worker(threading.Thread):
         )
 
     def _estimate_error(self) -> bool:
-        """Now and then; whether the render is good enough."""
+        """Estimates the error now and then. Returns whether it is small enough to end the
+        render.
+        """
         if self.passes_done < self.next_estimate:
             return False
         threshold = self.settings.error_threshold
-        # Where no estimate ends the render they are for the message alone: a few in all.
+        # Without a threshold the estimate is only shown, and few are enough.
         self.next_estimate = (
             next_estimate(self.passes_done) if threshold > 0 else 2 * self.passes_done
         )
@@ -333,7 +335,7 @@ class _Worker(threading.Thread):
 
 
 def final_arrays(wanted: Collection[str] | None, settings: RenderSettings) -> list[str]:
-    """Those of the film that the result is made of."""
+    """Names of the film arrays that the result is made of."""
     return [*film_arrays(wanted), *(FOR_DENOISING if settings.denoise else ())]
 
 
@@ -422,8 +424,8 @@ def render(
 def _denoise(
     passes: Passes, film: dict[str, Any], worker: _Worker, should_cancel: Callable[[], bool] | None
 ) -> float:
-    """Takes the noise out of Combined, with what `film` knows of it; seconds it took. Where that
-    cannot be done the picture stays and a warning says why.
+    """Denoises Combined with the features in `film`; returns the seconds it took. If that cannot be
+    done the picture stays as it is, and a warning says why.
     """
     began = time.monotonic()
     noisy = passes["Combined"][..., :3]

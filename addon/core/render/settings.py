@@ -81,7 +81,7 @@ class RenderSettings:
     threads              0 = all of the machine
     force                components that run although the plan would leave them out (of FORCEABLE):
                          what they cost, for tests
-    point_spacing        visible points are this many kernel radii apart; 0 = one point per camera
+    point_spacing        gather points are this many kernel radii apart; 0 = one per camera
                          sample
     """
 

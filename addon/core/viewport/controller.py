@@ -30,25 +30,25 @@ photons.
 """
 MOST_FIRST_PATHS = 1 << 18
 STORE_PHOTONS = 1 << 17
-"""Wanted in the store when the camera rests: it is splatted within a frame."""
+"""Photons that the store gets while the camera rests: it can still be splatted within a frame."""
 MOST_STORE_PATHS = 1 << 22
 MOST_STORE_BYTES = 64 << 20
 PHOTONS_PER_BATCH = 1 << 16
 STEPS = (1, 2, 3, 4, 6, 8)
-"""Widths of a picture's pixels in those of the screen."""
+"""Widths of a picture's pixels, in pixels of the screen."""
 FIRST_STEP = 4
 SLOW, FAST = 0.062, 0.056
-"""s a picture while the camera moves may take, and below which it is given more pixels."""
+"""Seconds that a picture may take while the camera moves, and below which it gets more pixels."""
 FORGET_AFTER = 30
-"""Pictures after which one that was slow is tried again."""
+"""Number of pictures after which a width that was too slow is tried again."""
 REST = 0.15
-"""s without a move after which the camera rests; more where its moves come more slowly than that,
-as in a window that is slow to draw.
+"""Seconds without a move after which the camera counts as resting. The time is longer where moves
+arrive more slowly, as in a window that is slow to draw.
 """
 SLOWEST_MOVES = 0.5
-"""s between two moves of one turn, at most."""
+"""Most seconds between two moves of one turn of the camera."""
 SHOW_EVERY = 0.1
-"""s at least between two pictures of the refinement."""
+"""Least seconds between two pictures of the refinement."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -174,7 +174,7 @@ class Controller:
 
     @property
     def idle(self) -> bool:
-        """Nothing is left to do until something changes."""
+        """True if nothing is left to do until something changes."""
         with self._changed:
             return self._status == "" and self._scene is None
 
@@ -217,7 +217,7 @@ class Controller:
                 self._changed.wait()
 
     def _work(self) -> bool:
-        """Does all there is to do for the scene and the view of now, then waits for others. False:
+        """Does everything for the present scene and view, then waits for others. Returns False at
         the end.
         """
         with self._changed:
@@ -325,7 +325,9 @@ class Controller:
             self._pace.took(step, seconds)
 
     def _refine(self, renderer: Renderer, view: View, settings: RenderSettings) -> None:
-        """Passes as in a render; shown when they are better than the picture from the store."""
+        """Refines with passes as in a render. Their picture is shown once it is better than the one
+        from the store.
+        """
         frame, region = scaled(view.frame, view.pixel, sharp=False)
         place_camera(renderer, fitted(view, frame, view.pixel), frame)
         renderer.set_view()
@@ -380,23 +382,23 @@ class Pace:
         self._pictures = 0
 
     def forget(self) -> None:
-        """Another scene takes other times."""
+        """Forgets the times of another scene."""
         self._seconds.clear()
 
     def took(self, step: int, seconds: float) -> None:
-        """A picture of that step took so long."""
+        """Notes that a picture of this step took so many seconds."""
         if self._fixed or step != self.step:
             return
         at = STEPS.index(step)
         self._seconds[step] = seconds
         self._pictures += 1
-        if self._pictures % FORGET_AFTER == 0 and at:  # it may have been slow for another reason
+        if self._pictures % FORGET_AFTER == 0 and at:  # something else may have slowed it down
             self._seconds.pop(STEPS[at - 1], None)
         if seconds > SLOW and at + 1 < len(STEPS):
             self.step = STEPS[at + 1]
         elif at:
             finer = STEPS[at - 1]
-            # About half of the time goes with the number of pixels.
+            # About half of the time is proportional to the number of pixels.
             expected = self._seconds.get(finer, seconds * 0.5 * (1 + (step / finer) ** 2))
             if expected < FAST:
                 self.step = finer

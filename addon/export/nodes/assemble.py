@@ -14,14 +14,14 @@ import numpy as np
 from ...core.scene.shading import GENERATED, Feature, Program
 from .values import (
     CONSTANT_BIT,
-    HERE,
     NONE,
     TABLES,
+    UNMOVED,
     UNUSED,
+    BumpOffset,
     Graph,
     Instruction,
     Operation,
-    Place,
     Value,
     operations,
 )
@@ -73,8 +73,8 @@ def live_instructions(graph: Graph, statements: list[Statement]) -> set[int]:
             found.add(value.instruction)
             instruction = graph.instructions[value.instruction]
             open_ends.extend(instruction.reads())
-            if instruction.place is not None:
-                open_ends.append(instruction.place.width)
+            if instruction.offset is not None:
+                open_ends.append(instruction.offset.width)
     return found
 
 
@@ -160,8 +160,8 @@ def _homes(graph: Graph, statements: list[Statement]) -> dict[int, int]:
             instruction = graph.instructions[index]
             for value in instruction.reads():
                 need(value, homes[index])
-            if instruction.place is not None:
-                need(instruction.place.width, homes[index])
+            if instruction.offset is not None:
+                need(instruction.offset.width, homes[index])
     return homes
 
 
@@ -177,11 +177,11 @@ def _in_steps(graph: Graph, block: list[int]) -> Order:
     depth: dict[int, int] = {}  # noise textures that come one after another before it
     step: dict[int, int] = {}
     key: dict[int, tuple[int, ...]] = {}
-    places: dict[Place | None, int] = {None: 0, HERE: 1}
+    offsets: dict[BumpOffset | None, int] = {None: 0, UNMOVED: 1}
     for index in block:
         instruction = graph.instructions[index]
         read = instruction.reads() + (
-            [instruction.place.width] if instruction.place is not None else []
+            [instruction.offset.width] if instruction.offset is not None else []
         )
         before = [value.instruction for value in read if value.instruction in depth]
         depth[index] = max(
@@ -189,12 +189,12 @@ def _in_steps(graph: Graph, block: list[int]) -> Order:
             default=0,
         )
         step[index] = max((step[one] + 1 for one in before), default=0)
-        place = places.setdefault(instruction.place, len(places))
+        offset = offsets.setdefault(instruction.offset, len(offsets))
         key[index] = (
             depth[index],
             dimensions_of_noise(instruction),
             step[index],
-            place,
+            offset,
             instruction.operation.opcode,
             index,
         )
@@ -233,28 +233,28 @@ class _Code:
         dying: dict[int, list[tuple[int, int]]] = {}
         for result, position in last.items():
             dying.setdefault(position, []).append(result)
-        place: Place = HERE
+        offset: BumpOffset = UNMOVED
         target = 0
         for position, (kind, what) in enumerate(order):
             if kind == "guard":
-                if place != HERE:
-                    place = self._offset(HERE)
+                if offset != UNMOVED:
+                    offset = self._move_to(UNMOVED)
                 self.words += [operations()["JumpIfZero"].opcode, self._read(what), 0]
                 target = len(self.words) - 1
             elif kind == "label":
-                if place != HERE:
-                    place = self._offset(HERE)
+                if offset != UNMOVED:
+                    offset = self._move_to(UNMOVED)
                 self.words[target] = len(self.words)
             elif kind == "together":
                 self.words += [operations()["Together"].opcode, what]
             elif kind == "instruction":
                 instruction = self.graph.instructions[what]
-                if instruction.place is not None and instruction.place != place:
-                    place = self._offset(instruction.place)
+                if instruction.offset is not None and instruction.offset != offset:
+                    offset = self._move_to(instruction.offset)
                 self._write(instruction, what, wanted)
             else:
-                if place != HERE:
-                    place = self._offset(HERE)
+                if offset != UNMOVED:
+                    offset = self._move_to(UNMOVED)
                 self._write(what, None, wanted)
             for result in dying.get(position, ()):
                 width = 3 if self._is_vector(result) else 1
@@ -278,8 +278,8 @@ class _Code:
             elif kind == "instruction":
                 instruction = self.graph.instructions[what]
                 reads = instruction.reads()
-                if instruction.place is not None:
-                    reads.append(instruction.place.width)
+                if instruction.offset is not None:
+                    reads.append(instruction.offset.width)
             for value in reads:
                 if not value.is_constant:
                     last[value.instruction, int(value.data[0])] = position
@@ -288,14 +288,14 @@ class _Code:
     def _is_vector(self, result: tuple[int, int]) -> bool:
         return self.graph.instructions[result[0]].operation.operands[result[1]].kind == "V"
 
-    def _offset(self, place: Place) -> Place:
+    def _move_to(self, offset: BumpOffset) -> BumpOffset:
         operation = operations()["Offset"]
         self.words += [
             operation.opcode,
-            operation.operands[0].modes.index(place.axis),
-            self._read(place.width),
+            operation.operands[0].modes.index(offset.axis),
+            self._read(offset.width),
         ]
-        return place
+        return offset
 
     def _write(
         self, instruction: Instruction | Statement, index: int | None, wanted: set[tuple[int, int]]

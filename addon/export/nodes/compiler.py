@@ -13,9 +13,9 @@ from .node import Node, Owner, Surroundings, label
 from .shaders import MOST_LOBES, from_value, lobe_count, unknown
 from .table import NODES
 from .trees import Feed, Groups
-from .values import HERE, ONE, ZERO, Folding, Graph, Place, Value
+from .values import ONE, UNMOVED, ZERO, BumpOffset, Folding, Graph, Value
 
-Key = tuple[int, tuple[int, ...], Place]
+Key = tuple[int, tuple[int, ...], BumpOffset]
 ShaderKey = tuple[int, tuple[int, ...]]
 MIXERS = {"MIX_SHADER", "ADD_SHADER"}
 
@@ -25,9 +25,9 @@ class _Visit:
     """A node whose inputs are being evaluated."""
 
     node: Node
-    place: Place
-    needs: Iterator[tuple[str, Any, Feed, Place]]
-    waiting: tuple[str, Any, Feed, Place] | None = None
+    offset: BumpOffset
+    needs: Iterator[tuple[str, Any, Feed, BumpOffset]]
+    waiting: tuple[str, Any, Feed, BumpOffset] | None = None
 
 
 @dataclass(slots=True)
@@ -182,8 +182,8 @@ class Compiler:
             if node is not None:
                 if not self._gives(feed):
                     return [], Feature(0)
-                self._evaluate(feed, HERE)
-            return from_value(n, weight, self._result(feed, "RGBA", HERE))
+                self._evaluate(feed, UNMOVED)
+            return from_value(n, weight, self._result(feed, "RGBA", UNMOVED))
         n = self._prepared(node, feed.groups)
         entry = NODES.get(node.type)
         if entry is None or entry.compile is None:
@@ -193,9 +193,9 @@ class Compiler:
     def _prepared(self, node: Any, groups: Groups) -> Node:
         """A shader node with the values of its linked inputs."""
         n = Node(node, groups, self.graph, self.owner, self.around)
-        for identifier, socket, feed, place in self._needs(n, HERE):
-            self._evaluate(feed, place)
-            n.values[identifier] = self._result(feed, socket.type, place)
+        for identifier, socket, feed, offset in self._needs(n, UNMOVED):
+            self._evaluate(feed, offset)
+            n.values[identifier] = self._result(feed, socket.type, offset)
         return n
 
     def _bent_normal(self, socket: Any) -> Value | None:
@@ -214,9 +214,9 @@ class Compiler:
             return None
         normal = self.graph.one("Geometry", what="NORMAL")
         heights = []
-        for place in (HERE, Place("DX", ONE), Place("DY", ONE)):
-            self._evaluate(feed, place)
-            moved = self._result(feed, "VECTOR", place)
+        for offset in (UNMOVED, BumpOffset("DX", ONE), BumpOffset("DY", ONE)):
+            self._evaluate(feed, offset)
+            moved = self._result(feed, "VECTOR", offset)
             product = self.graph.add(
                 "VectorMath", a=moved, b=normal, c=normal, scale=ONE, operation="DOT_PRODUCT"
             )
@@ -242,16 +242,16 @@ class Compiler:
         if feed is None:
             self._report_loop(socket.node)
             feed = Feed(None, socket, groups)
-        self._evaluate(feed, HERE)
-        return self._result(feed, socket.type, HERE)
+        self._evaluate(feed, UNMOVED)
+        return self._result(feed, socket.type, UNMOVED)
 
-    def _result(self, feed: Feed, to_type: str, place: Place) -> Value:
+    def _result(self, feed: Feed, to_type: str, offset: BumpOffset) -> Value:
         """The evaluated value of `feed` as it arrives in a socket of kind `to_type`."""
         if feed.node is None:
             holder = Node(feed.socket.node, feed.groups, self.graph, self.owner, self.around)
             value = ZERO if feed.empty else holder.own_value(feed.socket) or ZERO
         else:
-            found = self._values[_key(feed.node, feed.groups, place)].get(feed.socket.identifier)
+            found = self._values[_key(feed.node, feed.groups, offset)].get(feed.socket.identifier)
             value = ZERO if found is None else found
         kind = "VALUE" if feed.empty else feed.socket.type
         for passed in (*reversed(feed.types), to_type):
@@ -259,12 +259,12 @@ class Compiler:
             kind = passed
         return value
 
-    def _evaluate(self, feed: Feed, place: Place) -> None:
+    def _evaluate(self, feed: Feed, offset: BumpOffset) -> None:
         """Makes sure that the outputs of what feeds are known."""
-        if feed.node is None or _key(feed.node, feed.groups, place) in self._values:
+        if feed.node is None or _key(feed.node, feed.groups, offset) in self._values:
             return
-        stack = [self._visit(feed, place)]
-        open_keys = {_key(feed.node, feed.groups, stack[0].place)}
+        stack = [self._visit(feed, offset)]
+        open_keys = {_key(feed.node, feed.groups, stack[0].offset)}
         while stack:
             self.around.watch.go_on()
             visit = stack[-1]
@@ -274,17 +274,17 @@ class Compiler:
             need = next(visit.needs, None)
             if need is None:
                 stack.pop()
-                key = _key(visit.node.node, visit.node.groups, visit.place)
+                key = _key(visit.node.node, visit.node.groups, visit.offset)
                 open_keys.discard(key)
-                self.graph.place = visit.place
+                self.graph.offset = visit.offset
                 self._values[key] = self._outputs(visit.node)
-                self.graph.place = HERE
+                self.graph.offset = UNMOVED
                 continue
             _, _, source, at = need
             if source.node is None:
                 self._deliver(visit, need)
                 continue
-            at = _own_place(source.node, at)
+            at = _own_offset(source.node, at)
             key = _key(source.node, source.groups, at)
             if key in open_keys:
                 self._report_loop(visit.node.node)
@@ -294,16 +294,16 @@ class Compiler:
                 stack.append(self._visit(source, at))
                 open_keys.add(key)
 
-    def _visit(self, feed: Feed, place: Place) -> _Visit:
+    def _visit(self, feed: Feed, offset: BumpOffset) -> _Visit:
         n = Node(feed.node, feed.groups, self.graph, self.owner, self.around)
-        own = _own_place(feed.node, place)
+        own = _own_offset(feed.node, offset)
         return _Visit(n, own, self._needs(n, own))
 
-    def _deliver(self, visit: _Visit, need: tuple[str, Any, Feed, Place]) -> None:
-        identifier, socket, feed, place = need
-        visit.node.values[identifier] = self._result(feed, socket.type, place)
+    def _deliver(self, visit: _Visit, need: tuple[str, Any, Feed, BumpOffset]) -> None:
+        identifier, socket, feed, offset = need
+        visit.node.values[identifier] = self._result(feed, socket.type, offset)
 
-    def _needs(self, n: Node, place: Place) -> Iterator[tuple[str, Any, Feed, Place]]:
+    def _needs(self, n: Node, offset: BumpOffset) -> Iterator[tuple[str, Any, Feed, BumpOffset]]:
         """Linked inputs of a node: the names under which their values go, the sockets, what feeds
         them and where it is asked.
         """
@@ -322,14 +322,14 @@ class Compiler:
             if n.node.type == "BUMP" and socket.identifier == "Height":
                 later = (socket, feed)
                 continue
-            yield socket.identifier, socket, feed, place
+            yield socket.identifier, socket, feed, offset
         if later is not None:
             socket, feed = later
             width = bump_width(n)
             for suffix, at in (
-                ("", HERE),
-                (".DX", Place("DX", width)),
-                (".DY", Place("DY", width)),
+                ("", UNMOVED),
+                (".DX", BumpOffset("DX", width)),
+                (".DY", BumpOffset("DY", width)),
             ):
                 yield f"Height{suffix}", socket, feed, at
 
@@ -374,15 +374,19 @@ def _shines(feed: Feed) -> bool:
     )
 
 
-def _own_place(node: Any, place: Place) -> Place:
-    """A bump looks at its own height on its own; it counts as the same everywhere in another one's
-    height.
+def _own_offset(node: Any, offset: BumpOffset) -> BumpOffset:
+    """The offset at which a node is computed. A Bump steps through its own height by itself, so in
+    the height of another Bump it counts as the same everywhere.
     """
-    return HERE if node.type == "BUMP" else place
+    return UNMOVED if node.type == "BUMP" else offset
 
 
-def _key(node: Any, groups: Groups, place: Place) -> Key:
-    return node.as_pointer(), tuple(group.as_pointer() for group in groups), _own_place(node, place)
+def _key(node: Any, groups: Groups, offset: BumpOffset) -> Key:
+    return (
+        node.as_pointer(),
+        tuple(group.as_pointer() for group in groups),
+        _own_offset(node, offset),
+    )
 
 
 def _shader_key(feed: Feed) -> ShaderKey:

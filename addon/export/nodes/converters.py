@@ -183,7 +183,7 @@ def _three_curves(n: Node, name: str, table: tuple[float, ...], low: float, high
 
 
 def _curves(mapping: Any, count: int) -> tuple[Callable[[int, float], float], float, float]:
-    """A function of curve and place, and the range in which curves have points."""
+    """A function of the curve and the position, and the range in which curves have points."""
     mapping.initialize()
     curves = [mapping.curves[k] for k in range(count)]
     low = min(curve.points[0].location.x for curve in curves)

@@ -75,7 +75,7 @@ class Owner:
 
 @dataclass(slots=True)
 class Node:
-    """One node in one place. `values` are those of its inputs that are linked, by identifier."""
+    """A node that is being compiled. `values` are those of its linked inputs, by identifier."""
 
     node: Any
     groups: Groups

@@ -96,11 +96,11 @@ def _tiles(n: Node) -> Outputs:
     for tile in node.image.tiles:
         at = divmod(tile.number - 1001, 10)
         inside = ONE
-        for axis, place in enumerate(reversed(at)):
+        for axis, coordinate in enumerate(reversed(at)):
             same = graph.one(
                 "Math",
                 a=whole.component(axis),
-                b=number(float(place)),
+                b=number(float(coordinate)),
                 c=number(0.5),
                 operation="COMPARE",
                 use_clamp=False,

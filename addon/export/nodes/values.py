@@ -18,9 +18,9 @@ CONSTANT_BIT = 0x80000000
 UNUSED = 0x7FFFFFFF
 NONE = 0xFFFFFFFF
 TABLES = {"T1", "T3", "T4", "M", "P"}
-# Operations that read where the hit is: Offset moves that point, so each side of a Bump has its own
-# results of them.
-PLACED = {
+# Operations that depend on the position of the hit. Offset moves that position, so each step of a
+# Bump has results of its own.
+MOVED_WITH_HIT = {
     "Geometry",
     "TextureCoordinate",
     "UvMap",
@@ -31,7 +31,7 @@ PLACED = {
     "TangentRadial",
 }
 # Operations whose result depends on more than their operands.
-OF_THE_HIT = PLACED | {
+OF_THE_HIT = MOVED_WITH_HIT | {
     *(
         "Fresnel",
         "LayerWeight",
@@ -102,16 +102,16 @@ ORIGIN = vector((0.0, 0.0, 0.0))
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
-    """Which side of a Bump a value belongs to: `axis` "NONE", "DX" or "DY", and the width of the
-    step.
+class BumpOffset:
+    """Where a value is computed, relative to the hit. A Bump node computes its height a step of
+    `width` along `axis` "DX" or "DY" away too; "NONE" is the hit itself.
     """
 
     axis: str = "NONE"
     width: Value = ZERO
 
 
-HERE = Place()
+UNMOVED = BumpOffset()
 
 
 @dataclass(slots=True)
@@ -122,7 +122,8 @@ class Instruction:
 
     operation: Operation
     operands: tuple[Any, ...]
-    place: Place | None  # of operations that read where the hit is; None: it is the same for them
+    # For operations that depend on the position of the hit; None: the same result everywhere.
+    offset: BumpOffset | None
 
     def reads(self) -> list[Value]:
         return [v for v in self.operands if isinstance(v, Value)]
@@ -141,7 +142,7 @@ class Graph:
     def __init__(self, folding: Folding) -> None:
         self.folding = folding
         self.instructions: list[Instruction] = []
-        self.place = HERE
+        self.offset = UNMOVED
         self._known: dict[Any, int] = {}
 
     def add(self, name: str, **given: Any) -> dict[str, Value]:
@@ -154,17 +155,17 @@ class Graph:
         operands = tuple(self._operand(operation, operand, given) for operand in operation.operands)
         if given:
             raise TypeError(f"{name} has no operand {', '.join(given)}")
-        place = self.place if name in PLACED else HERE if name == "NormalMap" else None
+        offset = self.offset if name in MOVED_WITH_HIT else UNMOVED if name == "NormalMap" else None
         outputs = [
             (i, operand) for i, operand in enumerate(operation.operands) if operand.kind in "FV"
         ]
         if name not in OF_THE_HIT and all(v.is_constant for v in operands if isinstance(v, Value)):
             return folded(self.folding, operation, operands)
-        key = (name, operands, place)
+        key = (name, operands, offset)
         index = self._known.get(key)
         if index is None:
             index = self._known[key] = len(self.instructions)
-            self.instructions.append(Instruction(operation, operands, place))
+            self.instructions.append(Instruction(operation, operands, offset))
         return {
             operand.name: Value(3 if operand.kind == "V" else 1, index, (i, 0))
             for i, operand in outputs

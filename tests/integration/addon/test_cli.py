@@ -22,8 +22,9 @@ from photon_splat.cli.exr import WriteError, replace_file
 from photon_splat.core.render.result import PASSES
 
 from tests.support import stage
-from tests.support.blender import ROOT, Blender
+from tests.support.blender import Blender
 from tests.support.clock import Stopwatch
+from tests.support.paths import environment
 
 HANG_SECONDS = 600.0
 """For what is to end at once."""
@@ -72,15 +73,16 @@ def scenes(blender: Blender, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def _start(tmp_path: Path, *arguments: object, **options: Any) -> subprocess.Popen[str]:
-    path = os.pathsep.join([str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])])
-    environment = os.environ | {
-        "BLENDER_USER_RESOURCES": str(tmp_path / "blender"),
-        "PYTHONPATH": path,
-    }
     command = [*RUN, *map(str, arguments)]
     pipe = subprocess.PIPE
     return subprocess.Popen(
-        command, cwd=tmp_path, env=environment, stdout=pipe, stderr=pipe, text=True, **options
+        command,
+        cwd=tmp_path,
+        env=environment(tmp_path / "blender"),
+        stdout=pipe,
+        stderr=pipe,
+        text=True,
+        **options,
     )
 
 
@@ -470,17 +472,12 @@ def test_an_output_that_exists_is_replaced(scenes: Path, tmp_path: Path) -> None
 
 
 def _shell(tmp_path: Path, command: str, **options: Any) -> subprocess.CompletedProcess[str]:
-    path = os.pathsep.join([str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])])
-    environment = (
-        os.environ
-        | {"BLENDER_USER_RESOURCES": str(tmp_path / "blender"), "PYTHONPATH": path}
-        | options.pop("env", {})
-    )
+    more = options.pop("env", {})
     run = " ".join(shlex.quote(word) for word in RUN)
     return subprocess.run(
         ["bash", "-c", command.replace("RENDER", run)],
         cwd=tmp_path,
-        env=environment,
+        env=environment(tmp_path / "blender") | more,
         capture_output=True,
         text=True,
         check=False,
@@ -612,12 +609,11 @@ def test_the_second_signal_ends_the_process_wherever_it_is(
 ) -> None:
     """In a library that sleeps, without Python's lock given up: no code of ours runs there."""
     (tmp_path / "scene.blend").touch()
-    path = os.pathsep.join([str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])])
     command = [sys.executable, "-c", STUCK, "render", "scene.blend", "-o", "out.exr"]
     process = subprocess.Popen(
         command,
         cwd=tmp_path,
-        env=os.environ | {"PYTHONPATH": path},
+        env=environment(tmp_path),
         stderr=subprocess.PIPE,
         text=True,
     )
@@ -649,14 +645,12 @@ os._exit(0)
 
 
 def test_threads_that_the_system_refuses(tmp_path: Path) -> None:
-    path = os.pathsep.join([str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])])
-    environment = os.environ | {"PYTHONPATH": path, "BLENDER_USER_RESOURCES": str(tmp_path)}
     tmp_path.chmod(0o777)
     command = [sys.executable, "-c", FEW_THREADS]
     done = subprocess.run(
         command,
         cwd=tmp_path,
-        env=environment,
+        env=environment(tmp_path),
         capture_output=True,
         text=True,
         check=False,

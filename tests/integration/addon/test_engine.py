@@ -13,8 +13,9 @@ import numpy as np
 import pytest
 
 from tests.support import stage
-from tests.support.blender import ROOT, in_blender
+from tests.support.blender import in_blender
 from tests.support.clock import Stopwatch
+from tests.support.paths import ROOT, environment
 
 SCRIPT = """
 import sys, bpy, photon_splat
@@ -52,14 +53,14 @@ def _exr(path: str) -> None:
 
 @pytest.mark.smoke
 def test_render_operator_in_a_plain_script(tmp_path: Path) -> None:
-    path = os.pathsep.join([str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])])
-    environment = os.environ | {
-        "BLENDER_USER_RESOURCES": str(tmp_path / "blender"),
-        "PYTHONPATH": path,
-    }
     command = [sys.executable, "-c", SCRIPT, str(tmp_path / "out.png")]
     done = subprocess.run(
-        command, cwd=ROOT, env=environment, capture_output=True, text=True, check=False
+        command,
+        cwd=ROOT,
+        env=environment(tmp_path / "blender"),
+        capture_output=True,
+        text=True,
+        check=False,
     )
     assert done.returncode == 0, done.stderr
     assert "{'FINISHED'}" in done.stdout

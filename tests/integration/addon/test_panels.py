@@ -10,7 +10,8 @@ from typing import Any
 import pytest
 
 from tests.support import stage
-from tests.support.blender import ROOT, in_blender
+from tests.support.blender import in_blender
+from tests.support.paths import ROOT
 
 
 class Layout:

@@ -55,7 +55,7 @@ def room(kind: str) -> Scene:
 @pytest.mark.parametrize("integrator", [Integrator.SPLAT, Integrator.REFERENCE])
 def test_it_vanishes(kind: str, integrator: Integrator) -> None:
     settings = (
-        {"passes": 24, "photons_per_pass": 120_000}
+        {"passes": 24, "photons_per_pass": 50_000}
         if integrator is Integrator.SPLAT
         else {"passes": 96}
     )

@@ -26,7 +26,7 @@ def furnace(width: int = 64, height: int = 64) -> object:
 
 
 def test_furnace_is_two_everywhere() -> None:
-    rgb = c.picture(furnace(), passes=256, photons_per_pass=40_000, max_bounces=64, seed=1)
+    rgb = c.picture(furnace(), passes=96, photons_per_pass=40_000, max_bounces=64, seed=1)
     blocks = block_means(rgb, 4)
     worst = np.abs(blocks / 2 - 1).max()
     assert worst < 0.01, f"a 4x4 block is {worst:.2%} off"
@@ -44,7 +44,7 @@ def test_without_boundary_correction_edges_are_dark() -> None:
     quarters at a corner.
     """
     settings = {
-        "passes": 64,
+        "passes": 24,
         "photons_per_pass": 40_000,
         "max_bounces": 64,
         "seed": 1,
@@ -79,7 +79,7 @@ def test_furnace_does_not_depend_on_tessellation() -> None:
     view = c.perspective((-0.8, -0.8, -0.7), (0.7, 0.75, 0.6), 64, 64, field=1.6)
     rgb = c.picture(
         c.scene(view, [(fine, c.lambert(0.5, 1.0))]),
-        passes=128,
+        passes=48,
         photons_per_pass=40_000,
         max_bounces=64,
         seed=1,
@@ -99,7 +99,10 @@ def test_integrating_sphere(integrator: Integrator, albedo: float) -> None:
     made = c.scene(
         view, [(wall, c.lambert(albedo))], [c.lamp(LightKind.POINT, power, (0.0, 0.0, 0.0))]
     )
-    rgb = c.picture(made, integrator, passes=200, photons_per_pass=20_000, max_bounces=200, seed=2)
+    passes = 24 if integrator is Integrator.SPLAT else 200
+    rgb = c.picture(
+        made, integrator, passes=passes, photons_per_pass=10_000, max_bounces=200, seed=2
+    )
     expected = power / (4 * pi * radius**2) / (1 - albedo) * albedo / pi
     assert rgb.mean() == pytest.approx(expected, rel=0.005)
     assert np.abs(block_means(rgb, 8) / expected - 1).max() < 0.015

@@ -45,7 +45,25 @@ QUICK_REFERENCE = [
     if case.name in REFERENCE_SCENES or (case.name not in SCENES and k % SHARE == 1)
 ]
 
+SLOW = {
+    "interior",
+    "light_types",
+    "instances",
+    "cornell_box_100k",
+    "linked_lamps",
+    "equirectangular",
+}
+"""Those that only `make reference` renders."""
+
 FAILURES = ROOT / "out" / "failures"
+
+
+def marked(cases: list[Case], slow: set[str] = SLOW) -> list[Any]:
+    """Cases as parameters of a test."""
+    return [
+        pytest.param(case, id=case.name, marks=[pytest.mark.slow] if case.name in slow else [])
+        for case in cases
+    ]
 
 
 def compare(case: Case, integrator: str, ours: np.ndarray) -> None:
@@ -59,17 +77,17 @@ def compare(case: Case, integrator: str, ours: np.ndarray) -> None:
         )
 
 
-@pytest.mark.parametrize("case", QUICK_SPLAT, ids=lambda case: case.name)
+@pytest.mark.parametrize("case", marked(QUICK_SPLAT))
 def test_splat(worker: Worker, case: Case) -> None:
     compare(case, "splat", render(worker, case, "splat"))
 
 
-@pytest.mark.parametrize("case", QUICK_GATHER, ids=lambda case: case.name)
+@pytest.mark.parametrize("case", marked(QUICK_GATHER, SLOW | {"cornell_box"}))
 def test_final_gathering(worker: Worker, case: Case) -> None:
     compare(case, "gather", render(worker, case, "gather"))
 
 
-@pytest.mark.parametrize("case", QUICK_REFERENCE, ids=lambda case: case.name)
+@pytest.mark.parametrize("case", marked(QUICK_REFERENCE))
 def test_reference_integrator(worker: Worker, case: Case) -> None:
     compare(case, "reference", render(worker, case, "reference"))
 

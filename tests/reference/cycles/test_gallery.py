@@ -13,9 +13,23 @@ from tests.reference.cycles.test_cycles import compare
 from tests.reference.cycles.verdict import INTEGRATORS, render
 from tests.reference.cycles.worker import Worker
 
+QUICK = {
+    "diffuse_1",
+    "glossy_ggx_0.3",
+    "glass_multi_0.4",
+    "glass_sharp_ior_1.5",
+    "sheet_alpha_image",
+    "principled_roughness_0.25",
+}
+"""The others only `make reference` renders."""
+
 
 @pytest.mark.parametrize(
-    ("name", "integrator"), [(name, INTEGRATORS[k % 2]) for k, name in enumerate(TELLING)]
+    ("name", "integrator"),
+    [
+        pytest.param(name, INTEGRATORS[k % 2], marks=[] if name in QUICK else [pytest.mark.slow])
+        for k, name in enumerate(TELLING)
+    ],
 )
 def test_material(worker: Worker, name: str, integrator: str) -> None:
     case = BY_NAME[name]

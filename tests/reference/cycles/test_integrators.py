@@ -31,6 +31,7 @@ CORNELL_ORIGINAL = (0.1972, 0.1277, 0.0364)
 """Mean R, G, B of the whole picture, linear, on which three other renderers agree."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["cornell_box_100k", "interior", "instances"])
 def test_splat_agrees_with_the_path_tracer(worker: Worker, name: str) -> None:
     case = CASE[name]

@@ -21,7 +21,7 @@ import numpy as np
 
 from tests.reference.cycles.cases import Case
 from tests.support.hang import killed_if_hung
-from tests.support.paths import ROOT
+from tests.support.paths import ROOT, environment
 
 
 class Worker:
@@ -76,16 +76,11 @@ class Worker:
         return np.load(output).astype(np.float64), said["statistics"]
 
     def _start(self) -> None:
-        path = os.pathsep.join([str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])])
-        environment = os.environ | {
-            "BLENDER_USER_RESOURCES": str(self.scratch / "blender"),
-            "PYTHONPATH": path,
-        }
         command = [sys.executable, "-m", "tests.reference.cycles.worker"]
         self.process = subprocess.Popen(
             command,
             cwd=ROOT,
-            env=environment,
+            env=environment(self.scratch / "blender"),
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             text=True,

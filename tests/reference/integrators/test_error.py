@@ -48,7 +48,7 @@ def test_the_estimate_is_the_error(halves: np.ndarray, passes: int) -> None:
     """
     measured, estimated = [], []
     for seed in range(8):
-        result = c.shoot(room(pixels=24), passes=passes, photons_per_pass=20_000, seed=seed)
+        result = c.shoot(room(pixels=24), passes=passes, photons_per_pass=6_000, seed=seed)
         luminance = result.passes["Combined"][..., :3] @ LUMINANCE
         measured.append((luminance - halves[0]) * (luminance - halves[1]))
         estimated.append(result.passes["Error"][..., 0] ** 2)

@@ -14,7 +14,7 @@ from photon_splat.core.render.session import render
 from photon_splat.core.render.settings import FinalGather, Integrator, RenderSettings
 from photon_splat.core.scene import Scene
 
-from tests.reference.integrators.test_fallback import leaves
+from tests.reference.integrators.scenes import leaves, mean_of_leaves
 from tests.robustness.test_degenerate import room
 from tests.support import corescene as c
 
@@ -24,9 +24,6 @@ ON = FinalGather.ON
 @pytest.mark.parametrize("roughness", [None, 0.05, 0.3])
 def test_the_mean_is_the_path_tracers(roughness: float | None) -> None:
     """Without shiny things, with caustic photons of their own, and with a gloss that both share."""
-    reference = c.picture(
-        leaves(roughness), Integrator.REFERENCE, passes=800, max_bounces=12, seed=1
-    )
     picture = c.picture(
         leaves(roughness),
         passes=100,
@@ -35,7 +32,7 @@ def test_the_mean_is_the_path_tracers(roughness: float | None) -> None:
         seed=2,
         final_gather=ON,
     )
-    assert picture.mean() == pytest.approx(reference.mean(), rel=0.01)
+    assert picture.mean() == pytest.approx(mean_of_leaves(roughness), rel=0.01)
 
 
 @pytest.mark.parametrize("bounces", [1, 2])
@@ -120,13 +117,17 @@ def test_paths_bring_all_where_photons_would_be_more_work(roughness: float | Non
         "bring all of the indirect light" in sentence
         for sentence in result.statistics["plan"]["sentences"]
     )
-    reference = c.picture(
-        leaves(roughness), passes=600, integrator=Integrator.REFERENCE, max_bounces=12, seed=3
-    )
-    assert result.noisy.mean() == pytest.approx(reference.mean(), rel=0.015)
-    again = c.shoot(leaves(roughness), passes=60, denoise=True, threads=3, **given)
-    assert again.noisy is not None
-    assert np.array_equal(again.noisy, result.noisy)
+    assert result.noisy.mean() == pytest.approx(mean_of_leaves(roughness), rel=0.015)
+
+
+@pytest.mark.parametrize("roughness", [None, 0.3])
+def test_threads_do_not_matter_where_paths_bring_all(roughness: float | None) -> None:
+    given = {"passes": 8, "photons_per_pass": 20_000, "max_bounces": 12, "denoise": True}
+    one, two = (c.shoot(leaves(roughness), threads=n, **given) for n in (1, 3))
+    assert one.statistics["fallback"]["everywhere"]
+    assert one.noisy is not None
+    assert two.noisy is not None
+    assert np.array_equal(one.noisy, two.noisy)
 
 
 def test_photons_bring_what_would_be_more_work_for_paths() -> None:

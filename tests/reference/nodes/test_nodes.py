@@ -5,7 +5,6 @@ compiled is named.
 from __future__ import annotations
 
 import json
-import os
 import subprocess
 import sys
 import tempfile
@@ -13,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.support.paths import ROOT
+from tests.support.paths import ROOT, environment
 
 
 @pytest.mark.smoke
@@ -21,10 +20,8 @@ def test_every_node_agrees_with_cycles(tmp_path: Path) -> None:
     """All cases are rendered at once, which is quick: hundreds of materials on one board."""
     found = tmp_path / "nodes.json"
     with tempfile.TemporaryDirectory() as home:
-        path = os.pathsep.join([str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])])
-        environment = os.environ | {"BLENDER_USER_RESOURCES": home, "PYTHONPATH": path}
         command = [sys.executable, "-m", "tests.reference.nodes.run", "--json", str(found)]
-        subprocess.run(command, cwd=ROOT, env=environment, check=True, capture_output=True)
+        subprocess.run(command, cwd=ROOT, env=environment(home), check=True, capture_output=True)
     result = json.loads(found.read_text())
     print(f"{result['passed']} of {result['total']} cases of nodes agree with Cycles")
     assert result["failed"] == {}

@@ -89,7 +89,7 @@ def test_a_fly_through_does_not_flicker() -> None:
     """Failure 17: what is seen twice differs by no more than Monte Carlo noise between still
     pictures of different seeds.
     """
-    settings = {"passes": 8, "photons_per_pass": 40_000}
+    settings = {"passes": 8, "photons_per_pass": 15_000}
     frames = [bounced(c.shoot(_over_floor(k), seed=0, **settings).passes) for k in range(4)]
     moved = np.mean([((a[:, 1:] - b[:, :-1]) ** 2).mean() for a, b in pairwise(frames)])
     still = [bounced(c.shoot(_over_floor(0), seed=k, **settings).passes) for k in range(4)]
