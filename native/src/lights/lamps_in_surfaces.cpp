@@ -2,7 +2,7 @@
 // is no obstacle, and photons start clear of it; here that decides whether the lamp lights
 // anything. As in Cycles rays decide that go to the very place on the lamp, and rounding with them:
 // all estimators ask the same.
-#include "lights/photon_emitter.h"
+#include "lights/emission/photon_emitter.h"
 
 namespace photon_splat {
 namespace {

@@ -1,6 +1,6 @@
 #include "lights/lights.h"
 
-#include "lights/photon_emitter.h"
+#include "lights/emission/photon_emitter.h"
 
 namespace photon_splat {
 namespace {

@@ -9,7 +9,7 @@
 #include <optional>
 
 #include "lights/close_light.h"
-#include "lights/emission_discs.h"
+#include "lights/emission/emission_discs.h"
 #include "lights/environment.h"
 #include "lights/environment_guide.h"
 #include "lights/lamp.h"

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "density/surface_filter.h"
-#include "lights/photon_emitter.h"
+#include "lights/emission/photon_emitter.h"
 #include "photons/photon_join.h"
 #include "photons/photon_paths.h"
 #include "scene/camera.h"

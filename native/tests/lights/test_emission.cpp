@@ -1,4 +1,4 @@
-#include "lights/photon_emitter.h"
+#include "lights/emission/photon_emitter.h"
 
 #include <doctest/doctest.h>
 

@@ -2,7 +2,7 @@
 
 #include <doctest/doctest.h>
 
-#include "lights/photon_emitter.h"
+#include "lights/emission/photon_emitter.h"
 #include "support/meshes.h"
 #include "support/programs.h"
 

@@ -1,5 +1,5 @@
 // Photons start in proportion to power, or where a guide sends them: one by one, or many at once.
-#include "lights/photon_emitter.h"
+#include "lights/emission/photon_emitter.h"
 #include "math/random_streams.h"
 
 namespace photon_splat {

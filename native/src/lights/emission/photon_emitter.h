@@ -2,8 +2,8 @@
 // at what makes caustics.
 #pragma once
 
-#include "lights/emission_guide.h"
-#include "lights/emission_targets.h"
+#include "lights/emission/emission_guide.h"
+#include "lights/emission/emission_targets.h"
 #include "lights/lights.h"
 
 namespace photon_splat {

@@ -12,7 +12,7 @@
 //   kParallel  suns and the world: the direction. The targets draw another place on the disc across
 //   it. Densities are relative to a
 //              uniform one on the disc that shows all of the scene.
-#include "lights/photon_emitter.h"
+#include "lights/emission/photon_emitter.h"
 #include "math/table.h"
 
 namespace photon_splat {
