@@ -33,4 +33,21 @@ endif()
 # Embree is the one that Blender has loaded: found by its soname, never by a path.
 set_target_properties(photon_splat_native PROPERTIES SKIP_BUILD_RPATH ON INSTALL_RPATH "")
 
+# Types and docstrings for type checkers and editors. Python imports the module for that, with the Embree that it is
+# linked to; a package of stubs is where PEP 561 has checkers look for those of a single module.
+set(stubs "${CMAKE_CURRENT_BINARY_DIR}/photon_splat_native-stubs/__init__.pyi")
+set(environment "")
+if(UNIX AND NOT APPLE)
+  get_filename_component(embree_folder "${EMBREE_LIBRARY}" DIRECTORY)
+  set(environment "LD_LIBRARY_PATH=${embree_folder}:$ENV{LD_LIBRARY_PATH}")
+endif()
+if(NOT PHOTON_SPLAT_SANITIZE)
+  add_custom_command(OUTPUT "${stubs}" DEPENDS photon_splat_native VERBATIM
+    COMMAND "${CMAKE_COMMAND}" -E make_directory "${CMAKE_CURRENT_BINARY_DIR}/photon_splat_native-stubs"
+    COMMAND "${CMAKE_COMMAND}" -E env ${environment}
+      "${Python_EXECUTABLE}" -m nanobind.stubgen -q -m photon_splat_native -i "$<TARGET_FILE_DIR:photon_splat_native>" -o "${stubs}")
+  add_custom_target(photon_splat_native_stubs ALL DEPENDS "${stubs}")
+  install(FILES "${stubs}" DESTINATION photon_splat_native-stubs)
+endif()
+
 install(TARGETS photon_splat_native LIBRARY DESTINATION . RUNTIME DESTINATION .)

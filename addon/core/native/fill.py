@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import asdict
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -262,7 +262,7 @@ def place_camera(renderer: Renderer, camera: Camera, frame: Frame) -> None:
         filter_width=frame.filter_width,
     )
     if camera.panorama is not None:
-        panorama = {
+        panorama: dict[str, Any] = {
             k: list(v) if isinstance(v, tuple) else v for k, v in asdict(camera.panorama).items()
         }
         renderer.set_panorama(**panorama | {"kind": str(camera.panorama.kind)})

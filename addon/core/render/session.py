@@ -449,7 +449,7 @@ def _denoise(
 def _statistics(
     start: Start, worker: _Worker, scene: Scene, started: float, export_seconds: float
 ) -> Statistics:
-    statistics = start.renderer.statistics()
+    statistics: Any = start.renderer.statistics()
     statistics["seconds"] |= {"export": export_seconds, "total": time.monotonic() - started}
     statistics |= {
         "passes": worker.passes_done,

@@ -87,7 +87,8 @@ void bind_options(nb::module_& m) {
               "Things and walls inside of discs; part of boundary_correction.")
       .def_rw("fallback", &RenderOptions::fallback,
               "Camera paths go on for indirect light where photons serve badly.")
-      .def_rw("final_gather", &RenderOptions::final_gather)
+      .def_rw("final_gather", &RenderOptions::final_gather,
+              "Camera paths take one more bounce before photons light them.")
       .def_rw("seed", &RenderOptions::seed, "Of all random numbers, 32 bits.")
       .def_rw("kernel", &RenderOptions::kernel,
               "Of the splatter: 'generic', 'sse42', 'avx2', 'avx512'; '': the fastest.")
@@ -117,9 +118,9 @@ void bind_render(nb::module_& m, RendererClass& renderer) {
           "Acceleration structure, lights, photon maps, an empty film. After everything has been added. ValueError for a\n"
           "light group that does not exist or a kernel that this machine does not run.")
       .def(
-          "render_pass", &render_pass, "pass"_a, "seconds"_a = INFINITY, "paths_per_batch"_a = 0,
+          "render_pass", &render_pass, "number"_a, "seconds"_a = INFINITY, "paths_per_batch"_a = 0,
           "splatter"_a = nb::none(),
-          "Pass number `pass`, from 0 on: camera samples, photons, film. Where `seconds` do not suffice it has fewer\n"
+          "The pass `number`, from 0 on: camera samples, photons, film. Where `seconds` do not suffice it has fewer\n"
           "photons, one batch at the least. paths_per_batch: of photons, 0 for as many as suit the points. splatter: an\n"
           "object whose begin_pass(), add_photons() and finish_pass() splat elsewhere what this holds (photon_count,\n"
           "photon_runs(), point_atlas(), set_sums()); False from one of them: it cannot go on, and its photons are\n"
@@ -150,7 +151,7 @@ void bind_render(nb::module_& m, RendererClass& renderer) {
   // The stages of a pass, in this order; those between trace_camera() and resolve() for each map.
   renderer
       .def(
-          "trace_camera", &Renderer::trace_camera, "pass"_a, released,
+          "trace_camera", &Renderer::trace_camera, "number"_a, released,
           "Stage 1: camera samples with their direct light, and gather points where photons are wanted.")
       .def_prop_ro(
           "photon_maps", &Renderer::map_count,
@@ -159,7 +160,7 @@ void bind_render(nb::module_& m, RendererClass& renderer) {
           "select_photon_map", &Renderer::select_map, "number"_a,
           "The one that points, photons and splats are about from now on; 0 at first. IndexError for another one.")
       .def(
-          "place_points", &Renderer::place_points, "pass"_a, released,
+          "place_points", &Renderer::place_points, "number"_a, released,
           "Stage 2: visible points for the gather points, with their radii and kernel masses; sums are 0. The first time\n"
           "a pilot is traced that chooses radii. RuntimeError before trace_camera().")
       .def_prop_ro(

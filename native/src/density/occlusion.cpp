@@ -23,8 +23,8 @@ constexpr float kRim = 0.98f;
 constexpr float kCover = 0.12f;
 constexpr float kTouching = 1e-3f;
 constexpr float kGolden = 2.39996323f;
-constexpr int kSteps =
-    3;  // away from walls: from one, from another that stands across the first, and once more
+// Away from walls: from one, from another that stands across the first, and once more
+constexpr int kSteps = 3;
 constexpr float kPastRim = 1.05f;   // of a disc's radius: so far from its middle a wall is to be
 constexpr float kFurthest = 3;      // of it: so far a disc may be moved
 constexpr float kBentReach = 0.7f;  // of a bent disc's radius: further off it has little weight

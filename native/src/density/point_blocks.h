@@ -1,4 +1,4 @@
-// The visible points of a layer, block by block.
+// Visible points, block by block.
 #pragma once
 
 #include "density/point_block.h"

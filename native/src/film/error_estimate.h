@@ -1,5 +1,5 @@
-// How far each pixel may be from the truth: its noise from differences between passes, its blur
-// from discs of two sizes.
+// How far each pixel may be from what all passes together would show: its noise from differences
+// between passes, its blur from discs of two sizes.
 #pragma once
 
 #include "film/packed_film.h"

@@ -5,8 +5,8 @@
 
 #include <optional>
 
+#include "lights/emission/photon_start.h"
 #include "lights/light_sample.h"
-#include "lights/photon_start.h"
 
 namespace photon_splat {
 

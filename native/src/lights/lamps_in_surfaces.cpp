@@ -2,7 +2,7 @@
 // is no obstacle, and photons start clear of it; here that decides whether the lamp lights
 // anything. As in Cycles rays decide that go to the very place on the lamp, and rounding with them:
 // all estimators ask the same.
-#include "lights/lights.h"
+#include "lights/emission/photon_emitter.h"
 
 namespace photon_splat {
 namespace {
@@ -62,7 +62,7 @@ float Lights::reach_of_exact(float far) const { return any_exact_ ? far * (1 + k
 
 // Starts clear of the surface; what it meets first is lit if the lamp's place can be seen from
 // there.
-void Lights::start_exactly(uint32_t emitter, PhotonStart& start) const {
+void PhotonEmitter::start_exactly(uint32_t emitter, PhotonStart& start) const {
   start.exact = static_cast<int32_t>(emitter);
   start.place = start.origin;
   start.origin += lamps_[emitters_[emitter].lamp].forward * (kClear * ray_epsilon(start.origin, 0));

@@ -1,5 +1,7 @@
 #include "lights/lights.h"
 
+#include "lights/emission/photon_emitter.h"
+
 namespace photon_splat {
 namespace {
 
@@ -84,7 +86,7 @@ void Lights::add_lamp(const LampSettings& settings) {
     e.importance *= mean;
     e.power *= mean;
   }
-  if (settings.kind != LampKind::kSun) e.power *= near_share(lamp.center);
+  if (settings.kind != LampKind::kSun) e.power *= near_share(scene_, lamp.center);
   if (!(e.power > 0)) return;
   e.lit_groups = settings.lit_groups;
   e.blockers = settings.blockers;
@@ -133,7 +135,7 @@ void Lights::add_emissive_instances() {
       for (size_t t = 0; t < e.mesh.cdf.size(); ++t) {
         const Vec3* corner = e.mesh.triangles[t].corner;
         close += double(e.mesh.cdf[t] - (t ? e.mesh.cdf[t - 1] : 0)) *
-                 near_share((corner[0] + corner[1] + corner[2]) / 3.0f);
+                 near_share(scene_, (corner[0] + corner[1] + corner[2]) / 3.0f);
       }
       e.power = std::max(close, 1e-12 * sum) * kPi;
     }
@@ -148,7 +150,8 @@ float Lights::mean_of_program(const Lamp& lamp) const {
   double sum = 0;
   float most = 0;
   for (uint32_t i = 0; i < kProbes; ++i) {
-    PhotonStart start = emit_lamp(lamp, 0.75f, sobol_2d(i, 0, 0), sobol_2d(i, 1, 0));
+    PhotonStart start =
+        PhotonEmitter(*this).emit_lamp(lamp, 0.75f, sobol_2d(i, 0, 0), sobol_2d(i, 1, 0));
     const float found =
         average(lamp_program(scene_, lamp, start.origin, start.direction,
                              lamp.s.kind == LampKind::kSun ? INFINITY : scene_.near_radius()));

@@ -9,9 +9,7 @@
 #include <optional>
 
 #include "lights/close_light.h"
-#include "lights/emission_discs.h"
-#include "lights/emission_guide.h"
-#include "lights/emission_targets.h"
+#include "lights/emission/emission_discs.h"
 #include "lights/environment.h"
 #include "lights/environment_guide.h"
 #include "lights/lamp.h"
@@ -19,6 +17,28 @@
 #include "lights/mesh_light.h"
 
 namespace photon_splat {
+
+// Something that emits: a lamp or an emissive instance. `importance` over squared distance ranks
+// them.
+struct Emitter {
+  int lamp = -1;
+  uint32_t instance = 0;
+  Vec3 center;
+  float radius = 0;  // bounding sphere
+  Bounds bounds;
+  float importance = 0;
+  uint64_t lit_groups = ~uint64_t{0}, blockers = ~uint64_t{0};
+  int16_t light_group = kNoLightGroup;
+  RayMask seen_by = kAllRays;
+  uint32_t max_bounces = ~0u;
+  bool met_by_rays = true, casts_shadows = true;
+  double power = 0;
+  // Of a sun: through a surface that faces it, mean over RGB, W/m^2
+  double parallel_flux = 0;
+  bool exact = false;    // lies in a surface: lamps_in_surfaces.cpp
+  float over_share = 0;  // one over its share of all lights' power
+  MeshLight mesh{};      // of an instance
+};
 
 class Lights {
  public:
@@ -79,65 +99,24 @@ class Lights {
   // aimed.
   void focus(const Vec3& center, float radius);
   bool focused() const { return discs_.focused(); }
-  double total_power() const { return total_power_; }  // W, mean over RGB
 
-  // Photon number `index` of the stream `seed` starts in proportion to power, or where `guide`
-  // sends it.
-  EmissionPrimary primary(uint64_t index, uint32_t seed, const EmissionGuide* guide) const {
-    EmissionPrimary out;
-    primaries(index, 1, seed, guide, &out);
-    return out;
-  }
-  // The same for `count` <= SobolPair::kMost indices in a row.
-  void primaries(uint64_t first, uint32_t count, uint32_t seed, const EmissionGuide* guide,
-                 EmissionPrimary* out) const;
-  PhotonStart emit(const EmissionPrimary& primary) const;
-  // The same for `count` <= SobolPair::kMost at once, bit for bit; vectors of lanes.
-  void emit(const EmissionPrimary* primaries, uint32_t count, PhotonStart* out) const;
-  // What the program of the photon's lamp makes of its power at the first surface that scatters it,
-  // `distance` away at `receiver`.
-  Rgb first_hit_factor(const PhotonStart& start, const Vec3& receiver, float distance) const;
-  // A guide for these emitters that has learnt nothing yet.
-  EmissionGuide make_guide() const;
-
-  // A mixture that aims all but an eighth of the photons at the spheres (those of weight 0
-  // excepted). One share of natural emission more makes sure that no light is lost, wherever it
-  // goes.
-  EmissionTargets aim_at(std::vector<EmissionTargets::Sphere> spheres) const;
-  // Photon number `index` of the stream `seed`. Its power is that of the whole light field divided
-  // by the mixture's density, so that sums over photons have the same expectation as with emit().
-  // Without targets: natural emission.
-  PhotonStart emit_towards(const EmissionTargets& targets, uint64_t index, uint32_t seed) const;
+  const Scene& scene() const { return scene_; }
+  const EmissionDiscs& discs() const { return discs_; }
+  const std::vector<Lamp>& lamps() const { return lamps_; }
+  // In the order of power_cdf(), where the world comes last.
+  const std::vector<Emitter>& emitters() const { return emitters_; }
+  const std::vector<double>& power_cdf() const { return power_cdf_; }
+  // W, mean over RGB; these change with focus().
+  const double& total_power() const { return total_power_; }
+  const double& world_power() const { return world_power_; }
+  const float& over_world_share() const { return over_world_share_; }
 
  private:
   static constexpr size_t kFewEmitters = 32;  // up to here every emitter is ranked at every point
-  // Something that emits: a lamp or an emissive instance. `importance` over squared distance ranks
-  // them.
-  struct Emitter {
-    int lamp = -1;
-    uint32_t instance = 0;
-    Vec3 center;
-    float radius = 0;  // bounding sphere
-    Bounds bounds;
-    float importance = 0;
-    uint64_t lit_groups = ~uint64_t{0}, blockers = ~uint64_t{0};
-    int16_t light_group = kNoLightGroup;
-    RayMask seen_by = kAllRays;
-    uint32_t max_bounces = ~0u;
-    bool met_by_rays = true, casts_shadows = true;
-    double power = 0;
-    // Of a sun: through a surface that faces it, mean over RGB, W/m^2
-    double parallel_flux = 0;
-    bool exact = false;    // lies in a surface: lamps_in_surfaces.cpp
-    float over_share = 0;  // one over its share of all lights' power
-    MeshLight mesh{};      // of an instance
-  };
-
   bool lies_in_surface(const Lamp& lamp, uint32_t& instance) const;
   void find_lamps_in_surfaces();
   // How far off such a lamp may be found before something `far` off
   float reach_of_exact(float far) const;
-  void start_exactly(uint32_t emitter, PhotonStart& start) const;
   void add_lamp(const LampSettings& settings);
   void add_emissive_instances();
   float emitter_weight(const Emitter& e, const Receiver& to) const;
@@ -168,40 +147,7 @@ class Lights {
   // (if any) says where.
   Rgb lamp_radiance_met(const Lamp& lamp, const Vec3& origin, const Vec3& direction, float near,
                         float far, float& pdf, float* distance = nullptr) const;
-  PhotonStart emit_lamp(const Lamp& lamp, float coin, const Vec2& place, const Vec2& way) const;
-  // With what is the same for all that its emitter sends.
-  PhotonStart& finished(PhotonStart& start, const EmissionPrimary& primary) const;
-  void emit_meshes(const EmissionPrimary* primaries, const uint32_t* which, uint32_t count,
-                   PhotonStart* out) const;
-  void emit_areas(const EmissionPrimary* primaries, const uint32_t* which, uint32_t count,
-                  PhotonStart* out) const;
-  // A photon that is not weighted yet, and what its weight is made of: photon_aiming.cpp.
-  struct Draft;
-  Draft natural_draft(uint32_t emitter, const Vec2& pick, const Vec2& place, const Vec2& way) const;
-  Draft aimed_draft(uint32_t emitter, const EmissionTargets::Sphere& target, const Vec2& pick,
-                    const Vec2& place, const Vec2& way) const;
-  void cross_scene(Draft& draft) const;
-  void weigh_parallel(Draft& draft) const;
-  void weigh_lamp(const Lamp& lamp, Draft& draft) const;
-  void weigh_mesh(const Emitter& e, const MeshPoint& point, Draft& draft) const;
-  float aimed_density(const Draft& draft, const EmissionTargets::Sphere& target, bool own) const;
-  double flux_between(uint32_t emitter, const EmissionTargets::Sphere& target) const;
-  PhotonStart emit_parallel(const Vec3& direction, const Vec2& place) const;
-  PhotonStart emit_world(const Vec2& place, const Vec2& way) const;
-  Vec3 parallel_origin(const Vec3& direction, const Vec3& through, const Vec3& outside,
-                       float width) const;
   void share_power();
-  // Where other things are very far off, photons of lamps and meshes there are aimed at spheres
-  // around what is near as well: photon_aiming.cpp.
-  float near_sphere(int k) const {
-    return scene_.near_radius() * static_cast<float>(1 << 2 * k) * 1.0001f;
-  }
-  // How many a light at that distance from the origin has
-  int near_spheres(float distance) const;
-  // About the share of photons from there that so come to be drawn
-  double near_share(const Vec3& x) const;
-  PhotonStart emit_nearby(const EmissionPrimary& primary) const;
-  void start_nearby(const Vec3& across, PhotonStart& start) const;
   // False where the emitter is to be sampled by area.
   bool see_close(const Emitter& e, const Receiver& to, CloseLight& out) const;
 

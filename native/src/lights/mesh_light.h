@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "lights/emission/photon_start.h"
 #include "lights/light_sample.h"
-#include "lights/photon_start.h"
 
 namespace photon_splat {
 

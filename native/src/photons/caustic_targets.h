@@ -1,7 +1,7 @@
 // What can focus light into caustics, as spheres to aim photons at.
 #pragma once
 
-#include "lights/emission_targets.h"
+#include "lights/emission/emission_targets.h"
 #include "scene/scene.h"
 
 namespace photon_splat {

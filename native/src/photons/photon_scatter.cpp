@@ -125,7 +125,7 @@ void PhotonTracer::store(const Path& path, const Surface& hit, const Vec3& direc
 // nothing.
 bool PhotonTracer::light_up(Path& path, const Surface& hit, const PhotonStart& start) const {
   if (path.bounces > 0 || start.shaded_by < 0) return true;
-  const Rgb factor = lights_.first_hit_factor(start, hit.position, path.travelled + hit.distance);
+  const Rgb factor = emitter_.first_hit_factor(start, hit.position, path.travelled + hit.distance);
   path.power *= factor;
   path.reference *= max_component(factor);
   return path.reference > 0;

@@ -59,8 +59,8 @@ void PhotonTracer::Travellers::put(uint32_t i, const Path& path, const Vec3& ori
 }
 
 PhotonStart PhotonTracer::start(uint64_t index, uint32_t seed) const {
-  if (targets_) return lights_.emit_towards(*targets_, index, seed);
-  return lights_.emit(lights_.primary(index, seed, guide_ ? &*guide_ : nullptr));
+  if (targets_) return emitter_.emit_towards(*targets_, index, seed);
+  return emitter_.emit(emitter_.primary(index, seed, guide_ ? &*guide_ : nullptr));
 }
 
 void PhotonTracer::start(uint64_t first, uint32_t count, uint32_t seed, PhotonStart* starts) const {
@@ -69,8 +69,8 @@ void PhotonTracer::start(uint64_t first, uint32_t count, uint32_t seed, PhotonSt
     return;
   }
   EmissionPrimary primaries[kStartsAtOnce];
-  lights_.primaries(first, count, seed, guide_ ? &*guide_ : nullptr, primaries);
-  lights_.emit(primaries, count, starts);
+  emitter_.primaries(first, count, seed, guide_ ? &*guide_ : nullptr, primaries);
+  emitter_.emit(primaries, count, starts);
 }
 
 unsigned PhotonTracer::seen_by_all(const RayHits& hits, unsigned which) const {
@@ -275,7 +275,7 @@ const Photons* PhotonTracer::learn_emission(uint64_t paths, uint32_t seed,
   targets_.reset();
   if (lights_.total_power() <= 0 || max_bounces_ < 1) return nullptr;
   if (stream_ == PhotonStream::kCaustic) {
-    targets_ = lights_.aim_at(caustic_targets(scene_));
+    targets_ = emitter_.aim_at(caustic_targets(scene_));
     Usefulness useful{nullptr, places, {}};
     trace(0, paths, static_cast<double>(paths), seed, visible, cancel, &useful);
     for (uint64_t i = 0; i < paths; ++i) targets_->learn(start(i, seed), useful.of_path[i]);
@@ -285,11 +285,11 @@ const Photons* PhotonTracer::learn_emission(uint64_t paths, uint32_t seed,
   Usefulness useful{&visible, places, {}};
   const Photons& photons =
       trace(0, paths, static_cast<double>(paths), seed, stored, cancel, &useful);
-  EmissionGuide guide = lights_.make_guide();
+  EmissionGuide guide = emitter_.make_guide();
   uint64_t useful_paths = 0;
   for (uint64_t i = 0; i < paths; ++i) {
     useful_paths += useful.of_path[i] > 0;
-    guide.learn(lights_.primary(i, seed, nullptr), useful.of_path[i]);
+    guide.learn(emitter_.primary(i, seed, nullptr), useful.of_path[i]);
   }
   if (static_cast<double>(useful_paths) > kUsefulShare * static_cast<double>(paths) ||
       !useful_paths)

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "density/surface_filter.h"
-#include "lights/lights.h"
+#include "lights/emission/photon_emitter.h"
 #include "photons/photon_join.h"
 #include "photons/photon_paths.h"
 #include "scene/camera.h"
@@ -33,6 +33,7 @@ class PhotonTracer {
   PhotonTracer(Scene& scene, const Lights& lights, int max_bounces, PhotonStream stream)
       : scene_(scene),
         lights_(lights),
+        emitter_(lights),
         max_bounces_(max_bounces),
         stream_(stream),
         bounce_(choose_bounce_kernel()) {}
@@ -156,6 +157,7 @@ class PhotonTracer {
 
   Scene& scene_;
   const Lights& lights_;
+  PhotonEmitter emitter_;
   int max_bounces_;
   PhotonStream stream_;
   BounceKernel bounce_;

@@ -543,75 +543,6 @@ Surface Scene::surface_at(uint32_t index, uint32_t triangle, float u, float v, b
   return s;
 }
 
-namespace {
-
-ShadingPoint shading_point(const Surface& s, const Vec3& wo, const RayInfo& ray) {
-  ShadingPoint p;
-  p.position = s.position;
-  p.ng = s.ng;
-  p.ns = s.ns;
-  p.wo = wo;
-  p.back = s.back;
-  p.instance = s.instance;
-  p.triangle = s.triangle;
-  p.u = s.u;
-  p.v = s.v;
-  p.ray = ray;
-  p.ray.length = s.distance - ray.from;
-  return p;
-}
-
-}  // namespace
-
-void Scene::shade(const Surface& s, const Vec3& wo, const RayInfo& ray, Bsdf& bsdf) const {
-  if (s.program) {
-    run_program(*this, *s.program, shading_point(s, wo, ray), bsdf);
-  } else {
-    const Vec3 front_normal = s.back ? -s.ns : s.ns;
-    bsdf.add_diffuse(albedo(s), front_normal, 0);
-    bsdf.add_emission(textured(s.side->emission, s.side->emission_texture, s));
-  }
-  bsdf.finish();
-}
-
-Rgb Scene::emission_at(const Material& material, uint32_t instance, uint32_t triangle, float u,
-                       float v, bool back, const Vec3& wo) const {
-  const MaterialSide& side = back ? material.back : material.front;
-  if (material.program < 0 && side.emission_texture < 0) return side.emission;
-  return emission(surface_at(instance, triangle, u, v, back), wo, {RayInfo::kEmission});
-}
-
-Rgb Scene::emission(const Surface& s, const Vec3& wo, const RayInfo& ray) const {
-  if (!s.program) return textured(s.side->emission, s.side->emission_texture, s);
-  if (!(s.program->features & kProgramEmits)) return {};
-  Bsdf bsdf(Transport::kRadiance, wo, s.ng, s.ns, s.back);
-  run_program(*this, *s.program, shading_point(s, wo, ray), bsdf);
-  return bsdf.emission();
-}
-
-Rgb Scene::transmittance(const Vec3& origin, const Vec3& direction, float far, const RayInfo& ray,
-                         uint64_t blockers) const {
-  constexpr RayMask kShadow = ray_bit(RayInfo::kShadow);
-  if (!blockers || !occluded(origin, direction, 0, far, kShadow)) return {1, 1, 1};
-  if (!~blockers && !(features_ & kProgramTransparent)) return {};
-  Rgb through{1, 1, 1};
-  RayInfo info = ray;
-  info.kind = RayInfo::kShadow;
-  info.singular = info.through = false;
-  info.from = 0;
-  Surface s;
-  for (float near = 0; intersect(origin, direction, near, far, false, s, kShadow); near = past(s)) {
-    if (!(blockers & instances[s.instance].group)) continue;
-    if (!may_be_transparent(s)) return {};
-    Bsdf bsdf(Transport::kRadiance, -direction, s.ng, s.ns, s.back);
-    run_program(*this, *s.program, shading_point(s, -direction, info), bsdf);
-    through *= bsdf.transparency();
-    if (max_component(through) < 1e-6f) return {};
-    ++info.transparent_depth;
-  }
-  return through;
-}
-
 const Material& Scene::material_of(uint32_t instance_index, uint32_t triangle) const {
   const Instance& instance = instances[instance_index];
   const Lookup& lookup = lookups_[instance_index];
@@ -626,11 +557,6 @@ Vec2 Scene::uv_at(uint32_t instance, uint32_t triangle, float u, float v) const 
   const Vec2* uv = &mesh.uv[3 * static_cast<size_t>(triangle)];
   const float w = 1 - u - v;
   return {uv[0].x * w + uv[1].x * u + uv[2].x * v, uv[0].y * w + uv[1].y * u + uv[2].y * v};
-}
-
-Rgb Scene::textured(const Rgb& factor, int texture, const Surface& s) const {
-  if (texture < 0) return factor;
-  return factor * textures[texture].lookup(uv_at(s.instance, s.triangle, s.u, s.v));
 }
 
 }  // namespace photon_splat

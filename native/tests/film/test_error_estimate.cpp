@@ -89,16 +89,16 @@ TEST_CASE(
       pixel.emission = {v, v, v};
       sums[i] += v;
     });
-    double truth = 0;
+    double reference = 0;
     for (uint32_t i = 0; i < sums.size(); ++i) {
       double area = 0;  // by a fine grid
       for (int k = 0; k < 400; ++k)
         area +=
             std::clamp(0.2 + to_unit_float(hash32(i + 77)) - 0.5 * (k + 0.5) / 400, 0.0, 1.0) / 400;
-      truth += std::pow(sums[i] / passes - area, 2);
+      reference += std::pow(sums[i] / passes - area, 2);
     }
-    const double ratio =
-        std::sqrt(truth / static_cast<double>(sums.size())) / root_mean_square(errors.variance());
+    const double ratio = std::sqrt(reference / static_cast<double>(sums.size())) /
+                         root_mean_square(errors.variance());
     CHECK(ratio > 0.65);
     CHECK(ratio < 0.9);
   }

@@ -1,4 +1,4 @@
-#include "lights/lights.h"
+#include "lights/emission/photon_emitter.h"
 
 #include <doctest/doctest.h>
 
@@ -128,11 +128,12 @@ TEST_CASE(
     Scene scene(1);
     fill_for(scene, lights);
     const Lights all(scene, lights.lamps);
-    const EmissionTargets aimed = all.aim_at(targets);
-    const auto natural = flux_through(
-        probes, 8 * count, [&](uint64_t i) { return all.emit(all.primary(i, 1, nullptr)); });
-    const auto towards =
-        flux_through(probes, count, [&](uint64_t i) { return all.emit_towards(aimed, i, 2); });
+    const EmissionTargets aimed = PhotonEmitter(all).aim_at(targets);
+    const auto natural = flux_through(probes, 8 * count, [&](uint64_t i) {
+      return PhotonEmitter(all).emit(PhotonEmitter(all).primary(i, 1, nullptr));
+    });
+    const auto towards = flux_through(
+        probes, count, [&](uint64_t i) { return PhotonEmitter(all).emit_towards(aimed, i, 2); });
     for (size_t s = 0; s < natural.size(); ++s) {
       CAPTURE(s);
       CAPTURE(natural[s].mean);
@@ -164,14 +165,17 @@ TEST_CASE(
     Lights all(scene, lights.lamps);
     const std::vector<EmissionTargets::Sphere> targets{{{0.9f, 0.2f, 0.3f}, 0.2f, 1},
                                                        {seen, 0.02f, 1}};
-    const auto wide = flux_through(
-        probes, 32 * count, [&](uint64_t i) { return all.emit(all.primary(i, 1, nullptr)); });
+    const auto wide = flux_through(probes, 32 * count, [&](uint64_t i) {
+      return PhotonEmitter(all).emit(PhotonEmitter(all).primary(i, 1, nullptr));
+    });
     all.focus(seen, 0.01f);
-    const auto focused = flux_through(
-        probes, 4 * count, [&](uint64_t i) { return all.emit(all.primary(i, 2, nullptr)); });
-    const EmissionTargets aimed = all.aim_at(targets);
-    const auto towards =
-        flux_through(probes, 4 * count, [&](uint64_t i) { return all.emit_towards(aimed, i, 4); });
+    const auto focused = flux_through(probes, 4 * count, [&](uint64_t i) {
+      return PhotonEmitter(all).emit(PhotonEmitter(all).primary(i, 2, nullptr));
+    });
+    const EmissionTargets aimed = PhotonEmitter(all).aim_at(targets);
+    const auto towards = flux_through(probes, 4 * count, [&](uint64_t i) {
+      return PhotonEmitter(all).emit_towards(aimed, i, 4);
+    });
     for (size_t s = 0; s < probes.size(); ++s) {
       CAPTURE(s);
       for (const auto& [a, b] :
@@ -195,7 +199,7 @@ TEST_CASE(
   const Lights all(scene, lights.lamps);
   for (const uint64_t first : {uint64_t{7}, (uint64_t{3} << 32) - 21, uint64_t{1} << 32}) {
     EmissionPrimary together[SobolPair::kMost];
-    all.primaries(first, SobolPair::kMost, 3, nullptr, together);
+    PhotonEmitter(all).primaries(first, SobolPair::kMost, 3, nullptr, together);
     for (uint32_t i = 0; i < SobolPair::kMost; ++i) {
       const uint64_t index = first + i;
       const uint32_t key = hash_combine(3, static_cast<uint32_t>(index >> 32));
@@ -220,10 +224,10 @@ TEST_CASE(
     for (const uint32_t count : {SobolPair::kMost, 5u}) {
       EmissionPrimary primaries[SobolPair::kMost];
       PhotonStart together[SobolPair::kMost];
-      all.primaries(11, count, 3, nullptr, primaries);
-      all.emit(primaries, count, together);
+      PhotonEmitter(all).primaries(11, count, 3, nullptr, primaries);
+      PhotonEmitter(all).emit(primaries, count, together);
       for (uint32_t i = 0; i < count; ++i) {
-        const PhotonStart one = all.emit(primaries[i]);
+        const PhotonStart one = PhotonEmitter(all).emit(primaries[i]);
         const auto same = [](const Vec3& a, const Vec3& b) {
           return a.x == b.x && a.y == b.y && a.z == b.z;
         };
@@ -244,10 +248,11 @@ TEST_CASE(
   Named lights{"area", {lamp_of(LampKind::kArea)}};
   fill_for(scene, lights);
   const Lights all(scene, lights.lamps);
-  const EmissionTargets aimed =
-      all.aim_at({{{0, 0, 9}, 0.1f, 1}, {{0, 0, 0}, 0, 1}, {{0, 0, 0}, 1, 0}, {{0, 0, 0}, NAN, 1}});
+  const EmissionTargets aimed = PhotonEmitter(all).aim_at(
+      {{{0, 0, 9}, 0.1f, 1}, {{0, 0, 0}, 0, 1}, {{0, 0, 0}, 1, 0}, {{0, 0, 0}, NAN, 1}});
   for (uint64_t i = 0; i < 64; ++i) {
-    const PhotonStart a = all.emit(all.primary(i, 3, nullptr)), b = all.emit_towards(aimed, i, 3);
+    const PhotonStart a = PhotonEmitter(all).emit(PhotonEmitter(all).primary(i, 3, nullptr)),
+                      b = PhotonEmitter(all).emit_towards(aimed, i, 3);
     CHECK(b.aim == -1);
     CHECK(length(a.origin - b.origin) < 1e-6f);
     CHECK(length(a.direction - b.direction) < 1e-6f);
@@ -261,15 +266,15 @@ TEST_CASE("what was learnt sends photons to the targets of use, and changes no e
   fill_for(scene, lights);
   const Lights all(scene, lights.lamps);
   const std::vector<EmissionTargets::Sphere> targets{{{0, 0, 0.5f}, 0.1f}, {{1, 1, 0.5f}, 0.1f}};
-  EmissionTargets aimed = all.aim_at(targets);
+  EmissionTargets aimed = PhotonEmitter(all).aim_at(targets);
   const auto count_of = [&](const EmissionTargets& a) {
     int first = 0;
-    for (uint64_t i = 0; i < 4096; ++i) first += all.emit_towards(a, i, 5).aim == 0;
+    for (uint64_t i = 0; i < 4096; ++i) first += PhotonEmitter(all).emit_towards(a, i, 5).aim == 0;
     return first;
   };
   const int before = count_of(aimed);
   for (uint64_t i = 0; i < 4096; ++i) {
-    const PhotonStart start = all.emit_towards(aimed, i, 5);
+    const PhotonStart start = PhotonEmitter(all).emit_towards(aimed, i, 5);
     aimed.learn(start, start.aim == 0 ? 1 : 0);
   }
   aimed.finish();
@@ -277,10 +282,11 @@ TEST_CASE("what was learnt sends photons to the targets of use, and changes no e
   CHECK(before == doctest::Approx(4096 * 7 / 16).epsilon(0.02));
   CHECK(after > before * 1.6);
   CHECK(after < 4096 * 7 / 8);
-  const auto natural = flux_through(
-      targets, 1 << 18, [&](uint64_t i) { return all.emit(all.primary(i, 1, nullptr)); });
-  const auto towards =
-      flux_through(targets, 1 << 16, [&](uint64_t i) { return all.emit_towards(aimed, i, 2); });
+  const auto natural = flux_through(targets, 1 << 18, [&](uint64_t i) {
+    return PhotonEmitter(all).emit(PhotonEmitter(all).primary(i, 1, nullptr));
+  });
+  const auto towards = flux_through(
+      targets, 1 << 16, [&](uint64_t i) { return PhotonEmitter(all).emit_towards(aimed, i, 2); });
   for (size_t s = 0; s < natural.size(); ++s)
     CHECK(std::abs(natural[s].mean - towards[s].mean) <
           4 * std::hypot(natural[s].error, towards[s].error));
@@ -300,12 +306,13 @@ TEST_CASE(
       LampSettings lamp = lamp_of(LampKind::kPoint, {7, -3, 11});
       lamp.radius = static_cast<float>(ratio * d);
       const Lights lights(scene, {lamp});
-      const EmissionTargets targets = lights.aim_at({{{0.4f, 0.6f, 0.9f}, 0.5f, 1}});
+      const EmissionTargets targets = PhotonEmitter(lights).aim_at({{{0.4f, 0.6f, 0.9f}, 0.5f, 1}});
       constexpr uint64_t count = 1 << 16;
       double sum = 0;
       for (uint64_t i = 0; i < count; ++i) {
         const PhotonStart start =
-            aimed ? lights.emit_towards(targets, i, 1) : lights.emit(lights.primary(i, 1, nullptr));
+            aimed ? PhotonEmitter(lights).emit_towards(targets, i, 1)
+                  : PhotonEmitter(lights).emit(PhotonEmitter(lights).primary(i, 1, nullptr));
         const double since = std::sqrt(d * d - double(start.soft_miss2));
         if (start.accepts(static_cast<float>(since) + start.soft_nearest))
           sum += average(start.power) / count;

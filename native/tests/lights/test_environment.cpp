@@ -2,7 +2,7 @@
 
 #include <doctest/doctest.h>
 
-#include "lights/lights.h"
+#include "lights/emission/photon_emitter.h"
 #include "support/meshes.h"
 #include "support/programs.h"
 
@@ -248,7 +248,8 @@ TEST_CASE("photons of the world carry its power through the scene's disc") {
   double sum = 0;
   constexpr uint32_t count = 1 << 16;
   for (uint32_t i = 0; i < count; ++i) {
-    const PhotonStart start = lights.emit(lights.primary(i, 3, nullptr));
+    const PhotonStart start =
+        PhotonEmitter(lights).emit(PhotonEmitter(lights).primary(i, 3, nullptr));
     REQUIRE(dot(start.direction, scene.center() - start.origin) > 0);
     sum += start.power.x;
   }

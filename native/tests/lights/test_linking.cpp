@@ -106,11 +106,11 @@ TEST_CASE(
       fill_room(traced, thing, 0.9f, false, lit);
       fill_room(splatted, thing, 0.9f, false, lit);
       fill_room(blocked, thing, 0.9f, true, lit);
-      const Rgb truth = mean_light(traced, 128, true), found = mean_light(splatted, 8, false);
+      const Rgb reference = mean_light(traced, 128, true), found = mean_light(splatted, 8, false);
       CHECK(splatted.map_count() == (thing == Thing::kGrey ? 1 : 2));
       for (int k = 0; k < 3; ++k)
-        CHECK((&found.x)[k] == doctest::Approx((&truth.x)[k]).epsilon(0.01));
-      CHECK(luminance(mean_light(blocked, 4, false)) < 0.97f * luminance(truth));
+        CHECK((&found.x)[k] == doctest::Approx((&reference.x)[k]).epsilon(0.01));
+      CHECK(luminance(mean_light(blocked, 4, false)) < 0.97f * luminance(reference));
     }
 }
 

@@ -54,7 +54,7 @@ double mean_indirect(const Film& film) {
 
 }  // namespace
 
-TEST_CASE("views from the store trace no photon, and the same view is the same bit for bit") {
+TEST_CASE("views of viewport photons trace none, and the same view is the same bit for bit") {
   for (int threads : {1, 3}) {
     Renderer renderer(threads);
     fill_box(renderer);
@@ -75,7 +75,7 @@ TEST_CASE("views from the store trace no photon, and the same view is the same b
   }
 }
 
-TEST_CASE("indirect light from the store is that of a render") {
+TEST_CASE("indirect light of viewport photons is that of a render") {
   Renderer renderer(2);
   fill_box(renderer);
   for (uint32_t pass = 0; pass < 4; ++pass) renderer.render_pass(pass);
@@ -86,7 +86,7 @@ TEST_CASE("indirect light from the store is that of a render") {
   CHECK(mean_indirect(renderer.film().unpacked()) == doctest::Approx(expected).epsilon(0.02));
 }
 
-TEST_CASE("the store keeps to its memory") {
+TEST_CASE("viewport photons keep to their memory") {
   Renderer renderer(2);
   fill_box(renderer);
   renderer.trace_viewport_photons(1000, 0);  // the first photons are always taken in

@@ -112,9 +112,9 @@ TEST_CASE("photons and paths agree on light past and from a thing that not all r
       Renderer traced(2), splatted(2);
       fill_room(traced, thing, mask);
       fill_room(splatted, thing, mask);
-      const double truth = mean_light(traced, 256, true);
-      CHECK(mean_light(splatted, 16, false) == doctest::Approx(truth).epsilon(0.015));
-      if (thing == Thing::kGrey) CHECK(std::abs(truth / of_all - 1) > 0.002);
+      const double reference = mean_light(traced, 256, true);
+      CHECK(mean_light(splatted, 16, false) == doctest::Approx(reference).epsilon(0.015));
+      if (thing == Thing::kGrey) CHECK(std::abs(reference / of_all - 1) > 0.002);
     }
 }
 
@@ -133,9 +133,9 @@ TEST_CASE(
         Renderer traced(2), splatted(2);
         fill_room(traced, thing, kAllRays, false, lamp);
         fill_room(splatted, thing, kAllRays, false, lamp);
-        const double truth = mean_light(traced, 256, true);
-        CHECK(truth > 0);
-        CHECK(mean_light(splatted, 16, false) == doctest::Approx(truth).epsilon(0.02));
+        const double reference = mean_light(traced, 256, true);
+        CHECK(reference > 0);
+        CHECK(mean_light(splatted, 16, false) == doctest::Approx(reference).epsilon(0.02));
       }
     }
 }

@@ -8,6 +8,7 @@ from importlib.metadata import files
 from pathlib import Path
 
 import pytest
+from photon_splat.core.native.library import load
 
 pytestmark = pytest.mark.smoke
 
@@ -39,8 +40,27 @@ def test_asks_for_embree_by_its_soname_and_for_no_other_library_of_blender(
     assert "RUNPATH" not in dynamic
 
 
-def test_the_wheel_holds_the_module_and_nothing_else(module_path: Path) -> None:
+def test_the_wheel_holds_the_module_and_its_types_alone(module_path: Path) -> None:
     installed = files("photon_splat_native")
     assert installed is not None
     payload = [file.as_posix() for file in installed if ".dist-info/" not in file.as_posix()]
-    assert payload == [module_path.name]
+    assert sorted(payload) == ["photon_splat_native-stubs/__init__.pyi", module_path.name]
+
+
+def test_every_function_says_what_it_does() -> None:
+    """Beyond the signature, which nanobind writes into each docstring."""
+    native = load()
+    silent = [
+        f"{owner.__name__}.{name}"
+        for owner in (native, native.Renderer, native.RenderOptions)
+        for name, member in vars(owner).items()
+        if not name.startswith("_") and (callable(member) or isinstance(member, property))
+        if not isinstance(member, type) and not _sentences(member.__doc__)
+    ]
+    assert silent == []
+
+
+def _sentences(docstring: str | None) -> str:
+    """What follows the line of the signature, if there is one."""
+    first, _, rest = (docstring or "").partition("\n")
+    return rest.strip() if "->" in first else first

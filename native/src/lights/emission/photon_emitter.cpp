@@ -1,5 +1,5 @@
 // Photons start in proportion to power, or where a guide sends them: one by one, or many at once.
-#include "lights/lights.h"
+#include "lights/emission/photon_emitter.h"
 #include "math/random_streams.h"
 
 namespace photon_splat {
@@ -21,14 +21,14 @@ constexpr uint32_t whole_vectors(uint32_t count) { return (count + 15) & ~15u; }
 
 // From far outside of a scene that is huge against what is seen nothing could be hit precisely:
 // unless something far off stands in the way, the path starts nearer.
-Vec3 Lights::parallel_origin(const Vec3& direction, const Vec3& through, const Vec3& outside,
-                             float width) const {
+Vec3 PhotonEmitter::parallel_origin(const Vec3& direction, const Vec3& through, const Vec3& outside,
+                                    float width) const {
   if (!discs_.focused() || discs_.radius() < kHugeScene * width) return outside;
   const Vec3 near = through - direction * (kStartsAt * width);
   return scene_.occluded(near, -direction, 0, INFINITY) ? outside : near;
 }
 
-PhotonStart Lights::emit_parallel(const Vec3& direction, const Vec2& place) const {
+PhotonStart PhotonEmitter::emit_parallel(const Vec3& direction, const Vec2& place) const {
   const EmissionDiscs::Place from = discs_.sample(direction, place);
   PhotonStart start;
   start.origin = parallel_origin(direction, from.through, from.outside, from.width);
@@ -38,7 +38,7 @@ PhotonStart Lights::emit_parallel(const Vec3& direction, const Vec2& place) cons
   return start;
 }
 
-PhotonStart Lights::emit_world(const Vec2& place, const Vec2& way) const {
+PhotonStart PhotonEmitter::emit_world(const Vec2& place, const Vec2& way) const {
   const Environment::Sample s = environment_.sample(way);
   PhotonStart start = emit_parallel(-s.direction, place);
   start.power *= s.pdf > 0 ? environment_.radiance(s.direction) / s.pdf : Rgb{};
@@ -46,8 +46,8 @@ PhotonStart Lights::emit_world(const Vec2& place, const Vec2& way) const {
   return start;
 }
 
-PhotonStart Lights::emit_lamp(const Lamp& lamp, float coin, const Vec2& place,
-                              const Vec2& way) const {
+PhotonStart PhotonEmitter::emit_lamp(const Lamp& lamp, float coin, const Vec2& place,
+                                     const Vec2& way) const {
   if (lamp.s.kind == LampKind::kArea) return emit_area_lamp(lamp, place, way);
   if (lamp.s.kind != LampKind::kSun) return emit_point_lamp(lamp, coin, place, way);
   PhotonStart start =
@@ -57,8 +57,8 @@ PhotonStart Lights::emit_lamp(const Lamp& lamp, float coin, const Vec2& place,
   return start;
 }
 
-void Lights::primaries(uint64_t first, uint32_t count, uint32_t seed, const EmissionGuide* guide,
-                       EmissionPrimary* out) const {
+void PhotonEmitter::primaries(uint64_t first, uint32_t count, uint32_t seed,
+                              const EmissionGuide* guide, EmissionPrimary* out) const {
   const uint32_t low = static_cast<uint32_t>(first),
                  key = hash_combine(seed, static_cast<uint32_t>(first >> 32));
   if (count > 1 && low + (count - 1) < low) {  // the upper half of the index changes on the way
@@ -84,7 +84,7 @@ void Lights::primaries(uint64_t first, uint32_t count, uint32_t seed, const Emis
   }
 }
 
-PhotonStart Lights::emit(const EmissionPrimary& p) const {
+PhotonStart PhotonEmitter::emit(const EmissionPrimary& p) const {
   const bool parallel = p.emitter == emitters_.size() || emitters_[p.emitter].parallel_flux > 0;
   if (scene_.has_far_things() && !parallel) return emit_nearby(p);
   PhotonStart start;
@@ -98,7 +98,7 @@ PhotonStart Lights::emit(const EmissionPrimary& p) const {
   return finished(start, p);
 }
 
-EmissionGuide Lights::make_guide() const {
+EmissionGuide PhotonEmitter::make_guide() const {
   // Of many emitters each gets fewer cells: 4096, 256, 16 or 1.
   int fine = 8;
   while (fine > 1 && emitters_.size() * fine * fine * fine * fine > kGuideCells) fine /= 2;
@@ -123,7 +123,7 @@ EmissionGuide Lights::make_guide() const {
   return EmissionGuide(std::move(powers), std::move(divisions));
 }
 
-PhotonStart& Lights::finished(PhotonStart& start, const EmissionPrimary& p) const {
+PhotonStart& PhotonEmitter::finished(PhotonStart& start, const EmissionPrimary& p) const {
   float over_share = over_world_share_;
   if (p.emitter == emitters_.size()) {
     start.light_group = scene_.world_light_group;
@@ -145,7 +145,7 @@ PhotonStart& Lights::finished(PhotonStart& start, const EmissionPrimary& p) cons
   return start;
 }
 
-void Lights::emit(const EmissionPrimary* primaries, uint32_t count, PhotonStart* out) const {
+void PhotonEmitter::emit(const EmissionPrimary* primaries, uint32_t count, PhotonStart* out) const {
   uint32_t meshes[kMost], areas[kMost], mesh_count = 0, area_count = 0;
   const bool plain = !scene_.has_far_things();
   for (uint32_t i = 0; i < count; ++i) {
@@ -165,8 +165,8 @@ void Lights::emit(const EmissionPrimary* primaries, uint32_t count, PhotonStart*
 }
 
 // emit_mesh()
-void Lights::emit_meshes(const EmissionPrimary* primaries, const uint32_t* which, uint32_t count,
-                         PhotonStart* out) const {
+void PhotonEmitter::emit_meshes(const EmissionPrimary* primaries, const uint32_t* which,
+                                uint32_t count, PhotonStart* out) const {
   const uint32_t* starts[kMost];
   const EmissiveTriangle* triangles[kMost];
   uint32_t numbers[kMost];
@@ -224,8 +224,8 @@ void Lights::emit_meshes(const EmissionPrimary* primaries, const uint32_t* which
 }
 
 // emit_lamp() of area lamps that shine as much in all directions
-void Lights::emit_areas(const EmissionPrimary* primaries, const uint32_t* which, uint32_t count,
-                        PhotonStart* out) const {
+void PhotonEmitter::emit_areas(const EmissionPrimary* primaries, const uint32_t* which,
+                               uint32_t count, PhotonStart* out) const {
   alignas(64) float sine2[kMost] = {}, turn[kMost] = {}, tangent[kMost];
   Lanes ways;
   for (uint32_t k = 0; k < count; ++k)
@@ -251,7 +251,8 @@ void Lights::emit_areas(const EmissionPrimary* primaries, const uint32_t* which,
   }
 }
 
-Rgb Lights::first_hit_factor(const PhotonStart& start, const Vec3& receiver, float distance) const {
+Rgb PhotonEmitter::first_hit_factor(const PhotonStart& start, const Vec3& receiver,
+                                    float distance) const {
   const Lamp& lamp = lamps_[start.shaded_by];
   if (lamp.s.kind == LampKind::kSun)
     return lamp_program(scene_, lamp, {}, start.direction, INFINITY);

@@ -1,4 +1,4 @@
-#include "lights/emission_guide.h"
+#include "lights/emission/emission_guide.h"
 
 #include <numeric>
 

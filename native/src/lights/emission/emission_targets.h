@@ -9,10 +9,10 @@ namespace photon_splat {
 
 struct PhotonStart;
 
-// What Lights::aim_at makes and Lights::emit_towards draws from: a mixture of the lights' natural
-// emission and, for every pair of an emitter and a target, emission into what the target fills of
-// the emitter's view. Pairs are drawn in proportion to the power that passes from one to the other,
-// times the target's weight.
+// What PhotonEmitter::aim_at makes and PhotonEmitter::emit_towards draws from: a mixture of the
+// lights' natural emission and, for every pair of an emitter and a target, emission into what the
+// target fills of the emitter's view. Pairs are drawn in proportion to the power that passes from
+// one to the other, times the target's weight.
 class EmissionTargets {
  public:
   struct Sphere {
@@ -32,7 +32,7 @@ class EmissionTargets {
   void finish();
 
  private:
-  friend class Lights;
+  friend class PhotonEmitter;
   struct Pair {
     uint32_t emitter, target;
     double flux;  // about W from one to the other, times the target's weight

@@ -1,4 +1,4 @@
-#include "lights/emission_targets.h"
+#include "lights/emission/emission_targets.h"
 
 #include "lights/lights.h"
 

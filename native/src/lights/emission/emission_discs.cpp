@@ -1,4 +1,4 @@
-#include "lights/emission_discs.h"
+#include "lights/emission/emission_discs.h"
 
 namespace photon_splat {
 namespace {

@@ -12,12 +12,12 @@
 //   kParallel  suns and the world: the direction. The targets draw another place on the disc across
 //   it. Densities are relative to a
 //              uniform one on the disc that shows all of the scene.
-#include "lights/lights.h"
+#include "lights/emission/photon_emitter.h"
 #include "math/table.h"
 
 namespace photon_splat {
 
-struct Lights::Draft {
+struct PhotonEmitter::Draft {
   enum Sort : uint8_t { kPoint, kLines, kParallel };
   // Its power is what is emitted over the density of natural emission, for this emitter alone
   PhotonStart start;
@@ -56,10 +56,28 @@ float cone_density(const Vec3& axis, float one_minus_cos, const Vec3& direction,
   return 1 / (2 * kPi * one_minus_cos);
 }
 
+float near_sphere(const Scene& scene, int k) {
+  return scene.near_radius() * static_cast<float>(1 << 2 * k) * 1.0001f;
+}
+
+// How many a light at that distance from the origin has.
+int near_spheres(const Scene& scene, float distance) {
+  if (!scene.has_far_things()) return 0;
+  int count = 0;
+  while (count < kMostNearSpheres && near_sphere(scene, count) * 2 < distance) ++count;
+  return count;
+}
+
 }  // namespace
 
+double near_share(const Scene& scene, const Vec3& x) {
+  const float d2 = length2(x), r = near_sphere(scene, 0);
+  const int spheres = near_spheres(scene, std::sqrt(d2));
+  return spheres ? std::min(1.0, (1.0 + spheres) * r * r / d2) : 1.0;
+}
+
 // Power and natural density of the draft's direction.
-void Lights::weigh_lamp(const Lamp& lamp, Draft& draft) const {
+void PhotonEmitter::weigh_lamp(const Lamp& lamp, Draft& draft) const {
   PhotonStart& start = draft.start;
   switch (lamp.s.kind) {
     case LampKind::kSun: return;  // weigh_parallel()
@@ -99,7 +117,7 @@ void Lights::weigh_lamp(const Lamp& lamp, Draft& draft) const {
   if (lamp.holds_geometry) start.power *= 2;
 }
 
-void Lights::weigh_mesh(const Emitter& e, const MeshPoint& p, Draft& draft) const {
+void PhotonEmitter::weigh_mesh(const Emitter& e, const MeshPoint& p, Draft& draft) const {
   PhotonStart& start = draft.start;
   const EmissiveTriangle& t = *p.triangle;
   const float cosine = dot(start.direction, t.normal);
@@ -114,7 +132,7 @@ void Lights::weigh_mesh(const Emitter& e, const MeshPoint& p, Draft& draft) cons
 }
 
 // Of a draft of natural emission.
-void Lights::cross_scene(Draft& draft) const {
+void PhotonEmitter::cross_scene(Draft& draft) const {
   draft.sort = Draft::kParallel;
   draft.cross_disc(discs_.center(), discs_.radius());
   const float area = discs_.area(draft.start.direction, draft.center + draft.offset);
@@ -123,14 +141,14 @@ void Lights::cross_scene(Draft& draft) const {
 }
 
 // Power and natural density of a parallel draft that has been sent elsewhere.
-void Lights::weigh_parallel(Draft& draft) const {
+void PhotonEmitter::weigh_parallel(Draft& draft) const {
   const float area = discs_.area(draft.start.direction, draft.center + draft.offset);
   draft.natural = area > 0 ? static_cast<float>(discs_.scene_area() / area) : 0;
   draft.start.power = draft.flux * area;
 }
 
-Lights::Draft Lights::natural_draft(uint32_t index, const Vec2& pick, const Vec2& place,
-                                    const Vec2& way) const {
+PhotonEmitter::Draft PhotonEmitter::natural_draft(uint32_t index, const Vec2& pick,
+                                                  const Vec2& place, const Vec2& way) const {
   Draft draft;
   if (index == emitters_.size()) {
     draft.start = emit_world(place, way);
@@ -160,8 +178,9 @@ Lights::Draft Lights::natural_draft(uint32_t index, const Vec2& pick, const Vec2
 
 // Starts as natural emission does, and then goes to the target instead where it can be seen from
 // there.
-Lights::Draft Lights::aimed_draft(uint32_t index, const EmissionTargets::Sphere& t,
-                                  const Vec2& pick, const Vec2& place, const Vec2& way) const {
+PhotonEmitter::Draft PhotonEmitter::aimed_draft(uint32_t index, const EmissionTargets::Sphere& t,
+                                                const Vec2& pick, const Vec2& place,
+                                                const Vec2& way) const {
   Draft draft = natural_draft(index, pick, place, way);
   PhotonStart& start = draft.start;
   if (draft.sort == Draft::kPoint) {
@@ -211,7 +230,8 @@ Lights::Draft Lights::aimed_draft(uint32_t index, const EmissionTargets::Sphere&
 
 // Density with which the target would have drawn this line, in the measure of draft.natural. own:
 // it did.
-float Lights::aimed_density(const Draft& draft, const EmissionTargets::Sphere& t, bool own) const {
+float PhotonEmitter::aimed_density(const Draft& draft, const EmissionTargets::Sphere& t,
+                                   bool own) const {
   const PhotonStart& start = draft.start;
   const float r2 = t.radius * t.radius, disc2 = draft.radius * draft.radius;
   // Of the places on the disc across the line, relative to all of it.
@@ -230,27 +250,14 @@ float Lights::aimed_density(const Draft& draft, const EmissionTargets::Sphere& t
   return density > 0 && lines ? density * place_density(to) : density;
 }
 
-int Lights::near_spheres(float distance) const {
-  if (!scene_.has_far_things()) return 0;
-  int count = 0;
-  while (count < kMostNearSpheres && near_sphere(count) * 2 < distance) ++count;
-  return count;
-}
-
-double Lights::near_share(const Vec3& x) const {
-  const float d2 = length2(x), r = near_sphere(0);
-  const int spheres = near_spheres(std::sqrt(d2));
-  return spheres ? std::min(1.0, (1.0 + spheres) * r * r / d2) : 1.0;
-}
-
 // A light far off sends most of its photons past all that is seen. It sends as many to each of
 // several spheres about it, each four times as wide as the one before, as by nature: what comes to
 // lie twice as far off brings a quarter of the light to what is near.
-PhotonStart Lights::emit_nearby(const EmissionPrimary& p) const {
+PhotonStart PhotonEmitter::emit_nearby(const EmissionPrimary& p) const {
   const Emitter& e = emitters_[p.emitter];
   const Vec3 from =
       e.lamp >= 0 ? lamps_[e.lamp].center : e.mesh.point_at(p.pick.y, p.place).position;
-  const int spheres = near_spheres(length(from));
+  const int spheres = near_spheres(scene_, length(from));
   Vec2 way = p.way;
   // Of as many equal chances the first third goes to the smallest sphere, beside its own one.
   const int more = spheres / 3, chances = spheres + 1 + more;
@@ -260,7 +267,7 @@ PhotonStart Lights::emit_nearby(const EmissionPrimary& p) const {
   way.x = std::min(chosen - static_cast<float>(chance), kBelowOne);
   const auto sphere = [&](int k) {
     EmissionTargets::Sphere s{};
-    s.radius = near_sphere(k);
+    s.radius = near_sphere(scene_, k);
     return s;
   };
   Draft draft = own < spheres ? aimed_draft(p.emitter, sphere(own), p.pick, p.place, way)
@@ -279,9 +286,9 @@ PhotonStart Lights::emit_nearby(const EmissionPrimary& p) const {
 
 // A place millions of metres away is known to a few centimetres. Where nothing stands before it,
 // the way begins near its end, at `across` from the origin.
-void Lights::start_nearby(const Vec3& across, PhotonStart& start) const {
+void PhotonEmitter::start_nearby(const Vec3& across, PhotonStart& start) const {
   if (!start.plain() || !(max_abs(start.power) > 0)) return;
-  const float ahead = 2 * std::max(near_sphere(0), length(across)),
+  const float ahead = 2 * std::max(near_sphere(scene_, 0), length(across)),
               before = -dot(start.origin, start.direction) - ahead;
   const Vec3 origin = across - start.direction * ahead;
   if (before > 0 && !scene_.occluded(origin, -start.direction, 0, before * (1 - 1e-5f)))
@@ -289,7 +296,7 @@ void Lights::start_nearby(const Vec3& across, PhotonStart& start) const {
 }
 
 // About the power that passes from an emitter to a sphere, W, nothing standing between them.
-double Lights::flux_between(uint32_t index, const EmissionTargets::Sphere& t) const {
+double PhotonEmitter::flux_between(uint32_t index, const EmissionTargets::Sphere& t) const {
   const auto parallel = [&](double power) {
     return power * std::min(double(kPi) * t.radius * t.radius, discs_.scene_area()) /
            discs_.least_area();
@@ -325,7 +332,7 @@ double Lights::flux_between(uint32_t index, const EmissionTargets::Sphere& t) co
   return e.importance * std::cos(angle) * spread_attenuation(lamp, std::tan(angle)) * solid_angle;
 }
 
-EmissionTargets Lights::aim_at(std::vector<EmissionTargets::Sphere> spheres) const {
+EmissionTargets PhotonEmitter::aim_at(std::vector<EmissionTargets::Sphere> spheres) const {
   EmissionTargets targets;
   targets.spheres_ = std::move(spheres);
   std::vector<double> most(targets.spheres_.size(), 0.0);
@@ -354,8 +361,8 @@ EmissionTargets Lights::aim_at(std::vector<EmissionTargets::Sphere> spheres) con
   return targets;
 }
 
-PhotonStart Lights::emit_towards(const EmissionTargets& targets, uint64_t index,
-                                 uint32_t seed) const {
+PhotonStart PhotonEmitter::emit_towards(const EmissionTargets& targets, uint64_t index,
+                                        uint32_t seed) const {
   EmissionPrimary p = primary(index, seed, nullptr);
   const double natural_share = targets.natural_share();
   int32_t aim = -1;
