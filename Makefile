@@ -90,11 +90,11 @@ lint: setup ## formatter, linter and types
 	$(VENV)/bin/ruff check .
 	$(VENV)/bin/ruff format --check .
 	$(VENV)/bin/mypy
-	$(VENV)/bin/clang-format --dry-run -Werror $(CXX_SOURCES)
+	@$(VENV)/bin/clang-format --dry-run -Werror $(CXX_SOURCES)
 
 format: setup ## lays out Python and C++ as make lint wants them
 	$(VENV)/bin/ruff format .
-	$(VENV)/bin/clang-format -i $(CXX_SOURCES)
+	@$(VENV)/bin/clang-format -i $(CXX_SOURCES)
 
 test-native: build/tests/.built ## C++ tests
 	$(VENV)/bin/ctest --test-dir build/tests --output-on-failure --timeout 1800 --no-tests=error
