@@ -14,30 +14,12 @@ ALL_BUT_CAMERA = ("diffuse", "glossy", "transmission", "shadow")
 
 def _hidden(name: str, on: str, *off: str, **more: Any) -> Case:
     alpha = bool(more.get("transparent"))
-    dark = name == "lamp_diffuse"  # nothing but caustics is left, which Cycles hardly knows
-    # its light comes through the gaps under things, which photons blur, all flags on as well
-    splat = on != "world"
-    made = {"on": on, "off": list(off), **more}
-    tolerance = 0.1 if dark else 0.02
-    return Case(
-        f"rays_{name}",
-        "ray_visibility",
-        made,
-        alpha=alpha,
-        reference_bias=0.01,
-        mean_tolerance=tolerance,
-        splat=splat,
-    )
+    return Case(f"rays_{name}", "ray_visibility", {"on": on, "off": list(off), **more}, alpha=alpha)
 
 
 def _shadowless(kind: str, energy: float, **options: Any) -> Case:
     name = f"shadowless_{kind.lower()}"
-    return Case(
-        name,
-        "lamp_without_shadow",
-        {"kind": kind, "energy": energy, **options},
-        reference_bias=0.006,
-    )
+    return Case(name, "lamp_without_shadow", {"kind": kind, "energy": energy, **options})
 
 
 def _squeezed(name: str, kind: str, energy: float, **options: Any) -> Case:

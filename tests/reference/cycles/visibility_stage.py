@@ -46,19 +46,20 @@ def ray_visibility(on: str, off: Sequence[str], transparent: bool = False) -> No
     if on in {"instance", "collection"}:
         thing = _in_collection(box, instanced=on == "instance")
     if on == "emitter":
-        sheet = [(-0.3, -0.3, 0.0), (0.3, -0.3, 0.0), (0.3, 0.3, 0.0), (-0.3, 0.3, 0.0)]
+        sheet = [(-0.6, -0.6, 0.0), (0.6, -0.6, 0.0), (0.6, 0.6, 0.0), (-0.6, 0.6, 0.0)]
         thing = m.add_mesh(
             "Sheet",
             sheet,
             [(0, 1, 2, 3)],
-            m.emission("Sheet", (1.0, 0.8, 0.6), 12.0),
+            m.emission("Sheet", (1.0, 0.8, 0.6), 4.0),
             location=(-0.2, 0.2, 1.5),
         )
     elif on == "world":
         m.set_world((0.5, 0.6, 0.8))
         thing = bpy.context.scene.world.cycles_visibility
     else:
-        lamp = stage._lamp("AREA", 40.0, (-0.4, -0.5, 1.9), (0.0, 0.2, 0.0), size=0.5)
+        # Large: what glass and metal make of it, path tracers find by chance.
+        lamp = stage._lamp("AREA", 40.0, (-0.4, -0.5, 1.9), (0.0, 0.2, 0.0), size=1.6)
         if on == "lamp":
             thing = lamp
     for flag in off:
