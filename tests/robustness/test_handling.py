@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
-from photon_splat.core.render import ending, memory
+from photon_splat.core.render import ending, memory, session
 from photon_splat.core.render.ending import Ending, denoising_runs
 from photon_splat.core.render.persistent import start_anew
-from photon_splat.core.render.session import final_arrays
+from photon_splat.core.render.session import PassSize, final_arrays
 from photon_splat.core.render.settings import RenderSettings
 from photon_splat.core.scene import Light, LightKind
 
@@ -74,6 +76,72 @@ def test_passes_leave_time_for_denoising(monkeypatch: pytest.MonkeyPatch) -> Non
         room(pixels=32), passes=100, photons_per_pass=1000, time_limit=1000.0, denoise=True
     )
     assert result.statistics["passes"] == 1
+
+
+class Clock:
+    """Seconds that pass by what is done alone, whatever else the machine does."""
+
+    now = 0.0
+
+    def monotonic(self) -> float:
+        return self.now
+
+    def denoise(self, noisy: np.ndarray, *others: Any, **options: Any) -> np.ndarray:
+        apart, features = options.get("apart") is not None, options.get("noisy_features", False)
+        runs = denoising_runs(apart=apart, noisy_features=features)
+        self.now += runs * (0.2 + 3e-4 * noisy.shape[0] * noisy.shape[1])
+        return noisy
+
+
+class TimedRenderer:
+    """A renderer whose stages take the time of a clock."""
+
+    def __init__(self, renderer: Any, clock: Clock) -> None:
+        self.renderer, self.clock = renderer, clock
+        self.camera_seconds = self.photon_seconds = self.pilot_seconds = 0.0
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.renderer, name)
+
+    def render_pass(self, number: int, seconds: float) -> None:
+        """Camera samples in full, of the photons what there is time for."""
+        size = PassSize(*self.renderer.next_pass)
+        self.renderer.render_pass(number)
+        camera = 0.3 * size.samples
+        photons = min(0.4 * size.photons, max(seconds - camera, 0.05))
+        self.camera_seconds += camera
+        self.photon_seconds += photons
+        self.clock.now += camera + photons
+
+    def make_error_estimate(self) -> None:
+        self.renderer.make_error_estimate()
+        self.clock.now += 0.05
+
+    def film(self, arrays: Any) -> Any:
+        self.clock.now += 0.01 * len(arrays)
+        return self.renderer.film(arrays)
+
+
+def test_a_time_limit_holds_with_denoising(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Denoising takes a third of the time that is given, as it does of large pictures."""
+    clock = Clock()
+    for module in (session, ending):
+        monkeypatch.setattr(module, "time", clock)
+        monkeypatch.setattr(module, "denoise", clock.denoise)
+
+    def timed_start(*given: Any) -> Any:
+        start = start_anew(*given)
+        return replace(start, renderer=TimedRenderer(start.renderer, clock))
+
+    monkeypatch.setattr(session, "start_anew", timed_start)
+    settings = RenderSettings(
+        passes=10_000, photons_per_pass=20_000, time_limit=15.0, denoise=True, fallback=False
+    )
+    result = session.render(room(pixels=64), settings, started=0.0)
+    assert result.statistics["seconds"]["denoise"] > 3.0
+    assert 0.8 * 15.0 < clock.now <= 15.0
+    assert clock.now == result.statistics["seconds"]["total"]
+    assert result.statistics["passes"] > 3
 
 
 # --- memory ---
