@@ -321,21 +321,24 @@ def _is_flat(scene: Scene) -> NDArray[np.bool_]:
     return flat
 
 
-def lamps_in_surfaces(renderer: Renderer, scene: Scene) -> list[str]:
-    """One warning about area lamps that lie in the plane of a surface: how much of their light gets
+def lights_in_surfaces(renderer: Renderer, scene: Scene) -> list[str]:
+    """One warning about lights that lie in the plane of a surface: how much of their light gets
     past it is decided by rounding.
     """
-    kept = np.flatnonzero(~_is_flat(scene))
+    added = np.flatnonzero(~_is_flat(scene))[::-1]
+
+    def mesh(instance: int) -> str:
+        return scene.meshes[scene.instances.mesh[added[instance]]].name
+
     pairs = [
-        f"'{scene.lights[lamp].name}' in "
-        f"'{scene.meshes[scene.instances.mesh[kept[instance]]].name}'"
-        for lamp, instance in renderer.lamps_in_surfaces
+        f"'{scene.lights[lamp].name if lamp >= 0 else mesh(emissive)}' in '{mesh(instance)}'"
+        for lamp, emissive, instance in renderer.lights_in_surfaces
     ]
     if not pairs:
         return []
     named = ", ".join(pairs[:3]) + (f" and {len(pairs) - 3} more" if len(pairs) > 3 else "")
     return [
-        f"Area lamps lie exactly in a surface ({named}), which keeps back a part of their light "
+        f"Lights lie exactly in a surface ({named}), which keeps back a part of their light "
         "by chance: move them off it."
     ]
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..gpu import context as gpu_context
 from ..gpu.choice import choose_splatter
-from ..native.fill import lamps_in_surfaces
+from ..native.fill import lights_in_surfaces
 from ..native.library import load
 from ..scene import Scene
 from .denoise import DenoiserMissing, blend, denoise
@@ -460,7 +460,7 @@ def _statistics(
         "texture_bytes": start.renderer.texture_memory,
         "reused": {"geometry": start.reused, "photons": statistics["photons"]["reused"]},
         "peak_memory_bytes": peak_memory_bytes(),
-        "warnings": [*scene.warnings, *worker.warnings, *lamps_in_surfaces(start.renderer, scene)],
+        "warnings": [*scene.warnings, *worker.warnings, *lights_in_surfaces(start.renderer, scene)],
     } | worker.splatter.statistics()
     if statistics["threads"] < statistics["threads_wanted"]:
         statistics["warnings"].append(

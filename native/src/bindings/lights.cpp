@@ -1,7 +1,7 @@
 // Lamps, light groups and what lies beyond the scene.
 #include <nanobind/stl/array.h>
-#include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 #include "bindings/bindings.h"
@@ -116,10 +116,11 @@ nb::tuple make_sky(const std::string& model, float sun_elevation, float altitude
                         triple(sun.bottom), triple(sun.top), sun.horizon);
 }
 
-std::vector<std::pair<uint32_t, uint32_t>> lamps_in_surfaces(const Renderer& r) {
-  std::vector<std::pair<uint32_t, uint32_t>> pairs;
-  for (const Lights::InSurface& p : r.lamps_in_surfaces()) pairs.emplace_back(p.lamp, p.instance);
-  return pairs;
+std::vector<std::tuple<int32_t, uint32_t, uint32_t>> lights_in_surfaces(const Renderer& r) {
+  std::vector<std::tuple<int32_t, uint32_t, uint32_t>> found;
+  for (const Lights::InSurface& p : r.lights_in_surfaces())
+    found.emplace_back(p.lamp, p.emissive, p.instance);
+  return found;
 }
 
 }  // namespace
@@ -138,8 +139,9 @@ void bind_lights(nb::module_& m, RendererClass& renderer) {
           "lamp; met_by_rays: not by light samples alone. Linking and groups: see add_instance(). ValueError for what is\n"
           "not finite or another kind.")
       .def_prop_ro(
-          "lamps_in_surfaces", &lamps_in_surfaces,
-          "Area lamps that lie in the plane of a surface, as (number of the lamp, of the instance), in a built scene.")
+          "lights_in_surfaces", &lights_in_surfaces,
+          "Area lamps and emissive meshes that lie in the plane of a surface, in a built scene, as (number of the lamp or\n"
+          "-1, emissive instance where it is none, instance of the surface).")
       .def(
           "set_light_groups",
           [](Renderer& r, int count, int16_t world) {

@@ -40,7 +40,7 @@ bool Lights::see_close(const Emitter& e, const Receiver& to, CloseLight& out) co
 }
 
 bool Lights::shares_with_rays(const Emitter& e, const Receiver& to) const {
-  if (!e.met_by_rays) return false;
+  if (!e.met_by_rays || e.past_surface < 1) return false;
   if (to.sharp) return true;
   // The others are sampled by solid angle
   if (e.lamp >= 0 && lamps_[e.lamp].s.kind != LampKind::kArea) return false;
@@ -204,6 +204,7 @@ bool Lights::sample(const Receiver& to, float choice, const Vec2& u, LightSample
   out.blockers = e.casts_shadows ? e.blockers : 0;
   out.light_group = e.light_group;
   out.seen_by = e.seen_by;
+  out.weight *= e.past_surface;
   if (e.exact) out.exact = static_cast<int32_t>(chosen);
   return true;
 }
@@ -260,6 +261,8 @@ float Lights::surface_mis_weight(const Receiver& receiver, const Surface& hit,
 float Lights::mesh_mis_weight(uint32_t index, const Receiver& receiver, const Surface& hit,
                               float bsdf_pdf) const {
   const Emitter& e = emitters_[index];
+  // By light samples alone, and in mirrors
+  if (e.past_surface < 1) return bsdf_pdf < INFINITY ? 0 : 1;
   if (!shares_with_rays(e, receiver)) return 0;
   if (!(bsdf_pdf < INFINITY)) return 1;
   if (CloseLight close; see_close(e, receiver, close))

@@ -37,7 +37,7 @@ Lights::Lights(Scene& scene, const std::vector<LampSettings>& lamps)
       lamps_.back().number = static_cast<uint32_t>(&lamp - lamps.data());
   }
   add_emissive_instances();
-  find_lamps_in_surfaces();
+  find_lights_in_surfaces();
   share_power();
   if (emitters_.size() > kFewEmitters) build_tree();
   for (uint32_t i = 0; i < emitters_.size(); ++i)

@@ -35,19 +35,22 @@ struct Emitter {
   double power = 0;
   // Of a sun: through a surface that faces it, mean over RGB, W/m^2
   double parallel_flux = 0;
-  bool exact = false;    // lies in a surface: lamps_in_surfaces.cpp
-  float over_share = 0;  // one over its share of all lights' power
-  MeshLight mesh{};      // of an instance
+  bool exact = false;      // a lamp that lies in a surface: lights_in_surfaces.cpp
+  float past_surface = 1;  // of a mesh's light, where it lies in a surface
+  float over_share = 0;    // one over its share of all lights' power
+  MeshLight mesh{};        // of an instance
 };
 
 class Lights {
  public:
   Lights(Scene& scene, const std::vector<LampSettings>& lamps);
 
-  // An area lamp, by its number among those given, that lies in the plane of a surface, and the
-  // instance of that.
+  // A light that lies in the plane of a surface: an area lamp, by its number among those given, or
+  // an emissive instance; and the instance of the surface.
   struct InSurface {
-    uint32_t lamp, instance;
+    int32_t lamp;       // -1: none
+    uint32_t emissive;  // where it is none
+    uint32_t instance;
   };
   const std::vector<InSurface>& in_surfaces() const { return in_surfaces_; }
   // Whether something opaque stands between `origin` and a place on such a lamp, to the last bit of
@@ -114,7 +117,8 @@ class Lights {
  private:
   static constexpr size_t kFewEmitters = 32;  // up to here every emitter is ranked at every point
   bool lies_in_surface(const Lamp& lamp, uint32_t& instance) const;
-  void find_lamps_in_surfaces();
+  bool lies_in_surface(const Emitter& mesh, uint32_t& instance) const;
+  void find_lights_in_surfaces();
   // How far off such a lamp may be found before something `far` off
   float reach_of_exact(float far) const;
   void add_lamp(const LampSettings& settings);

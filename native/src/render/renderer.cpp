@@ -226,7 +226,7 @@ void Renderer::end_passes() {
   film_.end_passes();
 }
 
-std::vector<Lights::InSurface> Renderer::lamps_in_surfaces() const {
+std::vector<Lights::InSurface> Renderer::lights_in_surfaces() const {
   return lights_ ? lights_->in_surfaces() : std::vector<Lights::InSurface>{};
 }
 

@@ -86,7 +86,7 @@ class Renderer {
   const VisiblePoints& points() const { return current_ ? current_->points() : no_points_; }
   const Photons& photons() const { return current_ ? current_->photons() : no_photons_; }
   // Area lamps that lie in the plane of a surface.
-  std::vector<Lights::InSurface> lamps_in_surfaces() const;
+  std::vector<Lights::InSurface> lights_in_surfaces() const;
 
  private:
   RenderContext context();

@@ -401,6 +401,7 @@ PhotonStart PhotonEmitter::emit_towards(const EmissionTargets& targets, uint64_t
     draft.start.max_bounces = emitters_[p.emitter].max_bounces;
     draft.start.deltas = emitters_[p.emitter].met_by_rays;
     draft.start.casts_shadows = emitters_[p.emitter].casts_shadows;
+    draft.start.power *= emitters_[p.emitter].past_surface;
     if (emitters_[p.emitter].exact) start_exactly(p.emitter, draft.start);
     const int lamp = emitters_[p.emitter].lamp;
     if (lamp >= 0 && lamps_[lamp].s.program >= 0) draft.start.shaded_by = lamp;

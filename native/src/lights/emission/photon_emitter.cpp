@@ -131,7 +131,7 @@ PhotonStart& PhotonEmitter::finished(PhotonStart& start, const EmissionPrimary& 
   } else {
     const Emitter& e = emitters_[p.emitter];
     if (e.lamp >= 0 && lamps_[e.lamp].s.program >= 0) start.shaded_by = e.lamp;
-    over_share = e.over_share;
+    over_share = e.over_share * e.past_surface;
     start.lit_groups = e.lit_groups;
     start.blockers = e.blockers;
     start.light_group = e.light_group;

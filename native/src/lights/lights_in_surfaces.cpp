@@ -1,13 +1,18 @@
-// Area lamps that lie in the plane of a surface. Elsewhere what stands within rounding of a light
-// is no obstacle, and photons start clear of it; here that decides whether the lamp lights
-// anything. As in Cycles rays decide that go to the very place on the lamp, and rounding with them:
-// all estimators ask the same.
+// Area lamps and emissive meshes that lie in the plane of a surface. Elsewhere what stands within
+// rounding of a light is no obstacle, and photons start clear of it; here that decides whether the
+// light lights anything. For a lamp, as in Cycles, rays decide that go to the very place on it, and
+// rounding with them: all estimators ask the same. A mesh sends the same share past the surface
+// everywhere, and light samples alone find it: which of the two rays meet first says nothing.
 #include "lights/emission/photon_emitter.h"
 
 namespace photon_splat {
 namespace {
 
 constexpr int kProbes = 16;
+constexpr int kFirstProbes = 4;  // of a mesh: others are sent where one of these finds a surface
+// What an emissive mesh sends past the surface. In Cycles rounding decides for each ray, and lets
+// .57 to .80 pass in rooms of any size and turn.
+constexpr float kPastSurface = 0.63f;
 constexpr float kShare = 0.25f;  // of the probes that a surface must be at
 constexpr float kSlack = 1e-5f;  // of a distance: what light samples pass over before other lights
 constexpr float kClear = 4;      // roundings that a photon starts away from the lamp
@@ -33,15 +38,41 @@ bool Lights::lies_in_surface(const Lamp& lamp, uint32_t& instance) const {
   return static_cast<float>(found) >= kShare * kProbes;
 }
 
-void Lights::find_lamps_in_surfaces() {
+// By rays across its triangles from either side, of which one at the least meets the surface first,
+// unless it is the mesh's twin.
+bool Lights::lies_in_surface(const Emitter& mesh, uint32_t& instance) const {
+  int found = 0;
+  for (int i = 0; i < kProbes && (i < kFirstProbes || found); ++i) {
+    const Vec2 u = sobol_2d(static_cast<uint32_t>(i), 1, 0);
+    const MeshPoint p = mesh.mesh.point_at(sobol_2d(static_cast<uint32_t>(i), 0, 0).x, u);
+    const float reach =
+        std::max(kClear * ray_epsilon(p.position, 0), 2 * kSlack * scene_.near_radius());
+    for (const float side : {1.0f, -1.0f}) {
+      const Vec3 towards = p.triangle->normal * side;
+      Surface s;
+      if (!scene_.intersect(p.position - towards * reach, towards, 0, 2 * reach, false, s) ||
+          s.instance == mesh.instance || scene_.may_be_transparent(s))
+        continue;
+      instance = s.instance;
+      ++found;
+      break;
+    }
+  }
+  return static_cast<float>(found) >= kShare * kProbes;
+}
+
+void Lights::find_lights_in_surfaces() {
   if (scene_.bounds().empty()) return;
   for (Emitter& e : emitters_) {
     uint32_t instance = 0;
-    if (e.lamp < 0 || lamps_[e.lamp].s.kind != LampKind::kArea ||
-        !lies_in_surface(lamps_[e.lamp], instance))
-      continue;
-    e.exact = any_exact_ = true;
-    in_surfaces_.push_back({lamps_[e.lamp].number, instance});
+    const Lamp* const lamp = e.lamp >= 0 ? &lamps_[e.lamp] : nullptr;
+    if (lamp && lamp->s.kind != LampKind::kArea) continue;
+    if (!(lamp ? lies_in_surface(*lamp, instance) : lies_in_surface(e, instance))) continue;
+    if (lamp)
+      e.exact = any_exact_ = true;
+    else
+      e.past_surface = kPastSurface;
+    in_surfaces_.push_back({lamp ? static_cast<int32_t>(lamp->number) : -1, e.instance, instance});
   }
 }
 

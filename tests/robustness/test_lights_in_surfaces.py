@@ -1,5 +1,5 @@
-"""Area lamps in the plane of a surface: one answer of all estimators, and a warning that names
-both.
+"""Area lamps and emissive meshes in the plane of a surface: one answer of all estimators, and a
+warning that names both.
 """
 
 from __future__ import annotations
@@ -13,33 +13,39 @@ from photon_splat.core.scene import LightKind, Scene
 from tests.support import corescene as c
 
 
-def room(below: float) -> Scene:
-    """A closed room, its area lamp `below` m under the ceiling; its name is Panel."""
+def room(below: float, glowing: bool = False) -> Scene:
+    """A closed room, `below` m under the ceiling an area lamp or a mesh; its name is Panel."""
     view = c.perspective((0.0, -1.3, 1.2), (0.0, 0.5, 1.2), 16, 16, 1.3)
     walls = c.box((-1.5, -1.5, 0.0), (1.5, 1.5, 2.5), inwards=True)
+    if glowing:
+        sheet = c.quad(0.35, 2.5 - below)
+        sheet.name = "Panel"
+        return c.scene(view, [(sheet, c.lambert(0.0, 4.0)), (walls, c.lambert(0.6))])
     lamp = c.lamp(LightKind.AREA, 30.0, (0.2, -0.1, 2.5 - below), size=(0.7, 0.7))
     lamp.name = "Panel"
     return c.scene(view, [(walls, c.lambert(0.6))], [lamp])
 
 
 def shoot(
-    below: float, integrator: Integrator, gather: FinalGather = FinalGather.OFF
+    what: Scene, integrator: Integrator, gather: FinalGather = FinalGather.OFF
 ) -> RenderResult:
-    return c.shoot(room(below), integrator, passes=32, photons_per_pass=20_000, final_gather=gather)
+    return c.shoot(what, integrator, passes=32, photons_per_pass=20_000, final_gather=gather)
 
 
-def means(below: float) -> list[float]:
+def means(below: float, glowing: bool = False) -> list[float]:
     """Mean radiance by splatting without and with final gathering, and by the path tracer."""
     ways = (
         (Integrator.SPLAT, FinalGather.OFF),
         (Integrator.SPLAT, FinalGather.ON),
         (Integrator.REFERENCE, FinalGather.OFF),
     )
-    return [float(shoot(below, *way).passes["Combined"][..., :3].mean()) for way in ways]
+    what = room(below, glowing)
+    return [float(shoot(what, *way).passes["Combined"][..., :3].mean()) for way in ways]
 
 
-def test_all_estimators_agree_on_a_lamp_in_the_ceiling() -> None:
-    clear, within = means(0.01), means(0.0)
+@pytest.mark.parametrize("glowing", [False, True], ids=["lamp", "mesh"])
+def test_all_estimators_agree_on_a_light_in_the_ceiling(glowing: bool) -> None:
+    clear, within = means(0.01, glowing), means(0.0, glowing)
     assert clear[:2] == pytest.approx([clear[2]] * 2, rel=0.02)
     assert within[:2] == pytest.approx([within[2]] * 2, rel=0.06)
     assert within[2] < 0.9 * clear[2]
@@ -53,8 +59,9 @@ def test_a_lamp_just_below_the_ceiling_lights_as_any_other() -> None:
     assert np.allclose(means(2e-6), means(0.01), rtol=0.02)
 
 
-def test_the_warning_names_lamp_and_mesh() -> None:
-    warnings = shoot(0.0, Integrator.SPLAT).statistics["warnings"]
+@pytest.mark.parametrize("glowing", [False, True], ids=["lamp", "mesh"])
+def test_the_warning_names_light_and_mesh(glowing: bool) -> None:
+    warnings = shoot(room(0.0, glowing), Integrator.SPLAT).statistics["warnings"]
     assert len(warnings) == 1
     assert "'Panel' in 'box'" in warnings[0]
-    assert not shoot(0.01, Integrator.SPLAT).statistics["warnings"]
+    assert not shoot(room(0.01, glowing), Integrator.SPLAT).statistics["warnings"]
