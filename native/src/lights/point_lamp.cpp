@@ -110,9 +110,9 @@ Rgb point_lamp_met(const Scene& scene, const Lamp& lamp, const Vec3& origin, con
   if (r2 <= 0 || miss2 > r2) return {};
   float one_minus_cos, distance;
   if (lamp.s.soft_falloff) {
-    if (along <= near || along > far || miss2 * (d2 + r2) > r2 * d2) return {};
-    one_minus_cos = (r2 / (d2 + r2)) / (1 + std::sqrt(d2 / (d2 + r2)));
     distance = d2 / along;
+    if (along <= 0 || distance <= near || distance > far || miss2 * (d2 + r2) > r2 * d2) return {};
+    one_minus_cos = (r2 / (d2 + r2)) / (1 + std::sqrt(d2 / (d2 + r2)));
   } else if (d2 > r2) {
     const float entry = along - std::sqrt(r2 - miss2);
     if (entry <= near || entry > far) return {};

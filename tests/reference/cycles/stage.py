@@ -318,6 +318,25 @@ def clear_glass(
         m.add_boxes("Hull", [((-1.5, -1.4, -0.1), (1.5, 1.4, 2.1))], glass)
 
 
+def lamp_in_ball() -> None:
+    """A lamp that faces its receiver, more than half of it within an opaque ball, over a glossy floor
+    that finds it by reflected rays as well: the ball hides what of the disc lies behind its surface.
+    """
+    _stage()
+    gloss = m.principled("Gloss")
+    principled = next(n for n in gloss.node_tree.nodes if n.type == "BSDF_PRINCIPLED")
+    principled.inputs["Metallic"].default_value = 1.0
+    principled.inputs["Roughness"].default_value = 0.2
+    m.add_mesh(
+        "Sheet",
+        [(-1.5, -1.5, 0.02), (1.5, -1.5, 0.02), (1.5, 1.5, 0.02), (-1.5, 1.5, 0.02)],
+        [(0, 1, 2, 3)],
+        gloss,
+    )
+    m.add_sphere("Cover", 0.4, m.diffuse("Cover", (0.7, 0.7, 0.7)), (0.0, 0.0, 0.6), 64)
+    _lamp("POINT", 40.0, (0.05, -0.17, 0.5), shadow_soft_size=0.33)
+
+
 def linked_lamps() -> None:
     """Light linking: lamps for some things only or for all but some, a shining plate too; a mirror
     that sees what it is linked to.

@@ -44,7 +44,7 @@ def halves() -> np.ndarray:
 @pytest.mark.parametrize("passes", [8, 32])
 def test_the_estimate_is_the_error(halves: np.ndarray, passes: int) -> None:
     """For the picture as a whole, and for the pixels in which it is small and those in which it is
-    large.
+    large: small in the mean over the seeds, because one seed's small estimates are small by chance.
     """
     measured, estimated = [], []
     for seed in range(8):
@@ -52,12 +52,12 @@ def test_the_estimate_is_the_error(halves: np.ndarray, passes: int) -> None:
         luminance = result.passes["Combined"][..., :3] @ LUMINANCE
         measured.append((luminance - halves[0]) * (luminance - halves[1]))
         estimated.append(result.passes["Error"][..., 0] ** 2)
-    true, said = np.stack(measured).ravel(), np.stack(estimated).ravel()
+    true, said = np.mean(measured, axis=0).ravel(), np.mean(estimated, axis=0).ravel()
     whole = np.sqrt(true.mean() / said.mean())
     assert 0.7 < whole < 1.5, whole
     for part in np.array_split(np.argsort(said), 4):
         ratio = np.sqrt(max(true[part].mean(), 0.0) / said[part].mean())
-        assert 0.6 < ratio < 1.7, ratio
+        assert 0.65 < ratio < 1.45, ratio
 
 
 def test_a_render_stops_when_the_error_is_small_enough(halves: np.ndarray) -> None:
