@@ -151,6 +151,11 @@ def pilot_sentences(statistics: Statistics) -> list[str]:
             if discs["obstructed"]
             else "Nothing stands in a disc."
         )
+    if statistics["fallback"]["world"]:
+        sentences.append(
+            "The world asks how often rays have bounced: paths from the camera bring all of its "
+            "light, photons that of lamps alone."
+        )
     share = statistics["fallback"]["share"]
     if statistics["fallback"]["everywhere"]:
         sentences.append(

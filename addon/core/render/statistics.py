@@ -86,6 +86,8 @@ class Fallback(TypedDict):
     """Of all gather points, 0..1."""
     everywhere: bool
     """The scene is such that paths cost less than photons; caustics excepted."""
+    world: bool
+    """They bring all of the world's light: it asks how often rays have bounced."""
 
 
 class Reused(TypedDict):

@@ -216,8 +216,6 @@ def light_path(n: Node) -> Outputs:
             n.warn("the depths of rays that see a light are those of its direct light")
         found = {socket.identifier: ZERO for socket in n.node.outputs}
         return found | {"Ray Length": n.graph.one("LightPath", what="RAY_LENGTH"), "Ray Depth": ONE}
-    if n.owner.of_world and any(n.wanted(name) for name in DEPTHS):
-        n.warn("the depths of rays that see the world are guessed for photons")
     return {
         name: n.graph.one("LightPath", what=name.upper().replace(" ", "_")) for name in LIGHT_PATH
     } | {"Portal Depth": ZERO}

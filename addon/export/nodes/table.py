@@ -130,7 +130,7 @@ NODES: dict[str, Entry] = {
         "input",
         "Light Path",
         i.light_path,
-        "depths: in a light those of its direct light, in a world guessed for photons",
+        "depths: in a light those of its direct light",
     ),
     "LIGHT_FALLOFF": Entry("input", "Light Falloff", i.light_falloff),
     "FRESNEL": Entry("input", "Fresnel", i.fresnel),

@@ -75,6 +75,7 @@ nb::dict statistics(Renderer& r) {
   fallback["share"] =
       s.places ? static_cast<double>(s.path_traced) / static_cast<double>(s.places) : 0.0;
   fallback["everywhere"] = s.all_path_traced;
+  fallback["world"] = s.world_path_traced;
   out["fallback"] = fallback;
   return out;
 }

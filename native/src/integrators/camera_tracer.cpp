@@ -107,6 +107,9 @@ struct CameraTracer::Path {
   // Of throughput: what photons bring of light that meets nothing but sharp lobes from here on
   Rgb covered{};
   Rgb withheld{};  // of emission_throughput: what photons bring of it
+  // What is more than throughput, and than emission_throughput, of the light of a world that comes
+  // by paths alone
+  Rgb world_throughput{}, world_emission{};
   LobeCategory category = LobeCategory::kDiffuse;
   // The last vertex
   Receiver from{{}, {}, true, ~uint64_t{0}, nullptr, 1, ray_bit(RayInfo::kCamera)};
@@ -119,6 +122,8 @@ struct CameraTracer::Path {
     diffuse_emission *= factor;
     covered *= factor;
     withheld *= factor;
+    world_throughput *= factor;
+    world_emission *= factor;
   }
   // Numbers for the next vertex: the low-discrepancy sequence at the first one.
   Vec2 numbers(Dimension pair) {
@@ -202,7 +207,7 @@ void CameraTracer::trace_path(Path& path) const {
       path.pixel.diffuse_color += bsdf.diffuse_albedo() * path.throughput;
       path.pixel.albedo += bsdf.albedo() * path.throughput;
     }
-    if (!bsdf.scatters() || !(max_abs(path.throughput) > 0)) return;
+    if (!bsdf.scatters() || !(max_abs(path.throughput + path.world_throughput) > 0)) return;
     Receiver receiver{hit.position, bsdf.transmits() ? Vec3{} : hit.ng, bsdf.has_rest(),
                       scene_.instances[hit.instance].group};
     if (!brings_all()) receiver.guide = lights_.guide_at(receiver.x, receiver.n);
@@ -210,12 +215,15 @@ void CameraTracer::trace_path(Path& path) const {
     receiver.bounces = static_cast<uint16_t>(path.vertex);
     if (path.vertex < kSunnyVertices && lights_.environment().contrast() > kSunny)
       receiver.world_samples = 2;
-    const bool gathers = path.leaves_gather_points && path.vertex < path.max_bounces,
+    const bool gathers = path.leaves_gather_points && path.vertex < path.max_bounces &&
+                         !is_black(path.throughput),
                continued = gathers && continues(path, hit, bsdf);
     if (path.leaves_gather_points && bsdf.has_rest()) {
       const bool shares_diffuse =
           lights_.wants_bsdf_ray({receiver.x, receiver.n, false, receiver.group});
-      bsdf.prefer_rest(continued ? 1 : shares_diffuse ? kDiffuseShared : kDiffuseLeast);
+      bsdf.prefer_rest(continued || lights_.world_by_paths() ? 1
+                       : shares_diffuse                      ? kDiffuseShared
+                                                             : kDiffuseLeast);
     }
     add_direct(path, hit, bsdf, receiver);
     if (gathers && (!continued || caustic_photons_))
@@ -298,12 +306,13 @@ void CameraTracer::add_world_by_ray(Path& path, const Rgb& light) const {
     return world.share(path.direction, ray);
   };
   const Rgb diffuse = is_black(path.diffuse_share) ? Rgb{} : share(true), rest = share(false);
-  const Rgb all = path.emission_throughput + path.withheld;
+  const Rgb all = path.emission_throughput + path.withheld + path.world_emission;
+  const Rgb withheld = lights_.world_by_paths() ? Rgb{} : path.withheld;
   const Rgb kept = path.emission_throughput, kept_diffuse = path.diffuse_emission;
   path.diffuse_emission = path.diffuse_emission * diffuse;
   path.emission_throughput =
       all * (path.diffuse_share * diffuse + (Rgb{1, 1, 1} - path.diffuse_share) * rest) -
-      path.withheld * rest;
+      withheld * rest;
   add_met(path, light, path.pixel.environment, scene_.world_light_group);
   path.emission_throughput = kept;
   path.diffuse_emission = kept_diffuse;
@@ -329,7 +338,8 @@ CameraTracer::Passing CameraTracer::pass_through(Path& path, const Surface& hit,
   const bool passes = scattered == 0 || path.random.next() < passing;
   path.scale(passes ? transparency / passing : Rgb{1, 1, 1} / (1 - passing));
   if (!passes) return Passing::kStays;
-  const float survival = std::min(1.0f, max_abs(path.emission_throughput) * kRoulette);
+  const float survival =
+      std::min(1.0f, max_abs(path.emission_throughput + path.world_emission) * kRoulette);
   if (++path.info.transparent_depth > kMaxTransparent || path.random.next() >= survival)
     return Passing::kAbsorbed;
   path.scale(Rgb{1, 1, 1} / survival);
@@ -399,11 +409,13 @@ void CameraTracer::add_light(Path& path, const Surface& hit, const Bsdf& bsdf,
                              const Receiver& receiver, const LightSample& light, bool world) const {
   float pdf = 0, sharp = 0;
   Rgb diffuse{};
-  const bool covered = !is_black(path.covered);
+  const bool any_covered = !is_black(path.covered);
   Rgb scattered =
-      bsdf.evaluate(light.direction, &pdf, nullptr, &diffuse, covered ? &sharp : nullptr);
+      bsdf.evaluate(light.direction, &pdf, nullptr, &diffuse, any_covered ? &sharp : nullptr);
   if (light.seen_by != kAllRays) keep_seen(light, hit, scattered, diffuse, sharp);
-  if (!(max_abs(scattered) > 0)) return;
+  const Rgb throughput =
+      light.from_world ? path.throughput + path.world_throughput : path.throughput;
+  if (!(max_abs(throughput * scattered) > 0)) return;
   ++path.tile.rays;
   path.tile.deep_rays += path.gather_bounces > 1;
   Rgb arriving = light.weight * light_through(light, hit, path.info);
@@ -419,12 +431,12 @@ void CameraTracer::add_light(Path& path, const Surface& hit, const Bsdf& bsdf,
                               ? lights_.environment().share(
                                     light.direction, path.info.scattered(false, through, false))
                               : Rgb{};
-    const Rgb rest =
-        (path.throughput * (scattered - diffuse) - path.covered * scattered * sharp) * seen_rest;
-    diffuse = path.throughput * diffuse * seen;
+    const Rgb covered = lights_.world_by_paths() ? Rgb{} : path.covered;
+    const Rgb rest = (throughput * (scattered - diffuse) - covered * scattered * sharp) * seen_rest;
+    diffuse = throughput * diffuse * seen;
     scattered = diffuse + rest;
   } else {
-    arriving *= path.throughput - path.covered * sharp;
+    arriving *= throughput - path.covered * sharp;
   }
   if (path.gather_bounces > 1) see_deep(path, arriving * scattered);
   if (path.groups) GroupLight{path.groups, scattered}.add(arriving, light.light_group);
@@ -520,22 +532,28 @@ bool CameraTracer::scatter(Path& path, const Surface& hit, const Bsdf& bsdf,
       path.diffuse_share = divided(by_diffuse, whole_way);
     }
   }
-  const Rgb before = path.throughput;
+  const Rgb before = path.throughput, world_before = path.world_throughput;
   path.throughput = !goes_on ? Rgb{} : whole ? before * s->weight : before * s->rest;
   const Rgb still_covered = s->diffuse ? Rgb{} : path.covered * s->weight * sharpness(s->roughness);
   path.withheld = still_covered;
   path.emission_throughput = before * s->weight - still_covered;
   path.covered = still_covered;
+  path.world_emission = world_before * s->weight;
+  path.world_throughput = last || !lights_.world_by_paths()
+                              ? Rgb{}
+                              : (before + world_before) * s->weight - path.throughput;
   path.deep = path.gather_bounces > 1;
   path.gather_bounces += continued;
   if (continued && caustic_photons_) path.covered += before * (s->weight - s->rest);
   path.diffuse_emission = before * diffuse;
   if (!is_finite(path.emission_throughput) || !is_finite(path.throughput) ||
-      !is_finite(path.diffuse_emission)) {
+      !is_finite(path.diffuse_emission) || !is_finite(path.world_throughput) ||
+      !is_finite(path.world_emission)) {
     ++path.tile.bad_samples;
     return false;
   }
-  const float strength = std::max(max_abs(path.throughput), max_abs(path.emission_throughput));
+  const float strength = std::max(max_abs(path.throughput + path.world_throughput),
+                                  max_abs(path.emission_throughput + path.world_emission));
   const float survival = std::min(1.0f, strength * (path.vertex < kSureBounces ? kRoulette : 1.2f));
   if (path.random.next() >= survival) return false;
   path.scale(Rgb{1, 1, 1} / survival);

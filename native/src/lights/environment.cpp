@@ -89,12 +89,23 @@ void Environment::find_kinds() {
   const Program& program = scene_.programs[scene_.world_program];
   asks_camera_ = program.asks_ray;
   asks_depth_ = program.asks_depth;
-  kinds_.push_back(photon_ray(true, false, false));
-  if (!program.asks_kind && !program.asks_depth) return;
-  for (const bool transmitted : {false, true}) {
-    if (transmitted) kinds_.push_back(photon_ray(true, true, false));
-    kinds_.push_back(photon_ray(false, transmitted, false));
-    if (program.asks_singular) kinds_.push_back(photon_ray(false, transmitted, true));
+  if (!program.asks_kind && !program.asks_depth) {
+    kinds_.push_back(photon_ray(true, false, false));
+    return;
+  }
+  const auto add_kinds = [&](const RayInfo& before) {
+    for (const bool transmitted : {false, true}) {
+      kinds_.push_back(before.scattered(true, transmitted, false));
+      kinds_.push_back(before.scattered(false, transmitted, false));
+      if (program.asks_singular) kinds_.push_back(before.scattered(false, transmitted, true));
+    }
+  };
+  RayInfo before{};
+  if (program.asks_depth) add_kinds(before);
+  add_kinds(before = before.scattered(true, false, false));
+  if (program.asks_depth) {
+    for (int bounce = 0; bounce < 4; ++bounce) before = before.scattered(true, false, false);
+    add_kinds(before);
   }
 }
 

@@ -18,6 +18,8 @@ class Environment {
   // which then is the most that any of these sees but the camera: a world with a Light Path node.
   bool asks_camera() const { return asks_camera_; }
   bool asks_ray() const { return kinds_.size() > 1 || asks_depth_; }
+  // Whether it matters how often the ray has bounced, which nobody knows of a photon.
+  bool asks_depth() const { return asks_depth_; }
   Rgb radiance(const Vec3& d, const RayInfo& ray) const;
   // What rays of that kind see, of radiance().
   Rgb share(const Vec3& d, const RayInfo& ray) const;

@@ -166,7 +166,7 @@ float Lights::mean_of_program(const Lamp& lamp) const {
 void Lights::share_power() {
   for (Emitter& e : emitters_)
     if (e.parallel_flux > 0) e.power = e.parallel_flux * discs_.least_area();
-  world_power_ = scene_.world_seen_by & kScatteredRays
+  world_power_ = (scene_.world_seen_by & kScatteredRays) && !world_by_paths()
                      ? average(environment_.mean()) * 4.0 * kPi * discs_.least_area()
                      : 0;
   power_cdf_.clear();

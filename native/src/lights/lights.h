@@ -97,6 +97,9 @@ class Lights {
                  GroupLight* groups = nullptr) const;
 
   const Environment& environment() const { return environment_; }
+  // No photons bring the light of such a world: camera paths do, beside what photons bring of
+  // others.
+  bool world_by_paths() const { return environment_.asks_depth() && !environment_.black(); }
   // Photons of suns and of the world start about what is seen, of which half lies within `radius`
   // of `center`, and fewer everywhere else. To be called before any photon is emitted, guided or
   // aimed.

@@ -251,6 +251,7 @@ RenderStatistics Renderer::statistics() {
   out.places = camera.places();
   out.path_traced = camera.continued();
   out.all_path_traced = camera_pass_->all_path_traced();
+  out.world_path_traced = lights_ && lights_->world_by_paths();
   return out;
 }
 

@@ -58,7 +58,8 @@ struct RenderStatistics {
   ErrorFigures error;        // of the last estimate
   // Places where indirect light was wanted, and those where camera paths went on for it
   uint64_t places = 0, path_traced = 0;
-  bool all_path_traced = false;  // paths bring all of the indirect light, caustics excepted
+  bool all_path_traced = false;    // paths bring all of the indirect light, caustics excepted
+  bool world_path_traced = false;  // paths bring all of the world's light
 };
 
 }  // namespace photon_splat

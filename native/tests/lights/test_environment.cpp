@@ -88,6 +88,8 @@ TEST_CASE("a world that asks by what ray it is seen has its photons and samples 
   CHECK(shine.share(up, Environment::photon_ray(false, true, false)).x == 1);
   asking(by_depth, RAY_DEPTH);
   const Environment deep(by_depth);
+  CHECK(deep.asks_depth());
+  CHECK_FALSE(shine.asks_depth());
   CHECK(deep.radiance(up, RayInfo{}).x == 1);
   CHECK(deep.radiance(up, RayInfo{}.scattered(true, false, false)).x == 2);
 }

@@ -379,6 +379,15 @@ CASES: tuple[Case, ...] = (
         )
         for name in ("camera", "diffuse", "glossy", "transmission")
     ),
+    *(
+        Case(
+            f"world_by_{output.lower().replace(' ', '_')}",
+            "world_by_ray",
+            {"output": output, "above": above, "lamp": lamp},
+            light_samples=False,
+        )
+        for output, above, lamp in (("Ray Depth", 2.5, False), ("Diffuse Depth", 1.5, True))
+    ),
     _geometry("volume_without_surface"),
     _geometry("outputs_for_both"),
     _geometry("emissive_mesh"),

@@ -533,9 +533,9 @@ def environment(
         _lamp("AREA", 20.0, HIGH, size=0.6)
 
 
-def world_by_ray(output: str) -> None:
-    """Rays that a Light Path node's output is 1 for see a blue world, all others an uneven warm
-    one; balls of metal and glass.
+def world_by_ray(output: str, above: float | None = None, lamp: bool = False) -> None:
+    """Rays that a Light Path node's output is 1 for, or more than `above`, see a blue world, all
+    others an uneven warm one; balls of metal and glass.
     """
     _stage()
     m.add_sphere("Mirror", 0.28, m.polished_metal("Mirror", (0.9, 0.9, 0.9)), (-0.1, -0.9, 0.3), 24)
@@ -556,11 +556,21 @@ def world_by_ray(output: str) -> None:
         warm.inputs["Strength"],
     )
     ending = next(node for node in tree.nodes if node.type == "OUTPUT_WORLD")
-    tree.links.new(path.outputs[output], mix.inputs[0])
+    which = path.outputs[output]
+    if above is not None:
+        compare = tree.nodes.new("ShaderNodeMath")
+        compare.operation = "GREATER_THAN"
+        compare.inputs[1].default_value = above
+        tree.links.new(which, compare.inputs[0])
+        which = compare.outputs[0]
+    tree.links.new(which, mix.inputs[0])
     tree.links.new(warm.outputs[0], mix.inputs[1])
     tree.links.new(blue.outputs[0], mix.inputs[2])
     tree.links.new(mix.outputs[0], ending.inputs["Surface"])
     _look((0.0, -4.3, 1.6), (0.0, 0.15, 0.9))
+    if lamp:
+        place, aim = (-0.4, -0.5, 1.9), (0.0, 0.2, 0.0)
+        _lamp("AREA", 40.0, place, aim, shape="RECTANGLE", size=1.2, size_y=1.2)
 
 
 def volume_without_surface() -> None:
