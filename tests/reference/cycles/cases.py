@@ -122,7 +122,7 @@ CASES: tuple[Case, ...] = (
     _lamp("point_soft", "POINT", 40.0, shadow_soft_size=0.25),
     _lamp("point_sphere", "POINT", 40.0, shadow_soft_size=0.25, use_soft_falloff=False),
     _lamp("point_soft_large", "POINT", 20.0, shadow_soft_size=0.8, **_LOW),
-    _geometry("lamp_in_ball"),
+    Case("lamp_in_ball", "lamp_in_ball", splat=False),
     _lamp(
         "point_sphere_cuts_floor",
         "POINT",
