@@ -319,8 +319,8 @@ def clear_glass(
 
 
 def lamp_in_ball() -> None:
-    """A lamp that faces its receiver, more than half of it within an opaque ball, over a glossy floor
-    that finds it by reflected rays as well: the ball hides what of the disc lies behind its surface.
+    """A lamp that faces its receiver, more than half of it within an opaque ball, over a glossy
+    floor that finds it by reflected rays as well: the ball hides what of the disc lies in it.
     """
     _stage()
     gloss = m.principled("Gloss")
