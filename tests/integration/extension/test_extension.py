@@ -126,7 +126,7 @@ def test_the_archive_bundles_nothing_of_blender() -> None:
             inside = zipfile.ZipFile(archive.open(wheel)).namelist()
             names += inside
             if "photon_splat_native" in wheel:
-                module, stub = sorted(name for name in inside if ".dist-info/" not in name)
+                stub, module = sorted(name for name in inside if ".dist-info/" not in name)
                 assert re.fullmatch(r"photon_splat_native\.\S+\.so", module)
                 assert stub.endswith(".pyi")
     assert not [name for name in names if any(part.lower() in name.lower() for part in SHIPPED)]
