@@ -9,7 +9,7 @@ from typing import Any
 
 import bpy
 
-from ..core.scene import Material, Side
+from ..core.scene import NO_PROGRAM, Material, Side
 from ..core.scene.shading import Feature, Program
 from .cancelled import Watch
 from .images import Textures
@@ -148,8 +148,12 @@ def export_material(material: Any, owner: Owner, shading: Shading) -> Material:
             "as not there"
         )
     volume = shading.around.trees.feed(output.inputs["Volume"], ())
-    if volume is not None and volume.node is not None:
-        report.warn(f"{owner.name}, node '{volume.node.name}': Volume not supported; left out")
+    medium = export_volume(
+        Owner(owner.name, material, uv_map=owner.uv_map, of_volume=True),
+        material.name,
+        output,
+        shading,
+    )
     displacement = output.inputs["Displacement"]
     if displacement.is_linked and getattr(material, "displacement_method", "BUMP") != "BUMP":
         report.warn(
@@ -165,8 +169,19 @@ def export_material(material: Any, owner: Owner, shading: Shading) -> Material:
         compiled = Compiled(compiled.graph, [clear], Feature.TRANSPARENT)
     sides = _sides(material, owner, compiled, output, shading)
     if sides is not None:
-        return Material(material.name, *sides)
-    return Material(material.name, program=shading.add(compiled.program(material.name)))
+        return Material(material.name, *sides, volume=medium)
+    program = shading.add(compiled.program(material.name))
+    return Material(material.name, program=program, volume=medium)
+
+
+def export_volume(owner: Owner, name: str, output: Any, shading: Shading) -> int:
+    """Index of the program of the medium that an output node's Volume describes; NO_PROGRAM where
+    there is none.
+    """
+    compiled = shading.compile(owner, output.inputs["Volume"])
+    if not compiled.statements:
+        return NO_PROGRAM
+    return shading.add(compiled.program(f"volume of {name}"))
 
 
 def _sides(

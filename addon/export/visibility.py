@@ -15,6 +15,7 @@ FLAGS = {
     "diffuse": Ray.DIFFUSE,
     "glossy": Ray.GLOSSY,
     "transmission": Ray.TRANSMISSION,
+    "volume_scatter": Ray.VOLUME,
 }
 
 
@@ -75,7 +76,7 @@ def world_seen_by(world: Any) -> int:
     kept = getattr(world, "cycles_visibility", None)
     mask = ALL_RAYS
     for name, ray in FLAGS.items():
-        seen = getattr(world, f"visible_{name}", getattr(kept, name, True))
+        seen = getattr(world, f"visible_{name}", getattr(kept, name.removeprefix("volume_"), True))
         if not seen and ray is not Ray.SHADOW:
             mask &= ~int(ray)
     return mask

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..core.scene import NO_TEXTURE, Rgb, Scene, SunDisc, WorldMap
 from .lights import MOST_STRENGTH
-from .materials import Shading
+from .materials import Shading, export_volume
 from .nodes.compiler import Compiler
 from .nodes.links import (
     Source,
@@ -58,11 +58,9 @@ class _World:
         if output is None:
             report_foreign_output(world.node_tree, self.owner, self.report)
             return
-        volume = source(output.inputs["Volume"])
-        if volume.node is not None:
-            self.report.warn(
-                f"{self.owner}, node '{volume.node.name}': Volume not supported; left out"
-            )
+        self.scene.world_volume = export_volume(
+            Owner(self.owner, world, of_volume=True), world.name, output, self.shading
+        )
         surface = source(output.inputs["Surface"])
         if not (
             surface.node is not None

@@ -196,6 +196,8 @@ def _add_materials(renderer: Renderer, scene: Scene) -> None:
                 renderer.add_program_material(material.program)
             else:
                 renderer.add_material(_side(material.front), _side(material.back))
+            if material.volume != NO_PROGRAM:
+                renderer.set_volume(material.volume)
 
 
 def _add_lights(renderer: Renderer, scene: Scene) -> None:
@@ -241,6 +243,8 @@ def _add_lights(renderer: Renderer, scene: Scene) -> None:
         )
     if scene.world_program != NO_PROGRAM:
         renderer.set_world_program(scene.world_program)
+    if scene.world_volume != NO_PROGRAM:
+        renderer.set_world_volume(scene.world_volume)
 
 
 def place_camera(renderer: Renderer, camera: Camera, frame: Frame) -> None:

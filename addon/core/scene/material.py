@@ -63,10 +63,12 @@ class Side:
 class Material:
     """A surface material; the two sides may differ (a Mix Shader driven by Geometry > Backfacing).
 
-    `program`: index into Scene.programs; then the sides are not read.
+    `program`: index into Scene.programs; then the sides are not read. `volume`: the same of the
+    medium behind the surface.
     """
 
     name: str
     front: Side = field(default_factory=Side)
     back: Side = field(default_factory=Side)
     program: int = NO_PROGRAM
+    volume: int = NO_PROGRAM

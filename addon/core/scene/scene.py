@@ -22,7 +22,8 @@ class Scene:
 
     `world` is the radiance (W/m^2/sr) seen where a ray leaves the scene: constant, or the factor of
     `world_map`; `sun_discs` come on top. `world_program`, an index into `programs`, stands in the
-    place of both where it is given. `light_groups` are the names of those whose light gets passes
+    place of both where it is given. `world_volume` is the program of a medium
+    that is everywhere. `light_groups` are the names of those whose light gets passes
     of their own. `world_seen_by`: the rays that bring the world's light, as of a lamp.
     """
 
@@ -39,6 +40,7 @@ class Scene:
     world_map: WorldMap | None = None
     sun_discs: list[SunDisc] = field(default_factory=list)
     world_program: int = NO_PROGRAM
+    world_volume: int = NO_PROGRAM
     light_groups: list[str] = field(default_factory=list)
     world_light_group: int = NO_LIGHT_GROUP
     world_seen_by: int = ALL_RAYS

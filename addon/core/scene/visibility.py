@@ -15,6 +15,7 @@ class Ray(IntFlag):
     DIFFUSE = 4
     GLOSSY = 8
     TRANSMISSION = 16
+    VOLUME = 64
 
 
 ALL_RAYS = 0xFFFFFFFF

@@ -68,6 +68,7 @@ class Owner:
     uv_map: str | None = None
     asked_uv_map: bool = False
     of_world: bool = False
+    of_volume: bool = False  # the tree describes a medium
     opaque_shadow: bool = False  # its transparency does not count for shadow rays
     lamp: Any = None  # the object, where the tree is a light's
     normal: Value | None = None  # in place of the shading normal, where a displacement bends it

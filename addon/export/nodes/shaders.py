@@ -24,6 +24,7 @@ def _roughness_features(*roughnesses: Value) -> Feature:
     return Feature.REST | (Feature.SHARP if sharp else Feature(0))
 
 
+MEDIA = ("VolumeAbsorption", "VolumeScatter", "VolumeCoefficients", "PrincipledVolume")
 MOST_LOBES = 48
 """LobeList::kMax of native/src/bsdf/lobe.h."""
 
@@ -32,7 +33,7 @@ def lobe_count(made: Statement) -> int:
     """How many lobes a closure has at most."""
     name = made.operation.name
     if name != "Principled":
-        return 0 if name in {"Emission", "Transparent", "Holdout"} else 1
+        return 0 if name in {"Emission", "Transparent", "Holdout", *MEDIA} else 1
     metallic, transmission = made.get("metallic"), made.get("transmission_weight")
     lobes = sum(
         value != ZERO
@@ -363,11 +364,6 @@ specular_workflow = _as_diffuse("taken as diffuse with its base colour", "Base C
 def ray_portal(n: Node, weight: Value) -> Made:
     n.unsupported("is not supported; taken as transparent with its colour")
     return transparent(n, weight)
-
-
-def volume(n: Node, weight: Value) -> Made:
-    n.unsupported("has no effect on a surface; left out")
-    return [], Feature(0)
 
 
 def from_value(n: Node, weight: Value, color: Value) -> Made:

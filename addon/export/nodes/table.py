@@ -12,6 +12,7 @@ from typing import Any
 
 from . import converters as c
 from . import inputs as i
+from . import media as m
 from . import shaders as s
 from . import texturing as t
 from .node import Node
@@ -92,10 +93,12 @@ NODES: dict[str, Entry] = {
     ),
     "BSDF_RAY_PORTAL": Entry("shader", "Ray Portal BSDF", s.ray_portal, "taken as transparent"),
     "EEVEE_SPECULAR": Entry("shader", "Specular BSDF", s.specular_workflow, "taken as diffuse"),
-    "VOLUME_ABSORPTION": Entry("shader", "Volume Absorption", s.volume, "left out"),
-    "VOLUME_SCATTER": Entry("shader", "Volume Scatter", s.volume, "left out"),
-    "VOLUME_COEFFICIENTS": Entry("shader", "Volume Coefficients", s.volume, "left out"),
-    "PRINCIPLED_VOLUME": Entry("shader", "Principled Volume", s.volume, "left out"),
+    "VOLUME_ABSORPTION": Entry("shader", "Volume Absorption", m.absorption),
+    "VOLUME_SCATTER": Entry("shader", "Volume Scatter", m.scatter, m.NO_FOURNIER),
+    "VOLUME_COEFFICIENTS": Entry("shader", "Volume Coefficients", m.coefficients, m.NO_FOURNIER),
+    "PRINCIPLED_VOLUME": Entry(
+        "shader", "Principled Volume", m.principled, "attributes of volume grids are not there"
+    ),
     # --- textures ---
     "TEX_IMAGE": Entry("texture", "Image Texture", t.image, "of movies one frame"),
     "TEX_ENVIRONMENT": Entry("texture", "Environment Texture", t.environment),

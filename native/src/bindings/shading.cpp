@@ -60,6 +60,13 @@ int require_program(const Renderer& r, uint32_t program) {
   return static_cast<int>(program);
 }
 
+// Of the material added last.
+void set_volume(Renderer& r, uint32_t program) {
+  if (r.scene.materials.empty())
+    throw std::invalid_argument("a volume belongs to a material that does not exist");
+  r.scene.materials.back().volume = require_program(r, program);
+}
+
 uint32_t add_program_material(Renderer& r, uint32_t program) {
   Material material;
   material.program = require_program(r, program);
@@ -217,6 +224,12 @@ void bind_shading(nb::module_& m, RendererClass& renderer) {
            "(registers,) float32 that a program leaves which asks for nothing of a hit.")
       .def("add_program_material", &add_program_material, "program"_a,
            "A material that runs a program. Returns its index.")
+      .def("set_volume", &set_volume, "program"_a,
+           "The program of the medium behind surfaces of the material added last.")
+      .def(
+          "set_world_volume",
+          [](Renderer& r, uint32_t program) { r.scene.world_volume = require_program(r, program); },
+          "program"_a, "The program of a medium that is everywhere; after add_program().")
       .def(
           "set_world_program",
           [](Renderer& r, uint32_t program) {

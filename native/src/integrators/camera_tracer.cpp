@@ -1,14 +1,11 @@
-#include "integrators/camera_tracer.h"
+#include "integrators/camera_path.h"
 
 namespace photon_splat {
 namespace {
 
-// Paths of little throughput go on with a probability of this times their throughput.
-constexpr float kRoulette = 8;
 // What diffuse lobes keep of their chance where photons bring their light: rays share some direct
 // light with light samples.
 constexpr float kDiffuseShared = 0.5f, kDiffuseLeast = 0.05f;
-constexpr int kSureBounces = 3;  // from here on at most with the throughput itself
 // A sun and a sky, neither of which may be in sight, are looked at twice from the first vertices of
 // a path.
 constexpr float kSunny = 0.7f;
@@ -17,18 +14,6 @@ constexpr int kSunnyVertices = 2;
 constexpr int kFirstLights = 2;
 constexpr float kBrightest = 20;       // times the world's mean: a sighting counts at most as much
 constexpr int kMaxTransparent = 4096;  // layers that let a path through before it is given up
-
-// Dimensions of the camera's low-discrepancy sequence, in pairs.
-enum Dimension : uint32_t {
-  kFilterPair,
-  kChoicePair,
-  kLightPair,
-  kBsdfPair,
-  kLobePair,
-  kSkyPair,
-  kSkyChoicePair,
-  kLensPair = 64
-};
 
 // Leaves of what lobes scatter that of those whose rays see the light.
 void keep_seen(const LightSample& light, const Surface& hit, Rgb& scattered, Rgb& diffuse,
@@ -48,88 +33,7 @@ Rgb divided(const Rgb& a, const Rgb& b) {
   return {b.x != 0 ? a.x / b.x : 0, b.y != 0 ? a.y / b.y : 0, b.z != 0 ? a.z / b.z : 0};
 }
 
-void add_finite(Rgb& sum, const Rgb& value, uint64_t& bad) {
-  if (can_be_added(value))
-    sum += value;
-  else
-    ++bad;
-}
-
 }  // namespace
-
-// A camera path on its way. It scatters at vertices 0, 1, ...; transparent surfaces that it passes
-// are none.
-struct CameraTracer::Path {
-  Path(const CameraRay& camera_ray, Pixel& p, Tile& t, uint32_t index, uint32_t sample_number,
-       uint32_t pixel_seed)
-      : ray(camera_ray),
-        pixel(p),
-        tile(t),
-        pixel_index(index),
-        sample(sample_number),
-        seed(pixel_seed),
-        origin(ray.origin),
-        direction(ray.direction),
-        near(ray.near),
-        far(ray.far),
-        random(sample, seed) {
-    info.from = near;
-  }
-
-  const CameraRay& ray;
-  Pixel& pixel;
-  Tile& tile;
-  uint32_t pixel_index, sample, seed;
-  size_t place = 0;  // of the pixel in its tile
-  int max_bounces = 0;
-  Rgb* groups = nullptr;      // the pixel's light by group, if wanted
-  bool learns = false;        // what it sees of the world is noted
-  int gather_bounces = 0;     // times that it went on for light that photons were to bring
-  bool deep = false;          // the ray on its way does so from beyond the first place where it did
-  bool badly_served = false;  // because they would bring it badly
-  // Photons bring the diffuse part of the light; else the path goes on for it
-  bool leaves_gather_points = false;
-
-  Vec3 origin, direction;
-  float near, far;
-  RayInfo info{};
-  RayInfo before{};  // of the ray that met the last vertex
-  // Of what the last vertex sent on this way, by its diffuse lobes: where the world asks
-  Rgb diffuse_share{1, 1, 1};
-  int vertex = 0;  // number of the next scattering
-  // Before it, straight through glass that bends nothing: vertex 0 is not what the pixel shows
-  // first
-  bool through_glass = false;
-  float travelled = 0;               // up to the last vertex
-  Rgb throughput{1, 1, 1};           // of light that leaves the next vertex, emission excepted
-  Rgb emission_throughput{1, 1, 1};  // of its emission
-  Rgb diffuse_emission{};            // the part of that which the diffuse lobes of vertex 0 sent on
-  // Of throughput: what photons bring of light that meets nothing but sharp lobes from here on
-  Rgb covered{};
-  Rgb withheld{};  // of emission_throughput: what photons bring of it
-  // What is more than throughput, and than emission_throughput, of the light of a world that comes
-  // by paths alone
-  Rgb world_throughput{}, world_emission{};
-  LobeCategory category = LobeCategory::kDiffuse;
-  // The last vertex
-  Receiver from{{}, {}, true, ~uint64_t{0}, nullptr, 1, ray_bit(RayInfo::kCamera)};
-  float pdf = INFINITY;  // of the direction, by its BSDF
-  Random random;
-
-  void scale(const Rgb& factor) {
-    throughput *= factor;
-    emission_throughput *= factor;
-    diffuse_emission *= factor;
-    covered *= factor;
-    withheld *= factor;
-    world_throughput *= factor;
-    world_emission *= factor;
-  }
-  // Numbers for the next vertex: the low-discrepancy sequence at the first one.
-  Vec2 numbers(Dimension pair) {
-    return vertex == 0 ? sobol_2d(sample, pair, seed) : random.next2();
-  }
-};
 
 void CameraTracer::trace_pixel(const Job& job, int x, int y, PackedFilm& film, Pixel& pixel,
                                Tile& tile) const {
@@ -173,6 +77,8 @@ void CameraTracer::trace_pixel(const Job& job, int x, int y, PackedFilm& film, P
 }
 
 void CameraTracer::trace_path(Path& path) const {
+  const Media* const media = scene_.media();
+  if (media) path.media = media->around(path.origin + path.direction * path.near);
   for (;;) {
     Surface hit;
     ++path.tile.rays;
@@ -182,6 +88,14 @@ void CameraTracer::trace_path(Path& path) const {
     add_lamps(path, found ? hit.distance : path.far >= 1e30f ? INFINITY : path.far);
     if (found && path.vertex > 0 && path.info.transparent_depth == 0)
       see_world(path, path.from, path.direction, {}, true);
+    if (media && !path.media.empty()) {
+      const Meeting met = pass_media(path, found ? &hit : nullptr, found ? hit.distance : INFINITY);
+      if (met == Meeting::kAbsorbed) return;
+      if (met == Meeting::kScattered) {
+        if (lights_.shadow_linked()) add_linked(path);
+        continue;
+      }
+    }
     if (!found) {
       add_world(path);
       return;
@@ -261,18 +175,29 @@ void CameraTracer::add_met(Path& path, const Rgb& radiance, Rgb& seen, int16_t l
 void CameraTracer::add_lamps(Path& path, float far) const {
   GroupLight light{path.groups, path.emission_throughput}, *const groups =
                                                                path.groups ? &light : nullptr;
+  Attenuation attenuation;
+  if (!path.media.empty())
+    attenuation = [&](float distance) {
+      return scene_.media()->transmittance(path.media, path.origin, path.direction, path.near,
+                                           distance, path.info, path.random);
+    };
+  const Attenuation* const through = attenuation ? &attenuation : nullptr;
   const Rgb radiance =
       path.vertex == 0 && !path.through_glass
-          ? lights_.lamps_seen(path.origin, path.direction, path.near, far, groups)
-          : lights_.lamps_met(path.from, path.direction, path.near, far, path.pdf, groups);
+          ? lights_.lamps_seen(path.origin, path.direction, path.near, far, groups, through)
+          : lights_.lamps_met(path.from, path.direction, path.near, far, path.pdf, groups, through);
   if (!is_black(radiance)) add_met(path, radiance, path.pixel.emission);
 }
 
 // Before the ray of a lobe is traced, what it would find behind surfaces that do not block it.
 void CameraTracer::add_linked(Path& path) const {
   GroupLight light{path.groups, path.emission_throughput};
+  const auto through = [&](float far, uint64_t blockers) {
+    return transmittance(path.origin, path.direction, far, path.info, blockers, path.media,
+                         path.random);
+  };
   const Rgb radiance = lights_.linked_met(path.from, path.origin, path.direction, path.pdf,
-                                          path.info, path.groups ? &light : nullptr);
+                                          path.info, through, path.groups ? &light : nullptr);
   if (!is_black(radiance)) add_met(path, radiance, path.pixel.emission);
 }
 
@@ -344,6 +269,7 @@ CameraTracer::Passing CameraTracer::pass_through(Path& path, const Surface& hit,
     return Passing::kAbsorbed;
   path.scale(Rgb{1, 1, 1} / survival);
   path.near = std::nextafter(hit.distance + ray_epsilon(hit.position, hit.distance), INFINITY);
+  if (scene_.media()) scene_.media()->cross(path.media, hit);
   if (!is_black(bsdf.straight())) pass_glass(path, hit);
   return Passing::kPasses;
 }
@@ -418,7 +344,7 @@ void CameraTracer::add_light(Path& path, const Surface& hit, const Bsdf& bsdf,
   if (!(max_abs(throughput * scattered) > 0)) return;
   ++path.tile.rays;
   path.tile.deep_rays += path.gather_bounces > 1;
-  Rgb arriving = light.weight * light_through(light, hit, path.info);
+  Rgb arriving = light.weight * light_through(light, hit, path);
   if (light.use_mis) arriving *= light.pdf * light.pdf / (light.pdf * light.pdf + pdf * pdf);
   if (world) {
     see_world(path, receiver, light.direction, arriving, false);
@@ -452,21 +378,31 @@ void CameraTracer::add_light(Path& path, const Surface& hit, const Bsdf& bsdf,
 
 // The ray starts off the surface, so it is aimed anew; before an emissive surface it stops as far
 // off that one.
-Rgb CameraTracer::light_through(const LightSample& light, const Surface& hit,
-                                const RayInfo& ray) const {
+Rgb CameraTracer::light_through(const LightSample& light, const Surface& hit, Path& path) const {
   const float epsilon = ray_epsilon(hit.position, hit.distance);
   const Vec3 origin = hit.position + hit.ng * std::copysign(epsilon, dot(light.direction, hit.ng));
   if (light.exact >= 0 &&
       lights_.blocked_exactly(static_cast<uint32_t>(light.exact), origin, light.place))
     return {};
+  MediumStack media = path.media;
+  if (scene_.media() && dot(light.direction, hit.ng) < 0) scene_.media()->cross(media, hit);
   if (!std::isfinite(light.distance))
-    return scene_.transmittance(origin, light.direction, INFINITY, ray, light.blockers);
+    return transmittance(origin, light.direction, INFINITY, path.info, light.blockers, media,
+                         path.random);
   const Vec3 target = hit.position + light.direction * light.distance +
                       light.normal * std::max(epsilon, ray_epsilon(hit.position, light.distance));
   const Vec3 way = target - origin;
   const float distance = length(way);
   if (!(distance > 0)) return {1, 1, 1};
-  return scene_.transmittance(origin, way / distance, distance * (1 - 1e-5f), ray, light.blockers);
+  return transmittance(origin, way / distance, distance * (1 - 1e-5f), path.info, light.blockers,
+                       media, path.random);
+}
+
+Rgb CameraTracer::transmittance(const Vec3& origin, const Vec3& direction, float far,
+                                const RayInfo& ray, uint64_t blockers, const MediumStack& media,
+                                Random& random) const {
+  return scene_.media() ? scene_.transmittance(origin, direction, far, ray, blockers, media, random)
+                        : scene_.transmittance(origin, direction, far, ray, blockers);
 }
 
 bool CameraTracer::brings_all() const {
@@ -565,6 +501,7 @@ bool CameraTracer::scatter(Path& path, const Surface& hit, const Bsdf& bsdf,
   path.info = path.info.scattered(s->diffuse, s->transmitted, s->pdf <= 0);
   const float side =
       std::copysign(ray_epsilon(hit.position, hit.distance), dot(s->direction, hit.ng));
+  if (side < 0 && scene_.media()) scene_.media()->cross(path.media, hit);
   path.travelled += hit.distance;
   path.origin = hit.position + hit.ng * side;
   path.direction = s->direction;

@@ -8,6 +8,7 @@
 #include "integrators/gather_trial.h"
 #include "integrators/indirect_strategy.h"
 #include "lights/lights.h"
+#include "media/media.h"
 #include "scene/camera.h"
 
 namespace photon_splat {
@@ -109,6 +110,13 @@ class CameraTracer {
   void add_emission(Path& path, const Surface& hit, const Rgb& emission) const;
   void show_first(Path& path, const Surface& hit, float alpha) const;
   void pass_glass(Path& path, const Surface& hit) const;
+  enum class Meeting { kNothing, kScattered, kAbsorbed };
+  Meeting pass_media(Path& path, const Surface* hit, float far) const;
+  bool add_single_scattering(Path& path, float far) const;
+  bool scatter_in_medium(Path& path, const Flight& flight, bool direct) const;
+  void add_direct_in_medium(Path& path, const MediumPoint& point, const Receiver& receiver) const;
+  void add_light_in_medium(Path& path, const MediumPoint& point, const Receiver& receiver,
+                           const LightSample& light) const;
   Passing pass_through(Path& path, const Surface& hit, const Bsdf& bsdf) const;
   void add_direct(Path& path, const Surface& hit, const Bsdf& bsdf, const Receiver& receiver) const;
   void add_first_direct(Path& path, const Surface& hit, const Bsdf& bsdf,
@@ -117,7 +125,9 @@ class CameraTracer {
                  const LightSample& light, bool world) const;
   void see_world(Path& path, const Receiver& from, const Vec3& direction, const Rgb& light,
                  bool ray) const;
-  Rgb light_through(const LightSample& light, const Surface& hit, const RayInfo& ray) const;
+  Rgb light_through(const LightSample& light, const Surface& hit, Path& path) const;
+  Rgb transmittance(const Vec3& origin, const Vec3& direction, float far, const RayInfo& ray,
+                    uint64_t blockers, const MediumStack& media, Random& random) const;
   static void see_deep(const Path& path, const Rgb& light);
   bool brings_all() const;
   bool continues(Path& path, const Surface& hit, const Bsdf& bsdf) const;

@@ -1,6 +1,8 @@
 // What a place asks of the lights, and what one of them sends there.
 #pragma once
 
+#include <functional>
+
 #include "lights/environment_guide.h"
 #include "scene/scene.h"
 
@@ -15,6 +17,9 @@ struct GroupLight {
       sums[group] += scaled;
   }
 };
+
+// Share of the light from a light so far off that comes through the media on its way.
+using Attenuation = std::function<Rgb(float distance)>;
 
 // Where light is wanted.
 struct Receiver {

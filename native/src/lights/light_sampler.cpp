@@ -328,11 +328,14 @@ Rgb Lights::lamp_met(uint32_t emitter, const Receiver& to, const Vec3& direction
 }
 
 Rgb Lights::lamps_met(const Receiver& to, const Vec3& direction, float near, float far,
-                      float bsdf_pdf, GroupLight* groups) const {
+                      float bsdf_pdf, GroupLight* groups, const Attenuation* attenuation) const {
   Rgb sum{};
   const auto add = [&](uint32_t emitter) {
     if (~emitters_[emitter].blockers) return;
-    const Rgb light = lamp_met(emitter, to, direction, near, far, bsdf_pdf);
+    float distance = INFINITY;
+    Rgb light =
+        lamp_met(emitter, to, direction, near, far, bsdf_pdf, attenuation ? &distance : nullptr);
+    if (attenuation && !is_black(light)) light *= (*attenuation)(distance);
     sum += light;
     if (groups) groups->add(light, emitters_[emitter].light_group);
   };
@@ -347,7 +350,7 @@ Rgb Lights::lamps_met(const Receiver& to, const Vec3& direction, float near, flo
 }
 
 Rgb Lights::lamps_seen(const Vec3& origin, const Vec3& direction, float near, float far,
-                       GroupLight* groups) const {
+                       GroupLight* groups, const Attenuation* attenuation) const {
   Rgb sum{};
   const auto add = [&](uint32_t emitter) {
     const Emitter& e = emitters_[emitter];
@@ -356,10 +359,11 @@ Rgb Lights::lamps_seen(const Vec3& origin, const Vec3& direction, float near, fl
                         length2(lamp.center - origin) < lamp.s.radius * lamp.s.radius;
     float pdf, at = 0;
     if (!lamp.s.camera_visible || inside) return;
-    const Rgb light = lamp_radiance_met(lamp, origin, direction, near,
-                                        e.exact ? reach_of_exact(far) : far, pdf, &at);
+    Rgb light = lamp_radiance_met(lamp, origin, direction, near,
+                                  e.exact ? reach_of_exact(far) : far, pdf, &at);
     if (e.exact && (is_black(light) || blocked_exactly(emitter, origin, origin + direction * at)))
       return;
+    if (attenuation && !is_black(light)) light *= (*attenuation)(at);
     sum += light;
     if (groups) groups->add(light, emitters_[emitter].light_group);
   };

@@ -60,6 +60,18 @@ class Lights {
   // One light sample; nullopt when no light reaches the place.
   std::optional<LightSample> sample(const Receiver& to, float choice, const Vec2& u) const;
 
+  // Where along a ray between `near` and `far` (which may be infinite) light of lamps and of
+  // emissive meshes had better be scattered: in proportion to the inverse squared distance of one
+  // of them (equiangular sampling: Kulla and Fajardo, Importance Sampling Techniques for Path
+  // Tracing in Participating Media, 2012). Nothing where there are none to aim at, or too many.
+  struct AlongRay {
+    float distance, pdf;  // 1/m
+  };
+  std::optional<AlongRay> sample_along(const Vec3& origin, const Vec3& direction, float near,
+                                       float far, float choice, float u) const;
+  float pdf_along(const Vec3& origin, const Vec3& direction, float near, float far,
+                  float distance) const;
+
   // Sample `i` of to.world_samples, of one world altogether, where the guide has learnt how to see
   // it from there; `sample` then leaves the world out. The numbers are those of all of them.
   std::optional<LightSample> sample_world(const Receiver& to, uint32_t i, float choice,
@@ -81,20 +93,23 @@ class Lights {
 
   // Radiance of the lamps that a ray meets between `near` and `far`, weighted as above; without
   // those of linked_met(). Here and below `groups`, if any, get what is returned.
+  // `attenuation`: where there are media.
   Rgb lamps_met(const Receiver& to, const Vec3& direction, float near, float far, float bsdf_pdf,
-                GroupLight* groups = nullptr) const;
+                GroupLight* groups = nullptr, const Attenuation* attenuation = nullptr) const;
   // Whether some light passes through what blocks others: then linked_met() adds the light of
   // those, lamps and surfaces alike, that comes to the receiver against a ray from `origin`,
   // through whatever does not block it, weighted as above.
   bool shadow_linked() const { return !shadow_linked_.empty(); }
+  // `through`: what comes through up to there, past all but these blockers.
+  using Through = std::function<Rgb(float far, uint64_t blockers)>;
   Rgb linked_met(const Receiver& to, const Vec3& origin, const Vec3& direction, float bsdf_pdf,
-                 const RayInfo& ray, GroupLight* groups = nullptr) const;
+                 const RayInfo& ray, const Through& through, GroupLight* groups = nullptr) const;
   // Radiance of the world in a direction that a ray from the receiver left the scene in, weighted
   // likewise.
   Rgb world_met(const Receiver& to, const Vec3& direction, float bsdf_pdf) const;
   // The same for a camera ray, unweighted: only lamps that the camera may see.
   Rgb lamps_seen(const Vec3& origin, const Vec3& direction, float near, float far,
-                 GroupLight* groups = nullptr) const;
+                 GroupLight* groups = nullptr, const Attenuation* attenuation = nullptr) const;
 
   const Environment& environment() const { return environment_; }
   // No photons bring the light of such a world: camera paths do, beside what photons bring of
@@ -126,6 +141,9 @@ class Lights {
   float reach_of_exact(float far) const;
   void add_lamp(const LampSettings& settings);
   void add_emissive_instances();
+  template <class See>
+  void near_emitters(const Vec3& origin, const Vec3& direction, float near, float far,
+                     See&& see) const;
   float emitter_weight(const Emitter& e, const Receiver& to) const;
   bool shares_with_rays(const Emitter& e, const Receiver& to) const;
   struct Pick {

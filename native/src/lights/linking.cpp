@@ -7,7 +7,8 @@ namespace photon_splat {
 // Surfaces of the emitter itself block or not like any other: each place where the ray meets it
 // counts.
 Rgb Lights::linked_met(const Receiver& to, const Vec3& origin, const Vec3& direction,
-                       float bsdf_pdf, const RayInfo& ray, GroupLight* groups) const {
+                       float bsdf_pdf, const RayInfo& ray, const Through& through,
+                       GroupLight* groups) const {
   Rgb sum{};
   const auto add = [&](const Rgb& light, const Emitter& e) {
     sum += light;
@@ -23,9 +24,7 @@ Rgb Lights::linked_met(const Receiver& to, const Vec3& origin, const Vec3& direc
     }
     float distance = INFINITY;
     const Rgb light = lamp_met(i, to, direction, 0, INFINITY, bsdf_pdf, &distance);
-    if (!is_black(light))
-      add(light * scene_.transmittance(origin, direction, distance * (1 - 1e-5f), ray, e.blockers),
-          e);
+    if (!is_black(light)) add(light * through(distance * (1 - 1e-5f), e.blockers), e);
   }
   Surface s;
   RayInfo info = ray;
@@ -41,7 +40,7 @@ Rgb Lights::linked_met(const Receiver& to, const Vec3& origin, const Vec3& direc
     if (!is_black(light)) light *= mesh_mis_weight(index, to, s, bsdf_pdf);
     if (is_black(light)) continue;
     const float far = s.distance - ray_epsilon(s.position, s.distance);
-    add(far > 0 ? light * scene_.transmittance(origin, direction, far, ray, e.blockers) : light, e);
+    add(far > 0 ? light * through(far, e.blockers) : light, e);
   }
   return sum;
 }

@@ -58,6 +58,23 @@ bool PhotonTracer::blocks(const Path& path, const Surface& hit, const PhotonStar
          (start.casts_shadows && start.blockers & scene_.instances[hit.instance].group);
 }
 
+// Light of suns and of the world that crosses a medium which fills the world does not arrive.
+bool PhotonTracer::start_in_media(Path& path, const PhotonStart& start) const {
+  path.media = scene_.media()->around(start.origin);
+  return !(start.from_afar && scene_.world_volume >= 0);
+}
+
+// What comes through the media to the next surface; caustic light is what scatters nowhere between.
+bool PhotonTracer::pass_media(Path& path, const Surface& hit, const Vec3& origin,
+                              const Vec3& direction) const {
+  if (path.media.empty()) return true;
+  RayInfo ray;
+  ray.kind = RayInfo::kShadow;
+  path.power *= scene_.media()->transmittance(path.media, origin, direction, 0, hit.distance, ray,
+                                              path.random);
+  return !is_black(path.power) && is_finite(path.power);
+}
+
 // A surface that stands before the point nearest to the centre of a lamp that faces its receivers.
 // The nearer of them are lit from before the surface, and it shadows them; those further off are
 // lit from behind it. Of a transparent surface either, by chance.
@@ -99,6 +116,7 @@ bool PhotonTracer::go_straight_on(Path& path, const Surface& hit, const Rgb& wei
     return false;
   path.power *= 1 / survival;
   path.travelled += hit.distance;
+  if (scene_.media()) scene_.media()->cross(path.media, hit);
   origin = hit.position - hit.ng * ray_epsilon(hit.position, hit.distance);
   return true;
 }
@@ -287,6 +305,7 @@ bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const Phot
   path.travelled = 0;
   path.kind = ray.kind;
   path.guessed = asked;
+  if (scene_.media() && dot(s->direction, hit.ng) < 0) scene_.media()->cross(path.media, hit);
   origin = hit.position + hit.ng * std::copysign(ray_epsilon(hit.position, hit.distance),
                                                  dot(s->direction, hit.ng));
   direction = s->direction;

@@ -102,6 +102,7 @@ uint32_t PhotonTracer::start_all(uint64_t first, uint32_t count, double total, u
       path.random = Random(first + place, seed);
       path.place = place;
       if (!(path.reference > 0) || !std::isfinite(path.reference)) continue;
+      if (scene_.media() && !start_in_media(path, from)) continue;
       paths.first_u[n] = ways.x[place - begin], paths.first_v[n] = ways.y[place - begin];
       if (guesses_first) {
         float chance;
@@ -185,6 +186,7 @@ void PhotonTracer::trace_chunk(uint64_t first, uint64_t count, double total, uin
       for (uint32_t k = 0; any_alone && k < kBounceLanes; ++k)
         together &= ~(paths.alone[begin + k] << k);
       if (limited) together = guesses ? 0 : seen_by_all(hits, together);
+      if (scene_.media()) together = 0;
       together = scene_.plain_surfaces(hits, together, surfaces);
       if (together) bounce_(paths, begin, hits, surfaces, settings, bounced);
       if (stream_ == PhotonStream::kCaustic) bounced.goes_on = 0;
@@ -209,6 +211,7 @@ void PhotonTracer::trace_chunk(uint64_t first, uint64_t count, double total, uin
           Vec3 origin{paths.origin_x[i], paths.origin_y[i], paths.origin_z[i]};
           const Surface surface = scene_.surface_of(hits, k, direction);
           run.shaded += surface.program != nullptr;
+          if (scene_.media() && !pass_media(path, surface, origin, direction)) continue;
           const Draws draws{first_bounce, static_cast<uint32_t>(first + place)};
           if (shade(path, surface, travellers.starts[place], draws, visible, origin, direction,
                     run.photons))

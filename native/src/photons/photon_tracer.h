@@ -3,6 +3,7 @@
 
 #include "density/surface_filter.h"
 #include "lights/emission/photon_emitter.h"
+#include "media/media.h"
 #include "photons/photon_join.h"
 #include "photons/photon_paths.h"
 #include "scene/camera.h"
@@ -78,6 +79,7 @@ class PhotonTracer {
     RayInfo::Kind kind = RayInfo::kDiffuse;
     bool guessed = false;
     bool unshadowed = false;  // passed what would have blocked the light of another lamp
+    MediumStack media;        // around its present ray
   };
   // All of it.
   struct Path : Rest {
@@ -143,6 +145,8 @@ class PhotonTracer {
   static RayInfo::Kind guess_kind(Random& random, RayInfo::Kind first, float* chance);
   void keep_bounced(Travellers& travellers, uint32_t from, uint32_t to, const Bounced& bounced,
                     uint32_t k) const;
+  bool start_in_media(Path& path, const PhotonStart& start) const;
+  bool pass_media(Path& path, const Surface& hit, const Vec3& origin, const Vec3& direction) const;
   bool pass_before_lamp(Path& path, const Surface& hit, const Vec3& direction,
                         const PhotonStart& start, Vec3& origin) const;
   bool go_straight_on(Path& path, const Surface& hit, const Rgb& weight, Vec3& origin) const;

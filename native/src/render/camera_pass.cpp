@@ -58,8 +58,11 @@ void CameraPass::trace(uint32_t pass, const PhotonMaps& maps, PackedFilm& film) 
   const RenderOptions& options = context_.options;
   PhotonMap& indirect = *maps.front();
   const bool photons = indirect.first_pass_paths() > 0,
-             learns = !chosen_ && options.fallback && photons;
+             learns = !chosen_ && options.fallback && photons && !context_.scene.media();
   const bool by_view = learns && !options.keeps_photons();
+  // Photons bring caustics through media; all else that scatters in them comes by paths.
+  if (!strategy_ && context_.scene.media())
+    strategy_.emplace(context_.scene, IndirectStrategy::Kind::kPathTraced);
   if (!strategy_ && options.gathers() && photons) {
     if (options.final_gather == FinalGather::kByTrial && by_view && try_paths(pass, maps, film))
       return;

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "math/sampling.h"
+#include "media/media.h"
 
 namespace photon_splat {
 namespace {
@@ -208,7 +209,10 @@ void Scene::build(const CancelFlag& cancel) {
     }
   }
   throw_on_error(cancel);
+  update_media(cancel);
 }
+
+void Scene::update_media(const CancelFlag& cancel) { media_ = Media::of(*this, pool_, cancel); }
 
 void Scene::see_limits() {
   any_ray_ = kAllRays;

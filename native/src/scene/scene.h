@@ -27,6 +27,7 @@ struct MaterialSide {
 struct Material {
   MaterialSide front, back;
   int program = -1;  // into Scene::programs: then the sides are not read
+  int volume = -1;   // the same of the medium behind the surface; -1: none
 };
 
 struct Mesh {
@@ -113,6 +114,9 @@ inline float past(const Surface& s) {
   return std::nextafter(s.distance + ray_epsilon(s.position, s.distance), INFINITY);
 }
 
+class Media;
+class MediumStack;
+
 class Scene {
  public:
   explicit Scene(int threads);
@@ -130,6 +134,7 @@ class Scene {
   Rgb world{};  // constant radiance, or the factor of the map
   WorldMap world_map;
   int world_program = -1;  // into programs: then neither is read
+  int world_volume = -1;   // into programs: a medium that is everywhere
   // Whose light is kept apart as well; photons are then splatted group by group
   int light_groups = 0;
   int16_t world_light_group = kNoLightGroup;
@@ -184,6 +189,10 @@ class Scene {
   // Only instances of the groups `blockers` count.
   Rgb transmittance(const Vec3& origin, const Vec3& direction, float far, const RayInfo& ray,
                     uint64_t blockers = ~uint64_t{0}) const;
+  // The same where there are media: around the origin lie those of `around`.
+  Rgb transmittance(const Vec3& origin, const Vec3& direction, float far, const RayInfo& ray,
+                    uint64_t blockers, MediumStack around, Random& random) const;
+  const Media* media() const { return media_.get(); }  // or null: there are none
 
   // True when the bounds of some primitive come within `radius` of `x`.
   bool anything_within(const Vec3& x, float radius) const;
@@ -211,8 +220,9 @@ class Scene {
   bool limits_rays() const { return any_ray_ == 0; }
   bool kinds_differ() const { return kinds_differ_ && features_ & kProgramRest; }
   bool first_kinds_differ() const { return first_kinds_differ_ && features_ & kProgramSharp; }
-  // To be called when materials have changed after build().
+  // To be called when materials have changed after build(). Throws Cancelled.
   void update_features();
+  void update_media(const CancelFlag& cancel);
   Vec2 uv_at(uint32_t instance, uint32_t triangle, float u, float v) const;
   const Material& material_of(uint32_t instance, uint32_t triangle) const;
 
@@ -271,6 +281,7 @@ class Scene {
   std::vector<RTCScene> mesh_scenes_;
   std::vector<Lookup> lookups_;  // by instance
   Bounds bounds_;
+  std::unique_ptr<Media> media_;
 };
 
 }  // namespace photon_splat

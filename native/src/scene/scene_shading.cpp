@@ -2,6 +2,8 @@
 // them.
 #include "scene/scene.h"
 
+#include "media/media.h"
+
 namespace photon_splat {
 namespace {
 
@@ -68,6 +70,33 @@ Rgb Scene::transmittance(const Vec3& origin, const Vec3& direction, float far, c
     through *= bsdf.transparency();
     if (max_component(through) < 1e-6f) return {};
     ++info.transparent_depth;
+  }
+  return through;
+}
+
+Rgb Scene::transmittance(const Vec3& origin, const Vec3& direction, float far, const RayInfo& ray,
+                         uint64_t blockers, MediumStack around, Random& random) const {
+  constexpr RayMask kShadow = ray_bit(RayInfo::kShadow);
+  RayInfo info = ray;
+  info.kind = RayInfo::kShadow;
+  info.singular = info.through = false;
+  info.from = 0;
+  Rgb through{1, 1, 1};
+  Surface s;
+  for (float near = 0, begin = 0;; near = past(s)) {
+    const bool found = intersect(origin, direction, near, far, false, s, kShadow);
+    if (found && blockers & instances[s.instance].group) {
+      if (!may_be_transparent(s)) return {};
+      Bsdf bsdf(Transport::kRadiance, -direction, s.ng, s.ns, s.back);
+      run_program(*this, *s.program, shading_point(s, -direction, info), bsdf);
+      through *= bsdf.transparency();
+      ++info.transparent_depth;
+    }
+    through *= media_->transmittance(around, origin, direction, begin, found ? s.distance : far,
+                                     info, random);
+    if (!found || max_abs(through) < 1e-6f) break;
+    begin = s.distance;
+    media_->cross(around, s);
   }
   return through;
 }

@@ -58,7 +58,8 @@ struct Frame {
 
   // surface.cpp: what the hit knows
   bool is_on_mesh() const { return point.instance != ShadingPoint::kNoInstance; }
-  bool is_background() const { return !is_on_mesh() && !point.lamp; }
+  bool is_on_surface() const { return is_on_mesh() && !point.medium; }
+  bool is_background() const { return !is_on_mesh() && !point.lamp && !point.medium; }
   Vec3 normal() const { return is_background() ? point.wo : point.ns; }
   Vec3 position() const;                         // absolute, shifted; background: the direction
   Vec3 object_position() const;                  // in the object's coordinates, shifted
@@ -142,6 +143,8 @@ void white_noise_texture(Frame& f, const uint32_t* w);
 
 // closures.cpp: Emission to Principled
 void closure(Frame& f, Op op, const uint32_t* w);
+// media.cpp: VolumeAbsorption to PrincipledVolume
+void medium_closure(Frame& f, Op op, const uint32_t* w);
 
 // Helpers of several of these.
 inline Vec3 safe_normalize(const Vec3& v) {

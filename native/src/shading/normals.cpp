@@ -88,7 +88,7 @@ Vec2 Frame::uv_there() {
   if (knows_uv) return shifted_uv;
   knows_uv = true;
   shifted_uv = {point.u, point.v};
-  if (!is_on_mesh() || (shift.x == 0 && shift.y == 0 && shift.z == 0)) return shifted_uv;
+  if (!is_on_surface() || (shift.x == 0 && shift.y == 0 && shift.z == 0)) return shifted_uv;
   Vec3 corner[3];
   corners(corner);
   const Vec3 e1 = corner[1] - corner[0], e2 = corner[2] - corner[0];
@@ -112,7 +112,7 @@ void tangent_radial(Frame& f, const uint32_t* w) {
 
 void tangent_uv(Frame& f, const uint32_t* w) {
   float sign = 1;
-  f.set(w[0], !f.is_on_mesh() ? Vec3{} : across(f, tangent_frame(f, w[1], w[2], sign)));
+  f.set(w[0], !f.is_on_surface() ? Vec3{} : across(f, tangent_frame(f, w[1], w[2], sign)));
 }
 
 void normal_map(Frame& f, const uint32_t* w) {
@@ -121,7 +121,7 @@ void normal_map(Frame& f, const uint32_t* w) {
   float strength = f.number(w[1]);
   Vec3 c = (f.vector(w[2]) - Vec3{0.5f, 0.5f, 0.5f}) * 2;
   Vec3 n;
-  if (!f.is_on_mesh()) return f.set(w[0], shading);
+  if (!f.is_on_surface()) return f.set(w[0], shading);
   if (space == MapSpace::TANGENT) {
     float sign = 1;
     const Vec3 tangent = tangent_frame(f, w[4], w[5], sign);
@@ -147,7 +147,7 @@ void offset(Frame& f, const uint32_t* w) {
   const OffsetAxis axis = f.mode<OffsetAxis>(w[0]);
   f.shift = {};
   f.knows_uv = false;
-  if (axis == OffsetAxis::NONE || !f.is_on_mesh()) return;
+  if (axis == OffsetAxis::NONE || !f.is_on_surface()) return;
   const OffsetAxes& axes = f.offset_axes();
   f.shift = (axis == OffsetAxis::DX ? axes.x : axes.y) * f.number(w[1]);
 }
@@ -157,7 +157,7 @@ void bump(Frame& f, const uint32_t* w) {
   const float distance = f.on(w[8]) ? -f.number(w[2]) : f.number(w[2]);
   const float h = f.number(w[4]), dx = f.number(w[5]) - h, dy = f.number(w[6]) - h;
   const Vec3 n = f.vector(w[7]);
-  if (!f.is_on_mesh()) return f.set(w[0], n);
+  if (!f.is_on_surface()) return f.set(w[0], n);
   // Surface gradient (Mikkelsen 2010, "Bump mapping unparametrized surfaces on the GPU").
   const OffsetAxes& axes = f.offset_axes();
   const Vec3 rx = cross(axes.y, n), ry = cross(n, axes.x);

@@ -11,6 +11,7 @@
 namespace photon_splat {
 
 class Bsdf;
+class MediumPoint;
 class Scene;
 
 // A program: instructions `opcode, operand...` as 32-bit words. An operand is the offset (in
@@ -43,7 +44,8 @@ enum ProgramFeature : uint32_t {
 // The ray that found the hit: the Light Path node's outputs.
 struct RayInfo {
   // kEmission: none, as an emitter is asked
-  enum Kind : uint8_t { kCamera, kShadow, kDiffuse, kGlossy, kTransmission, kEmission };
+  // kVolume: left a medium
+  enum Kind : uint8_t { kCamera, kShadow, kDiffuse, kGlossy, kTransmission, kEmission, kVolume };
   Kind kind = kCamera;    // kTransmission: glossy, kDiffuse: either way
   bool singular = false;  // left a delta lobe
   bool through = false;   // left to the other side
@@ -65,6 +67,15 @@ struct RayInfo {
     ++(transmitted ? out.transmission_depth : diffuse ? out.diffuse_depth : out.glossy_depth);
     return out;
   }
+  // Of one that leaves a medium.
+  RayInfo scattered_in_medium() const {
+    RayInfo out = *this;
+    out.kind = kVolume;
+    out.through = out.singular = false;
+    out.from = 0;
+    ++out.depth;
+    return out;
+  }
 };
 
 // Rays by which something is seen: a bit for each kind. Light samples come by shadow rays. What a
@@ -76,7 +87,9 @@ inline constexpr RayMask kScatteredRays =
     ray_bit(RayInfo::kDiffuse) | ray_bit(RayInfo::kGlossy) | ray_bit(RayInfo::kTransmission);
 
 // For light that is scattered only these make a difference.
-constexpr RayMask as_scattered(RayMask seen_by) { return seen_by | ~kScatteredRays; }
+constexpr RayMask as_scattered(RayMask seen_by) {
+  return seen_by | ~(kScatteredRays | ray_bit(RayInfo::kVolume));
+}
 
 // Where a lamp stands, in coordinates relative to the scene's origin.
 struct LampPlace {
@@ -95,6 +108,7 @@ struct ShadingPoint {
   float u = 0, v = 0;  // barycentric
   RayInfo ray;
   const LampPlace* lamp = nullptr;
+  MediumPoint* medium = nullptr;  // of volume programs: takes the closures; there is no surface
 };
 
 // Runs `program` at `point` and adds its closures to `out` (not finished). Never fails, never

@@ -11,7 +11,7 @@ Vec3 origin_of(const Scene& scene) {
 
 // The shading normal at the shifted point, on the side that is looked at.
 Vec3 shifted_normal(Frame& f) {
-  if (!f.is_on_mesh() || f.mesh().corner_normals.empty()) return f.normal();
+  if (!f.is_on_surface() || f.mesh().corner_normals.empty()) return f.normal();
   const auto [u, v] = f.uv_there();
   if (u == f.point.u && v == f.point.v) return f.normal();
   const Vec3* n = &f.mesh().corner_normals[3 * static_cast<size_t>(f.point.triangle)];
@@ -139,7 +139,7 @@ Vec3 Frame::normal_from_object(const Vec3& n) const {
 }
 
 bool Frame::attribute(uint32_t id, std::array<float, 4>& value, uint32_t& components) {
-  const MeshAttribute* found = id == kNone || !is_on_mesh() ? nullptr : mesh().attribute(id);
+  const MeshAttribute* found = id == kNone || !is_on_surface() ? nullptr : mesh().attribute(id);
   if (!found) return false;
   const Vec2 at = uv_there();
   value = found->at(mesh().triangles[point.triangle], point.triangle, at.x, at.y);
@@ -158,7 +158,7 @@ Vec3 Frame::generated() {
 
 Vec3 Frame::uv(uint32_t id) {
   if (point.lamp && id == kNone) return {1 - point.u - point.v, point.u, 0};
-  if (!is_on_mesh()) return {};
+  if (!is_on_surface()) return {};
   std::array<float, 4> value{};
   uint32_t components;
   if (id == kNone) {
@@ -249,7 +249,7 @@ void light_path(Frame& f, const uint32_t* w) {
       value = ray.through ? 0.0f : is(RayInfo::kDiffuse, RayInfo::kGlossy);
       break;
     case IS_TRANSMISSION_RAY: value = ray.through ? 1.0f : is(RayInfo::kTransmission); break;
-    case IS_VOLUME_SCATTER_RAY: break;
+    case IS_VOLUME_SCATTER_RAY: value = is(RayInfo::kVolume); break;
     case RAY_LENGTH: value = ray.length; break;
     case RAY_DEPTH: value = ray.depth; break;
     case DIFFUSE_DEPTH: value = ray.diffuse_depth; break;
@@ -272,7 +272,7 @@ void light_falloff(Frame& f, const uint32_t* w) {
 }
 
 void wireframe(Frame& f, const uint32_t* w) {
-  if (!f.is_on_mesh()) return f.set(w[0], 0.0f);
+  if (!f.is_on_surface()) return f.set(w[0], 0.0f);
   Vec3 corner[3];
   f.corners(corner);
   float width = 0.5f * f.number(w[1]);

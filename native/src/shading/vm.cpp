@@ -134,6 +134,10 @@ void execute(Frame& f) {
       case Op::Sheen:
       case Op::Toon:
       case Op::Principled: closure(f, op, w); break;
+      case Op::VolumeAbsorption:
+      case Op::VolumeScatter:
+      case Op::VolumeCoefficients:
+      case Op::PrincipledVolume: medium_closure(f, op, w); break;
       case Op::kCount: return;
     }
   }

@@ -401,7 +401,7 @@ def test_ray_visibility() -> None:
     hidden = stage.plane("Hidden from the camera and shadow rays")
     hidden.visible_camera = hidden.visible_shadow = False
     unseen = stage.plane("Seen by no ray")
-    for flag in ("camera", "diffuse", "glossy", "transmission", "shadow"):
+    for flag in ("camera", "diffuse", "glossy", "transmission", "shadow", "volume_scatter"):
         setattr(unseen, f"visible_{flag}", False)
     group = bpy.data.collections.new("Group")
     stage.scene().collection.children.link(group)

@@ -512,7 +512,8 @@ def test_a_volume_without_surface_is_clear(surface: str, clear: bool) -> None:
     assert (found.program >= 0) == clear
     if clear:
         assert what.programs[found.program].features == Feature.TRANSPARENT
-    assert any("Volume not supported" in warning for warning in what.warnings)
+    assert what.programs[found.volume].name == "volume of Fog"
+    assert not any("left out" in warning for warning in what.warnings if clear)
 
 
 @in_blender

@@ -83,6 +83,10 @@ def _world(name: str, build: str, *, splat: bool = False, **options: Any) -> Cas
     return Case(name, build, options, splat=splat)
 
 
+def _fog(name: str, build: str = "fog", **options: Any) -> Case:
+    return Case(name, build, options, samples=512)
+
+
 PANORAMAS = (
     "EQUIRECTANGULAR",
     "EQUIANGULAR_CUBEMAP_FACE",
@@ -107,6 +111,65 @@ _LOW = {"location": (0.3, -0.3, 0.9)}
 _SLANT = (0.9, -0.5, 2.0)
 
 CASES: tuple[Case, ...] = (
+    # Participating media
+    _fog("fog_thin", Density=0.2),
+    _fog("fog_dense", Density=1.5, Color=(0.9, 0.7, 0.4)),
+    _fog("fog_dense_area", lamp="area", Density=1.5, Color=(0.9, 0.7, 0.4)),
+    _fog("fog_spot", lamp="spot", Density=0.4),
+    _fog("fog_sun", lamp="sun", Density=0.4),
+    _fog("fog_sky", lamp="world", Density=0.6),
+    _fog("fog_forward", Density=0.6, Anisotropy=0.8),
+    _fog("fog_backward", Density=0.6, Anisotropy=-0.5),
+    _fog("fog_absorption", node="absorption", Density=0.8, Color=(0.9, 0.5, 0.2)),
+    _fog("fog_coloured_light", lamp="area", Density=1.0, Color=(0.2, 0.5, 0.9)),
+    _fog("fog_rayleigh", phase="RAYLEIGH", Density=0.6),
+    _fog("fog_draine", phase="DRAINE", Density=0.6, Anisotropy=0.5, Alpha=2.0),
+    _fog("fog_mie_tiny", phase="MIE", Density=0.6, Diameter=0.05),
+    _fog("fog_mie_small", lamp="world", phase="MIE", Density=0.6, Diameter=1.0),
+    _fog("fog_mie_drops", lamp="world", phase="MIE", Density=0.6, Diameter=4.0),
+    _fog("fog_principled", node="principled", Density=0.8, Color=(0.6, 0.4, 0.2)),
+    _fog(
+        "fog_principled_absorbs",
+        node="principled",
+        Density=0.8,
+        Absorption_Color=(0.8, 0.4, 0.1),
+    ),
+    _fog(
+        "fog_principled_shines",
+        node="principled",
+        box="cloud",
+        Density=0.8,
+        Emission_Strength=0.5,
+        Emission_Color=(1.0, 0.5, 0.2),
+    ),
+    _fog(
+        "fog_black_body",
+        node="principled",
+        box="cloud",
+        Density=0.8,
+        Blackbody_Intensity=1.0,
+        Temperature=1500.0,
+        Blackbody_Tint=(1.0, 0.8, 0.6),
+    ),
+    _fog("fog_emission", node="emission", box="cloud", Strength=0.5, Color=(0.5, 0.8, 1.0)),
+    _fog(
+        "fog_coefficients",
+        node="coefficients",
+        Scatter_Coefficients=(0.5, 0.3, 0.2),
+        Absorption_Coefficients=(0.1, 0.3, 0.6),
+        Emission_Coefficients=(0.01, 0.02, 0.05),
+        Anisotropy=0.3,
+    ),
+    _fog("fog_cloud", box="cloud", lamp="area", Density=8.0),
+    _fog("fog_cloud_varies", box="cloud", lamp="area", varies=True, Density=12.0),
+    _fog("fog_cloud_sun", box="cloud", lamp="sun", varies=True, Density=12.0),
+    _fog("fog_varies", varies=True, Density=1.5),
+    _fog("fog_in_glass", box="cloud", lamp="world", surface="glass", Density=3.0),
+    _fog("fog_camera_inside", "fog_camera_inside", Density=0.3),
+    _fog("fog_world", "fog_world", Density=0.15),
+    _fog("fog_world_sun", "fog_world", lamp="sun", Density=0.15),
+    _fog("fog_overlapping", "fog_overlapping"),
+    _fog("fog_in_instances", "fog_in_instances"),
     # Scenes of blend_scenes/
     _scene("cornell_box", 128, 128, 1024, block_bias=0.04),
     _scene("cornell_box_1500", 128, 128, 0, reference="cornell_box", block_bias=0.04),

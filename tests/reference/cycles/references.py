@@ -47,6 +47,7 @@ def cycles_settings(samples: int, seed: int) -> None:
     cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = (
         cycles.transmission_bounces
     ) = 64
+    cycles.volume_bounces = cycles.max_bounces
     cycles.transparent_max_bounces = 64
     # The default arranges noise so that it cancels between neighbours; the block tests need
     # independent pixels.

@@ -209,6 +209,7 @@ PhotonEmitter::Draft PhotonEmitter::aimed_draft(uint32_t index, const EmissionTa
   if (t.radius < draft.radius) draft.offset += to - start.direction * dot(to, start.direction);
   const float depth2 = draft.radius * draft.radius - length2(draft.offset);
   if (!lamp) {
+    start.from_afar = true;
     weigh_parallel(draft);
     const Vec3 across = draft.center + draft.offset,
                through = across + start.direction * dot(t.center - across, start.direction);

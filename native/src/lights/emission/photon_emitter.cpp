@@ -33,6 +33,7 @@ PhotonStart PhotonEmitter::emit_parallel(const Vec3& direction, const Vec2& plac
   PhotonStart start;
   start.origin = parallel_origin(direction, from.through, from.outside, from.width);
   start.direction = direction;
+  start.from_afar = true;
   const float area = discs_.area(direction, from.through);
   start.power = {area, area, area};
   return start;

@@ -30,6 +30,7 @@ struct PhotonStart {
   int32_t shaded_by = -1;
   // Of a world: `power` lacks Environment::share() of the ray that sees it
   bool asks_ray = false;
+  bool from_afar = false;  // of a sun or the world
 
   // Whether it lights and is stopped by whatever it meets, as it is.
   bool plain() const {

@@ -1,0 +1,166 @@
+// Camera paths in media: they scatter there as they do on surfaces, and see lamps, surfaces and the
+// world through them.
+#include "integrators/camera_path.h"
+
+namespace photon_splat {
+
+// A path's way to what its ray has found, `hit` (or nothing), through the media around it.
+CameraTracer::Meeting CameraTracer::pass_media(Path& path, const Surface* hit, float far) const {
+  const Rgb throughput = path.throughput + path.world_throughput;
+  const bool single = add_single_scattering(path, far);
+  const Flight flight = scene_.media()->fly(
+      path.media, path.origin, path.direction, path.near, far, throughput,
+      path.emission_throughput + path.withheld + path.world_emission, path.info, path.random);
+  if (!is_black(flight.emission)) {
+    const Rgb kept = path.emission_throughput;  // photons bring nothing of this light
+    path.emission_throughput = kept + path.withheld + path.world_emission;
+    add_met(path, flight.emission, path.pixel.emission);
+    path.emission_throughput = kept;
+  }
+  path.scale(flight.weight);
+  if (!is_finite(path.throughput) || !is_finite(path.emission_throughput) ||
+      !is_finite(path.world_throughput) || !is_finite(path.world_emission)) {
+    ++path.tile.bad_samples;
+    return Meeting::kAbsorbed;
+  }
+  const bool first = path.vertex == 0 && !path.through_glass;
+  if (!flight.scatters) {
+    if (max_abs(path.emission_throughput + path.withheld + path.world_emission) > 0)
+      return Meeting::kNothing;
+    if (first) path.pixel.alpha += 1;
+    return Meeting::kAbsorbed;
+  }
+  if (first) {
+    path.pixel.alpha += 1;
+    if (hit) {
+      path.pixel.depth = hit->distance * path.ray.cosine;
+      path.pixel.surface_id = static_cast<float>(hit->key & 0xffffff);
+    }
+  }
+  if (path.vertex == 0) path.pixel.albedo += path.throughput * flight.point.scattering;
+  return scatter_in_medium(path, flight, !single) ? Meeting::kScattered : Meeting::kAbsorbed;
+}
+
+// Light samples of a medium that is the same everywhere: scattered at a place of its own on each
+// way, whether the path scatters there or not. False where the path's own scattering is left to
+// take them.
+bool CameraTracer::add_single_scattering(Path& path, float far) const {
+  const auto medium = scene_.media()->homogeneous(path.media);
+  if (!medium || is_black(medium->scattering)) return medium.has_value();
+  const float near = path.near, extinction = average(medium->extinction()),
+              inside = std::isfinite(far) ? -std::expm1(-extinction * (far - near)) : 1;
+  if (!(far > near) || !(inside > 0)) return true;
+  const Vec2 how = path.numbers(kMediumPair), where = path.numbers(kMediumPlacePair);
+  float distance, by_lights;
+  if (const auto aimed = how.x < 0.5f ? lights_.sample_along(path.origin, path.direction, near, far,
+                                                             how.y, where.x)
+                                      : std::nullopt) {
+    distance = aimed->distance;
+    by_lights = aimed->pdf;
+  } else {
+    distance = near - std::log1p(-where.x * inside) / extinction;
+    by_lights = lights_.pdf_along(path.origin, path.direction, near, far, distance);
+  }
+  const float t = distance - near;
+  const float by_extinction = extinction * std::exp(-extinction * t) / inside;
+  const float pdf = by_lights > 0 ? 0.5f * (by_lights + by_extinction) : by_extinction;
+  if (!(t >= 0) || !(distance <= far) || !(pdf > 0) || !std::isfinite(pdf)) return true;
+  const Rgb all = medium->extinction();
+  const Rgb through{std::exp(-all.x * t), std::exp(-all.y * t), std::exp(-all.z * t)};
+  Receiver receiver{path.origin + path.direction * distance, {}, true};
+  receiver.bounces = static_cast<uint16_t>(path.vertex);
+  const Rgb throughput = path.throughput, world = path.world_throughput;
+  path.throughput = throughput * through / pdf;
+  path.world_throughput = world * through / pdf;
+  add_direct_in_medium(path, *medium, receiver);
+  path.throughput = throughput;
+  path.world_throughput = world;
+  return true;
+}
+
+// What scatters at a point of a medium: light of lamps, and the path's own next way. False where it
+// ends.
+bool CameraTracer::scatter_in_medium(Path& path, const Flight& flight, bool direct) const {
+  const MediumPoint& point = flight.point;
+  const Vec3 x = path.origin + path.direction * flight.distance;
+  Receiver receiver{x, {}, true};
+  receiver.bounces = static_cast<uint16_t>(path.vertex);
+  path.covered = path.withheld = path.diffuse_emission = {};
+  if (direct) add_direct_in_medium(path, point, receiver);
+
+  const Vec2 choice = path.numbers(kLobePair), way = path.numbers(kBsdfPair);
+  const Vec3 direction = point.sample(path.direction, choice.x, way);
+  float pdf;
+  const Rgb scattered = point.evaluate(path.direction, direction, &pdf);
+  if (!(pdf > 0)) return false;
+  const Rgb weight = scattered / pdf, before = path.throughput,
+            world_before = path.world_throughput;
+  const bool last = path.vertex >= path.max_bounces;
+  path.emission_throughput = before * weight;
+  path.throughput = last ? Rgb{} : before * weight;
+  path.world_emission = world_before * weight;
+  path.world_throughput = last ? Rgb{} : world_before * weight;
+  const float strength = max_abs(path.emission_throughput + path.world_emission);
+  const float survival = std::min(1.0f, strength * (path.vertex < kSureBounces ? kRoulette : 1.2f));
+  if (!is_finite(path.emission_throughput) || !is_finite(path.world_emission)) {
+    ++path.tile.bad_samples;
+    return false;
+  }
+  if (!(path.random.next() < survival)) return false;
+  path.scale(Rgb{1, 1, 1} / survival);
+  if (path.vertex == 0) path.category = LobeCategory::kTransmission;
+  if (lights_.environment().asks_ray()) {
+    path.before = path.info;
+    path.diffuse_share = {};
+  }
+  path.info = path.info.scattered_in_medium();
+  path.travelled += flight.distance;
+  path.origin = x;
+  path.direction = direction;
+  path.near = 0;
+  path.far = INFINITY;
+  path.from = receiver;
+  path.from.ray = static_cast<uint8_t>(ray_bit(RayInfo::kVolume));
+  path.pdf = pdf;
+  path.deep = path.gather_bounces > 1;
+  ++path.vertex;
+  return true;
+}
+
+void CameraTracer::add_direct_in_medium(Path& path, const MediumPoint& point,
+                                        const Receiver& receiver) const {
+  const Vec2 choice = path.numbers(kChoicePair), place = path.numbers(kLightPair);
+  if (const auto light = lights_.sample(receiver, choice.x, place))
+    add_light_in_medium(path, point, receiver, *light);
+}
+
+void CameraTracer::add_light_in_medium(Path& path, const MediumPoint& point,
+                                       const Receiver& receiver, const LightSample& light) const {
+  if (!(light.seen_by & ray_bit(RayInfo::kVolume))) return;
+  float pdf;
+  Rgb scattered = point.evaluate(path.direction, light.direction, &pdf);
+  scattered *= light.from_world ? path.throughput + path.world_throughput : path.throughput;
+  if (!(max_abs(scattered) > 0)) return;
+  ++path.tile.rays;
+  path.tile.deep_rays += path.gather_bounces > 1;
+  if (light.exact >= 0 &&
+      lights_.blocked_exactly(static_cast<uint32_t>(light.exact), receiver.x, light.place))
+    return;
+  const float far = std::isfinite(light.distance)
+                        ? light.distance - 2 * ray_epsilon(receiver.x, light.distance)
+                        : INFINITY;
+  Rgb arriving = light.weight;
+  if (far > 0)
+    arriving *= transmittance(receiver.x, light.direction, far, path.info, light.blockers,
+                              path.media, path.random);
+  if (light.use_mis) arriving *= light.pdf * light.pdf / (light.pdf * light.pdf + pdf * pdf);
+  if (light.from_world && lights_.environment().asks_ray())
+    arriving *= lights_.environment().share(light.direction, path.info.scattered_in_medium());
+  if (path.gather_bounces > 1) see_deep(path, arriving * scattered);
+  if (path.groups) GroupLight{path.groups, scattered}.add(arriving, light.light_group);
+  add_finite(path.vertex == 0 ? direct_of(path.pixel, LobeCategory::kTransmission)
+                              : indirect_of(path.pixel, path.category),
+             arriving * scattered, path.tile.bad_samples);
+}
+
+}  // namespace photon_splat

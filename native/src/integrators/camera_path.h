@@ -1,0 +1,108 @@
+// A camera path while it is traced, for the files that trace it.
+#pragma once
+
+#include "integrators/camera_tracer.h"
+
+namespace photon_splat {
+
+// Paths of little throughput go on with a probability of this times their throughput.
+inline constexpr float kRoulette = 8;
+inline constexpr int kSureBounces = 3;  // from here on at most with the throughput itself
+
+// Dimensions of the camera's low-discrepancy sequence, in pairs.
+enum Dimension : uint32_t {
+  kFilterPair,
+  kChoicePair,
+  kLightPair,
+  kBsdfPair,
+  kLobePair,
+  kSkyPair,
+  kSkyChoicePair,
+  kMediumPair,
+  kMediumPlacePair,
+  kLensPair = 64
+};
+
+inline void add_finite(Rgb& sum, const Rgb& value, uint64_t& bad) {
+  if (can_be_added(value))
+    sum += value;
+  else
+    ++bad;
+}
+
+// A camera path on its way. It scatters at vertices 0, 1, ...; transparent surfaces that it passes
+// are none.
+struct CameraTracer::Path {
+  Path(const CameraRay& camera_ray, Pixel& p, Tile& t, uint32_t index, uint32_t sample_number,
+       uint32_t pixel_seed)
+      : ray(camera_ray),
+        pixel(p),
+        tile(t),
+        pixel_index(index),
+        sample(sample_number),
+        seed(pixel_seed),
+        origin(ray.origin),
+        direction(ray.direction),
+        near(ray.near),
+        far(ray.far),
+        random(sample, seed) {
+    info.from = near;
+  }
+
+  const CameraRay& ray;
+  Pixel& pixel;
+  Tile& tile;
+  uint32_t pixel_index, sample, seed;
+  size_t place = 0;  // of the pixel in its tile
+  int max_bounces = 0;
+  Rgb* groups = nullptr;      // the pixel's light by group, if wanted
+  bool learns = false;        // what it sees of the world is noted
+  int gather_bounces = 0;     // times that it went on for light that photons were to bring
+  bool deep = false;          // the ray on its way does so from beyond the first place where it did
+  bool badly_served = false;  // because they would bring it badly
+  // Photons bring the diffuse part of the light; else the path goes on for it
+  bool leaves_gather_points = false;
+
+  Vec3 origin, direction;
+  float near, far;
+  RayInfo info{};
+  RayInfo before{};  // of the ray that met the last vertex
+  // Of what the last vertex sent on this way, by its diffuse lobes: where the world asks
+  Rgb diffuse_share{1, 1, 1};
+  int vertex = 0;     // number of the next scattering
+  MediumStack media;  // around the ray
+  // Before it, straight through glass that bends nothing: vertex 0 is not what the pixel shows
+  // first
+  bool through_glass = false;
+  float travelled = 0;               // up to the last vertex
+  Rgb throughput{1, 1, 1};           // of light that leaves the next vertex, emission excepted
+  Rgb emission_throughput{1, 1, 1};  // of its emission
+  Rgb diffuse_emission{};            // the part of that which the diffuse lobes of vertex 0 sent on
+  // Of throughput: what photons bring of light that meets nothing but sharp lobes from here on
+  Rgb covered{};
+  Rgb withheld{};  // of emission_throughput: what photons bring of it
+  // What is more than throughput, and than emission_throughput, of the light of a world that comes
+  // by paths alone
+  Rgb world_throughput{}, world_emission{};
+  LobeCategory category = LobeCategory::kDiffuse;
+  // The last vertex
+  Receiver from{{}, {}, true, ~uint64_t{0}, nullptr, 1, ray_bit(RayInfo::kCamera)};
+  float pdf = INFINITY;  // of the direction, by its BSDF
+  Random random;
+
+  void scale(const Rgb& factor) {
+    throughput *= factor;
+    emission_throughput *= factor;
+    diffuse_emission *= factor;
+    covered *= factor;
+    withheld *= factor;
+    world_throughput *= factor;
+    world_emission *= factor;
+  }
+  // Numbers for the next vertex: the low-discrepancy sequence at the first one.
+  Vec2 numbers(Dimension pair) {
+    return vertex == 0 ? sobol_2d(sample, pair, seed) : random.next2();
+  }
+};
+
+}  // namespace photon_splat

@@ -1,0 +1,211 @@
+// How far paths and light get in the media around them.
+#include "media/media.h"
+
+namespace photon_splat {
+namespace {
+
+constexpr int kMostCollisions = 20000;  // on one way; then it ends there
+constexpr float kFaint = 0.02f;         // transmittance below which ways are broken off by chance
+
+// e^(-c t), with nothing lost where there is nothing.
+Rgb attenuation(const Rgb& c, float t) {
+  const auto one = [t](float x) { return x > 0 ? std::exp(-x * t) : 1.0f; };
+  return {one(c.x), one(c.y), one(c.z)};
+}
+
+Rgb absolute(const Rgb& c) { return {std::abs(c.x), std::abs(c.y), std::abs(c.z)}; }
+
+}  // namespace
+
+// The tentative collisions of one region along a ray, in the order of their distance.
+class Media::Walk {
+ public:
+  Walk(const Region& region, const Vec3& origin, const Vec3& direction, float near, float far)
+      : grid_(region.grid), origin_(origin), direction_(direction), at_(near), far_(far) {
+    if (region.homogeneous) {
+      bound_ = max_component(region.point.extinction());
+      end_ = far;
+    } else {
+      enter_cell();
+    }
+    homogeneous_ = region.homogeneous;
+  }
+
+  float bound() const { return bound_; }  // at the last collision, 1/m
+  // Distance of the next one; infinity: none before `far`.
+  float next(Random& random) {
+    float depth = -std::log(1 - random.next());
+    for (;;) {
+      const float there = bound_ > 0 ? at_ + depth / bound_ : INFINITY;
+      if (there < end_) return at_ = there;
+      if (end_ >= far_ || homogeneous_) return at_ = INFINITY;
+      depth -= bound_ * (end_ - at_);
+      at_ = end_;
+      enter_cell();
+    }
+  }
+
+ private:
+  // Where the ray is: a cell of the grid, or what lies before or behind it.
+  void enter_cell() {
+    const Vec3 p = origin_ + direction_ * at_, cell = grid_.cell();
+    const float lower[3] = {grid_.bounds.lower.x, grid_.bounds.lower.y, grid_.bounds.lower.z};
+    const float size[3] = {cell.x, cell.y, cell.z}, place[3] = {p.x, p.y, p.z},
+                way[3] = {direction_.x, direction_.y, direction_.z};
+    int i[3];
+    bool outside = false;
+    float end = INFINITY, until = INFINITY;
+    for (int a = 0; a < 3; ++a) {
+      const float high = lower[a] + size[a] * static_cast<float>(grid_.size[a]);
+      const float x = size[a] > 0 ? (place[a] - lower[a]) / size[a] : 0;
+      // On the border between two cells it is in the one it goes to.
+      i[a] = static_cast<int>(std::floor(x + (way[a] > 0 ? 1e-4f : -1e-4f)));
+      if (i[a] < 0 || i[a] >= grid_.size[a]) outside = true;
+      if (way[a] == 0) continue;
+      const float border = way[a] > 0 ? lower[a] + size[a] * static_cast<float>(i[a] + 1)
+                                      : lower[a] + size[a] * static_cast<float>(i[a]);
+      end = std::min(end, (border - origin_[a]) / way[a]);
+      // Beyond the grid: as far as its next side
+      for (const float side : {lower[a], high}) {
+        const float t = (side - origin_[a]) / way[a];
+        if (t > at_) until = std::min(until, t);
+      }
+    }
+    bound_ =
+        outside
+            ? grid_.outside
+            : grid_.most[(static_cast<size_t>(i[2]) * grid_.size[1] + i[1]) * grid_.size[0] + i[0]];
+    const float least = std::nextafter(at_ + 1e-6f * std::abs(at_), INFINITY);
+    end_ = std::min(std::max(outside ? until : end, least), far_);
+  }
+
+  const Grid& grid_;
+  Vec3 origin_, direction_;
+  float at_, far_, end_ = 0, bound_ = 0;
+  bool homogeneous_ = false;
+};
+
+Rgb Media::transmittance(const MediumStack& stack, const Vec3& origin, const Vec3& direction,
+                         float near, float far, const RayInfo& ray, Random& random) const {
+  Rgb through{1, 1, 1};
+  if (!(far > near)) return through;
+  for (const uint16_t r : stack) {
+    const Region& region = regions_[r];
+    if (region.homogeneous) {
+      through *= attenuation(region.point.extinction(), far - near);
+      continue;
+    }
+    Walk walk(region, origin, direction, near, far);
+    for (int i = 0;; ++i) {
+      const float t = walk.next(random);
+      if (!(t < far)) break;
+      if (i == kMostCollisions) return {};
+      const Rgb extinction = run(region, origin + direction * t, -direction, ray).extinction();
+      through *= Rgb{1, 1, 1} - extinction / walk.bound();
+      const float left = max_abs(through);
+      if (left >= kFaint) continue;
+      if (random.next() >= 0.5f || left == 0) return {};
+      through *= 2;
+    }
+  }
+  return through;
+}
+
+// One distance for all of a medium that is the same everywhere: of one channel, chosen by what the
+// path may carry there, weighted as drawn by any of them.
+Flight Media::fly_straight(const MediumPoint& medium, float near, float far, const Rgb& scattered,
+                           Random& random) const {
+  Flight flight;
+  const Rgb extinction = medium.extinction(), scattering = medium.scattering;
+  const float length = far - near;
+  const Rgb end = attenuation(extinction, length);
+  if (!is_black(medium.emission)) {
+    const auto emitted = [&](float e, float c, float t) {
+      return e <= 0                  ? 0
+             : c * length > 1e-4f    ? e * (1 - t) / c
+             : std::isfinite(length) ? e * length
+                                     : 0;
+    };
+    flight.emission = {emitted(medium.emission.x, extinction.x, end.x),
+                       emitted(medium.emission.y, extinction.y, end.y),
+                       emitted(medium.emission.z, extinction.z, end.z)};
+  }
+  Rgb chance = absolute(scattered) * scattering;
+  const float all = chance.x + chance.y + chance.z;
+  if (!(all > 0)) {
+    flight.weight = end;
+    return flight;
+  }
+  chance = chance / all;
+  // Of each channel: to scatter on the way at all
+  const Rgb scatters = Rgb{1, 1, 1} - end;
+  float u = random.next();
+  int channel = 0;
+  for (; channel < 2 && u >= chance[channel]; ++channel) u -= chance[channel];
+  if (random.next() >= scatters[channel]) {
+    const float p = dot(chance, Rgb{1, 1, 1} - scatters);
+    flight.weight = p > 0 ? end / p : Rgb{};
+    return flight;
+  }
+  const float c = extinction[channel], inside = 1 - end[channel];
+  const float t = std::min(-std::log1p(-random.next() * inside) / c, length);
+  const Rgb there = attenuation(extinction, t);
+  float p = 0;
+  for (int k = 0; k < 3; ++k)
+    if (extinction[k] > 0 && end[k] < 1)
+      p += chance[k] * scatters[k] * extinction[k] * there[k] / (1 - end[k]);
+  flight.scatters = true;
+  flight.distance = near + t;
+  flight.weight = p > 0 && std::isfinite(p) ? there / p : Rgb{};
+  flight.point = medium;
+  return flight;
+}
+
+Flight Media::fly(const MediumStack& stack, const Vec3& origin, const Vec3& direction, float near,
+                  float far, const Rgb& scattered, const Rgb& passing, const RayInfo& ray,
+                  Random& random) const {
+  if (!(far > near)) return {};
+  if (const auto medium = homogeneous(stack))
+    return fly_straight(*medium, near, far, scattered, random);
+  Flight flight;
+  std::array<std::optional<Walk>, MediumStack::kMost> walks;
+  std::array<float, MediumStack::kMost> next;
+  size_t count = 0;
+  const uint16_t* const regions = stack.begin();
+  for (const uint16_t r : stack) {
+    walks[count].emplace(regions_[r], origin, direction, near, far);
+    next[count] = walks[count]->next(random);
+    ++count;
+  }
+  for (int i = 0; i < kMostCollisions; ++i) {
+    const size_t k =
+        static_cast<size_t>(std::min_element(next.begin(), next.begin() + count) - next.begin());
+    const float t = next[k];
+    if (!(t < far)) return flight;
+    const Region& region = regions_[regions[k]];
+    const Vec3 x = origin + direction * t;
+    MediumPoint point = region.homogeneous ? region.point : run(region, x, -direction, ray);
+    const float bound = walks[k]->bound();
+    flight.emission += flight.weight * point.emission / bound;
+    const Rgb null = Rgb{bound, bound, bound} - point.extinction();
+    const float scatters = max_abs(scattered * flight.weight * point.scattering),
+                passes = max_abs(passing * flight.weight * null), all = scatters + passes;
+    if (!(all > 0)) {  // all of it is absorbed here
+      flight.weight = {};
+      return flight;
+    }
+    if (random.next() * all < scatters) {
+      flight.scatters = true;
+      flight.distance = t;
+      flight.weight *= all / (bound * scatters);
+      flight.point = point;
+      return flight;
+    }
+    flight.weight *= null * (all / (bound * passes));
+    next[k] = walks[k]->next(random);
+  }
+  flight.weight = {};
+  return flight;
+}
+
+}  // namespace photon_splat

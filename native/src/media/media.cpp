@@ -1,0 +1,212 @@
+#include "media/media.h"
+
+#include "shading/ops.h"
+
+namespace photon_splat {
+namespace {
+
+constexpr size_t kMostRegions = 32767;
+constexpr int kFewestCells = 12, kMostCells = 32;  // along each side of a grid
+constexpr int kLooks = 2;                          // in a cell, along each axis
+constexpr float kMargin = 1.25f;                   // bounds above what has been seen in a cell
+constexpr float kLeastOfMost = 0.01f;              // bounds of empty cells, of the largest one
+constexpr float kEmittedTracks = 8;                // least collisions across a medium that shines
+constexpr int kMostCrossings = 1024;               // surfaces that a look upwards goes through
+constexpr float kMostCoefficient = 1e8f;           // 1/m: no light gets further than its rounding
+
+// Whether a program computes nothing: closures of constants.
+bool is_constant(const Program& program) {
+  for (size_t at = 0; at < program.code.size(); at += nodes::kWords[program.code[at]]) {
+    switch (static_cast<nodes::Op>(program.code[at])) {
+      case nodes::Op::End:
+      case nodes::Op::Emission:
+      case nodes::Op::Jump:
+      case nodes::Op::VolumeAbsorption:
+      case nodes::Op::VolumeScatter:
+      case nodes::Op::VolumeCoefficients:
+      case nodes::Op::PrincipledVolume: break;
+      default: return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+std::unique_ptr<Media> Media::of(const Scene& scene, ThreadPool& pool, const CancelFlag& cancel) {
+  bool any = scene.world_volume >= 0;
+  for (const Material& material : scene.materials) any |= material.volume >= 0;
+  if (!any) return nullptr;
+  std::unique_ptr<Media> media(new Media(scene));
+  if (scene.world_volume >= 0)
+    media->world_ = media->add_region(ShadingPoint::kNoInstance, scene.world_volume, pool, cancel);
+  media->of_slot_.assign(scene.slot_materials.size(), -1);
+  for (uint32_t i = 0; i < scene.instances.size(); ++i) {
+    const Instance& instance = scene.instances[i];
+    for (uint32_t slot = 0; slot < instance.slot_count; ++slot) {
+      const size_t at = instance.first_material + slot;
+      const int volume = scene.materials[scene.slot_materials[at]].volume;
+      if (volume < 0) continue;
+      int16_t known = -1;  // slots of one object share what they have
+      for (uint32_t before = 0; before < slot && known < 0; ++before) {
+        const size_t other = instance.first_material + before;
+        if (scene.materials[scene.slot_materials[other]].volume == volume)
+          known = media->of_slot_[other];
+      }
+      media->of_slot_[at] =
+          known >= 0 ? known : static_cast<int16_t>(media->add_region(i, volume, pool, cancel));
+      media->in_meshes_ = true;
+    }
+  }
+  return media;
+}
+
+int Media::add_region(uint32_t instance, int program, ThreadPool& pool, const CancelFlag& cancel) {
+  if (regions_.size() == kMostRegions)
+    throw std::invalid_argument("the scene has more objects with volumes than 32767");
+  Region region;
+  region.instance = instance;
+  region.program = program;
+  region.homogeneous = is_constant(scene_.programs[program]);
+  if (region.homogeneous) {
+    region.point = run(region, {}, {0, 0, 1}, {});
+    emits_ |= !is_black(region.point.emission);
+  } else {
+    emits_ |= (scene_.programs[program].features & kProgramEmits) != 0;
+    bound(region, pool, cancel);
+  }
+  regions_.push_back(std::move(region));
+  return static_cast<int>(regions_.size() - 1);
+}
+
+int Media::region_of(uint32_t instance, uint32_t triangle) const {
+  const Instance& own = scene_.instances[instance];
+  const Mesh& mesh = scene_.meshes[own.mesh];
+  const uint32_t slot = mesh.slots.empty() ? 0 : mesh.slots[triangle];
+  return of_slot_[own.first_material + std::min(slot, own.slot_count - 1)];
+}
+
+MediumPoint Media::run(const Region& region, const Vec3& x, const Vec3& wo,
+                       const RayInfo& ray) const {
+  MediumPoint out;
+  ShadingPoint point;
+  point.position = x;
+  point.ng = point.ns = point.wo = wo;
+  point.instance = region.instance;
+  point.ray = ray;
+  point.medium = &out;
+  Bsdf emission(Transport::kRadiance, wo, wo, wo, false);
+  run_program(scene_, scene_.programs[region.program], point, emission);
+  const auto bounded = [](Rgb& c) {
+    for (float* v : {&c.x, &c.y, &c.z}) *v = *v > 0 ? std::min(*v, kMostCoefficient) : 0;
+  };
+  out.emission += emission.emission();
+  bounded(out.absorption);
+  return out;
+}
+
+// Looks at the extinction all over the region's object (or the whole scene).
+void Media::bound(Region& region, ThreadPool& pool, const CancelFlag& cancel) const {
+  Grid& grid = region.grid;
+  if (region.instance == ShadingPoint::kNoInstance) {
+    grid.bounds = scene_.bounds();
+  } else {
+    const Instance& instance = scene_.instances[region.instance];
+    for (const Vec3& p : scene_.meshes[instance.mesh].positions)
+      grid.bounds.add(instance.shared ? instance.to_world.point(p) : p);
+  }
+  if (grid.bounds.empty()) grid.bounds.add(Vec3{});
+  const Vec3 extent = grid.bounds.upper - grid.bounds.lower;
+  const float longest = std::max(max_component(extent), 1e-12f);
+  for (int a = 0; a < 3; ++a)
+    grid.size[a] = std::clamp(static_cast<int>(std::ceil(extent[a] / longest * kMostCells)),
+                              kFewestCells, kMostCells);
+  const int nx = grid.size[0], ny = grid.size[1], nz = grid.size[2];
+  std::vector<float> seen(static_cast<size_t>(nx) * ny * nz);
+  const Vec3 cell = grid.cell();
+  const float shines = kEmittedTracks / std::max(length(extent), 1e-12f);
+  pool.for_each(static_cast<size_t>(nz), cancel, [&](size_t z, int) {
+    for (int y = 0; y < ny; ++y)
+      for (int x = 0; x < nx; ++x) {
+        float& most = seen[(z * ny + y) * nx + x];
+        Random random((z * ny + y) * nx + x, 0x6d656469u);
+        for (int look = 0; look < kLooks * kLooks * kLooks; ++look) {
+          const Vec3 in{static_cast<float>(look % kLooks),
+                        static_cast<float>(look / kLooks % kLooks),
+                        static_cast<float>(look / kLooks / kLooks)};
+          const Vec3 at =
+              (in + Vec3{random.next(), random.next(), random.next()}) * (1.0f / kLooks) +
+              Vec3{static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)};
+          const MediumPoint found = run(region, grid.bounds.lower + at * cell, {0, 0, 1}, {});
+          most = std::max(most, max_component(found.extinction()));
+          if (!is_black(found.emission)) most = std::max(most, shines);
+        }
+      }
+  });
+  // What a cell's neighbours hold it may hold as well.
+  grid.most.assign(seen.size(), 0);
+  float largest = 0;
+  for (float s : seen) largest = std::max(largest, s);
+  for (int z = 0; z < nz; ++z)
+    for (int y = 0; y < ny; ++y)
+      for (int x = 0; x < nx; ++x) {
+        float most = kLeastOfMost * largest;
+        for (int dz = -1; dz <= 1; ++dz)
+          for (int dy = -1; dy <= 1; ++dy)
+            for (int dx = -1; dx <= 1; ++dx) {
+              const int i = x + dx, j = y + dy, k = z + dz;
+              if (i < 0 || j < 0 || k < 0 || i >= nx || j >= ny || k >= nz) continue;
+              most = std::max(most, seen[(static_cast<size_t>(k) * ny + j) * nx + i]);
+            }
+        grid.most[(static_cast<size_t>(z) * ny + y) * nx + x] = most * kMargin;
+      }
+  grid.outside = largest * kMargin;
+}
+
+Vec3 Media::Grid::cell() const {
+  const Vec3 extent = bounds.upper - bounds.lower;
+  return {extent.x / static_cast<float>(size[0]), extent.y / static_cast<float>(size[1]),
+          extent.z / static_cast<float>(size[2])};
+}
+
+MediumStack Media::around(const Vec3& x) const {
+  MediumStack stack, entered;
+  if (world_ >= 0) stack.enter(static_cast<uint16_t>(world_));
+  if (!in_meshes_) return stack;
+  Surface s;
+  float near = 0;
+  for (int i = 0; i < kMostCrossings && scene_.intersect(x, {0, 0, 1}, near, INFINITY, false, s);
+       ++i, near = past(s)) {
+    const int region = region_of(s.instance, s.triangle);
+    if (region < 0) continue;
+    const uint16_t own = static_cast<uint16_t>(region);
+    if (!s.back)
+      entered.enter(own);
+    else if (entered.holds(own))
+      entered.leave(own);
+    else
+      stack.enter(own);
+  }
+  return stack;
+}
+
+MediumPoint Media::at(const MediumStack& stack, const Vec3& x, const Vec3& wo,
+                      const RayInfo& ray) const {
+  MediumPoint sum;
+  for (const uint16_t i : stack) {
+    const Region& region = regions_[i];
+    sum.add(region.homogeneous ? region.point : run(region, x, wo, ray));
+  }
+  return sum;
+}
+
+std::optional<MediumPoint> Media::homogeneous(const MediumStack& stack) const {
+  MediumPoint sum;
+  for (const uint16_t i : stack) {
+    if (!regions_[i].homogeneous) return std::nullopt;
+    sum.add(regions_[i].point);
+  }
+  return sum;
+}
+
+}  // namespace photon_splat

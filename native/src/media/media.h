@@ -1,0 +1,87 @@
+// The media of a scene: what their programs say at a point, how far light gets in them, and where a
+// path scatters. Nothing here marches in steps: distances are drawn, exactly where a medium is the
+// same everywhere, else by tracking against a bound of the extinction (null collisions: Kutz et
+// al., Spectral and Decomposition Tracking for Rendering Heterogeneous Volumes, 2017). Where a
+// bound is too low the estimate is still right, as weights then take either sign.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "media/medium.h"
+#include "scene/scene.h"
+
+namespace photon_splat {
+
+// What a path meets on its way through media, up to a surface.
+struct Flight {
+  bool scatters = false;
+  float distance = 0;  // where it scatters
+  // Transmittance up to there or to the end of the way, over the chance to get there. Without the
+  // scattering coefficient.
+  Rgb weight{1, 1, 1};
+  Rgb emission{};     // of the way, attenuated
+  MediumPoint point;  // where it scatters
+};
+
+class Media {
+ public:
+  // Nothing if no material and no world of the scene has a volume. Throws Cancelled.
+  static std::unique_ptr<Media> of(const Scene& scene, ThreadPool& pool, const CancelFlag& cancel);
+
+  // Of the volume behind a surface; -1: none.
+  int region_of(uint32_t instance, uint32_t triangle) const;
+  void cross(MediumStack& stack, const Surface& s) const {
+    stack.cross(region_of(s.instance, s.triangle), s.back);
+  }
+  // Which media a point lies in, as a ray upwards tells.
+  MediumStack around(const Vec3& x) const;
+  bool emits() const { return emits_; }
+
+  // All that media of the stack do there.
+  MediumPoint at(const MediumStack& stack, const Vec3& x, const Vec3& wo, const RayInfo& ray) const;
+  // All of them together, if they are the same everywhere.
+  std::optional<MediumPoint> homogeneous(const MediumStack& stack) const;
+  // Unbiased. `far` may be infinite.
+  Rgb transmittance(const MediumStack& stack, const Vec3& origin, const Vec3& direction, float near,
+                    float far, const RayInfo& ray, Random& random) const;
+  // `scattered`, `passing`: throughput of what scatters on the way and of what comes to its end, by
+  // which channels and collisions are chosen.
+  Flight fly(const MediumStack& stack, const Vec3& origin, const Vec3& direction, float near,
+             float far, const Rgb& scattered, const Rgb& passing, const RayInfo& ray,
+             Random& random) const;
+
+ private:
+  // Bounds of a heterogeneous medium's extinction in the cells of a grid, 1/m.
+  struct Grid {
+    Bounds bounds;
+    int size[3] = {1, 1, 1};
+    std::vector<float> most;
+    float outside = 0;  // beyond the bounds
+    Vec3 cell() const;
+  };
+  struct Region {
+    uint32_t instance = ShadingPoint::kNoInstance;  // that: the world
+    int program = -1;
+    bool homogeneous = false;
+    MediumPoint point;  // where that is so
+    Grid grid;          // else
+  };
+  class Walk;
+
+  explicit Media(const Scene& scene) : scene_(scene) {}
+  int add_region(uint32_t instance, int program, ThreadPool& pool, const CancelFlag& cancel);
+  MediumPoint run(const Region& region, const Vec3& x, const Vec3& wo, const RayInfo& ray) const;
+  void bound(Region& region, ThreadPool& pool, const CancelFlag& cancel) const;
+  Flight fly_straight(const MediumPoint& medium, float near, float far, const Rgb& scattered,
+                      Random& random) const;
+
+  const Scene& scene_;
+  std::vector<Region> regions_;
+  std::vector<int16_t> of_slot_;  // of Scene::slot_materials, -1: none
+  int world_ = -1;
+  bool in_meshes_ = false, emits_ = false;
+};
+
+}  // namespace photon_splat

@@ -1,0 +1,202 @@
+#include "media/media.h"
+
+#include <doctest/doctest.h>
+
+#include "support/programs.h"
+
+using namespace photon_splat;
+
+namespace {
+
+constexpr uint32_t kSamples = 1 << 16;
+const CancelFlag kNever;
+
+Program scattering(float coefficient, float g = 0, Rgb color = {1, 1, 1}) {
+  ProgramWriter w;
+  w.emit(nodes::Op::VolumeScatter, {{"weight", w.constant({1})},
+                                    {"color", w.constant({color.x, color.y, color.z})},
+                                    {"density", w.constant({coefficient})},
+                                    {"anisotropy", w.constant({g})}});
+  w.emit(nodes::Op::End, {});
+  return w.program();
+}
+
+// A coefficient that grows with x: `slope` times it.
+Program growing(float slope) {
+  ProgramWriter w;
+  const uint32_t place = w.reg(), density = w.reg(1);
+  w.emit(nodes::Op::Geometry, {{"out", place}});
+  w.emit(nodes::Op::Multiply, {{"out", density}, {"a", place}, {"b", w.constant({slope})}});
+  w.emit(nodes::Op::VolumeScatter,
+         {{"weight", w.constant({1})}, {"color", w.constant({1, 1, 1})}, {"density", density}});
+  w.emit(nodes::Op::End, {});
+  return w.program();
+}
+
+// A cube [0, 1]^3 of a medium behind a surface that lets everything pass.
+void fill(Scene& scene, const Program& medium) {
+  ProgramWriter clear;
+  clear.emit(nodes::Op::Transparent,
+             {{"weight", clear.constant({1})}, {"color", clear.constant({1, 1, 1})}});
+  clear.emit(nodes::Op::End, {});
+  clear.program().features = kProgramTransparent;
+  scene.programs = {clear.program(), medium};
+  Material material;
+  material.program = 0;
+  material.volume = 1;
+  scene.materials = {material};
+  scene.meshes.push_back(padded(make_cube()));
+  scene.add_instance(0, identity, {0});
+  for (const Program& program : scene.programs) check_program(scene, program);
+  scene.build(kNever);
+}
+
+// Means over many flights of 1 m along x: of what comes through, and of what scatters, in units of
+// the scattering coefficient.
+struct Means {
+  double passed = 0, scattered = 0;
+};
+Means fly(const Scene& scene, const Vec3& origin, const Vec3& direction, float far) {
+  const MediumStack stack = scene.media()->around(origin);
+  Means sum;
+  Random random(7, 1);
+  for (uint32_t i = 0; i < kSamples; ++i) {
+    const Flight f =
+        scene.media()->fly(stack, origin, direction, 0, far, {1, 1, 1}, {1, 1, 1}, {}, random);
+    if (f.scatters)
+      sum.scattered += double(average(f.weight * f.point.scattering)) / kSamples;
+    else
+      sum.passed += double(average(f.weight)) / kSamples;
+  }
+  return sum;
+}
+
+double transmitted(const Scene& scene, const Vec3& origin, const Vec3& direction, float far) {
+  const MediumStack stack = scene.media()->around(origin);
+  double sum = 0;
+  Random random(3, 1);
+  for (uint32_t i = 0; i < kSamples; ++i)
+    sum += double(average(
+               scene.media()->transmittance(stack, origin, direction, 0, far, {}, random))) /
+           kSamples;
+  return sum;
+}
+
+}  // namespace
+
+TEST_CASE("phase functions send everything somewhere, and samples follow their densities") {
+  const MieFit small = fit_mie(1), fog = fit_mie(4), drops = fit_mie(20), tiny = fit_mie(0.05f);
+  const Phase phases[] = {{PhaseKind::kHenyeyGreenstein, 0, 0},
+                          {PhaseKind::kHenyeyGreenstein, 0.8f, 0},
+                          {PhaseKind::kHenyeyGreenstein, -0.5f, 0},
+                          {PhaseKind::kRayleigh, 0, 0},
+                          {PhaseKind::kDraine, 0.5f, 2},
+                          small.first,
+                          small.second,
+                          fog.second,
+                          drops.second,
+                          tiny.second};
+  for (const Phase& phase : phases) {
+    CAPTURE(phase.g);
+    CAPTURE(phase.alpha);
+    double all = 0, density = 0, mean = 0, sampled = 0, weighed = 0;
+    for (uint32_t i = 0; i < kSamples; ++i) {
+      const float cosine = -1 + (2 * float(i) + 1) / float(kSamples);
+      all += double(phase.evaluate(cosine)) * 4 * double(kPi) / kSamples;
+      density += double(phase.pdf(cosine)) * 4 * double(kPi) / kSamples;
+      mean += double(cosine * phase.evaluate(cosine)) * 4 * double(kPi) / kSamples;
+      const float drawn = phase.sample_cosine((float(i) + 0.5f) / float(kSamples));
+      REQUIRE(std::abs(drawn) <= 1);
+      weighed += double(phase.evaluate(drawn) / phase.pdf(drawn)) / kSamples;
+      sampled += double(drawn * phase.evaluate(drawn) / phase.pdf(drawn)) / kSamples;
+    }
+    CHECK(all == doctest::Approx(1).epsilon(2e-3));
+    CHECK(density == doctest::Approx(1).epsilon(2e-3));
+    CHECK(weighed == doctest::Approx(1).epsilon(2e-3));
+    CHECK(sampled == doctest::Approx(mean).epsilon(2e-3));
+  }
+  CHECK(Phase{PhaseKind::kHenyeyGreenstein, NAN, 0}.evaluate(0.3f) ==
+        doctest::Approx(1 / (4 * kPi)));
+}
+
+TEST_CASE("light fades by Beer and Lambert's law, drawn or computed") {
+  Scene scene(1);
+  fill(scene, scattering(2, 0, {1, 0.5f, 0}));
+  const Rgb through =
+      scene.media()->transmittance(scene.media()->around({0.5f, 0.5f, 0.5f}), {0.5f, 0.5f, 0.5f},
+                                   {1, 0, 0}, 0, 0.4f, {}, *std::make_unique<Random>(1, 1));
+  CHECK(through.x == doctest::Approx(std::exp(-0.8)));
+  CHECK(through.y == doctest::Approx(std::exp(-0.4)));
+  CHECK(through.z == 1);
+  const Means means = fly(scene, {0.1f, 0.5f, 0.5f}, {1, 0, 0}, 0.8f);
+  const double passed = (std::exp(-1.6) + std::exp(-0.8) + 1) / 3;
+  CHECK(means.passed == doctest::Approx(passed).epsilon(0.01));
+  CHECK(means.scattered == doctest::Approx(1 - passed).epsilon(0.01));
+}
+
+TEST_CASE("the same where the medium changes from place to place") {
+  Scene scene(1);
+  fill(scene, growing(3));  // an optical depth of 1.5 (b^2 - a^2)
+  const double passed = std::exp(-1.5 * (0.81 - 0.01));
+  CHECK(transmitted(scene, {0.1f, 0.5f, 0.5f}, {1, 0, 0}, 0.8f) ==
+        doctest::Approx(passed).epsilon(0.01));
+  CHECK(transmitted(scene, {0.9f, 0.5f, 0.5f}, {-1, 0, 0}, 0.8f) ==
+        doctest::Approx(passed).epsilon(0.01));
+  const Means means = fly(scene, {0.1f, 0.5f, 0.5f}, {1, 0, 0}, 0.8f);
+  CHECK(means.passed == doctest::Approx(passed).epsilon(0.01));
+  CHECK(means.scattered == doctest::Approx(1 - passed).epsilon(0.01));
+}
+
+TEST_CASE("shadow rays cross media that they enter and leave") {
+  Scene scene(1);
+  fill(scene, scattering(0.7f));
+  Random random(1, 1);
+  const auto through = [&](const Vec3& origin, const Vec3& direction, float far) {
+    return scene
+        .transmittance(origin, direction, far, {}, ~uint64_t{0}, scene.media()->around(origin),
+                       random)
+        .x;
+  };
+  CHECK(through({-1, 0.5f, 0.4f}, {1, 0, 0}, 5) == doctest::Approx(std::exp(-0.7)));
+  CHECK(through({-1, 0.5f, 0.4f}, {1, 0, 0}, 1.5f) == doctest::Approx(std::exp(-0.35)));
+  CHECK(through({0.25f, 0.5f, 0.4f}, {1, 0, 0}, 5) == doctest::Approx(std::exp(-0.525)));
+  CHECK(through({-1, 0.5f, 0.4f}, {-1, 0, 0}, 5) == 1);
+}
+
+TEST_CASE("a point knows the media around it") {
+  Scene scene(1);
+  fill(scene, scattering(1));
+  CHECK(!scene.media()->around({0.5f, 0.5f, 0.5f}).empty());
+  CHECK(scene.media()->around({0.5f, 0.5f, 1.5f}).empty());
+  CHECK(scene.media()->around({0.5f, 0.45f, -1.5f}).empty());
+}
+
+TEST_CASE("absurd media end light and nothing else") {
+  for (const float coefficient : {1e12f, INFINITY, NAN, -3.0f, 0.0f}) {
+    CAPTURE(coefficient);
+    Scene scene(1);
+    fill(scene, scattering(coefficient));
+    const Means means = fly(scene, {0.1f, 0.5f, 0.5f}, {1, 0, 0}, 0.8f);
+    CHECK(means.passed + means.scattered == doctest::Approx(1).epsilon(0.01));
+    Scene uneven(1);
+    fill(uneven, growing(coefficient));
+    const double sum = transmitted(uneven, {0.1f, 0.5f, 0.5f}, {1, 0, 0}, 0.8f);
+    CHECK((sum >= 0 && sum <= 1.0001));
+  }
+}
+
+TEST_CASE("media are entered once, left once, and no more of them than there is room for") {
+  MediumStack stack;
+  stack.cross(3, false);
+  stack.cross(3, false);
+  stack.cross(-1, false);
+  stack.cross(3, true);
+  CHECK(stack.empty());
+  stack.cross(5, true);
+  CHECK(stack.empty());
+  for (int i = 0; i < 20; ++i) stack.cross(i, false);
+  CHECK(stack.end() - stack.begin() == MediumStack::kMost);
+  stack.cross(2, true);
+  CHECK(!stack.holds(2));
+  CHECK(stack.holds(6));
+}
