@@ -80,6 +80,24 @@ def test_the_viewport_shows_what_a_render_of_it_shows() -> None:
 
 
 @in_blender
+def test_fog_is_in_the_refined_picture() -> None:
+    import bpy
+
+    _room()
+    with viewport() as v:
+        clear = v.settle().pixels
+        ob = bpy.data.objects["Cube0"]
+        fog, tree = stage.empty_material("Fog")
+        volume = tree.nodes.new("ShaderNodeVolumeAbsorption")
+        volume.inputs["Density"].default_value = 1e3
+        tree.links.new(volume.outputs[0], tree.nodes["Material Output"].inputs["Volume"])
+        refresh(lambda: ob.data.materials.__setitem__(0, fog))
+        dark = v.settle().pixels
+    assert np.abs(dark - clear).max() > 0.01
+    assert dark[..., :3].min() < 1e-3
+
+
+@in_blender
 def test_each_edit_exports_and_builds_what_it_changes() -> None:
     import bpy
 

@@ -148,7 +148,7 @@ CASES: tuple[Case, ...] = (
         box="cloud",
         Density=0.8,
         Blackbody_Intensity=1.0,
-        Temperature=1500.0,
+        Temperature=2200.0,
         Blackbody_Tint=(1.0, 0.8, 0.6),
     ),
     _fog("fog_emission", node="emission", box="cloud", Strength=0.5, Color=(0.5, 0.8, 1.0)),
