@@ -39,7 +39,7 @@ _ORDER = (
         2,
         re.compile(
             r"not supported|taken as|read as|ignored|as usual|all the same|stands still|as a "
-            r"bump|is used|are used"
+            r"bump|is used|are used|not displaced|which stay"
         ),
     ),
 )

@@ -82,6 +82,7 @@ def export_contents(
     objects = Objects(materials, shading, kept, exported.light_groups)
     objects.collect(depsgraph, visible)
     objects.collect_shading(depsgraph, shading.around.wants, *shading.wanted)
+    objects.displace(camera)
     world = getattr(view_layer, "world_override", None) or scene.world
     export_world(world, shading, exported)
     if world is not None and world.original.lightgroup in exported.light_groups:

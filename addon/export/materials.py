@@ -10,6 +10,7 @@ from typing import Any
 import bpy
 
 from ..core.scene import NO_PROGRAM, Material, Side
+from ..core.scene.displacement import UNDISPLACED_NORMALS, Displacement
 from ..core.scene.shading import Feature, Program
 from .cancelled import Watch
 from .images import Textures
@@ -35,6 +36,7 @@ class Shading:
         self, textures: Textures, report: Report, depsgraph: Any = None, watch: Watch | None = None
     ) -> None:
         self.programs: list[Program] = []
+        self.of_vertices: list[Program] = []  # those that move vertices, which no hit runs
         self.around = Surroundings(textures, report, Wants(), Trees(), depsgraph, watch or Watch())
         self.folding = Folding()
 
@@ -42,16 +44,27 @@ class Shading:
         self.programs.append(program)
         return len(self.programs) - 1
 
-    def compile(self, owner: Owner, surface: Any, displacement: Any = None) -> Compiled:
-        return Compiler(owner, self.around, self.folding).surface(surface, displacement)
+    def compile(
+        self, owner: Owner, surface: Any, displacement: Any = None, displaced: bool = False
+    ) -> Compiled:
+        return Compiler(owner, self.around, self.folding).surface(surface, displacement, displaced)
+
+    def displacement(self, owner: Owner, socket: Any) -> Compiled | None:
+        return Compiler(owner, self.around, self.folding).displacement(socket)
 
     @property
     def wanted(self) -> tuple[frozenset[int], frozenset[int]]:
         """Ids of what programs read from meshes, and from instances."""
-        meshes = frozenset[int]().union(*(program.wants for program in self.programs))
-        return meshes, frozenset[int]().union(
-            *(program.wants_instances for program in self.programs)
+        programs = self.programs + self.of_vertices
+        meshes = frozenset[int]().union(*(program.wants for program in programs))
+        return meshes - {UNDISPLACED_NORMALS}, frozenset[int]().union(
+            *(program.wants_instances for program in programs)
         )
+
+    @property
+    def asks_old_normals(self) -> bool:
+        """Whether some program reads normals from before displacement."""
+        return any(UNDISPLACED_NORMALS in program.wants for program in self.programs)
 
 
 class Materials:
@@ -59,6 +72,7 @@ class Materials:
 
     def __init__(self, shading: Shading) -> None:
         self.list: list[Material] = []
+        self.displacements: dict[int, Displacement] = {}  # of those that move the surface
         self._shading = shading
         self._known: dict[tuple[int, str | None], int] = {}
         # materials that are the same for every render-active UV map
@@ -75,6 +89,10 @@ class Materials:
             return self._any_uv_map[pointer]
         opaque = not getattr(material, "use_transparent_shadow", True)
         owner = Owner(f"Material '{material.name}'", material, uv_map=uv_map, opaque_shadow=opaque)
+        if (pointer, uv_map) not in self._known:
+            displacement = true_displacement(material, owner, self._shading)
+            if displacement is not None:
+                self.displacements[len(self.list)] = displacement
         index = self._remember(
             (pointer, uv_map), lambda: export_material(material, owner, self._shading)
         )
@@ -130,6 +148,25 @@ def _default_program(shading: Shading) -> Program:
     )
 
 
+def displacement_method(material: Any) -> str:
+    """BUMP, DISPLACEMENT or BOTH."""
+    return str(getattr(material, "displacement_method", "BUMP"))
+
+
+def true_displacement(material: Any, owner: Owner, shading: Shading) -> Displacement | None:
+    """How a material moves the surface itself; None where it does not."""
+    method = displacement_method(material)
+    output = output_node(material.node_tree) if uses_nodes(material) else None
+    if method == "BUMP" or output is None or not output.inputs["Displacement"].is_linked:
+        return None
+    compiled = shading.displacement(owner, output.inputs["Displacement"])
+    if compiled is None:
+        return None
+    program = compiled.program(f"{material.name} (displacement)")
+    shading.of_vertices.append(program)
+    return Displacement(program, bumps=method == "BOTH")
+
+
 def export_material(material: Any, owner: Owner, shading: Shading) -> Material:
     """Without nodes its viewport colour is what Cycles takes, with an empty tree it is black."""
     report = shading.around.report
@@ -155,13 +192,10 @@ def export_material(material: Any, owner: Owner, shading: Shading) -> Material:
         shading,
     )
     displacement = output.inputs["Displacement"]
-    if displacement.is_linked and getattr(material, "displacement_method", "BUMP") != "BUMP":
-        report.warn(
-            f"{owner.name}: displacement of the surface itself is not supported; it bends normals "
-            "as a bump"
-        )
+    method = displacement_method(material)
+    bumps = displacement.is_linked and method != "DISPLACEMENT"
     compiled = shading.compile(
-        owner, output.inputs["Surface"], displacement if displacement.is_linked else None
+        owner, output.inputs["Surface"], displacement if bumps else None, method == "BOTH"
     )
     # a volume alone, as in Cycles: its surface is not there
     if compiled.empty and volume is not None and volume.node is not None:

@@ -39,7 +39,7 @@ def sound_triangles(mesh: Any, name: str, report: Report) -> Triangles | None:
     positions = read(mesh.vertices, "co", np.float32, 3)
     corners = read(mesh.loop_triangles, "loops", np.int32, 3)
     vertices = np.take(read(mesh.loops, "vertex_index", np.int32), corners)
-    kept = _sound_triangles(positions, vertices, name, report)
+    kept = sound_part(positions, vertices, name, report)
     if kept is not None:
         if not kept.any():
             return None
@@ -74,7 +74,7 @@ def flattened(
     left; None if none has an area.
     """
     positions = (mesh.positions @ matrix[:3, :3].T + matrix[:3, 3]).astype(np.float32)
-    kept = _sound_triangles(positions, mesh.triangles, name, report)
+    kept = sound_part(positions, mesh.triangles, name, report)
     selection: Any = slice(None) if kept is None else kept
     if kept is not None and not kept.any():
         return None
@@ -88,7 +88,7 @@ def flattened(
     return flat, kept
 
 
-def _sound_triangles(
+def sound_part(
     positions: NDArray, vertices: NDArray, name: str, report: Report
 ) -> NDArray[np.bool_] | None:
     """Mask (T,) of the triangles that have finite corners and an area, or None if all have."""

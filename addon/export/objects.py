@@ -9,9 +9,11 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.scene import ALL_GROUPS, ALL_RAYS, NO_LIGHT_GROUP, Instances, Light, Mesh
+from ..core.scene import ALL_GROUPS, ALL_RAYS, NO_LIGHT_GROUP, Camera, Instances, Light, Mesh
+from ..core.scene.displacement import Normals
 from ..core.scene.shading import InstanceAttribute, MeshShading
 from .attributes import instance_value, mesh_shading, width_of
+from .displacement import Displaced, slots_of, smooth_normals
 from .flat_uv_maps import report_flat_uv_maps
 from .instance_attributes import InstanceAttributes
 from .kept import Kept, identity
@@ -64,6 +66,7 @@ class Objects:
         self._matrices: list[NDArray[np.float64]] = []
         self._row_of: dict[int, int] = {}  # by index in the graph's list of instances
         self._attributes: list[InstanceAttribute] = []
+        self._displaced = Displaced(self.meshes, kept, self._report)
         # flattened meshes: which triangles are left
         self._flat: dict[int, NDArray[np.bool_] | None] = {}
 
@@ -155,6 +158,22 @@ class Objects:
                 values[number][row] = instance_value(instance, want, depsgraph, of_nodes)
         self._attributes = [InstanceAttribute(number, found) for number, found in values.items()]
 
+    def displace(self, camera: Camera) -> None:
+        """Moves the meshes that materials displace, after collect_shading()."""
+        if not self._displaced.found:
+            return
+        self._displaced.move(
+            self._matrices,
+            self._attributes,
+            self._shading.around.textures.list,
+            camera,
+            self._shading.asks_old_normals,
+        )
+        rows = np.array(self._rows, np.uint32)
+        used, rows[:, 0] = np.unique(rows[:, 0], return_inverse=True)
+        self.meshes = [self.meshes[i] for i in used]  # not those that stand nowhere undisplaced
+        self._rows = [(int(mesh), int(materials)) for mesh, materials in rows]
+
     def _mesh_shading(
         self, ob: Any, wants: dict[int, Want], left: NDArray[np.bool_] | None
     ) -> MeshShading:
@@ -211,6 +230,22 @@ class Objects:
         if key not in self._set_of:
             self._set_of[key] = self._material_set(ob, data, index, override)
             report_catcher(ob, self._report)
+        slots = slots_of(
+            self.meshes[index],
+            self.material_sets[self._set_of[key]].tolist(),
+            self._materials.displacements,
+        )
+        if slots is not None and flat:
+            self._report.warn("Objects that their scale flattens are not displaced: {}", ob.name)
+        elif slots is not None:
+            exported = self.meshes[index]
+
+            def normals(_: Report) -> Normals:
+                return _with_mesh(ob, lambda mesh: smooth_normals(mesh, exported, ob.name))
+
+            index = self._displaced.index(
+                ob, slots, index, len(self._rows), _known_as(ob), _made_of(ob), normals
+            )
         if flat:
             left = flattened(self.meshes[index], matrix, ob.name, self._report)
             if left is None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
@@ -21,6 +21,7 @@ from ..scene import (
     Mesh,
     Scene,
     Side,
+    Texture,
 )
 from .library import load
 
@@ -123,7 +124,7 @@ def fill_renderer(renderer: Renderer, scene: Scene, settings: RenderSettings) ->
                 _contiguous(mesh.slots, np.uint16),
                 _contiguous(mesh.vertex_normals, np.float32),
             )
-            _add_mesh_shading(renderer, index, mesh)
+            add_mesh_shading(renderer, index, mesh)
     _add_instances(renderer, scene)
     _add_lights(renderer, scene)
     place_camera(renderer, scene.camera, scene.frame)
@@ -171,13 +172,13 @@ def replace_shading(renderer: Renderer, scene: Scene) -> None:
     renderer.relight()
 
 
-def _add_materials(renderer: Renderer, scene: Scene) -> None:
+def add_textures(renderer: Renderer, textures: Sequence[Texture]) -> None:
     # index of the first texture with these pixels: the others only read them differently and share
     # its memory
     stored: dict[int, int] = {}
-    for index, texture in enumerate(scene.textures):
+    for index, texture in enumerate(textures):
         first = stored.setdefault(id(texture.pixels), index)
-        if first != index and scene.textures[first].srgb == texture.srgb:
+        if first != index and textures[first].srgb == texture.srgb:
             renderer.add_texture_reading(first, str(texture.interpolation), str(texture.extension))
             continue
         renderer.add_texture(
@@ -186,6 +187,10 @@ def _add_materials(renderer: Renderer, scene: Scene) -> None:
             str(texture.interpolation),
             str(texture.extension),
         )
+
+
+def _add_materials(renderer: Renderer, scene: Scene) -> None:
+    add_textures(renderer, scene.textures)
     for program in scene.programs:
         renderer.add_program(
             program.name, program.code, program.constants, program.registers, int(program.features)
@@ -347,7 +352,7 @@ def lights_in_surfaces(renderer: Renderer, scene: Scene) -> list[str]:
     ]
 
 
-def _add_mesh_shading(renderer: Renderer, index: int, mesh: Mesh) -> None:
+def add_mesh_shading(renderer: Renderer, index: int, mesh: Mesh) -> None:
     for attribute in mesh.shading.attributes:
         renderer.add_mesh_attribute(
             index, attribute.id, str(attribute.domain), np.ascontiguousarray(attribute.values)

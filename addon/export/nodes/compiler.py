@@ -7,17 +7,18 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from ...core.scene.shading import Feature, Program
-from .assemble import Statement, assemble, live_instructions
+from .assemble import Statement, assemble, live_instructions, statement
 from .inputs import bump_width
 from .media import IN_VOLUMES, no_volume
 from .node import Node, Owner, Surroundings, label
 from .shaders import MOST_LOBES, from_value, lobe_count, unknown
 from .table import NODES
 from .trees import Feed, Groups
-from .values import ONE, UNMOVED, ZERO, BumpOffset, Folding, Graph, Value
+from .values import ONE, UNMOVED, ZERO, BumpOffset, Folding, Graph, Value, number
 
 Key = tuple[int, tuple[int, ...], BumpOffset]
 ShaderKey = tuple[int, tuple[int, ...]]
+BUMP_WIDTH = number(0.1)  # of what a displacement gives, in pixels
 MIXERS = {"MIX_SHADER", "ADD_SHADER"}
 
 
@@ -73,12 +74,12 @@ class Compiler:
 
     # --- surfaces ---
 
-    def surface(self, socket: Any, displacement: Any = None, name: str = "") -> Compiled:
+    def surface(self, socket: Any, displacement: Any = None, displaced: bool = False) -> Compiled:
         """Closures of what is linked to `socket` (an output node's Surface), with normals bent by
-        `displacement` (its Displacement).
+        `displacement` (its Displacement); `displaced`: which has moved the surface already.
         """
         if displacement is not None:
-            self.owner.normal = self._bent_normal(displacement)
+            self.owner.normal = self._bent_normal(displacement, displaced)
         order, mixers, leaves, root = self._shaders(socket)
         weights: dict[ShaderKey, Value] = {root: ONE} if root is not None else {}
         statements: list[Statement] = []
@@ -100,6 +101,9 @@ class Compiler:
                 constant_emission = False
             features |= produces
         lobes = sum(lobe_count(made) for made in statements)
+        if self.owner.normal is not None and lobes:
+            bent = statement("BentNormal", weight=ONE, normal=self.owner.normal)
+            statements.insert(0, bent)
         if lobes > MOST_LOBES:
             said = (
                 f"its shaders may come to {lobes} lobes at one point; what is beyond "
@@ -201,7 +205,18 @@ class Compiler:
             n.values[identifier] = self._result(feed, socket.type, offset)
         return n
 
-    def _bent_normal(self, socket: Any) -> Value | None:
+    def displacement(self, socket: Any) -> Compiled | None:
+        """Where what is linked to `socket` (an output node's Displacement) moves a vertex; None
+        where that is nothing.
+        """
+        feed = self.around.trees.feed(socket, ())
+        if feed is None or feed.node is None or not self._gives(feed):
+            return None
+        self._evaluate(feed, UNMOVED)
+        moved = self._result(feed, "VECTOR", UNMOVED)
+        return Compiled(self.graph, [statement("Displace", weight=ONE, offset=moved)], Feature(0))
+
+    def _bent_normal(self, socket: Any, displaced: bool) -> Value | None:
         """The shading normal bent by a displacement taken as bump; None where there is no
         displacement.
         """
@@ -217,7 +232,14 @@ class Compiler:
             return None
         normal = self.graph.one("Geometry", what="NORMAL")
         heights = []
-        for offset in (UNMOVED, BumpOffset("DX", ONE), BumpOffset("DY", ONE)):
+        steps = (UNMOVED, BumpOffset("DX", BUMP_WIDTH), BumpOffset("DY", BUMP_WIDTH))
+        if displaced:
+            steps = (
+                BumpOffset("BEFORE"),
+                BumpOffset("BEFORE_DX", BUMP_WIDTH),
+                BumpOffset("BEFORE_DY", BUMP_WIDTH),
+            )
+        for offset in steps:
             self._evaluate(feed, offset)
             moved = self._result(feed, "VECTOR", offset)
             product = self.graph.add(
@@ -226,10 +248,20 @@ class Compiler:
             heights.append(product["value"])
         if all(height == heights[0] for height in heights):
             return None
+        if displaced:
+            height, dx, dy = heights
+            return self.graph.one(
+                "DisplacementBump",
+                width=BUMP_WIDTH,
+                height=height,
+                height_dx=dx,
+                height_dy=dy,
+                normal_in=normal,
+            )
         fixed = {
             "strength": ONE,
             "distance": ONE,
-            "width": ONE,
+            "width": BUMP_WIDTH,
             "normal_in": normal,
             "invert": False,
         }

@@ -270,6 +270,7 @@ def normal_map(n: Node) -> Outputs:
     uv_of = uv_id(n, node.uv_map) if node.space == "TANGENT" else NONE
     strength = n.number("Strength", 1.0)
     unit = bpy.app.version >= (5, 0, 0)
+    original = node.space == "TANGENT" and getattr(node, "base", "ORIGINAL") == "ORIGINAL"
     found = n.graph.one(
         "NormalMap",
         strength=strength,
@@ -278,6 +279,7 @@ def normal_map(n: Node) -> Outputs:
         tangent=tangent_id,
         uv=uv_of,
         unit_normal=unit,
+        normals=n.around.wants.id("undisplaced normals") if original else NONE,
     )
     return {"Normal": found}
 
@@ -336,6 +338,25 @@ def displacement(n: Node) -> Outputs:
             )
         }
     return {"Displacement": graph.scale(along, amount)}
+
+
+def vector_displacement(n: Node) -> Outputs:
+    """The way that the surface would move, in world space; in tangent space Y is along the
+    normal.
+    """
+    node = n.node
+    tangent_id = n.tangent_id("") if node.space == "TANGENT" else NONE
+    return {
+        "Displacement": n.graph.one(
+            "VectorDisplacement",
+            vector=n.color("Vector"),
+            midlevel=n.number("Midlevel"),
+            scale=n.number("Scale", 1.0),
+            space=node.space,
+            tangent=tangent_id,
+            uv=NONE,
+        )
+    }
 
 
 def nothing_of_hair(n: Node) -> Outputs:

@@ -8,6 +8,7 @@ import math
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from ...core.scene.displacement import UNDISPLACED, UNDISPLACED_NORMALS
 from ...core.scene.shading import GENERATED
 from ..cancelled import Watch
 from .values import ORIGIN, ZERO, Graph, Value, number, vector
@@ -33,7 +34,11 @@ class Wants:
     """Ids of everything that programs of one scene read from meshes or instances."""
 
     def __init__(self) -> None:
-        self.ids: dict[Want, int] = {Want("generated"): GENERATED}
+        self.ids = {
+            Want("generated"): GENERATED,
+            Want("undisplaced"): UNDISPLACED,
+            Want("undisplaced normals"): UNDISPLACED_NORMALS,
+        }
         # of tangents: (owner, node) by how warnings name them
         self.askers: dict[int, dict[tuple[str, str], None]] = {}
 
@@ -174,7 +179,7 @@ class Node:
         """As normal(); the shading normal of closures is the vector of length 0."""
         if self.linked(identifier):
             return self.values[identifier]
-        return self.owner.normal or ORIGIN
+        return ORIGIN
 
     def shading_normal(self) -> Value:
         return self.owner.normal or self.graph.one("Geometry", what="NORMAL")

@@ -33,7 +33,7 @@ def lobe_count(made: Statement) -> int:
     """How many lobes a closure has at most."""
     name = made.operation.name
     if name != "Principled":
-        return 0 if name in {"Emission", "Transparent", "Holdout", *MEDIA} else 1
+        return 0 if name in {"BentNormal", "Emission", "Transparent", "Holdout", *MEDIA} else 1
     metallic, transmission = made.get("metallic"), made.get("transmission_weight")
     lobes = sum(
         value != ZERO

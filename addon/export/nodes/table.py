@@ -174,13 +174,8 @@ NODES: dict[str, Entry] = {
     "VECT_MATH": Entry("vector", "Vector Math", c.vector_math),
     "VECTOR_ROTATE": Entry("vector", "Vector Rotate", c.vector_rotate),
     "VECT_TRANSFORM": Entry("vector", "Vector Transform", c.vector_transform),
-    "DISPLACEMENT": Entry(
-        "vector",
-        "Displacement",
-        i.displacement,
-        "bends normals as a bump; the surface stays where it is",
-    ),
-    "VECTOR_DISPLACEMENT": Entry("vector", "Vector Displacement", None, "left out"),
+    "DISPLACEMENT": Entry("vector", "Displacement", i.displacement),
+    "VECTOR_DISPLACEMENT": Entry("vector", "Vector Displacement", i.vector_displacement),
     "ShaderNodeRadialTiling": Entry("vector", "Radial Tiling", None, NO_SCRIPT),
     # --- colours and numbers ---
     "MIX": Entry("converter", "Mix", c.mix, "of rotations A is taken"),

@@ -29,6 +29,7 @@ MOVED_WITH_HIT = {
     "Wireframe",
     "TangentUv",
     "TangentRadial",
+    "VectorDisplacement",
 }
 # Operations whose result depends on more than their operands.
 OF_THE_HIT = MOVED_WITH_HIT | {
@@ -41,7 +42,7 @@ OF_THE_HIT = MOVED_WITH_HIT | {
         "InstanceAttribute",
         "ObjectLocation",
     ),
-    *("LightPath", "NormalMap", "Bump", "ImageTexture", "EnvironmentTexture"),
+    *("LightPath", "NormalMap", "Bump", "DisplacementBump", "ImageTexture", "EnvironmentTexture"),
 }
 
 
@@ -104,7 +105,8 @@ ORIGIN = vector((0.0, 0.0, 0.0))
 @dataclass(frozen=True, slots=True)
 class BumpOffset:
     """Where a value is computed, relative to the hit. A Bump node computes its height a step of
-    `width` along `axis` "DX" or "DY" away too; "NONE" is the hit itself.
+    `width` along `axis` "DX" or "DY" away too; "NONE" is the hit itself. "BEFORE", "BEFORE_DX" and
+    "BEFORE_DY" are the same on the surface that a displacement has moved from there.
     """
 
     axis: str = "NONE"

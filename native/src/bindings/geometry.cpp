@@ -1,12 +1,14 @@
 // Textures, materials, meshes and instances: numpy's arrays are copied, checked by all threads.
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
 #include <atomic>
 
 #include "bindings/bindings.h"
+#include "scene/displacement.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -72,6 +74,31 @@ uint32_t add_mesh(Renderer& r, Array<float, nb::shape<-1, 3>> positions,
   if (slots) mesh.slots.assign(slots->data(), slots->data() + count);
   r.scene.meshes.push_back(std::move(mesh));
   return static_cast<uint32_t>(r.scene.meshes.size() - 1);
+}
+
+// Vec3s as rows of numbers for numpy.
+auto rows(const std::vector<Vec3>& values, std::initializer_list<size_t> shape) {
+  const float* first = reinterpret_cast<const float*>(values.data());
+  return to_numpy(std::vector<float>(first, first + 3 * values.size()), shape);
+}
+
+nb::tuple displace_mesh(Renderer& r, uint32_t instance,
+                        const std::vector<std::pair<int, bool>>& slots,
+                        std::optional<Array<bool, nb::shape<-1>>> smooth, bool own_corners) {
+  std::vector<SlotDisplacement> of_slots;
+  for (const auto& [program, bumps] : slots) of_slots.push_back({program, bumps});
+  std::vector<bool> smooth_ones;
+  if (smooth) smooth_ones.assign(smooth->data(), smooth->data() + smooth->size());
+  DisplacedMesh moved;
+  {
+    nb::gil_scoped_release release;
+    moved = displace(r.scene, instance, of_slots, smooth_ones, own_corners, CancelFlag{});
+  }
+  const size_t corners = moved.corner_normals.size();
+  return nb::make_tuple(
+      rows(moved.positions, {moved.positions.size(), 3}),
+      corners ? nb::cast(rows(moved.corner_normals, {corners / 3, 3, 3})) : nb::object(nb::none()),
+      moved.not_finite);
 }
 
 Interpolation interpolation_named(const std::string& name) {
@@ -215,7 +242,14 @@ void bind_geometry(RendererClass& renderer) {
           "matrix: (4, 4) float64, to the world; materials: index of a material for each slot. For light linking: group\n"
           "0..63, and as an emitter bits of the groups it lights (lit_groups) and of those that block it (blockers).\n"
           "light_group: index, -1 for none; seen_by: bits of the kinds of rays that meet it; holdout: a hole in the\n"
-          "picture. Returns the instance's index. After its mesh and materials.");
+          "picture. Returns the instance's index. After its mesh and materials.")
+      .def(
+          "displace", &displace_mesh, "instance"_a, "slots"_a, "smooth"_a = nb::none(),
+          "own_corners"_a = false,
+          "True displacement of an instance's mesh, before build(); the mesh, which must have normals, stays as it is.\n"
+          "slots: of each (program or -1, whether a bump of its material bends the normals); smooth: (T,) bool, None: all;\n"
+          "own_corners: corner normals are more than those of vertices. Returns (V, 3) positions, (T, 3, 3) corner normals\n"
+          "or None where all is flat, and how many vertices had no finite place to go to and stay.");
 }
 
 }  // namespace photon_splat

@@ -66,6 +66,9 @@ class Bsdf {
   // on the side of wo.
   Bsdf(Transport transport, const Vec3& wo, const Vec3& ng, const Vec3& ns, bool back);
 
+  // The normal, on the side of wo, that bumps of single closures are told from; else `ns`.
+  void set_bent_normal(const Vec3& normal) { view_.bent = normal; }
+
   // weight: the closure's colour times the mix factors above it (what Cycles calls the closure's
   // weight). Negative or non-finite weights and parameters are made harmless here: never a NaN out.
   // `color` (optional, here and below): the closure's colour without the mix factors, which tints

@@ -114,7 +114,7 @@ namespace {
 // Softens the terminator that a bumped normal draws (Estevez et al. 2019, "A microfacet-based
 // shadowing function to solve the bump terminator problem"): the bump as a GGX surface of its own.
 float bump_shadow(const View& view, const Vec3& n, const Vec3& wi) {
-  const float d = dot(view.ns, n), i = dot(view.ns, wi);
+  const float d = dot(view.bent, n), i = dot(view.bent, wi);
   if (d > 1 - 1e-6f) return 1;
   if (!(d > 0 && i > 0)) return 0;
   const float alpha2 = saturate(0.125f * (1 / sqr(d) - 1)), tan2 = 1 / sqr(i) - 1;

@@ -26,10 +26,11 @@ enum class LobeKind : uint8_t {
 struct View {
   Vec3 wo, ng, ns;
   bool back;
+  Vec3 bent = ns;  // what all closures start from, where a displacement bends it; else ns
 
   // The same point from the direction w, on either side.
   View towards(const Vec3& w) const {
-    return dot(w, ng) < 0 ? View{w, -ng, -ns, !back} : View{w, ng, ns, back};
+    return dot(w, ng) < 0 ? View{w, -ng, -ns, !back, -bent} : View{w, ng, ns, back, bent};
   }
   // a closure's normal, given on the front side; `ns` if it is of no use
   Vec3 turned(const Vec3& normal) const;

@@ -99,6 +99,15 @@ void principled(Frame& f, const uint32_t* w) {
 
 }  // namespace
 
+void bent_normal(Frame& f, const uint32_t* w) {
+  const Vec3 n = f.vector(w[1]);
+  const float l = length(n);
+  if (!(l > 0 && std::isfinite(l))) return;
+  f.ns = n / l;
+  f.knows_object_normal = false;
+  f.out.set_bent_normal(f.ns);
+}
+
 void closure(Frame& f, Op op, const uint32_t* w) {
   const float weight = f.number(w[0]);
   if (weight == 0) return;

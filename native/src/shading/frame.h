@@ -16,6 +16,9 @@ struct OffsetAxes {
 
 // Generated coordinates of meshes that deform, where the exporter gives them
 inline constexpr uint32_t kGeneratedAttribute = 0;
+// Positions, in the mesh's coordinates, before true displacement: of meshes whose bumps ask for
+// them
+inline constexpr uint32_t kUndisplacedAttribute = 1;
 
 struct Frame {
   const Scene& scene;
@@ -29,6 +32,12 @@ struct Frame {
   Vec3 shift{};
   Vec2 shifted_uv{};  // barycentric; see uv_there()
   bool knows_uv = false, knows_axes = false, knows_object_normal = false;
+  // Positions are those before displacement, see Offset: then it is here, relative to the scene's
+  // origin
+  bool before = false;
+  Vec3 position_before{};
+  Vec3 ns = point.ns;   // bent where BentNormal has done so
+  Vec3 displacement{};  // what Displace gave
   OffsetAxes axes{};
   Vec3 normal_in_object{};
 
@@ -60,12 +69,14 @@ struct Frame {
   bool is_on_mesh() const { return point.instance != ShadingPoint::kNoInstance; }
   bool is_on_surface() const { return is_on_mesh() && !point.medium; }
   bool is_background() const { return !is_on_mesh() && !point.lamp && !point.medium; }
-  Vec3 normal() const { return is_background() ? point.wo : point.ns; }
+  Vec3 normal() const { return is_background() ? point.wo : ns; }
   Vec3 position() const;                         // absolute, shifted; background: the direction
   Vec3 object_position() const;                  // in the object's coordinates, shifted
   Vec3 normal_to_object(const Vec3& n) const;    // unit
   const Vec3& object_normal();                   // normal() in the object's coordinates
   Vec3 normal_from_object(const Vec3& n) const;  // unit
+  // Position before displacement, relative to the scene's origin, at barycentric coordinates
+  Vec3 undisplaced(const MeshAttribute& positions, const Vec2& at) const;
   Vec3 generated();
   const Mesh& mesh() const { return scene.meshes[scene.instances[point.instance].mesh]; }
   const Affine& world_to_object() const;  // from coordinates relative to the scene's origin
@@ -101,6 +112,8 @@ void tangent_uv(Frame& f, const uint32_t* w);
 void normal_map(Frame& f, const uint32_t* w);
 void offset(Frame& f, const uint32_t* w);
 void bump(Frame& f, const uint32_t* w);
+void vector_displacement(Frame& f, const uint32_t* w);
+void displacement_bump(Frame& f, const uint32_t* w);
 
 // arithmetic.cpp
 void math(Frame& f, const uint32_t* w);
@@ -141,7 +154,8 @@ void brick_texture(Frame& f, const uint32_t* w);
 void gradient_texture(Frame& f, const uint32_t* w);
 void white_noise_texture(Frame& f, const uint32_t* w);
 
-// closures.cpp: Emission to Principled
+// closures.cpp: BentNormal, and Emission to Principled
+void bent_normal(Frame& f, const uint32_t* w);
 void closure(Frame& f, Op op, const uint32_t* w);
 // media.cpp: VolumeAbsorption to PrincipledVolume
 void medium_closure(Frame& f, Op op, const uint32_t* w);

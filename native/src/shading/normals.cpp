@@ -126,12 +126,18 @@ void normal_map(Frame& f, const uint32_t* w) {
     float sign = 1;
     const Vec3 tangent = tangent_frame(f, w[4], w[5], sign);
     Vec3 own = front_normal_in_object(f);
+    std::array<float, 4> original{};
+    uint32_t components;
+    const bool before = w[7] != kNone && f.attribute(w[7], original, components);
+    if (before) own = {original[0], original[1], original[2]};
     if (f.on(w[6])) own = safe_normalize(own);
     if (length2(tangent) == 0) return f.set(w[0], shading);
-    c = {c.x * strength, c.y * strength, mix(1, c.z, clamp_unit(strength))};
+    // from before displacement: less strength leads to the normal of now
+    const float share = before ? 1 : strength;
+    c = {c.x * share, c.y * share, mix(1, c.z, clamp_unit(share))};
     n = f.normal_from_object(
         safe_normalize(tangent * c.x + cross(own, tangent) * (sign * c.y) + own * c.z));
-    strength = 1;
+    if (!before) strength = 1;
   } else {
     if (space == MapSpace::BLENDER_OBJECT || space == MapSpace::BLENDER_WORLD)
       c = {c.x, -c.y, -c.z};
@@ -146,10 +152,65 @@ void normal_map(Frame& f, const uint32_t* w) {
 void offset(Frame& f, const uint32_t* w) {
   const OffsetAxis axis = f.mode<OffsetAxis>(w[0]);
   f.shift = {};
-  f.knows_uv = false;
+  f.knows_uv = f.before = false;
   if (axis == OffsetAxis::NONE || !f.is_on_surface()) return;
+  if (axis >= OffsetAxis::BEFORE) {
+    const MeshAttribute* places = f.mesh().attribute(kUndisplacedAttribute);
+    f.before = places != nullptr;
+    if (places) f.position_before = f.undisplaced(*places, {f.point.u, f.point.v});
+  }
+  if (axis == OffsetAxis::BEFORE) return;
   const OffsetAxes& axes = f.offset_axes();
-  f.shift = (axis == OffsetAxis::DX ? axes.x : axes.y) * f.number(w[1]);
+  const bool along_x = axis == OffsetAxis::DX || axis == OffsetAxis::BEFORE_DX;
+  f.shift = (along_x ? axes.x : axes.y) * f.number(w[1]);
+  // Cycles shifts positions as far as on the surface as it is
+  f.position_before += f.shift;
+}
+
+void vector_displacement(Frame& f, const uint32_t* w) {
+  const MapSpace space = f.mode<MapSpace>(w[4]);
+  const float midlevel = f.number(w[2]);
+  Vec3 d = (f.vector(w[1]) - Vec3{midlevel, midlevel, midlevel}) * f.number(w[3]);
+  if (f.is_on_mesh() && space == MapSpace::TANGENT) {
+    float sign = 1;
+    const Vec3 tangent = tangent_frame(f, w[5], w[6], sign), normal = f.object_normal();
+    d = tangent * d.x + normal * d.y + safe_normalize(cross(normal, tangent)) * (sign * d.z);
+  }
+  f.set(w[0], f.is_on_mesh() && space != MapSpace::WORLD ? f.object_to_world().vector(d) : d);
+}
+
+namespace {
+
+// The steps of offset_axes() as they were before displacement.
+OffsetAxes axes_before(Frame& f, const MeshAttribute& places) {
+  Frame there = f;
+  const auto place = [&](const Vec3& shift) {
+    there.shift = shift;
+    there.knows_uv = false;
+    return there.undisplaced(places, there.uv_there());
+  };
+  const OffsetAxes axes = f.offset_axes();
+  const Vec3 p = place({});
+  return {place(axes.x) - p, place(axes.y) - p};
+}
+
+}  // namespace
+
+// Bump by the height of a displacement that has already moved the surface, as Cycles has it: along
+// the undisplaced surface, in the object's coordinates.
+void displacement_bump(Frame& f, const uint32_t* w) {
+  const Vec3 n = f.vector(w[5]);
+  if (!f.is_on_surface()) return f.set(w[0], n);
+  const float h = f.number(w[2]), dx = f.number(w[3]) - h, dy = f.number(w[4]) - h;
+  const MeshAttribute* places = f.mesh().attribute(kUndisplacedAttribute);
+  const OffsetAxes axes = places ? axes_before(f, *places) : f.offset_axes();
+  const Vec3 x = f.world_to_object().vector(axes.x), y = f.world_to_object().vector(axes.y);
+  const Vec3 own = f.normal_to_object(n), rx = cross(y, own), ry = cross(own, x);
+  const float determinant = dot(x, rx);
+  const Vec3 gradient = (rx * dx + ry * dy) * (determinant < 0 ? -1.0f : 1.0f);
+  const Vec3 result = f.normal_from_object(
+      safe_normalize(own * (f.number(w[1]) * std::abs(determinant)) - gradient));
+  f.set(w[0], length2(result) > 0 && is_finite(result) ? result : n);
 }
 
 void bump(Frame& f, const uint32_t* w) {

@@ -115,6 +115,10 @@ struct ShadingPoint {
 // yields NaN or infinity.
 void run_program(const Scene& scene, const Program& program, const ShadingPoint& point, Bsdf& out);
 
+// Where `program` moves a vertex, m, in world space: any float. `registers` are its scratch space.
+Vec3 run_displacement(const Scene& scene, const Program& program, const ShadingPoint& vertex,
+                      std::vector<float>& registers);
+
 // What the registers hold after a run of `program`, which asks for nothing of a hit: for folding of
 // constants.
 std::vector<float> run_constant_program(const Scene& scene, const Program& program);

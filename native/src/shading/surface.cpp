@@ -25,8 +25,8 @@ Vec3 shifted_normal(Frame& f) {
 
 Vec3 camera_coordinates(const Frame& f) {
   const Affine& camera = f.scene.view.world_to_camera;
-  return f.is_background() ? camera.vector(f.point.position)
-                           : camera.point(f.point.position + f.shift);
+  if (f.is_background()) return camera.vector(f.point.position);
+  return camera.point(f.before ? f.position_before : f.point.position + f.shift);
 }
 
 Vec3 window_coordinates(const Frame& f) {
@@ -117,11 +117,18 @@ Affine Frame::object_to_world() const {
 }
 
 Vec3 Frame::position() const {
+  if (before) return position_before + origin_of(scene);
   return is_background() ? point.position : point.position + shift + origin_of(scene);
 }
 
 Vec3 Frame::object_position() const {
+  if (before) return world_to_object().point(position_before);
   return is_background() ? point.position : world_to_object().point(point.position + shift);
+}
+
+Vec3 Frame::undisplaced(const MeshAttribute& positions, const Vec2& at) const {
+  const auto p = positions.at(mesh().triangles[point.triangle], point.triangle, at.x, at.y);
+  return object_to_world().point({p[0], p[1], p[2]});
 }
 
 Vec3 Frame::normal_to_object(const Vec3& n) const {

@@ -107,6 +107,8 @@ void execute(Frame& f) {
       case Op::NormalMap: normal_map(f, w); break;
       case Op::Offset: offset(f, w); break;
       case Op::Bump: bump(f, w); break;
+      case Op::VectorDisplacement: vector_displacement(f, w); break;
+      case Op::DisplacementBump: displacement_bump(f, w); break;
 
       case Op::ImageTexture: image_texture(f, w); break;
       case Op::EnvironmentTexture: environment_texture(f, w); break;
@@ -121,6 +123,9 @@ void execute(Frame& f) {
       case Op::WhiteNoiseTexture: white_noise_texture(f, w); break;
       case Op::GaborTexture: gabor_texture(f, w); break;
       case Op::IesTexture: ies_texture(f, w); break;
+
+      case Op::BentNormal: bent_normal(f, w); break;
+      case Op::Displace: f.displacement = f.vector(w[1]); break;
 
       case Op::Emission:
       case Op::Transparent:
@@ -159,6 +164,16 @@ void run_program(const Scene& scene, const Program& program, const ShadingPoint&
   NoiseQueue noise;
   Frame frame{scene, program, point, out, memory, program.constants.data(), noise};
   execute(frame);
+}
+
+Vec3 run_displacement(const Scene& scene, const Program& program, const ShadingPoint& vertex,
+                      std::vector<float>& registers) {
+  registers.assign(program.registers, 0);
+  Bsdf out(Transport::kRadiance, vertex.ns, vertex.ng, vertex.ns, false);
+  NoiseQueue noise;
+  Frame frame{scene, program, vertex, out, registers.data(), program.constants.data(), noise};
+  execute(frame);
+  return frame.displacement;
 }
 
 std::vector<float> run_constant_program(const Scene& scene, const Program& program) {

@@ -27,12 +27,18 @@ _SLANT_SUN = (0.9, -0.5, 2.0)
 def build(case: Case) -> bpy.types.Scene:
     """Make the case's scene the current one, at the case's resolution."""
     from tests.reference.caustics import pictures
-    from tests.reference.cycles import gallery_stage, media_stage, visibility_stage
+    from tests.reference.cycles import (
+        displacement_stage,
+        gallery_stage,
+        media_stage,
+        visibility_stage,
+    )
 
     builders = (
         globals()
         | vars(visibility_stage)
         | vars(media_stage)
+        | vars(displacement_stage)
         | {"material_case": gallery_stage.material_case, "caustic_view": pictures.open_view}
     )
     builders[case.build](**case.options)

@@ -1,0 +1,111 @@
+// True displacement: where vertices go, which stay, and what normals they have then.
+#include "scene/displacement.h"
+
+#include <doctest/doctest.h>
+
+#include "support/programs.h"
+
+using namespace photon_splat;
+using nodes::Op;
+
+namespace {
+
+// A program that moves every vertex by `offset`, in the world.
+Program moving(std::initializer_list<float> offset) {
+  ProgramWriter w;
+  w.emit(Op::Displace, {{"weight", w.constant({1})}, {"offset", w.constant(offset)}});
+  w.emit(Op::End, {});
+  return w.program();
+}
+
+// One that moves it upwards by its X.
+Program leaning() {
+  ProgramWriter w;
+  const uint32_t p = w.reg(), d = w.reg();
+  w.emit(Op::TextureCoordinate, {{"out", p}, {"what", word_of(nodes::Coordinates::OBJECT)}});
+  w.emit(Op::CombineColor, {{"out", d}, {"c", p}});
+  w.emit(Op::Displace, {{"weight", w.constant({1})}, {"offset", d}});
+  w.emit(Op::End, {});
+  return w.program();
+}
+
+constexpr Placement kDoubled{2, 0, 0, 5, 0, 2, 0, 0, 0, 0, 2, 0};
+
+struct Sheet {
+  explicit Sheet(Program program, int quads = 1, const Placement& place = identity) : scene(1) {
+    Mesh mesh = padded(make_grid(quads));
+    mesh.corner_normals.resize(3 * mesh.triangles.size());
+    for (Vec3& n : mesh.corner_normals) n = {0, 0, 1};
+    scene.materials.resize(1);
+    scene.meshes.push_back(std::move(mesh));
+    check_program(scene, program);
+    scene.programs.push_back(std::move(program));
+    scene.add_instance(0, place, {0});
+  }
+  DisplacedMesh displaced(const std::vector<SlotDisplacement>& slots,
+                          const std::vector<bool>& smooth = {}, bool own_corners = false) {
+    return displace(scene, 0, slots, smooth, own_corners, CancelFlag());
+  }
+  Scene scene;
+};
+
+void check_near(const Vec3& a, const Vec3& b) {
+  INFO(a.x, " ", a.y, " ", a.z);
+  CHECK(length(a - b) == doctest::Approx(0).epsilon(1e-5));
+}
+
+}  // namespace
+
+TEST_CASE("vertices move in the world, by the mesh's own measure") {
+  Sheet sheet(moving({0, 0, 1}), 1, kDoubled);
+  const DisplacedMesh moved = sheet.displaced({{0, false}});
+  REQUIRE(moved.positions.size() == 4);
+  check_near(moved.positions[3], {1, 1, 0.5f});
+  CHECK(moved.not_finite == 0);
+}
+
+TEST_CASE("a vertex that has no finite place to go to stays") {
+  Sheet sheet(moving({0, NAN, 1}));
+  const DisplacedMesh moved = sheet.displaced({{0, false}});
+  CHECK(moved.not_finite == 4);
+  check_near(moved.positions[3], {1, 1, 0});
+}
+
+TEST_CASE("a vertex moves once, by the first corner at it of a slot that moves") {
+  Sheet sheet(moving({0, 0, 1}), 2);
+  sheet.scene.meshes[0].slots = {0, 0, 1, 1, 0, 0, 0, 0};
+  const DisplacedMesh moved = sheet.displaced({{-1, false}, {0, false}});
+  // the second quad's corners: 1, 2, 5, 4
+  for (const uint32_t v : {1u, 2u, 4u, 5u}) CHECK(moved.positions[v].z == 1);
+  for (const uint32_t v : {0u, 3u, 6u, 7u, 8u}) CHECK(moved.positions[v].z == 0);
+}
+
+TEST_CASE("normals follow the surface, those of bumps stay") {
+  const Vec3 leant = normalize({-1, 0, 1});
+  Sheet sheet(leaning(), 2);
+  for (const Vec3& n : sheet.displaced({{0, false}}).corner_normals) check_near(n, leant);
+  for (const Vec3& n : sheet.displaced({{0, true}}).corner_normals) check_near(n, {0, 0, 1});
+  CHECK(sheet.displaced({{0, false}}, std::vector<bool>(8, false)).corner_normals.empty());
+}
+
+TEST_CASE("corner normals of their own keep their difference") {
+  Sheet sheet(leaning(), 1);
+  const Vec3 own = normalize({0, 1, 1});
+  sheet.scene.meshes[0].corner_normals[0] = own;
+  const DisplacedMesh moved = sheet.displaced({{0, false}}, {true, false}, true);
+  const Vec3 leant = normalize({-1, 0, 1});
+  check_near(moved.corner_normals[0], normalize(own + (leant - Vec3{0, 0, 1})));
+  check_near(moved.corner_normals[1], leant);
+  check_near(moved.corner_normals[3], leant);  // flat: the face's
+}
+
+TEST_CASE("what does not fit is refused") {
+  Sheet sheet(moving({0, 0, 1}));
+  CHECK_THROWS_AS(sheet.displaced({}), std::invalid_argument);
+  CHECK_THROWS_AS(sheet.displaced({{1, false}}), std::invalid_argument);
+  CHECK_THROWS_AS(sheet.displaced({{0, false}}, {true}), std::invalid_argument);
+  CHECK_THROWS_AS(displace(sheet.scene, 1, {{0, false}}, {}, false, CancelFlag()),
+                  std::invalid_argument);
+  sheet.scene.meshes[0].corner_normals.clear();
+  CHECK_THROWS_AS(sheet.displaced({{0, false}}), std::invalid_argument);
+}
