@@ -65,12 +65,15 @@ def test_the_mixture_is_never_much_worse_than_either() -> None:
 
 
 def test_a_lone_speck_is_not_brought_back() -> None:
-    noisy = np.ones((32, 32, 3), np.float32)
+    random = np.random.default_rng(5)
+    noisy = 1 + 0.02 * random.standard_normal((32, 32, 1)).astype(np.float32) * np.ones(
+        3, np.float32
+    )
     noisy[10, 10], noisy[20, 21] = 40.0, -3.0
     mixed = denoise.blend(
-        noisy, np.ones_like(noisy), np.full((32, 32), 1e-4, np.float32), passes=64
+        noisy, np.ones_like(noisy), np.full((32, 32), 4e-4, np.float32), passes=64
     )
-    assert np.abs(mixed - 1).max() < 0.01
+    assert np.abs(mixed - 1).max() < 0.005, "neither it nor the noise around it"
 
 
 def test_a_missing_library_is_named(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -96,20 +96,23 @@ def blend(
     Where the two differ by more than the noise of the one explains, (noisy - denoised)^2 = variance
     + blur^2 (as in Stein's estimate), the noisy one has the share blur^2 / (blur^2 + variance).
 
-    A pixel that differs alone, without two like it around it, is a speck of noise and gets nothing.
+    A pixel that differs alone, without two like it around it, is a speck of noise: it gets nothing,
+    and tells nothing of the blur around it.
 
     variance: of the noisy picture's luminance, (height, width), as estimated after `passes` passes;
     few passes are trusted less.
     """
     difference = (noisy - denoised) @ np.asarray(LUMINANCE, np.float32)
+    square = difference**2
+    alone = _alone(square)
+    known = np.maximum(_window_mean(~alone), 1e-6)
     square, noise = (
-        _window_mean(difference**2),
-        _window_mean(variance) * DOUBT * (1.0 + CAUTION / passes),
+        _window_mean(np.where(alone, 0.0, square)) / known,
+        _window_mean(np.where(alone, 0.0, variance)) / known * DOUBT * (1.0 + CAUTION / passes),
     )
     blur = np.maximum(square - noise, 0.0)
-    share = np.divide(
-        blur, blur + noise, out=np.zeros_like(blur), where=(blur > 0) & ~_alone(difference**2)
-    )[..., None]
+    share = np.divide(blur, blur + noise, out=np.zeros_like(blur), where=(blur > 0) & ~alone)
+    share = share[..., None]
     return denoised + share * (noisy - denoised)
 
 
