@@ -9,7 +9,16 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.scene import ALL_GROUPS, ALL_RAYS, NO_LIGHT_GROUP, Camera, Instances, Light, Mesh
+from ..core.scene import (
+    ALL_GROUPS,
+    ALL_RAYS,
+    NO_LIGHT_GROUP,
+    TERMINATOR_OFFSET,
+    Camera,
+    Instances,
+    Light,
+    Mesh,
+)
 from ..core.scene.displacement import Normals
 from ..core.scene.shading import InstanceAttribute, MeshShading
 from .attributes import instance_value, mesh_shading, width_of
@@ -62,6 +71,7 @@ class Objects:
         self._light_groups: list[int] = []
         self._seen_by: list[int] = []
         self._holdouts: list[bool] = []
+        self._terminator_offsets: list[float] = []
         self._light_group_of = {name: i for i, name in enumerate(light_groups)}
         self._matrices: list[NDArray[np.float64]] = []
         self._row_of: dict[int, int] = {}  # by index in the graph's list of instances
@@ -98,6 +108,9 @@ class Objects:
                         self._blockers.append(linking.blockers(ob))
                         self._seen_by.append(rays)
                         self._holdouts.append(holdout)
+                        self._terminator_offsets.append(
+                            float(ob.original.shadow_terminator_geometry_offset)
+                        )
                         self._light_groups.append(
                             self._light_group_of.get(ob.original.lightgroup, NO_LIGHT_GROUP)
                         )
@@ -207,6 +220,8 @@ class Objects:
             placed.seen_by = np.array(self._seen_by, np.uint32)
         if any(self._holdouts):
             placed.holdout = np.array(self._holdouts, np.bool_)
+        if any(offset != TERMINATOR_OFFSET for offset in self._terminator_offsets):
+            placed.terminator_offset = np.array(self._terminator_offsets, np.float32)
         return placed
 
     def _add_mesh(self, ob: Any, matrix: NDArray[np.float64], override: Any) -> None:

@@ -16,6 +16,7 @@ from ..scene import (
     ALL_RAYS,
     NO_LIGHT_GROUP,
     NO_PROGRAM,
+    TERMINATOR_OFFSET,
     Camera,
     Frame,
     Mesh,
@@ -295,13 +296,24 @@ def _add_instances(renderer: Renderer, scene: Scene) -> None:
     )
     seen_by = [ALL_RAYS] * count if instances.seen_by is None else instances.seen_by.tolist()
     holdout = [False] * count if instances.holdout is None else instances.holdout.tolist()
+    offset = (
+        [TERMINATOR_OFFSET] * count
+        if instances.terminator_offset is None
+        else instances.terminator_offset.tolist()
+    )
     # Of surfaces that coincide rays meet the one that was added first; Cycles shows the object that
     # comes last.
     for i in np.flatnonzero(~flat)[::-1]:
         materials = material_sets[int(instances.material_set[i])]
         linking = (int(groups[i]), lit[i], blockers[i], light_groups[i])
         renderer.add_instance(
-            int(instances.mesh[i]), matrices[i], materials, *linking, seen_by[i], holdout[i]
+            int(instances.mesh[i]),
+            matrices[i],
+            materials,
+            *linking,
+            seen_by[i],
+            holdout[i],
+            offset[i],
         )
     for attribute in instances.attributes:
         renderer.add_instance_attribute(

@@ -12,7 +12,7 @@ from .lights import Light, LightKind, SunDisc, WorldMap
 from .material import NO_PROGRAM, NO_TEXTURE, Extension, Interpolation, Material, Rgb, Side, Texture
 from .mesh import Instances, Mesh
 from .scene import GEOMETRY, SHADING, VIEW, Scene, same, same_geometry, same_shading
-from .visibility import ALL_GROUPS, ALL_RAYS, GROUPS, NO_LIGHT_GROUP, Ray
+from .visibility import ALL_GROUPS, ALL_RAYS, GROUPS, NO_LIGHT_GROUP, TERMINATOR_OFFSET, Ray
 
 __all__ = [
     "ALL_GROUPS",
@@ -23,6 +23,7 @@ __all__ = [
     "NO_PROGRAM",
     "NO_TEXTURE",
     "SHADING",
+    "TERMINATOR_OFFSET",
     "VIEW",
     "Aperture",
     "Camera",

@@ -61,6 +61,8 @@ class Instances:
     light_group   (I,) int16 index into Scene.light_groups of its light, -1: none; None: all -1
     seen_by       (I,) uint32, the rays (`Ray`) that meet an instance; None: all rays meet all
     holdout       (I,) bool, a hole in the picture where the camera sees it; None: nowhere
+    terminator_offset  (I,) float32, cosine below which shadow rays start off the surface that
+                  smooth normals promise (0: nowhere); None: 0.1 everywhere
     """
 
     mesh: NDArray[np.uint32]
@@ -73,6 +75,7 @@ class Instances:
     light_group: NDArray[np.int16] | None = None
     seen_by: NDArray[np.uint32] | None = None
     holdout: NDArray[np.bool_] | None = None
+    terminator_offset: NDArray[np.float32] | None = None
 
     @classmethod
     def empty(cls) -> Instances:

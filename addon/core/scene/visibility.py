@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from enum import IntFlag
 
+import numpy as np
+
 
 class Ray(IntFlag):
     """Kinds of ray, as bits in the order of the native RayInfo::Kind. Light that a light sample
@@ -22,3 +24,5 @@ ALL_RAYS = 0xFFFFFFFF
 GROUPS = 64
 ALL_GROUPS = (1 << GROUPS) - 1
 NO_LIGHT_GROUP = -1
+TERMINATOR_OFFSET = float(np.float32(0.1))
+"""Shading > Geometry Offset, as Blender has it."""

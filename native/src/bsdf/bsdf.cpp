@@ -428,12 +428,23 @@ Rgb Bsdf::adjoint(const Vec3& wi, Rgb* rest, Rgb* diffuse) const {
 }
 
 Rgb Bsdf::evaluate(const Vec3& wi, float* pdf, Rgb* rest, Rgb* diffuse, float* sharp) const {
+  return evaluate_as(view_, wi, pdf, rest, diffuse, sharp);
+}
+
+Rgb Bsdf::evaluate_smooth(const Vec3& wi, float* pdf, Rgb* diffuse, float* sharp) const {
+  View view = view_;
+  if (dot(wi, view.ng) < 0 && dot(wi, view.ns) > 0) view.ng = view.ns;
+  return evaluate_as(view, wi, pdf, nullptr, diffuse, sharp);
+}
+
+Rgb Bsdf::evaluate_as(const View& view, const Vec3& wi, float* pdf, Rgb* rest, Rgb* diffuse,
+                      float* sharp) const {
   const bool radiance = transport_ == Transport::kRadiance;
   Rgb sum{}, soft{};
   float density = 0, sharp_density = 0;
   for (const Lobe& lobe : lobes_) {
     if (lobe.pick <= 0) continue;
-    const FacetValue value = lobe.evaluate(view_, wi);
+    const FacetValue value = lobe.evaluate(view, wi);
     density += lobe.pick * value.pdf;
     if (sharp && !lobe.diffuse())
       sharp_density += lobe.pick * value.pdf * sharpness(lobe.roughness());
@@ -444,7 +455,7 @@ Rgb Bsdf::evaluate(const Vec3& wi, float* pdf, Rgb* rest, Rgb* diffuse, float* s
   if (pdf) *pdf = density;
   if (sharp) *sharp = density > 0 ? sharp_density / density : 0;
   if (!radiance) return adjoint(wi, rest, diffuse);
-  if (rest) *rest = rest_ ? sum - gathered(view_, wi, gather_, gather_through_) : Rgb{};
+  if (rest) *rest = rest_ ? sum - gathered(view, wi, gather_, gather_through_) : Rgb{};
   if (diffuse) *diffuse = soft;
   return sum;
 }

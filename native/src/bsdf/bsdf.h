@@ -133,6 +133,9 @@ class Bsdf {
   // included, so that power * evaluate / pdf is the new power.
   Rgb evaluate(const Vec3& wi, float* pdf, Rgb* rest = nullptr, Rgb* diffuse = nullptr,
                float* sharp = nullptr) const;
+  // The same, but for light from above ns and below ng, which is taken as from above both: where
+  // normals are smooth such light may pass the surface that they promise.
+  Rgb evaluate_smooth(const Vec3& wi, float* pdf, Rgb* diffuse, float* sharp) const;
 
   // Draws a direction in proportion to the lobes. Transparency and emission are not lobes. nullopt:
   // absorbed.
@@ -157,6 +160,8 @@ class Bsdf {
   void cover_gathered();
   void cover_hemispheres();
   void add_cover(const Vec3& n, float same, float through);
+  Rgb evaluate_as(const View& view, const Vec3& wi, float* pdf, Rgb* rest, Rgb* diffuse,
+                  float* sharp) const;
   Rgb adjoint(const Vec3& wi, Rgb* rest, Rgb* diffuse) const;
   std::optional<BsdfSample> sample_lobe(int index, float choice, const Vec2& u) const;
   std::optional<BsdfSample> finish_delta(int index, BsdfSample out) const;

@@ -126,6 +126,7 @@ void CameraTracer::trace_path(Path& path) const {
                       scene_.instances[hit.instance].group};
     if (!brings_all()) receiver.guide = lights_.guide_at(receiver.x, receiver.n);
     receiver.ns = hit.ns;
+    receiver.bent = scene_.bent(hit);
     receiver.bounces = static_cast<uint16_t>(path.vertex);
     if (path.vertex < kSunnyVertices && lights_.environment().contrast() > kSunny)
       receiver.world_samples = 2;
@@ -337,7 +338,9 @@ void CameraTracer::add_light(Path& path, const Surface& hit, const Bsdf& bsdf,
   Rgb diffuse{};
   const bool any_covered = !is_black(path.covered);
   Rgb scattered =
-      bsdf.evaluate(light.direction, &pdf, nullptr, &diffuse, any_covered ? &sharp : nullptr);
+      receiver.bent
+          ? bsdf.evaluate_smooth(light.direction, &pdf, &diffuse, any_covered ? &sharp : nullptr)
+          : bsdf.evaluate(light.direction, &pdf, nullptr, &diffuse, any_covered ? &sharp : nullptr);
   if (light.seen_by != kAllRays) keep_seen(light, hit, scattered, diffuse, sharp);
   const Rgb throughput =
       light.from_world ? path.throughput + path.world_throughput : path.throughput;
@@ -367,7 +370,7 @@ void CameraTracer::add_light(Path& path, const Surface& hit, const Bsdf& bsdf,
   if (path.gather_bounces > 1) see_deep(path, arriving * scattered);
   if (path.groups) GroupLight{path.groups, scattered}.add(arriving, light.light_group);
   if (path.vertex == 0) {
-    const bool through = dot(light.direction, hit.ng) < 0;
+    const bool through = passes_below(hit, light.direction);
     add_finite(path.pixel.diffuse_direct, arriving * diffuse, path.tile.bad_samples);
     add_finite(direct_of(path.pixel, through ? LobeCategory::kTransmission : LobeCategory::kGlossy),
                arriving * (scattered - diffuse), path.tile.bad_samples);
@@ -376,16 +379,24 @@ void CameraTracer::add_light(Path& path, const Surface& hit, const Bsdf& bsdf,
   }
 }
 
+// Whether light from there comes through the surface; not where the smooth normal sees it.
+bool CameraTracer::passes_below(const Surface& hit, const Vec3& to_light) const {
+  if (!(dot(to_light, hit.ng) < 0)) return false;
+  return !(scene_.bent(hit) && dot(to_light, hit.ns) > 0);
+}
+
 // The ray starts off the surface, so it is aimed anew; before an emissive surface it stops as far
 // off that one.
 Rgb CameraTracer::light_through(const LightSample& light, const Surface& hit, Path& path) const {
   const float epsilon = ray_epsilon(hit.position, hit.distance);
-  const Vec3 origin = hit.position + hit.ng * std::copysign(epsilon, dot(light.direction, hit.ng));
+  const bool below = passes_below(hit, light.direction);
+  const Vec3 origin =
+      scene_.shadow_ray_origin(hit, light.direction) + hit.ng * (below ? -epsilon : epsilon);
   if (light.exact >= 0 &&
       lights_.blocked_exactly(static_cast<uint32_t>(light.exact), origin, light.place))
     return {};
   MediumStack media = path.media;
-  if (scene_.media() && dot(light.direction, hit.ng) < 0) scene_.media()->cross(media, hit);
+  if (scene_.media() && below) scene_.media()->cross(media, hit);
   if (!std::isfinite(light.distance))
     return transmittance(origin, light.direction, INFINITY, path.info, light.blockers, media,
                          path.random);

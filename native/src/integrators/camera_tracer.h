@@ -125,6 +125,7 @@ class CameraTracer {
                  const LightSample& light, bool world) const;
   void see_world(Path& path, const Receiver& from, const Vec3& direction, const Rgb& light,
                  bool ray) const;
+  bool passes_below(const Surface& hit, const Vec3& to_light) const;
   Rgb light_through(const LightSample& light, const Surface& hit, Path& path) const;
   Rgb transmittance(const Vec3& origin, const Vec3& direction, float far, const RayInfo& ray,
                     uint64_t blockers, const MediumStack& media, Random& random) const;

@@ -36,7 +36,10 @@ struct Receiver {
   uint16_t bounces = 0;       // of the path before that
   // unit: it scatters in proportion to the cosine with this, more or less; 0: who knows
   Vec3 ns{};
+  // Its mesh is coarse for its smooth normals: lights below the surface proper count as well
+  bool bent = false;
 
+  Vec3 horizon() const { return bent ? Vec3{} : n; }
   // Whether light is to be sampled in proportion to the cosine.
   bool diffuse() const { return !sharp && !is_black(n * n) && !is_black(ns * ns); }
 };

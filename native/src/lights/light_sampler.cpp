@@ -22,10 +22,11 @@ float Lights::emitter_weight(const Emitter& e, const Receiver& to) const {
   if (!(e.lit_groups & to.group)) return 0;
   if (e.lamp >= 0 && lamps_[e.lamp].s.kind == LampKind::kSun) {
     const Lamp& lamp = lamps_[e.lamp];
-    return dot(to.n, -lamp.forward) + std::sqrt(2 * lamp.one_minus_cos) < 0 ? 0 : e.importance;
+    return dot(to.horizon(), -lamp.forward) + std::sqrt(2 * lamp.one_minus_cos) < 0 ? 0
+                                                                                    : e.importance;
   }
   const Vec3 to_center = e.center - to.x;
-  if (dot(to.n, to_center) < -e.radius) return 0;  // wholly below the horizon
+  if (dot(to.horizon(), to_center) < -e.radius) return 0;  // wholly below the horizon
   if (e.lamp >= 0 && lamps_[e.lamp].s.kind == LampKind::kArea &&
       dot(lamps_[e.lamp].forward, to_center) >= 0)
     return 0;
@@ -63,7 +64,7 @@ float Lights::emitters_weight(const Receiver& to) const {
   float sum = 0;
   if (emitters_.size() > kFewEmitters) {
     for (uint32_t sun : suns_) sum += emitter_weight(emitters_[sun], to);
-    return sum + tree_.importance(to.x, to.n);
+    return sum + tree_.importance(to.x, to.horizon());
   }
   for (const Emitter& e : emitters_) sum += emitter_weight(e, to);
   return sum;
@@ -82,8 +83,8 @@ float Lights::choice_probability(uint32_t emitter, const Receiver& to) const {
     if (!(all > 0)) return 0;
     const float others = 1 - world_probability(to, all);
     if (tree_item_[emitter] < 0) return others * emitter_weight(emitters_[emitter], to) / all;
-    return others * tree_.importance(to.x, to.n) / all *
-           tree_.probability(tree_item_[emitter], to.x, to.n);
+    return others * tree_.importance(to.x, to.horizon()) / all *
+           tree_.probability(tree_item_[emitter], to.x, to.horizon());
   }
   float sum = 0, chosen = 0;
   for (uint32_t i = 0; i < emitters_.size(); ++i) {
@@ -98,9 +99,9 @@ float Lights::choice_probability(uint32_t emitter, const Receiver& to) const {
 std::optional<Lights::Pick> Lights::pick_of_many(const Receiver& to, float weight,
                                                  float choice) const {
   float target = choice * weight;
-  const float near_by = tree_.importance(to.x, to.n);
+  const float near_by = tree_.importance(to.x, to.horizon());
   if (target < near_by) {
-    const auto c = tree_.pick(to.x, to.n, std::min(target / near_by, kBelowOne));
+    const auto c = tree_.pick(to.x, to.horizon(), std::min(target / near_by, kBelowOne));
     if (!c) return std::nullopt;
     return Pick{tree_emitters_[c->item], c->probability * near_by / weight};
   }

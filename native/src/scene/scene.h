@@ -71,7 +71,9 @@ struct Instance {
   int16_t light_group = kNoLightGroup;
   RayMask seen_by = kAllRays;
   bool holdout = false;  // to the camera a hole in the picture
-  float scale = 1;       // largest stretch of to_world
+  // Cosine below which shadow rays start off the surface that smooth normals promise
+  float terminator_offset = 0.1f;
+  float scale = 1;  // largest stretch of to_world
   Affine to_world, to_local;
   std::array<double, 12> exact{};  // to_world before rounding
 };
@@ -225,6 +227,10 @@ class Scene {
   void update_media(const CancelFlag& cancel);
   Vec2 uv_at(uint32_t instance, uint32_t triangle, float u, float v) const;
   const Material& material_of(uint32_t instance, uint32_t triangle) const;
+  // Whether a hit's mesh is so coarse that shadow rays from below its smooth horizon matter.
+  bool bent(const Surface& surface) const;
+  // The surface's own place, or one beyond it where its mesh is too coarse for its smooth normals.
+  Vec3 shadow_ray_origin(const Surface& surface, const Vec3& to_light) const;
 
   const Bounds& bounds() const { return bounds_; }
   Vec3 center() const { return bounds_.empty() ? Vec3{} : bounds_.center(); }

@@ -134,7 +134,7 @@ TEST_CASE("irradiance from many lamps is the sum of theirs") {
   fill(scene, make_grid(1, 10), {identity});
   const auto lamps = many_lamps(150);
   const Lights all(scene, lamps);
-  for (const Receiver to :
+  for (const Receiver& to :
        {Receiver{{1, 2, 0}, {0, 0, 1}}, Receiver{{-4, 0, 5}, normalize(Vec3{1, 1, -1})}}) {
     double expected = 0;
     for (const LampSettings& lamp : lamps)

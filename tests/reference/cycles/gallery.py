@@ -14,6 +14,7 @@ from tests.reference.cycles.cases import CASES, Case
 from tests.reference.cycles.displacement import DISPLACEMENT
 from tests.reference.cycles.lamp_trees import LAMP_TREES
 from tests.reference.cycles.specs import Spec, node
+from tests.reference.cycles.terminator import TERMINATOR
 from tests.reference.cycles.visibility import VISIBILITY
 
 ORANGE, STEEL, GREENISH = (0.75, 0.42, 0.18), (0.8, 0.82, 0.85), (0.55, 0.9, 0.6)
@@ -374,7 +375,7 @@ def _cases() -> tuple[Case, ...]:
 
 
 GALLERY: tuple[Case, ...] = _cases()
-ALL: tuple[Case, ...] = CASES + LAMP_TREES + VISIBILITY + DISPLACEMENT + GALLERY
+ALL: tuple[Case, ...] = CASES + LAMP_TREES + VISIBILITY + DISPLACEMENT + TERMINATOR + GALLERY
 BY_NAME = {case.name: case for case in ALL}
 
 # The roughness sweep: these materials in 21 steps; only the pictures' means are kept.
