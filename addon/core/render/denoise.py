@@ -105,7 +105,7 @@ def blend(
     difference = (noisy - denoised) @ np.asarray(LUMINANCE, np.float32)
     square = difference**2
     alone = _alone(square)
-    known = np.maximum(_window_mean(~alone), 1e-6)
+    known = np.maximum(_window_mean((~alone).astype(np.float32)), 1e-6)
     square, noise = (
         _window_mean(np.where(alone, 0.0, square)) / known,
         _window_mean(np.where(alone, 0.0, variance)) / known * DOUBT * (1.0 + CAUTION / passes),
