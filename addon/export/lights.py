@@ -64,6 +64,12 @@ def export_light(ob: Any, matrix: NDArray[np.float64], shading: Shading) -> Ligh
         camera_visible=bool(ob.visible_camera),
         program=program,
     )
+    if getattr(cycles, "is_caustics_light", False):
+        report.warn(
+            "Lights with Shadow Caustics, of which Cycles finds a part only; here photons bring all"
+            " of their caustics: {}",
+            ob.name,
+        )
     light.seen_by = lamp_seen_by(ob)
     light.casts_shadows = bool(lamp.use_shadow and getattr(cycles, "cast_shadow", True))
     most = int(getattr(cycles, "max_bounces", FEW_BOUNCES))

@@ -486,3 +486,12 @@ def test_light_groups() -> None:
     }
     assert what.world_light_group == 1
     assert not what.warnings
+
+
+@in_blender
+def test_what_cycles_does_with_some_caustics_only_is_told() -> None:
+    stage.camera()
+    lamp = stage.lamp("SPOT")
+    assert not any("Caustics" in warning for warning in stage.exported().warnings)
+    lamp.data.cycles.is_caustics_light = True
+    assert any("Caustics" in w and lamp.name in w for w in stage.exported().warnings)
