@@ -114,6 +114,7 @@ def _render(
             frame,
             held.kept if held else None,
             Watch(should_cancel),
+            None if engine.is_preview else engine.frame_set,
         )
     except Cancelled:  # The result of a render that is cancelled at once, of an empty scene.
         nothing = Scene(Camera(np.eye(4), (-1.0, 1.0, -1.0, 1.0)), frame)

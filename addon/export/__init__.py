@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from ..core.scene import Camera, Frame
     from .cancelled import Watch
     from .kept import Kept
+    from .motion import Blur, FrameSet, Moving
 
 
 def export_scene(
@@ -23,16 +24,34 @@ def export_scene(
     frame: Frame | None = None,
     kept: Kept | None = None,
     watch: Watch | None = None,
+    frame_set: FrameSet | None = None,
 ) -> Scene:
     """Export what `depsgraph` (evaluated) holds, seen through `camera` (default: the scene's);
-    `kept` and `watch` as in export_contents.
+    `kept` and `watch` as in export_contents. `frame_set` takes the graph to other frames, for
+    motion blur; None: everything stands still.
 
     Raises ValueError with one sentence if there is nothing to look through; whatever else cannot be
     rendered is named in the result's `warnings`.
     """
+    from .motion import blur_of
+
+    blur = blur_of(depsgraph) if frame_set is not None else None
+    if blur is None or frame_set is None:
+        return _export_still(depsgraph, camera, frame, Report(), kept, watch)
+    return _export_moving(depsgraph, camera, frame, kept, watch, frame_set, blur)
+
+
+def _export_still(
+    depsgraph: Any,
+    camera: Any,
+    frame: Frame | None,
+    report: Report,
+    kept: Kept | None,
+    watch: Watch | None,
+    moving: Moving | None = None,
+) -> Scene:
     from .camera import export_camera, export_frame
 
-    report = Report()
     scene = depsgraph.scene_eval
     seen = export_camera(camera or scene.camera, scene, report)
     # Of originals: a graph that Blender keeps is not told when they change.
@@ -45,7 +64,43 @@ def export_scene(
         kept,
         light_groups=light_groups,
         watch=watch,
+        moving=moving,
     )
+
+
+def _export_moving(
+    depsgraph: Any,
+    camera: Any,
+    frame: Frame | None,
+    kept: Kept | None,
+    watch: Watch | None,
+    frame_set: FrameSet,
+    blur: Blur,
+) -> Scene:
+    """All is described as it is at the middle of the shutter's opening; then the graph is looked at
+    at other times.
+    """
+    from .cancelled import Watch
+    from .motion import Moving, other_times
+
+    watch, report = watch or Watch(), Report()
+    # the same all of the time
+    eye: Any = getattr(camera or depsgraph.scene_eval.camera, "original", None)
+    with other_times(depsgraph, frame_set) as go:
+        if blur.centre:
+            go(blur.centre)
+            kept = None  # what is kept is that of whole frames
+        moving = Moving(depsgraph, blur, report)
+        now = None if eye is None else eye.evaluated_get(depsgraph)
+        scene = _export_still(depsgraph, now, frame, report, kept, watch, moving)
+        moving.add_camera(eye.evaluated_get(depsgraph), Report())
+        for time in moving.times():
+            watch.go_on()
+            go(blur.centre + 0.5 * blur.shutter * time)
+            moving.see(depsgraph, eye, time, watch.go_on)
+    moving.move(scene, depsgraph.scene.render)
+    scene.warnings = report.messages()
+    return scene
 
 
 def export_contents(
@@ -57,6 +112,7 @@ def export_contents(
     visible: Callable[[Any], bool] | None = None,
     light_groups: Sequence[str] = (),
     watch: Watch | None = None,
+    moving: Moving | None = None,
 ) -> Scene:
     """What `depsgraph` holds, for a camera that need not be Blender's.
 
@@ -64,6 +120,7 @@ def export_contents(
     visible  says of an instance of the graph whether it is to be seen; None: all are
     light_groups  names of those whose light is to be kept apart
     watch    raises Cancelled, through this, where the export is to stop; None: it goes on
+    moving   is told of all instances
     """
     from .cancelled import Watch
     from .images import Textures
@@ -79,7 +136,7 @@ def export_contents(
     textures = Textures(report, kept, watch)
     shading = Shading(textures, report, depsgraph, watch)
     materials = Materials(shading)
-    objects = Objects(materials, shading, kept, exported.light_groups)
+    objects = Objects(materials, shading, kept, exported.light_groups, moving)
     objects.collect(depsgraph, visible)
     objects.collect_shading(depsgraph, shading.around.wants, *shading.wanted)
     objects.displace(camera)

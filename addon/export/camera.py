@@ -64,7 +64,7 @@ def export_camera(ob: Any, scene: Any, report: Report) -> Camera:
         else screen(camera, width, height, render.pixel_aspect_y / render.pixel_aspect_x)
     )
     return Camera(
-        matrix=_rigid(np.array(ob.matrix_world, np.float64), ob.name, report),
+        matrix=camera_matrix(ob, report),
         screen=whole,
         orthographic=camera.type == "ORTHO",
         clip_start=float(camera.clip_start),
@@ -72,6 +72,11 @@ def export_camera(ob: Any, scene: Any, report: Report) -> Camera:
         panorama=_panorama(ob.name, camera, render) if camera.type == "PANO" else None,
         aperture=_aperture(ob, camera) if camera.dof.use_dof else None,
     )
+
+
+def camera_matrix(ob: Any, report: Report) -> NDArray[np.float64]:
+    """Where an evaluated camera is, without scale."""
+    return _rigid(np.array(ob.matrix_world, np.float64), ob.name, report)
 
 
 def screen(
@@ -204,7 +209,5 @@ def _rigid(matrix: NDArray[np.float64], name: str, report: Report) -> NDArray[np
 
 
 def _report_unsupported(ob: Any, camera: Any, render: Any, report: Report) -> None:
-    if render.use_motion_blur:
-        report.warn("Motion blur is not supported yet; everything stands still")
     if render.use_multiview:
         report.warn("Stereoscopy is not supported yet; all views are the same")

@@ -30,6 +30,7 @@ from .lights import export_light
 from .linking import Linking
 from .materials import Materials, Shading
 from .mesh import export_mesh, flattened
+from .motion import Moving
 from .nodes.node import Want, Wants
 from .report import Report
 from .visibility import FLAGS, Visibility, report_catcher
@@ -50,7 +51,12 @@ class Objects:
     """
 
     def __init__(
-        self, materials: Materials, shading: Shading, kept: Kept, light_groups: list[str]
+        self,
+        materials: Materials,
+        shading: Shading,
+        kept: Kept,
+        light_groups: list[str],
+        moving: Moving | None = None,
     ) -> None:
         self.meshes: list[Mesh] = []
         self.material_sets: list[NDArray[np.int32]] = []
@@ -61,6 +67,7 @@ class Objects:
             shading.around.report,
             kept,
         )
+        self._moving = moving
         self._mesh_of: dict[int, int | None] = {}
         self._set_of: dict[tuple[int, int], int] = {}
         self._sets: dict[tuple[int, ...], int] = {}
@@ -103,6 +110,7 @@ class Objects:
                     self._add_mesh(ob, np.array(instance.matrix_world, np.float64), override)
                     if len(self._rows) > before:
                         self._row_of[place] = before
+                        self._add_moving(instance, before)
                         self._groups.append(linking.group(instance))
                         self._lit_groups.append(linking.lit_groups(ob))
                         self._blockers.append(linking.blockers(ob))
@@ -271,6 +279,14 @@ class Objects:
             matrix = np.eye(4)
         self._rows.append((index, self._set_of[key]))
         self._matrices.append(matrix)
+
+    def _add_moving(self, instance: Any, row: int) -> None:
+        if self._moving is None:
+            return
+        ob = instance.object
+        index = self._mesh_of[ob.data.as_pointer()]
+        assert index is not None
+        self._moving.add(instance, row, self.meshes[index], self._rows[row][0] in self._flat)
 
     def _append(self, mesh: Mesh | None) -> int | None:
         if mesh is None:

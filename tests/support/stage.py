@@ -63,6 +63,14 @@ def lamp(kind: str = "POINT", energy: float = 100.0, location: Point = (0, 0, 2)
     return add(kind, data, location)
 
 
+def portal() -> Any:
+    """A light portal, which the engine leaves out and names."""
+    ob = lamp("AREA")
+    ob.name = "Portal"
+    ob.data.cycles.is_portal = True
+    return ob
+
+
 def material(name: str, color: Point = (0.5, 0.5, 0.5), kind: str = "ShaderNodeBsdfDiffuse") -> Any:
     """A material with a single shader."""
     made, tree = empty_material(name)

@@ -36,8 +36,8 @@ def test_what_differs_in_more_than_names_stays_apart() -> None:
         "World 'A', node 'X': Volume not supported; left out",
     ]
     assert told(warnings) == warnings
-    assert told(["Motion blur is not supported yet; everything stands still"] * 2) == [
-        "Motion blur is not supported yet; everything stands still"
+    assert told(["Stereoscopy is not supported yet; all views are the same"] * 2) == [
+        "Stereoscopy is not supported yet; all views are the same"
     ]
 
 

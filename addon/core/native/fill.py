@@ -114,6 +114,10 @@ def fill_renderer(renderer: Renderer, scene: Scene, settings: RenderSettings) ->
     if not np.isfinite(origin).all():
         raise ValueError("the scene has an instance whose position in the world is not finite")
     renderer.set_origin([float(c) for c in origin], near)
+    if scene.shutter is not None:
+        renderer.set_shutter(
+            np.ascontiguousarray(scene.shutter.curve, np.float32), scene.shutter.rolling
+        )
     _add_materials(renderer, scene)
     for index, mesh in enumerate(scene.meshes):
         with _naming(f"mesh '{mesh.name}'"):
@@ -126,6 +130,13 @@ def fill_renderer(renderer: Renderer, scene: Scene, settings: RenderSettings) ->
                 _contiguous(mesh.vertex_normals, np.float32),
             )
             add_mesh_shading(renderer, index, mesh)
+            if mesh.motion is not None:
+                renderer.set_mesh_motion(
+                    index,
+                    np.ascontiguousarray(mesh.motion.positions, np.float32),
+                    _contiguous(mesh.motion.corner_normals, np.float32),
+                    _contiguous(mesh.motion.vertex_normals, np.float32),
+                )
     _add_instances(renderer, scene)
     _add_lights(renderer, scene)
     place_camera(renderer, scene.camera, scene.frame)
@@ -278,6 +289,10 @@ def place_camera(renderer: Renderer, camera: Camera, frame: Frame) -> None:
         renderer.set_panorama(**panorama | {"kind": str(camera.panorama.kind)})
     if camera.aperture is not None:
         renderer.set_aperture(**asdict(camera.aperture))
+    if camera.motion is not None:
+        renderer.set_camera_motion(
+            np.ascontiguousarray(camera.motion.matrices, np.float64), list(camera.motion.zoom)
+        )
 
 
 def _add_instances(renderer: Renderer, scene: Scene) -> None:
@@ -315,6 +330,8 @@ def _add_instances(renderer: Renderer, scene: Scene) -> None:
             holdout[i],
             offset[i],
         )
+        if int(i) in instances.motion:
+            renderer.set_motion(np.ascontiguousarray(instances.motion[int(i)], np.float64))
     for attribute in instances.attributes:
         renderer.add_instance_attribute(
             attribute.id, np.ascontiguousarray(attribute.values[~flat][::-1], np.float32)

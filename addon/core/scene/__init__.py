@@ -11,6 +11,7 @@ from .camera import Aperture, Camera, Frame, Panorama, PanoramaKind, PixelFilter
 from .lights import Light, LightKind, SunDisc, WorldMap
 from .material import NO_PROGRAM, NO_TEXTURE, Extension, Interpolation, Material, Rgb, Side, Texture
 from .mesh import Instances, Mesh
+from .motion import CameraMotion, MeshMotion, Shutter
 from .scene import GEOMETRY, SHADING, VIEW, Scene, same, same_geometry, same_shading
 from .visibility import ALL_GROUPS, ALL_RAYS, GROUPS, NO_LIGHT_GROUP, TERMINATOR_OFFSET, Ray
 
@@ -27,6 +28,7 @@ __all__ = [
     "VIEW",
     "Aperture",
     "Camera",
+    "CameraMotion",
     "Extension",
     "Frame",
     "Instances",
@@ -35,12 +37,14 @@ __all__ = [
     "LightKind",
     "Material",
     "Mesh",
+    "MeshMotion",
     "Panorama",
     "PanoramaKind",
     "PixelFilter",
     "Ray",
     "Rgb",
     "Scene",
+    "Shutter",
     "Side",
     "SunDisc",
     "Texture",

@@ -8,6 +8,8 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
+from .motion import CameraMotion
+
 
 class PixelFilter(StrEnum):
     BOX = "box"
@@ -72,7 +74,8 @@ class Camera:
     camera, in metres for an orthographic one; shift, sensor fit, lens and pixel aspect are already
     in it. Points nearer than `clip_start` or beyond `clip_end` (m, along the viewing axis; of a
     panorama: distance) are not seen. With a `panorama`, `screen` is in its coordinates: (0, 1, 0,
-    1) unless the camera is shifted. Without `aperture` everything is sharp.
+    1) unless the camera is shifted. Without `aperture` everything is sharp. All is that of the
+    middle of the shutter's opening.
     """
 
     matrix: NDArray[np.float64]
@@ -82,6 +85,7 @@ class Camera:
     clip_end: float = 1000.0
     panorama: Panorama | None = None
     aperture: Aperture | None = None
+    motion: CameraMotion | None = None
 
 
 @dataclass(slots=True)

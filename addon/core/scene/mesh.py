@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from .motion import MeshMotion
 from .shading import InstanceAttribute, MeshShading
 
 
@@ -23,6 +24,7 @@ class Mesh:
     slots           (T,) uint16 material slot per triangle, or None: all 0
 
     shading         what shader programs read beyond that
+    motion          how its shape changes while the shutter is open, or None
 
     No NaN, no infinity, no triangle of zero area (the exporter drops those and says so).
     """
@@ -35,6 +37,7 @@ class Mesh:
     slots: NDArray[np.uint16] | None = None
     shading: MeshShading = field(default_factory=MeshShading)
     vertex_normals: NDArray[np.float32] | None = None
+    motion: MeshMotion | None = None
 
     def normals(self) -> NDArray[np.float32] | None:
         """(T, 3, 3) unit shading normals per corner, however they are kept, or None: flat
@@ -63,6 +66,7 @@ class Instances:
     holdout       (I,) bool, a hole in the picture where the camera sees it; None: nowhere
     terminator_offset  (I,) float32, cosine below which shadow rays start off the surface that
                   smooth normals promise (0: nowhere); None: 0.1 everywhere
+    motion        (S, 4, 4) matrices at steps of the shutter's opening, of those that move
     """
 
     mesh: NDArray[np.uint32]
@@ -76,6 +80,7 @@ class Instances:
     seen_by: NDArray[np.uint32] | None = None
     holdout: NDArray[np.bool_] | None = None
     terminator_offset: NDArray[np.float32] | None = None
+    motion: dict[int, NDArray[np.float64]] = field(default_factory=dict)
 
     @classmethod
     def empty(cls) -> Instances:

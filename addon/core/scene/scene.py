@@ -12,6 +12,7 @@ from .camera import Camera, Frame
 from .lights import Light, SunDisc, WorldMap
 from .material import NO_PROGRAM, Material, Rgb, Texture
 from .mesh import Instances, Mesh
+from .motion import Shutter
 from .shading import Program
 from .visibility import ALL_RAYS, NO_LIGHT_GROUP
 
@@ -24,7 +25,8 @@ class Scene:
     `world_map`; `sun_discs` come on top. `world_program`, an index into `programs`, stands in the
     place of both where it is given. `world_volume` is the program of a medium
     that is everywhere. `light_groups` are the names of those whose light gets passes
-    of their own. `world_seen_by`: the rays that bring the world's light, as of a lamp.
+    of their own. `world_seen_by`: the rays that bring the world's light, as of a lamp. `shutter`:
+    None where nothing moves.
     """
 
     camera: Camera
@@ -44,10 +46,11 @@ class Scene:
     light_groups: list[str] = field(default_factory=list)
     world_light_group: int = NO_LIGHT_GROUP
     world_seen_by: int = ALL_RAYS
+    shutter: Shutter | None = None
     warnings: list[str] = field(default_factory=list)
 
 
-GEOMETRY = ("meshes", "instances", "material_sets")
+GEOMETRY = ("meshes", "instances", "material_sets", "shutter")
 VIEW = ("camera", "frame", "warnings")
 SHADING = tuple(entry.name for entry in fields(Scene) if entry.name not in GEOMETRY + VIEW)
 

@@ -60,6 +60,8 @@ void bind_geometry(RendererClass& renderer);
 // Lamps, light groups, world, skies and suns.
 void bind_lights(nanobind::module_& m, RendererClass& renderer);
 void bind_camera(RendererClass& renderer);
+// The shutter, and what moves while it is open.
+void bind_motion(RendererClass& renderer);
 // Shader programs, what they read from meshes and instances, and their table of operations.
 void bind_shading(nanobind::module_& m, RendererClass& renderer);
 // Options, passes and their stages.

@@ -21,6 +21,7 @@ NB_MODULE(photon_splat_native, m) {
   bind_geometry(renderer);
   bind_lights(m, renderer);
   bind_camera(renderer);
+  bind_motion(renderer);
   bind_shading(m, renderer);
   bind_render(m, renderer);
   bind_statistics(renderer);

@@ -69,6 +69,7 @@ bool CameraTracer::add_single_scattering(Path& path, float far) const {
   const Rgb through{std::exp(-all.x * t), std::exp(-all.y * t), std::exp(-all.z * t)};
   Receiver receiver{path.origin + path.direction * distance, {}, true};
   receiver.bounces = static_cast<uint16_t>(path.vertex);
+  receiver.time = path.info.time;
   const Rgb throughput = path.throughput, world = path.world_throughput;
   path.throughput = throughput * through / pdf;
   path.world_throughput = world * through / pdf;
@@ -85,6 +86,7 @@ bool CameraTracer::scatter_in_medium(Path& path, const Flight& flight, bool dire
   const Vec3 x = path.origin + path.direction * flight.distance;
   Receiver receiver{x, {}, true};
   receiver.bounces = static_cast<uint16_t>(path.vertex);
+  receiver.time = path.info.time;
   path.covered = path.withheld = path.diffuse_emission = {};
   if (direct) add_direct_in_medium(path, point, receiver);
 
@@ -143,8 +145,8 @@ void CameraTracer::add_light_in_medium(Path& path, const MediumPoint& point,
   if (!(max_abs(scattered) > 0)) return;
   ++path.tile.rays;
   path.tile.deep_rays += path.gather_bounces > 1;
-  if (light.exact >= 0 &&
-      lights_.blocked_exactly(static_cast<uint32_t>(light.exact), receiver.x, light.place))
+  if (light.exact >= 0 && lights_.blocked_exactly(static_cast<uint32_t>(light.exact), receiver.x,
+                                                  light.place, receiver.time))
     return;
   const float far = std::isfinite(light.distance)
                         ? light.distance - 2 * ray_epsilon(receiver.x, light.distance)

@@ -20,7 +20,8 @@ enum Dimension : uint32_t {
   kSkyChoicePair,
   kMediumPair,
   kMediumPlacePair,
-  kLensPair = 64
+  kLensPair = 64,
+  kTimePair = 65
 };
 
 inline void add_finite(Rgb& sum, const Rgb& value, uint64_t& bad) {
@@ -34,7 +35,7 @@ inline void add_finite(Rgb& sum, const Rgb& value, uint64_t& bad) {
 // are none.
 struct CameraTracer::Path {
   Path(const CameraRay& camera_ray, Pixel& p, Tile& t, uint32_t index, uint32_t sample_number,
-       uint32_t pixel_seed)
+       uint32_t pixel_seed, float time)
       : ray(camera_ray),
         pixel(p),
         tile(t),
@@ -47,6 +48,7 @@ struct CameraTracer::Path {
         far(ray.far),
         random(sample, seed) {
     info.from = near;
+    info.time = from.time = time;
   }
 
   const CameraRay& ray;

@@ -46,6 +46,8 @@ void CameraTracer::trace_pixel(const Job& job, int x, int y, PackedFilm& film, P
   const bool learns = job.learns && hash_combine(seed, job.pass) % job.learning_share == 0;
   const uint32_t first = job.choice ? job.choice->first(index, job.pass) : job.pass;
   const uint32_t count = job.choice ? job.choice->count(index) : 1;
+  const bool blurs = scene_.shutter.blurs();
+  const float down = 1 - static_cast<float>(y + c.y0) / static_cast<float>(c.height);
   float depth = kBackgroundDepth, surface_id = 0;
   pixel = {};
   std::fill_n(groups, film.light_groups, Rgb{});
@@ -53,10 +55,12 @@ void CameraTracer::trace_pixel(const Job& job, int x, int y, PackedFilm& film, P
   for (uint32_t sample = first; sample < first + count; ++sample) {
     pixel.depth = kBackgroundDepth;
     pixel.surface_id = 0;
-    const auto ray =
-        camera_.ray(x, y, sobol_2d(sample, kFilterPair, seed), sobol_2d(sample, kLensPair, seed));
+    const float time =
+        blurs ? scene_.shutter.time(sobol_2d(sample, kTimePair, seed).x, down) : kShutterCentre;
+    const auto ray = camera_.ray(x, y, sobol_2d(sample, kFilterPair, seed),
+                                 sobol_2d(sample, kLensPair, seed), time);
     if (ray) {
-      Path path(*ray, pixel, tile, index, sample, seed);
+      Path path(*ray, pixel, tile, index, sample, seed, time);
       path.max_bounces = job.max_bounces;
       path.leaves_gather_points = job.leaves_gather_points;
       path.learns = learns;
@@ -78,13 +82,14 @@ void CameraTracer::trace_pixel(const Job& job, int x, int y, PackedFilm& film, P
 
 void CameraTracer::trace_path(Path& path) const {
   const Media* const media = scene_.media();
-  if (media) path.media = media->around(path.origin + path.direction * path.near);
+  if (media) path.media = media->around(path.origin + path.direction * path.near, path.info.time);
   for (;;) {
     Surface hit;
     ++path.tile.rays;
     path.tile.deep_rays += path.deep;
-    const bool found = scene_.intersect(path.origin, path.direction, path.near, path.far,
-                                        path.vertex == 0, hit, ray_bit(path.info.kind));
+    const bool found =
+        scene_.intersect(path.origin, path.direction, path.near, path.far, path.vertex == 0, hit,
+                         ray_bit(path.info.kind), path.info.time);
     add_lamps(path, found ? hit.distance : path.far >= 1e30f ? INFINITY : path.far);
     if (found && path.vertex > 0 && path.info.transparent_depth == 0)
       see_world(path, path.from, path.direction, {}, true);
@@ -127,6 +132,7 @@ void CameraTracer::trace_path(Path& path) const {
     if (!brings_all()) receiver.guide = lights_.guide_at(receiver.x, receiver.n);
     receiver.ns = hit.ns;
     receiver.bent = scene_.bent(hit);
+    receiver.time = path.info.time;
     receiver.bounces = static_cast<uint16_t>(path.vertex);
     if (path.vertex < kSunnyVertices && lights_.environment().contrast() > kSunny)
       receiver.world_samples = 2;
@@ -185,7 +191,8 @@ void CameraTracer::add_lamps(Path& path, float far) const {
   const Attenuation* const through = attenuation ? &attenuation : nullptr;
   const Rgb radiance =
       path.vertex == 0 && !path.through_glass
-          ? lights_.lamps_seen(path.origin, path.direction, path.near, far, groups, through)
+          ? lights_.lamps_seen(path.origin, path.direction, path.near, far, path.info.time, groups,
+                               through)
           : lights_.lamps_met(path.from, path.direction, path.near, far, path.pdf, groups, through);
   if (!is_black(radiance)) add_met(path, radiance, path.pixel.emission);
 }
@@ -284,6 +291,7 @@ void CameraTracer::pass_glass(Path& path, const Surface& hit) const {
   if (path.vertex > 0 || path.through_glass) return;
   path.through_glass = true;
   path.from = {path.origin, {}, true};
+  path.from.time = path.info.time;
   show_first(path, hit, 1);
 }
 
@@ -390,10 +398,10 @@ bool CameraTracer::passes_below(const Surface& hit, const Vec3& to_light) const 
 Rgb CameraTracer::light_through(const LightSample& light, const Surface& hit, Path& path) const {
   const float epsilon = ray_epsilon(hit.position, hit.distance);
   const bool below = passes_below(hit, light.direction);
-  const Vec3 origin =
-      scene_.shadow_ray_origin(hit, light.direction) + hit.ng * (below ? -epsilon : epsilon);
-  if (light.exact >= 0 &&
-      lights_.blocked_exactly(static_cast<uint32_t>(light.exact), origin, light.place))
+  const Vec3 origin = scene_.shadow_ray_origin(hit, light.direction, path.info.time) +
+                      hit.ng * (below ? -epsilon : epsilon);
+  if (light.exact >= 0 && lights_.blocked_exactly(static_cast<uint32_t>(light.exact), origin,
+                                                  light.place, path.info.time))
     return {};
   MediumStack media = path.media;
   if (scene_.media() && below) scene_.media()->cross(media, hit);
@@ -416,6 +424,11 @@ Rgb CameraTracer::transmittance(const Vec3& origin, const Vec3& direction, float
                         : scene_.transmittance(origin, direction, far, ray, blockers);
 }
 
+// Where photons on the surface are found.
+Vec3 CameraTracer::place_of(const Path& path, const Surface& hit) const {
+  return scene_.moves(hit.instance) ? scene_.at_rest(hit, path.info.time).position : hit.position;
+}
+
 bool CameraTracer::brings_all() const {
   return strategy_ && strategy_->kind() == IndirectStrategy::Kind::kPathTraced;
 }
@@ -430,7 +443,8 @@ bool CameraTracer::continues(Path& path, const Surface& hit, const Bsdf& bsdf) c
   ++path.tile.places;
   const uint32_t key = here ? hit.key : hit.key ^ 1u;
   if (!(path.badly_served && !strategy_->knows(key)) &&
-      !strategy_->at(key, hit.position, hit.instance, hit.triangle, radius_factor_, path.tile.near))
+      !strategy_->at(key, place_of(path, hit), hit.instance, hit.triangle, radius_factor_,
+                     path.tile.near))
     return false;
   ++path.tile.continued;
   path.badly_served = true;
@@ -439,18 +453,24 @@ bool CameraTracer::continues(Path& path, const Surface& hit, const Bsdf& bsdf) c
 
 void CameraTracer::leave_gather_points(Path& path, const Surface& hit, const Bsdf& bsdf,
                                        bool caustics_only) const {
+  Vec3 position = hit.position, normal = hit.ng;
+  if (scene_.moves(hit.instance)) {
+    const PlaceAtRest rest = scene_.at_rest(hit, path.info.time);
+    position = rest.position;
+    normal = rest.ng;
+  }
   const auto leave = [&](const Rgb& albedo, uint32_t key, const Vec3& ng) {
     const Rgb throughput = path.throughput * albedo * (1 / kPi);
     if (is_black(throughput)) return;
     if (!is_finite(throughput))
       ++path.tile.bad_samples;
     else
-      path.tile.gather_points.push_back({hit.position, key, ng, path.info.footprint, throughput,
+      path.tile.gather_points.push_back({position, key, ng, path.info.footprint, throughput,
                                          path.pixel_index, hit.instance, hit.triangle,
                                          path.category, caustics_only, path.gather_bounces > 0});
   };
-  leave(bsdf.gather(), hit.key, hit.ng);
-  leave(bsdf.gather_through(), hit.key ^ 1u, -hit.ng);
+  leave(bsdf.gather(), hit.key, normal);
+  leave(bsdf.gather_through(), hit.key ^ 1u, -normal);
 }
 
 // Sends the path on for light that gather points do not bring; false where it ends.

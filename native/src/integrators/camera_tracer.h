@@ -130,6 +130,7 @@ class CameraTracer {
   Rgb transmittance(const Vec3& origin, const Vec3& direction, float far, const RayInfo& ray,
                     uint64_t blockers, const MediumStack& media, Random& random) const;
   static void see_deep(const Path& path, const Rgb& light);
+  Vec3 place_of(const Path& path, const Surface& hit) const;
   bool brings_all() const;
   bool continues(Path& path, const Surface& hit, const Bsdf& bsdf) const;
   void leave_gather_points(Path& path, const Surface& hit, const Bsdf& bsdf,

@@ -38,6 +38,7 @@ struct Receiver {
   Vec3 ns{};
   // Its mesh is coarse for its smooth normals: lights below the surface proper count as well
   bool bent = false;
+  float time = kShutterCentre;
 
   Vec3 horizon() const { return bent ? Vec3{} : n; }
   // Whether light is to be sampled in proportion to the cosine.

@@ -35,6 +35,7 @@ float Lights::emitter_weight(const Emitter& e, const Receiver& to) const {
 
 bool Lights::see_close(const Emitter& e, const Receiver& to, CloseLight& out) const {
   if (e.exact) return false;  // its places are to be known to the last bit
+  if (e.lamp < 0 && scene_.moves(e.instance)) return false;
   if (!is_close(e.center, e.radius, to.x)) return false;
   return e.lamp < 0 ? photon_splat::see_close(e.mesh, to, out)
                     : photon_splat::see_close(lamps_[e.lamp], to, out);
@@ -243,12 +244,12 @@ bool Lights::sample_mesh(const Emitter& e, const Receiver& receiver, const Vec2&
     const Vec3 normal = scene_.instances[e.instance].mirrored ? -place.normal : place.normal;
     const bool back = dot(out.direction, normal) > 0;
     out.weight = emission_of(scene_, e.instance, e.mesh.triangles[place.triangle], place.u, place.v,
-                             back, -out.direction) /
+                             back, -out.direction, receiver.time) /
                  place.pdf;
     out.normal = back ? -normal : normal;
     return !is_black(out.weight);
   }
-  return sample_mesh_light(scene_, e.mesh, e.instance, receiver.x, u, out);
+  return sample_mesh_light(scene_, e.mesh, e.instance, receiver.x, u, receiver.time, out);
 }
 
 float Lights::surface_mis_weight(const Receiver& receiver, const Surface& hit,
@@ -271,7 +272,7 @@ float Lights::mesh_mis_weight(uint32_t index, const Receiver& receiver, const Su
                ? power_heuristic(bsdf_pdf, choice_probability(index, receiver) / close.total)
                : 1;
   Vec3 corner[3];
-  triangle_corners(scene_, hit.instance, hit.triangle, corner);
+  scene_.corners(hit.instance, hit.triangle, receiver.time, corner);
   const float area = 0.5f * length(cross(corner[1] - corner[0], corner[2] - corner[0]));
   const Vec3 to = hit.position - receiver.x;
   const float cosine = std::abs(dot(normalize(to), hit.ng));
@@ -319,7 +320,7 @@ Rgb Lights::lamp_met(uint32_t emitter, const Receiver& to, const Vec3& direction
     if (distance) *distance = at;
     const float epsilon = ray_epsilon(to.x, 0), cosine = dot(to.n, direction);
     const Vec3 off = cosine != 0 ? to.n * std::copysign(epsilon, cosine) : direction * epsilon;
-    if (is_black(radiance) || blocked_exactly(emitter, to.x + off, to.x + direction * at))
+    if (is_black(radiance) || blocked_exactly(emitter, to.x + off, to.x + direction * at, to.time))
       return {};
   }
   if (CloseLight close; pdf > 0 && bsdf_pdf < INFINITY && see_close(e, to, close))
@@ -350,7 +351,7 @@ Rgb Lights::lamps_met(const Receiver& to, const Vec3& direction, float near, flo
   return sum;
 }
 
-Rgb Lights::lamps_seen(const Vec3& origin, const Vec3& direction, float near, float far,
+Rgb Lights::lamps_seen(const Vec3& origin, const Vec3& direction, float near, float far, float time,
                        GroupLight* groups, const Attenuation* attenuation) const {
   Rgb sum{};
   const auto add = [&](uint32_t emitter) {
@@ -362,7 +363,8 @@ Rgb Lights::lamps_seen(const Vec3& origin, const Vec3& direction, float near, fl
     if (!lamp.s.camera_visible || inside) return;
     Rgb light = lamp_radiance_met(lamp, origin, direction, near,
                                   e.exact ? reach_of_exact(far) : far, pdf, &at);
-    if (e.exact && (is_black(light) || blocked_exactly(emitter, origin, origin + direction * at)))
+    if (e.exact &&
+        (is_black(light) || blocked_exactly(emitter, origin, origin + direction * at, time)))
       return;
     if (attenuation && !is_black(light)) light *= (*attenuation)(at);
     sum += light;

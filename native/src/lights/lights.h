@@ -55,7 +55,7 @@ class Lights {
   const std::vector<InSurface>& in_surfaces() const { return in_surfaces_; }
   // Whether something opaque stands between `origin` and a place on such a lamp, to the last bit of
   // the distance.
-  bool blocked_exactly(uint32_t emitter, const Vec3& origin, const Vec3& place) const;
+  bool blocked_exactly(uint32_t emitter, const Vec3& origin, const Vec3& place, float time) const;
 
   // One light sample; nullopt when no light reaches the place.
   std::optional<LightSample> sample(const Receiver& to, float choice, const Vec2& u) const;
@@ -108,7 +108,7 @@ class Lights {
   // likewise.
   Rgb world_met(const Receiver& to, const Vec3& direction, float bsdf_pdf) const;
   // The same for a camera ray, unweighted: only lamps that the camera may see.
-  Rgb lamps_seen(const Vec3& origin, const Vec3& direction, float near, float far,
+  Rgb lamps_seen(const Vec3& origin, const Vec3& direction, float near, float far, float time,
                  GroupLight* groups = nullptr, const Attenuation* attenuation = nullptr) const;
 
   const Environment& environment() const { return environment_; }

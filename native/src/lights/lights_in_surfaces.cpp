@@ -44,7 +44,10 @@ bool Lights::lies_in_surface(const Emitter& mesh, uint32_t& instance) const {
   int found = 0;
   for (int i = 0; i < kProbes && (i < kFirstProbes || found); ++i) {
     const Vec2 u = sobol_2d(static_cast<uint32_t>(i), 1, 0);
-    const MeshPoint p = mesh.mesh.point_at(sobol_2d(static_cast<uint32_t>(i), 0, 0).x, u);
+    EmissiveTriangle moved;
+    const MeshPoint p =
+        mesh.mesh.point_at(scene_, mesh.instance, sobol_2d(static_cast<uint32_t>(i), 0, 0).x, u,
+                           kShutterCentre, moved);
     const float reach =
         std::max(kClear * ray_epsilon(p.position, 0), 2 * kSlack * scene_.near_radius());
     for (const float side : {1.0f, -1.0f}) {
@@ -76,12 +79,14 @@ void Lights::find_lights_in_surfaces() {
   }
 }
 
-bool Lights::blocked_exactly(uint32_t emitter, const Vec3& origin, const Vec3& place) const {
+bool Lights::blocked_exactly(uint32_t emitter, const Vec3& origin, const Vec3& place,
+                             float time) const {
   const Vec3 way = place - origin;
   const float distance = length(way);
   if (!(distance > 0)) return false;
   Surface s;
-  for (float near = 0; scene_.intersect(origin, way / distance, near, distance, false, s);
+  for (float near = 0;
+       scene_.intersect(origin, way / distance, near, distance, false, s, kAllRays, time);
        near = past(s))
     if (emitters_[emitter].blockers & scene_.instances[s.instance].group &&
         !scene_.may_be_transparent(s))

@@ -29,7 +29,7 @@ Rgb Lights::linked_met(const Receiver& to, const Vec3& origin, const Vec3& direc
   Surface s;
   RayInfo info = ray;
   for (float near = 0;
-       meshes && scene_.intersect(origin, direction, near, INFINITY, false, s, to.ray);
+       meshes && scene_.intersect(origin, direction, near, INFINITY, false, s, to.ray, to.time);
        near = past(s)) {
     const int32_t index = emitter_of_instance_[s.instance];
     if (index < 0) continue;

@@ -4,6 +4,7 @@ namespace photon_splat {
 namespace {
 
 constexpr double kProbeFloor = 0.02;
+constexpr int kLooksInTime = 17;  // at where a triangle goes while the shutter is open
 
 // About the mean over the triangle, RGB averaged; textures of plain materials count as white.
 float mean_emission(const Scene& scene, const Material& m, uint32_t instance, uint32_t triangle,
@@ -27,11 +28,18 @@ bool may_emit(const Scene& scene, const Material& m) {
   return !is_black(m.front.emission) || !is_black(m.back.emission);
 }
 
-void triangle_corners(const Scene& scene, uint32_t instance, uint32_t triangle, Vec3 corner[3]) {
-  const Instance& placed = scene.instances[instance];
-  const Mesh& mesh = scene.meshes[placed.mesh];
-  for (int i = 0; i < 3; ++i)
-    corner[i] = placed.to_world.point(mesh.positions[mesh.triangles[triangle][i]]);
+const EmissiveTriangle& triangle_at_time(const Scene& scene, uint32_t instance,
+                                         const EmissiveTriangle& t, float time,
+                                         EmissiveTriangle& moved) {
+  if (!scene.moves(instance) || time == kShutterCentre) return t;
+  moved = t;
+  scene.corners(instance, t.triangle, time, moved.corner);
+  const Vec3 rest = cross(t.corner[1] - t.corner[0], t.corner[2] - t.corner[0]),
+             now = cross(moved.corner[1] - moved.corner[0], moved.corner[2] - moved.corner[0]);
+  const float area = std::max(length(now), 1e-37f);
+  moved.normal = now / (scene.instances[instance].mirrored ? -area : area);
+  moved.pdf = t.pdf * (length(rest) / area);
+  return moved;
 }
 
 // Picks triangles by area times mean emission. What a program emits is probed at a few points;
@@ -47,11 +55,16 @@ MeshLight make_mesh_light(const Scene& scene, uint32_t instance, Bounds& bounds,
     const Material& m = scene.material_of(instance, t);
     if (!may_emit(scene, m)) continue;
     EmissiveTriangle out{};
-    triangle_corners(scene, instance, t, out.corner);
+    scene.corners(instance, t, kShutterCentre, out.corner);
     const Vec3 normal = cross(out.corner[1] - out.corner[0], out.corner[2] - out.corner[0]);
     const float twice_area = length(normal), area = 0.5f * twice_area;
     if (!(area > 0)) continue;
     for (const Vec3& p : out.corner) bounds.add(p);
+    for (int i = 0; scene.moves(instance) && i < kLooksInTime; ++i) {
+      Vec3 there[3];
+      scene.corners(instance, t, static_cast<float>(i) / (kLooksInTime - 1), there);
+      for (const Vec3& p : there) bounds.add(p);
+    }
     out.normal = scene.instances[instance].mirrored ? -(normal / twice_area) : normal / twice_area;
     out.triangle = t;
     out.material = static_cast<uint32_t>(&m - scene.materials.data());
@@ -91,7 +104,7 @@ MeshLight make_mesh_light(const Scene& scene, uint32_t instance, Bounds& bounds,
 }
 
 bool sample_mesh_light(const Scene& scene, const MeshLight& mesh, uint32_t instance, const Vec3& x,
-                       const Vec2& u, LightSample& out) {
+                       const Vec2& u, float time, LightSample& out) {
   // The triangle is picked by the integer part of a stretched sample; the rest is used again.
   const float target = u.x * mesh.cdf.back();
   const size_t pick = mesh.triangle_at(target);
@@ -99,7 +112,8 @@ bool sample_mesh_light(const Scene& scene, const MeshLight& mesh, uint32_t insta
   const float share = mesh.cdf[pick] - low;
   if (!(share > 0)) return false;
   const float again = std::clamp((target - low) / share, 0.0f, 1.0f);
-  const EmissiveTriangle& t = mesh.triangles[pick];
+  EmissiveTriangle moved;
+  const EmissiveTriangle& t = triangle_at_time(scene, instance, mesh.triangles[pick], time, moved);
   const float root = std::sqrt(again), b1 = root * (1 - u.y), b2 = root * u.y;
   const Vec3 point = t.corner[0] * (1 - root) + t.corner[1] * b1 + t.corner[2] * b2;
 
@@ -112,16 +126,17 @@ bool sample_mesh_light(const Scene& scene, const MeshLight& mesh, uint32_t insta
   if (cosine <= 1e-7f) return false;
   out.pdf = t.pdf * d2 / cosine;
   const bool back = facing > 0;
-  out.weight = emission_of(scene, instance, t, b1, b2, back, -out.direction) / out.pdf;
+  out.weight = emission_of(scene, instance, t, b1, b2, back, -out.direction, time) / out.pdf;
   out.normal = back ? -t.normal : t.normal;
   return !is_black(out.weight);
 }
 
-MeshPoint MeshLight::point_at(float pick, const Vec2& place) const {
+MeshPoint MeshLight::point_at(const Scene& scene, uint32_t instance, float pick, const Vec2& place,
+                              float time, EmissiveTriangle& moved) const {
   const float target = pick * cdf.back();
   const size_t i = triangle_at(target);
   MeshPoint p;
-  p.triangle = &triangles[i];
+  p.triangle = &triangle_at_time(scene, instance, triangles[i], time, moved);
   p.side = side_of(i, target);
   const float root = std::sqrt(place.x);
   p.u = root * (1 - place.y);
@@ -132,15 +147,16 @@ MeshPoint MeshLight::point_at(float pick, const Vec2& place) const {
 }
 
 PhotonStart emit_mesh_light(const Scene& scene, const MeshLight& mesh, uint32_t instance,
-                            float pick, const Vec2& place, const Vec2& way) {
-  const MeshPoint p = mesh.point_at(pick, place);
+                            float pick, const Vec2& place, const Vec2& way, float time) {
+  EmissiveTriangle moved;
+  const MeshPoint p = mesh.point_at(scene, instance, pick, place, time, moved);
   const EmissiveTriangle& t = *p.triangle;
   const bool on_back = p.side >= t.front_share;
   const Vec3 normal = on_back ? -t.normal : t.normal;
   PhotonStart start;
   start.origin = p.position + normal * ray_epsilon(p.position, 0);
   start.direction = Basis(normal).to_world(sample_cosine_hemisphere(way));
-  start.power = emission_of(scene, instance, t, p.u, p.v, on_back, start.direction) *
+  start.power = emission_of(scene, instance, t, p.u, p.v, on_back, start.direction, time) *
                 (kPi / (t.pdf * (on_back ? 1 - t.front_share : t.front_share)));
   return start;
 }

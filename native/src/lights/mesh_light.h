@@ -21,6 +21,11 @@ struct alignas(64) EmissiveTriangle {
 
 struct MeshPoint;
 
+// A triangle of an emissive instance at a time: `t` itself where that does not move, else `moved`.
+const EmissiveTriangle& triangle_at_time(const Scene& scene, uint32_t instance,
+                                         const EmissiveTriangle& t, float time,
+                                         EmissiveTriangle& moved);
+
 struct MeshLight {
   std::vector<EmissiveTriangle> triangles;
   std::vector<float> cdf;           // over triangles, by power
@@ -58,7 +63,9 @@ struct MeshLight {
                 share = std::max(cdf[triangle] - low, 1e-37f);
     return std::clamp((target - low) / share, 0.0f, 1.0f);
   }
-  MeshPoint point_at(float pick, const Vec2& place) const;
+  // At a time, `moved` being the triangle's memory then.
+  MeshPoint point_at(const Scene& scene, uint32_t instance, float pick, const Vec2& place,
+                     float time, EmissiveTriangle& moved) const;
 };
 
 // A place on an emissive mesh, in proportion to the power from there.
@@ -73,15 +80,14 @@ struct MeshPoint {
 bool may_emit(const Scene& scene, const Material& material);
 // The triangles of an instance that emit; `power` is the sum over them, about, RGB averaged, W/pi.
 MeshLight make_mesh_light(const Scene& scene, uint32_t instance, Bounds& bounds, double& power);
-void triangle_corners(const Scene& scene, uint32_t instance, uint32_t triangle, Vec3 corner[3]);
 inline Rgb emission_of(const Scene& scene, uint32_t instance, const EmissiveTriangle& t, float u,
-                       float v, bool back, const Vec3& wo) {
-  return scene.emission_at(scene.materials[t.material], instance, t.triangle, u, v, back, wo);
+                       float v, bool back, const Vec3& wo, float time) {
+  return scene.emission_at(scene.materials[t.material], instance, t.triangle, u, v, back, wo, time);
 }
 // As of lamps.
 bool sample_mesh_light(const Scene& scene, const MeshLight& mesh, uint32_t instance, const Vec3& x,
-                       const Vec2& u, LightSample& out);
+                       const Vec2& u, float time, LightSample& out);
 PhotonStart emit_mesh_light(const Scene& scene, const MeshLight& mesh, uint32_t instance,
-                            float pick, const Vec2& place, const Vec2& way);
+                            float pick, const Vec2& place, const Vec2& way, float time);
 
 }  // namespace photon_splat

@@ -27,6 +27,7 @@ enum class PhotonDimension : uint32_t {
   kDirection = 2,    // from there
   kFirstBounce = 3,  // direction after it
   kGuide = 4,        // cell of the emission guide
+  kTime = 5,         // in the shutter's opening, and line of the picture
 };
 
 inline SobolPair photon_numbers(PhotonDimension pair, uint32_t seed) {

@@ -169,13 +169,14 @@ Vec3 Media::Grid::cell() const {
           extent.z / static_cast<float>(size[2])};
 }
 
-MediumStack Media::around(const Vec3& x) const {
+MediumStack Media::around(const Vec3& x, float time) const {
   MediumStack stack, entered;
   if (world_ >= 0) stack.enter(static_cast<uint16_t>(world_));
   if (!in_meshes_) return stack;
   Surface s;
   float near = 0;
-  for (int i = 0; i < kMostCrossings && scene_.intersect(x, {0, 0, 1}, near, INFINITY, false, s);
+  for (int i = 0; i < kMostCrossings &&
+                  scene_.intersect(x, {0, 0, 1}, near, INFINITY, false, s, kAllRays, time);
        ++i, near = past(s)) {
     const int region = region_of(s.instance, s.triangle);
     if (region < 0) continue;

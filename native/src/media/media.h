@@ -36,7 +36,7 @@ class Media {
     stack.cross(region_of(s.instance, s.triangle), s.back);
   }
   // Which media a point lies in, as a ray upwards tells.
-  MediumStack around(const Vec3& x) const;
+  MediumStack around(const Vec3& x, float time = kShutterCentre) const;
   bool emits() const { return emits_; }
 
   // All that media of the stack do there.

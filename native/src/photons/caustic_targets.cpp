@@ -6,6 +6,7 @@ namespace photon_splat {
 namespace {
 
 constexpr size_t kMostTargets = 64;
+constexpr int kLooksInTime = 9;         // at where a triangle goes while the shutter is open
 constexpr size_t kMostBoxes = 1 << 18;  // triangles looked at; of more, every n-th
 // The halves' spheres together show at most this share of the whole's disc
 constexpr float kWorthSplitting = 0.8f;
@@ -62,8 +63,15 @@ std::vector<Bounds> sharp_triangles(const Scene& scene) {
       if (material.program < 0 || !(scene.programs[material.program].features & kProgramSharp))
         continue;
       Bounds b;
-      for (uint32_t corner : mesh.triangles[t])
-        b.add(instance.to_world.point(mesh.positions[corner]));
+      const int looks = scene.moves(i) ? kLooksInTime : 1;
+      for (int look = 0; look < looks; ++look) {
+        Vec3 corners[3];
+        scene.corners(
+            i, static_cast<uint32_t>(t),
+            looks > 1 ? static_cast<float>(look) / static_cast<float>(looks - 1) : kShutterCentre,
+            corners);
+        for (const Vec3& corner : corners) b.add(corner);
+      }
       boxes.push_back(b);
     }
   }

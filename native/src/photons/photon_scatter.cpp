@@ -41,7 +41,7 @@ bool PhotonTracer::lit(const Path& path, const Surface& hit, const PhotonStart& 
   if (start.exact >= 0 &&
       lights_.blocked_exactly(static_cast<uint32_t>(start.exact),
                               hit.position + hit.ng * ray_epsilon(hit.position, hit.distance),
-                              start.place))
+                              start.place, path.time))
     return false;
   const float distance = path.travelled + hit.distance, since_lamp = distance - start.soft_nearest;
   if (start.soft_radius2 >= 0 && !(since_lamp >= path.soft_from && since_lamp <= path.soft_to))
@@ -60,7 +60,7 @@ bool PhotonTracer::blocks(const Path& path, const Surface& hit, const PhotonStar
 
 // Light of suns and of the world that crosses a medium which fills the world does not arrive.
 bool PhotonTracer::start_in_media(Path& path, const PhotonStart& start) const {
-  path.media = scene_.media()->around(start.origin);
+  path.media = scene_.media()->around(start.origin, path.time);
   return !(start.from_afar && scene_.world_volume >= 0);
 }
 
@@ -70,6 +70,7 @@ bool PhotonTracer::pass_media(Path& path, const Surface& hit, const Vec3& origin
   if (path.media.empty()) return true;
   RayInfo ray;
   ray.kind = RayInfo::kShadow;
+  ray.time = path.time;
   path.power *= scene_.media()->transmittance(path.media, origin, direction, 0, hit.distance, ray,
                                               path.random);
   return !is_black(path.power) && is_finite(path.power);
@@ -89,6 +90,7 @@ bool PhotonTracer::pass_before_lamp(Path& path, const Surface& hit, const Vec3& 
       RayInfo ray;
       ray.kind = RayInfo::kShadow;
       ray.transparent_depth = path.passed;
+      ray.time = path.time;
       Bsdf bsdf(Transport::kRadiance, -direction, hit.ng, hit.ns, hit.back);
       scene_.shade(hit, -direction, ray, bsdf);
       transparency = bsdf.transparency();
@@ -135,6 +137,13 @@ void PhotonTracer::store(const Path& path, const Surface& hit, const Vec3& direc
   // Density on the surface measures the geometric cosine; the BSDF wants the shading one (Veach
   // 1997, section 5.3).
   const Rgb power = path.power * (share * cos_shading / cos_geometric);
+  if (scene_.moves(hit.instance)) {
+    const PlaceAtRest rest = scene_.at_rest(hit, path.time);
+    if (!(rest.area > 0) || !is_finite(rest.ng)) return;  // there is nothing of it
+    photons.push_back({rest.position, hit.key, encode_direction(rest.ng),
+                       encode_direction(rest.turn(-direction)), power * rest.area});
+    return;
+  }
   photons.push_back(
       {hit.position, hit.key, encode_direction(hit.ng), encode_direction(-direction), power});
 }
@@ -231,6 +240,7 @@ bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const Phot
   ray.singular = ray.kind != RayInfo::kDiffuse;
   ray.depth = path.bounces;
   ray.transparent_depth = path.passed;
+  ray.time = path.time;
   if (viewer_) ray.footprint = viewer_->footprint_from(hit.position);
   Bsdf bsdf(Transport::kFlux, -direction, hit.ng, hit.ns, hit.back);
   scene_.shade(hit, -direction, ray, bsdf);

@@ -16,9 +16,15 @@ constexpr double kMorePhotons = 1.1;  // memory is kept for, than the last paths
 // Of unguided paths, from which on they are left unguided
 constexpr double kUsefulShare = 0.3;
 
-Scene::Rays rays_of(const PhotonPaths& paths, uint32_t first) {
-  return {paths.origin_x + first,    paths.origin_y + first,    paths.origin_z + first,
-          paths.direction_x + first, paths.direction_y + first, paths.direction_z + first};
+Scene::Rays rays_of(const PhotonPaths& paths, uint32_t first, bool moves) {
+  return {paths.origin_x + first,
+          paths.origin_y + first,
+          paths.origin_z + first,
+          paths.direction_x + first,
+          paths.direction_y + first,
+          paths.direction_z + first,
+          nullptr,
+          moves ? paths.time + first : nullptr};
 }
 
 void log_rays(const Scene::Rays& r, uint32_t count, std::vector<float>& log) {
@@ -53,6 +59,7 @@ void PhotonTracer::Travellers::put(uint32_t i, const Path& path, const Vec3& ori
   paths.bounces[i] = path.bounces;
   paths.caustic[i] = path.caustic;
   paths.alone[i] = alone;
+  paths.time[i] = path.time;
   paths.origin_x[i] = origin.x, paths.origin_y[i] = origin.y, paths.origin_z[i] = origin.z;
   paths.direction_x[i] = direction.x, paths.direction_y[i] = direction.y,
   paths.direction_z[i] = direction.z;
@@ -101,6 +108,7 @@ uint32_t PhotonTracer::start_all(uint64_t first, uint32_t count, double total, u
       path.reference = max_component(path.power);
       path.random = Random(first + place, seed);
       path.place = place;
+      path.time = from.time;
       if (!(path.reference > 0) || !std::isfinite(path.reference)) continue;
       if (scene_.media() && !start_in_media(path, from)) continue;
       paths.first_u[n] = ways.x[place - begin], paths.first_v[n] = ways.y[place - begin];
@@ -130,6 +138,7 @@ void PhotonTracer::keep_bounced(Travellers& travellers, uint32_t from, uint32_t 
   paths.random[to] = bounced.random[k];
   paths.bounces[to] = paths.bounces[from] + 1;
   paths.alone[to] = 0;
+  paths.time[to] = paths.time[from];
   travellers.rest[to] = travellers.rest[from];
 }
 
@@ -165,14 +174,15 @@ void PhotonTracer::trace_chunk(uint64_t first, uint64_t count, double total, uin
   unsigned hit[2] = {};
   PlainSurfaces surfaces;
   Bounced bounced;
-  const bool limited = scene_.limits_rays(), guesses = scene_.kinds_differ();
+  const bool limited = scene_.limits_rays(), guesses = scene_.kinds_differ(),
+             moves = scene_.moves();
   while (alive) {
     run.rays += alive;
     uint32_t kept = 0;
     for (uint32_t next = 0, turn = 0; next < alive + kBounceLanes;
          next += kBounceLanes, turn ^= 1) {
       if (next < alive) {
-        const Scene::Rays rays = rays_of(paths, next);
+        const Scene::Rays rays = rays_of(paths, next, moves);
         const uint32_t lanes = std::min(kBounceLanes, alive - next);
         if (ray_log) log_rays(rays, lanes, run.ray_log);
         hit[turn] = scene_.intersect(rays, lanes, found[turn]);
@@ -187,6 +197,7 @@ void PhotonTracer::trace_chunk(uint64_t first, uint64_t count, double total, uin
         together &= ~(paths.alone[begin + k] << k);
       if (limited) together = guesses ? 0 : seen_by_all(hits, together);
       if (scene_.media()) together = 0;
+      if (moves) together = scene_.still(hits, together);
       together = scene_.plain_surfaces(hits, together, surfaces);
       if (together) bounce_(paths, begin, hits, surfaces, settings, bounced);
       if (stream_ == PhotonStream::kCaustic) bounced.goes_on = 0;
@@ -209,7 +220,7 @@ void PhotonTracer::trace_chunk(uint64_t first, uint64_t count, double total, uin
           Path path = travellers.take(i);
           Vec3 direction{paths.direction_x[i], paths.direction_y[i], paths.direction_z[i]};
           Vec3 origin{paths.origin_x[i], paths.origin_y[i], paths.origin_z[i]};
-          const Surface surface = scene_.surface_of(hits, k, direction);
+          const Surface surface = scene_.surface_of(hits, k, direction, path.time);
           run.shaded += surface.program != nullptr;
           if (scene_.media() && !pass_media(path, surface, origin, direction)) continue;
           const Draws draws{first_bounce, static_cast<uint32_t>(first + place)};

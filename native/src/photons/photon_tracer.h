@@ -80,6 +80,7 @@ class PhotonTracer {
     bool guessed = false;
     bool unshadowed = false;  // passed what would have blocked the light of another lamp
     MediumStack media;        // around its present ray
+    float time = kShutterCentre;
   };
   // All of it.
   struct Path : Rest {

@@ -33,7 +33,7 @@ float filter_value(FilterKind kind, float t) {
 
 }  // namespace
 
-Camera::Camera(const CameraSettings& settings) : s_(settings) {
+Camera::Camera(const CameraSettings& settings) : s_(settings), axes_(settings.to_world) {
   if (s_.width < 1 || s_.height < 1 || s_.region_width < 1 || s_.region_height < 1)
     throw std::invalid_argument("the picture has no pixels");
   if (s_.x0 < 0 || s_.y0 < 0 || s_.x0 + s_.region_width > s_.width ||
@@ -41,11 +41,7 @@ Camera::Camera(const CameraSettings& settings) : s_(settings) {
     throw std::invalid_argument("the render border lies outside the picture");
   if (s_.aperture.radius > 0 && (!(s_.aperture.focus > 0) || !(s_.aperture.ratio > 0)))
     throw std::invalid_argument("the camera's distance of focus or aperture ratio is not positive");
-  const Affine& m = s_.to_world;
-  right_ = m.column(0);
-  up_ = m.column(1);
-  back_ = m.column(2);
-  position_ = {m.m[3], m.m[7], m.m[11]};
+  if (s_.motion.size() > 1) motion_.emplace(s_.motion);
   const float width = support(s_.filter, s_.filter_width);
   std::vector<double> cdf(kFilterTable);
   double sum = 0;
@@ -93,13 +89,22 @@ Vec2 Camera::on_aperture(const Vec2& u) const {
   return {p.x * a.radius / a.ratio, p.y * a.radius};
 }
 
-std::optional<CameraRay> Camera::ray(int x, int y, const Vec2& u, const Vec2& lens) const {
+std::optional<CameraRay> Camera::ray(int x, int y, const Vec2& u, const Vec2& lens,
+                                     float time) const {
   const float px = static_cast<float>(s_.x0 + x) + 0.5f + filter_offset(u.x);
   const float py = static_cast<float>(s_.y0 + y) + 0.5f + filter_offset(u.y);
   const float step_x = (s_.right - s_.left) / static_cast<float>(s_.width);
   const float step_y = (s_.top - s_.bottom) / static_cast<float>(s_.height);
-  const float sx = s_.left + step_x * px, sy = s_.bottom + step_y * py;
-  if (s_.panorama.kind != PanoramaKind::kNone) return panoramic(sx, sy, {step_x, step_y}, lens);
+  float sx = s_.left + step_x * px, sy = s_.bottom + step_y * py;
+  const Axes axes = axes_at(time);
+  if (s_.panorama.kind != PanoramaKind::kNone)
+    return panoramic(sx, sy, {step_x, step_y}, lens, axes);
+  if (s_.zoom_before != 1 || s_.zoom_after != 1) {
+    const float end = time < kShutterCentre ? s_.zoom_before : s_.zoom_after,
+                zoom = 1 + (end - 1) * 2 * std::abs(time - kShutterCentre);
+    sx *= zoom;
+    sy *= zoom;
+  }
   CameraRay ray;
   ray.footprint = std::max(step_x, step_y);
   // Camera space: from a point of the lens to where the ray through the lens' centre meets the
@@ -115,16 +120,16 @@ std::optional<CameraRay> Camera::ray(int x, int y, const Vec2& u, const Vec2& le
     toward = toward * s_.aperture.focus - Vec3{p.x, p.y, 0};
   }
   const float len = length(toward);
-  ray.origin = position_ + to_world(from);
-  ray.direction = to_world(toward) / len;
+  ray.origin = axes.position + axes.to_world(from);
+  ray.direction = axes.to_world(toward) / len;
   ray.cosine = -toward.z / len;
   ray.near = s_.clip_start / ray.cosine;
   ray.far = s_.clip_end / ray.cosine;
   return ray;
 }
 
-std::optional<CameraRay> Camera::panoramic(float u, float v, const Vec2& step,
-                                           const Vec2& lens) const {
+std::optional<CameraRay> Camera::panoramic(float u, float v, const Vec2& step, const Vec2& lens,
+                                           const Axes& axes) const {
   const std::optional<Vec3> seen = panorama_direction(s_.panorama, u, v);
   if (!seen) return std::nullopt;
   CameraRay ray;
@@ -145,8 +150,8 @@ std::optional<CameraRay> Camera::panoramic(float u, float v, const Vec2& step,
     from = x * p.x + cross(*seen, x) * (mirror ? -p.y : p.y);
     toward = normalize(*seen * s_.aperture.focus - from);
   }
-  ray.origin = position_ + to_world(from);
-  ray.direction = to_world(toward);
+  ray.origin = axes.position + axes.to_world(from);
+  ray.direction = axes.to_world(toward);
   ray.cosine = 1;
   ray.near = s_.clip_start;
   ray.far = s_.clip_end;

@@ -1,8 +1,10 @@
 // Perspective, orthographic and panoramic cameras with a lens of finite size, and the pixel filter.
 #pragma once
 
+#include "scene/motion.h"
 #include "scene/panorama.h"
 
+#include <optional>
 #include <vector>
 
 namespace photon_splat {
@@ -19,7 +21,11 @@ struct ApertureSettings {
 };
 
 struct CameraSettings {
-  Affine to_world;  // rigid; looks along -Z
+  Affine to_world;  // rigid; looks along -Z; at the shutter's centre
+  // The same at steps of the shutter's opening; none: it stays where it is
+  std::vector<Affine> motion;
+  // Of left .. top when it opens and closes, over those at its centre; linear between
+  float zoom_before = 1, zoom_after = 1;
   // Of the frame on z = -1 (perspective) or in metres
   float left = -1, right = 1, bottom = -1, top = 1;
   bool orthographic = false;
@@ -50,10 +56,11 @@ class Camera {
   // A ray through pixel (x, y) of the region, its place in the pixel drawn from the filter's
   // density (u), its place on the lens from the aperture (lens). nullopt outside a panorama's image
   // circle.
-  std::optional<CameraRay> ray(int x, int y, const Vec2& u, const Vec2& lens) const;
+  std::optional<CameraRay> ray(int x, int y, const Vec2& u, const Vec2& lens,
+                               float time = kShutterCentre) const;
   // Width of a camera sample at a point, in view or not, m.
   float footprint_from(const Vec3& x) const {
-    return s_.orthographic ? step_ : step_ * length(x - position_);
+    return s_.orthographic ? step_ : step_ * length(x - axes_.position);
   }
   float footprint_at(const CameraRay& ray, float distance) const {
     return s_.orthographic ? ray.footprint : ray.footprint * distance;
@@ -61,13 +68,24 @@ class Camera {
   const CameraSettings& settings() const { return s_; }
 
  private:
+  struct Axes {
+    Vec3 right, up, back, position;
+    explicit Axes(const Affine& m)
+        : right(m.column(0)),
+          up(m.column(1)),
+          back(m.column(2)),
+          position{m.m[3], m.m[7], m.m[11]} {}
+    Vec3 to_world(const Vec3& v) const { return right * v.x + up * v.y + back * v.z; }
+  };
+  Axes axes_at(float time) const { return motion_ ? Axes(motion_->at(time)) : axes_; }
   float filter_offset(float u) const;
   Vec2 on_aperture(const Vec2& u) const;
-  std::optional<CameraRay> panoramic(float u, float v, const Vec2& step, const Vec2& lens) const;
-  Vec3 to_world(const Vec3& v) const { return right_ * v.x + up_ * v.y + back_ * v.z; }
+  std::optional<CameraRay> panoramic(float u, float v, const Vec2& step, const Vec2& lens,
+                                     const Axes& axes) const;
 
   CameraSettings s_;
-  Vec3 right_, up_, back_, position_;
+  Axes axes_;
+  std::optional<TransformMotion> motion_;
   float step_ = 0;                       // footprint of a ray in the middle
   std::vector<float> filter_quantiles_;  // offset in pixels at equal steps of probability
 };

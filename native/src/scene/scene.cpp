@@ -11,19 +11,43 @@
 namespace photon_splat {
 namespace {
 
+constexpr int kLooksInTime = 9;  // at what may come near while the shutter is open
+
 bool report_progress(void* cancel, double) {
   return !static_cast<const CancelFlag*>(cancel)->is_set();
 }
 
 RTCGeometry make_geometry(RTCDevice device, const Mesh& mesh) {
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  // positions has one element more than the mesh: Embree may read 16 bytes at the last vertex.
-  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                             mesh.positions.data(), 0, sizeof(Vec3), mesh.positions.size() - 1);
+  const MeshMotion& motion = mesh.motion;
+  const size_t steps = std::max<size_t>(motion.steps(), 1);
+  if (steps > 1) rtcSetGeometryTimeStepCount(geometry, static_cast<unsigned>(steps));
+  for (size_t i = 0; i < steps; ++i) {
+    const auto& positions = i == motion.middle() ? mesh.positions : motion.positions[i];
+    // These have one element more than the mesh: Embree may read 16 bytes at the last vertex.
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, static_cast<unsigned>(i),
+                               RTC_FORMAT_FLOAT3, positions.data(), 0, sizeof(Vec3),
+                               mesh.positions.size() - 1);
+  }
   rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
                              mesh.triangles.data(), 0, sizeof(Triangle), mesh.triangles.size());
   rtcCommitGeometry(geometry);
   return geometry;
+}
+
+void set_transforms(RTCGeometry geometry, const TransformMotion& motion) {
+  rtcSetGeometryTimeStepCount(geometry, static_cast<unsigned>(motion.steps().size()));
+  for (unsigned i = 0; i < motion.steps().size(); ++i) {
+    const Decomposed& d = motion.steps()[i];
+    RTCQuaternionDecomposition q;
+    rtcInitQuaternionDecomposition(&q);
+    rtcQuaternionDecompositionSetTranslation(&q, d.translation.x, d.translation.y, d.translation.z);
+    rtcQuaternionDecompositionSetQuaternion(&q, d.rotation.w, d.rotation.x, d.rotation.y,
+                                            d.rotation.z);
+    rtcQuaternionDecompositionSetScale(&q, d.xx, d.yy, d.zz);
+    rtcQuaternionDecompositionSetSkew(&q, d.xy, d.xz, d.yz);
+    rtcSetGeometryTransformQuaternion(geometry, i, &q);
+  }
 }
 
 float largest_stretch(const Affine& a) {
@@ -93,6 +117,13 @@ void Scene::add_instance(uint32_t mesh, const std::array<double, 12>& exact,
   instances.push_back(instance);
 }
 
+void Scene::set_motion(std::span<const Affine> steps) {
+  if (steps.size() < 3 || steps.size() % 2 == 0)
+    throw std::invalid_argument("an instance's motion has no step in its middle");
+  instances.back().motion = static_cast<int32_t>(motions.size());
+  motions.emplace_back(steps);
+}
+
 void Scene::throw_on_error(const CancelFlag& cancel) const {
   const RTCError error = rtcGetDeviceError(device_);
   cancel.check();
@@ -127,23 +158,31 @@ void Scene::build(const CancelFlag& cancel) {
   for (const Instance& instance : instances) ++uses[instance.mesh];
   world_to_object.clear();
   for (const Instance& instance : instances) world_to_object.push_back(instance.to_local);
+  find_moving();
   for (Instance& instance : instances) {
-    instance.shared = uses[instance.mesh] > 1;
+    instance.shared = uses[instance.mesh] > 1 || instance.motion >= 0;
     if (instance.shared) continue;
     Mesh& mesh = meshes[instance.mesh];
     cancel.check();
-    change_all(mesh.positions, pool_, cancel,
-               [&](Vec3& p) { p = transform_exactly(instance.exact, p); });
-    change_all(mesh.corner_normals, pool_, cancel, [&](Vec3& n) {
+    const auto move = [&](Vec3& p) { p = transform_exactly(instance.exact, p); };
+    const auto turn = [&](Vec3& n) {
       const Vec3 world = instance.to_local.transposed_vector(n);
       const float len = length(world);
       n = len > 0 ? world / len : n;
-    });
+    };
+    change_all(mesh.positions, pool_, cancel, move);
+    change_all(mesh.corner_normals, pool_, cancel, turn);
+    for (LargeArray<Vec3>& positions : mesh.motion.positions)
+      change_all(positions, pool_, cancel, move);
+    for (LargeArray<Vec3>& normals : mesh.motion.corner_normals)
+      change_all(normals, pool_, cancel, turn);
     if (instance.mirrored) {  // restore the winding, so that the front stays the front
       for (size_t t = 0; t < mesh.triangles.size(); ++t) {
         std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
         if (!mesh.corner_normals.empty())
           std::swap(mesh.corner_normals[3 * t + 1], mesh.corner_normals[3 * t + 2]);
+        for (LargeArray<Vec3>& normals : mesh.motion.corner_normals)
+          if (!normals.empty()) std::swap(normals[3 * t + 1], normals[3 * t + 2]);
         if (!mesh.uv.empty()) std::swap(mesh.uv[3 * t + 1], mesh.uv[3 * t + 2]);
         for (MeshAttribute& attribute : mesh.attributes)
           attribute.swap_corners(3 * t + 1, 3 * t + 2);
@@ -176,8 +215,11 @@ void Scene::build(const CancelFlag& cancel) {
       }
       geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_INSTANCE);
       rtcSetGeometryInstancedScene(geometry, inner);
-      rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR,
-                              instance.to_world.m.data());
+      if (instance.motion >= 0)
+        set_transforms(geometry, motions[instance.motion]);
+      else
+        rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR,
+                                instance.to_world.m.data());
       if (limits_rays()) rtcSetGeometryMask(geometry, instance.seen_by);
       rtcCommitGeometry(geometry);
     } else {
@@ -241,10 +283,11 @@ void Scene::update_features() {
 }
 
 bool Scene::intersect(const Vec3& origin, const Vec3& direction, float near, float far,
-                      bool coherent, Surface& surface, RayMask kinds) const {
+                      bool coherent, Surface& surface, RayMask kinds, float time) const {
   RTCRayHit hit;
-  hit.ray = {origin.x, origin.y,         origin.z, near, direction.x, direction.y, direction.z, 0,
-             far,      kinds | any_ray_, 0,        0};
+  hit.ray = {origin.x,    origin.y,         origin.z,    near,
+             direction.x, direction.y,      direction.z, time,
+             far,         kinds | any_ray_, 0,           0};
   hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   hit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
   RTCIntersectArguments arguments;
@@ -255,9 +298,9 @@ bool Scene::intersect(const Vec3& origin, const Vec3& direction, float near, flo
   const bool instanced = hit.hit.instID[0] != RTC_INVALID_GEOMETRY_ID;
   const uint32_t instance = instanced ? hit.hit.instID[0] : hit.hit.geomID;
   Vec3 normal{hit.hit.Ng_x, hit.hit.Ng_y, hit.hit.Ng_z};
-  if (instanced) normal = instances[instance].to_local.transposed_vector(normal);
+  if (instanced) normal = normal_from_mesh(instance, normal, time);
   fill_surface({instance, hit.hit.primID, hit.hit.u, hit.hit.v, hit.ray.tfar,
-                origin + direction * hit.ray.tfar, normalize(normal)},
+                origin + direction * hit.ray.tfar, normalize(normal), time},
                direction, surface);
   return true;
 }
@@ -292,7 +335,9 @@ inline uint32_t Scene::Lookup::key(uint32_t triangle, bool back) const {
 }
 
 // Of the front, of any length; 0 where the mesh is flat.
-inline Vec3 Scene::smooth_normal(uint32_t index, uint32_t triangle, float u, float v) const {
+inline Vec3 Scene::smooth_normal(uint32_t index, uint32_t triangle, float u, float v,
+                                 float time) const {
+  if (moves(index)) return moving_normal(index, triangle, u, v, time);
   const Lookup& lookup = lookups_[index];
   const Vec3* n = lookup.normals + 3 * static_cast<size_t>(triangle & lookup.normals_mask);
   const Vec3 ns = n[0] * (1 - u - v) + n[1] * u + n[2] * v;
@@ -325,7 +370,7 @@ void Scene::intersect_eight(const Rays& rays, uint32_t count, RayHits& hits, uin
                  d.x,
                  d.y,
                  d.z,
-                 0,
+                 rays.time ? rays.time[k] : kShutterCentre,
                  INFINITY,
                  rays.kinds ? rays.kinds[k] : kAllRays,
                  0,
@@ -350,7 +395,8 @@ void Scene::intersect_eight(const Rays& rays, uint32_t count, RayHits& hits, uin
   copy(rays.direction_z, hit.ray.dir_z);
   for (uint32_t k = 0; k < kPacket; ++k) {
     valid[k] = place + k < count ? -1 : 0;
-    hit.ray.tnear[k] = hit.ray.time[k] = 0;
+    hit.ray.tnear[k] = 0;
+    hit.ray.time[k] = rays.time ? rays.time[place + k] : kShutterCentre;
     hit.ray.tfar[k] = INFINITY;
     hit.ray.mask[k] = rays.kinds ? rays.kinds[place + k] : kAllRays;
     hit.ray.id[k] = hit.ray.flags[k] = 0;
@@ -380,8 +426,8 @@ unsigned Scene::intersect(const Rays& rays, uint32_t count, RayHits& hits) const
     found |= 1u << k;
     lookups_[hits.instance[k]].fetch_ahead(hits.triangle[k]);
     if (!hits.back[k]) continue;
-    const Vec3 n = instances[hits.instance[k]].to_local.transposed_vector(
-        {hits.nx[k], hits.ny[k], hits.nz[k]});
+    const Vec3 n = normal_from_mesh(hits.instance[k], {hits.nx[k], hits.ny[k], hits.nz[k]},
+                                    rays.time ? rays.time[k] : kShutterCentre);
     hits.nx[k] = n.x, hits.ny[k] = n.y, hits.nz[k] = n.z;
   }
   // All side by side, those that missed as well.
@@ -408,7 +454,7 @@ unsigned Scene::plain_surfaces(const RayHits& hits, unsigned which, PlainSurface
     if (material.program >= 0) continue;
     plain |= 1u << k;
     const MaterialSide& side = hits.back[k] ? material.back : material.front;
-    const Vec3 n = smooth_normal(instance, triangle, hits.u[k], hits.v[k]);
+    const Vec3 n = smooth_normal(instance, triangle, hits.u[k], hits.v[k], kShutterCentre);
     Rgb albedo = side.albedo;
     if (side.albedo_texture >= 0)
       albedo *=
@@ -420,7 +466,8 @@ unsigned Scene::plain_surfaces(const RayHits& hits, unsigned which, PlainSurface
   return plain;
 }
 
-Surface Scene::surface_of(const RayHits& hits, uint32_t k, const Vec3& direction) const {
+Surface Scene::surface_of(const RayHits& hits, uint32_t k, const Vec3& direction,
+                          float time) const {
   const Vec3 n{hits.nx[k], hits.ny[k], hits.nz[k]};
   Surface s;
   fill_surface({hits.instance[k],
@@ -429,7 +476,8 @@ Surface Scene::surface_of(const RayHits& hits, uint32_t k, const Vec3& direction
                 hits.v[k],
                 hits.distance[k],
                 {hits.x[k], hits.y[k], hits.z[k]},
-                hits.back[k] ? -n : n},
+                hits.back[k] ? -n : n,
+                time},
                direction, s);
   return s;
 }
@@ -453,9 +501,10 @@ unsigned Scene::intersect_packet(const Vec3* origins, const Vec3* directions, ui
 }
 
 bool Scene::occluded(const Vec3& origin, const Vec3& direction, float near, float far,
-                     RayMask kinds) const {
-  RTCRay ray{origin.x, origin.y,         origin.z, near, direction.x, direction.y, direction.z, 0,
-             far,      kinds | any_ray_, 0,        0};
+                     RayMask kinds, float time) const {
+  RTCRay ray{origin.x,    origin.y,         origin.z,    near,
+             direction.x, direction.y,      direction.z, time,
+             far,         kinds | any_ray_, 0,           0};
   RTCOccludedArguments arguments;
   rtcInitOccludedArguments(&arguments);
   arguments.flags = RTC_RAY_QUERY_FLAG_INCOHERENT;
@@ -482,7 +531,8 @@ unsigned Scene::occluded_packet(const Vec3* origins, uint32_t count, const Vec3&
     ray.dir_x[k] = direction.x;
     ray.dir_y[k] = direction.y;
     ray.dir_z[k] = direction.z;
-    ray.tnear[k] = ray.time[k] = 0;
+    ray.tnear[k] = 0;
+    ray.time[k] = kShutterCentre;
     ray.tfar[k] = far;
     ray.mask[k] = kinds | any_ray_;
     ray.id[k] = ray.flags[k] = 0;
@@ -497,15 +547,20 @@ unsigned Scene::occluded_packet(const Vec3* origins, uint32_t count, const Vec3&
 
 bool Scene::anything_within(const Vec3& x, float radius) const {
   bool found = false;
-  RTCPointQuery query{x.x, x.y, x.z, 0, radius};
-  RTCPointQueryContext context;
-  rtcInitPointQueryContext(&context);
   const auto stop_at_first = [](RTCPointQueryFunctionArguments* arguments) {
     *static_cast<bool*>(arguments->userPtr) = true;
     arguments->query->radius = 0;
     return true;
   };
-  rtcPointQuery(top_, &query, &context, stop_at_first, &found);
+  const int looks = moves_ ? kLooksInTime : 1;
+  for (int i = 0; i < looks && !found; ++i) {
+    const float time =
+        moves_ ? static_cast<float>(i) / static_cast<float>(looks - 1) : kShutterCentre;
+    RTCPointQuery query{x.x, x.y, x.z, time, radius};
+    RTCPointQueryContext context;
+    rtcInitPointQueryContext(&context);
+    rtcPointQuery(top_, &query, &context, stop_at_first, &found);
+  }
   return found;
 }
 
@@ -519,7 +574,7 @@ void Scene::fill_surface(const RawHit& hit, const Vec3& direction, Surface& s) c
   Vec3 ng = hit.normal;
   // Blender keeps a mirrored object's front where the mesh's normals, mirrored with it, point.
   s.back = dot(ng, direction) > 0;
-  const Vec3 ns = smooth_normal(s.instance, s.triangle, s.u, s.v);
+  const Vec3 ns = smooth_normal(s.instance, s.triangle, s.u, s.v, hit.time);
   const float len = length(ns);
   s.ns = len > 0 ? ns / len : ng;
   if (s.back) {
@@ -533,7 +588,9 @@ void Scene::fill_surface(const RawHit& hit, const Vec3& direction, Surface& s) c
   s.program = material.program < 0 ? nullptr : &programs[material.program];
 }
 
-Surface Scene::surface_at(uint32_t index, uint32_t triangle, float u, float v, bool back) const {
+Surface Scene::surface_at(uint32_t index, uint32_t triangle, float u, float v, bool back,
+                          float time) const {
+  if (moves(index)) return moving_surface_at(index, triangle, u, v, back, time);
   const Instance& instance = instances[index];
   const Mesh& mesh = meshes[instance.mesh];
   const Triangle& t = mesh.triangles[triangle];

@@ -5,10 +5,12 @@
 #include <embree4/rtcore.h>
 
 #include <memory>
+#include <span>
 #include <string>
 
 #include "bsdf/bsdf.h"
 #include "scene/attributes.h"
+#include "scene/motion.h"
 #include "scene/ray_hits.h"
 #include "scene/surface_tree.h"
 #include "scene/texture.h"
@@ -38,6 +40,7 @@ struct Mesh {
   std::vector<uint16_t> slots;      // per triangle, or empty
   std::vector<MeshAttribute> attributes;
   GeneratedSpace generated;
+  MeshMotion motion;
   Topology topology;
   std::unique_ptr<EdgeTree> edge_tree;
   std::unique_ptr<SurfaceTree> surface_tree;
@@ -50,15 +53,21 @@ struct Mesh {
       if (a.id == id) return &a;
     return nullptr;
   }
+  Vec3 position(uint32_t vertex, float time) const;
+  // Those of a triangle's corners: 3 in a row, `moved` where steps have some. Not of a flat mesh.
+  const Vec3* normals(uint32_t triangle, float time, Vec3 moved[3]) const;
 };
 
 // Light groups are numbers from 0; this is the light of none.
 inline constexpr int16_t kNoLightGroup = -1;
 
 // A mesh that stands once in the scene is held in world coordinates (`shared` false, to_world =
-// identity); others are Embree instances.
+// identity); others are Embree instances, and so is what a transform moves. Of what moves all here
+// is that of the shutter's centre.
 struct Instance {
   uint32_t mesh = 0;
+  int32_t motion = -1;  // into Scene::motions, of to_world; -1: it stays where it is
+  bool moves = false;   // so, or its mesh changes its shape
   bool shared = false;
   // The transform flips the winding; the front stays where Blender has it
   bool mirrored = false;
@@ -89,6 +98,34 @@ struct Surface {
   float distance;
   const MaterialSide* side;
   const Program* program;  // or null: then `side` says it all
+};
+
+// Where an instance is at some time.
+struct Pose {
+  Affine to_world, to_local;
+};
+
+// How a triangle turns on its way from one place to another.
+class Turn {
+ public:
+  Turn(const Vec3 from[3], const Vec3 to[3]) : from_(axes(from)), to_(axes(to)) {}
+  Vec3 operator()(const Vec3& d) const {
+    return to_[0] * dot(from_[0], d) + to_[1] * dot(from_[1], d) + to_[2] * dot(from_[2], d);
+  }
+
+ private:
+  static std::array<Vec3, 3> axes(const Vec3 corner[3]) {
+    const Vec3 x = normalize(corner[1] - corner[0]), z = normalize(cross(x, corner[2] - corner[0]));
+    return {x, cross(z, x), z};
+  }
+  std::array<Vec3, 3> from_, to_;
+};
+
+// A point of a moving surface as it is at the shutter's centre, where photons and points meet.
+struct PlaceAtRest {
+  Vec3 position, ng;  // on the side of the surface it was made of
+  float area;         // of the surface there, over that where it is now
+  Turn turn;          // of directions
 };
 
 // An image of the world, lit by every direction.
@@ -132,6 +169,8 @@ class Scene {
   std::vector<int32_t> slot_materials;
   std::vector<Material> materials;
   std::vector<Texture> textures;
+  std::vector<TransformMotion> motions;
+  Shutter shutter;
   std::vector<Program> programs;
   Rgb world{};  // constant radiance, or the factor of the map
   WorldMap world_map;
@@ -153,13 +192,17 @@ class Scene {
   void add_instance(uint32_t mesh, const std::array<double, 12>& to_world,
                     const std::vector<int32_t>& slot_materials_of_instance);
 
+  // Of the instance added last: its transform at steps of the shutter, an odd number of them,
+  // relative to `origin`; that of add_instance() is in their middle.
+  void set_motion(std::span<const Affine> steps);
+
   // Patches, world-space meshes and the acceleration structure. Stops with Cancelled.
   void build(const CancelFlag& cancel);
 
   // True and fills `surface` when the ray hits something between `near` and `far` that rays of
   // `kinds` see.
   bool intersect(const Vec3& origin, const Vec3& direction, float near, float far, bool coherent,
-                 Surface& surface, RayMask kinds = kAllRays) const;
+                 Surface& surface, RayMask kinds = kAllRays, float time = kShutterCentre) const;
   // The same for `count` <= kPacket incoherent rays from 0 to infinity; bit k of the result tells
   // whether ray k hit.
   static constexpr uint32_t kPacket = 8;
@@ -170,6 +213,7 @@ class Scene {
   struct Rays {
     const float *origin_x, *origin_y, *origin_z, *direction_x, *direction_y, *direction_z;
     const RayMask* kinds = nullptr;  // of each, if not all
+    const float* time = nullptr;     // of each, if not the shutter's centre
     Vec3 direction(uint32_t k) const { return {direction_x[k], direction_y[k], direction_z[k]}; }
   };
   unsigned intersect(const Rays& rays, uint32_t count, RayHits& hits) const;
@@ -177,24 +221,37 @@ class Scene {
   // `out`, their bits returned.
   unsigned plain_surfaces(const RayHits& hits, unsigned which, PlainSurfaces& out) const;
   // One of them as intersect() has it.
-  Surface surface_of(const RayHits& hits, uint32_t k, const Vec3& direction) const;
+  Surface surface_of(const RayHits& hits, uint32_t k, const Vec3& direction,
+                     float time = kShutterCentre) const;
   // The surface at a point of a triangle, as a ray that meets that side head-on would find it.
-  Surface surface_at(uint32_t instance, uint32_t triangle, float u, float v, bool back) const;
+  Surface surface_at(uint32_t instance, uint32_t triangle, float u, float v, bool back,
+                     float time = kShutterCentre) const;
   bool occluded(const Vec3& origin, const Vec3& direction, float near, float far,
-                RayMask kinds = kAllRays) const;
+                RayMask kinds = kAllRays, float time = kShutterCentre) const;
   // The same for `count` <= kPacket rays side by side, from 0 to `far`; bit k of the result is ray
   // k's.
   unsigned occluded_packet(const Vec3* origins, uint32_t count, const Vec3& direction, float far,
                            RayMask kinds = kAllRays) const;
   // Share of light that comes through on the way: 1 where nothing stands, 0 behind what is opaque,
-  // between them what transparent surfaces let pass. `ray` is what programs are told of the ray.
-  // Only instances of the groups `blockers` count.
+  // between them what transparent surfaces let pass. `ray` is what programs are told of the ray,
+  // and says when it is on its way. Only instances of the groups `blockers` count.
   Rgb transmittance(const Vec3& origin, const Vec3& direction, float far, const RayInfo& ray,
                     uint64_t blockers = ~uint64_t{0}) const;
   // The same where there are media: around the origin lie those of `around`.
   Rgb transmittance(const Vec3& origin, const Vec3& direction, float far, const RayInfo& ray,
                     uint64_t blockers, MediumStack around, Random& random) const;
   const Media* media() const { return media_.get(); }  // or null: there are none
+
+  // Whether anything moves while the shutter is open, the camera aside.
+  bool moves() const { return moves_; }
+  bool moves(uint32_t instance) const { return moves_ && instances[instance].moves; }
+  // Of the hits whose bits are set in `which` those on instances that do not.
+  unsigned still(const RayHits& hits, unsigned which) const;
+  Pose pose_at(uint32_t instance, float time) const;
+  // Corners of a triangle in the world.
+  void corners(uint32_t instance, uint32_t triangle, float time, Vec3 corner[3]) const;
+  // Of a surface of an instance that moves, as a ray found it at that time.
+  PlaceAtRest at_rest(const Surface& s, float time) const;
 
   // True when the bounds of some primitive come within `radius` of `x`.
   bool anything_within(const Vec3& x, float radius) const;
@@ -209,7 +266,7 @@ class Scene {
   // That of a point of a triangle of this material, for whoever samples lights: surface_at() is
   // left out where it tells nothing.
   Rgb emission_at(const Material& material, uint32_t instance, uint32_t triangle, float u, float v,
-                  bool back, const Vec3& wo) const;
+                  bool back, const Vec3& wo, float time = kShutterCentre) const;
   // Whether the material lets light through without scattering it, or could (its program knows).
   bool may_be_transparent(const Surface& s) const {
     return s.program && s.program->features & kProgramTransparent;
@@ -230,7 +287,8 @@ class Scene {
   // Whether a hit's mesh is so coarse that shadow rays from below its smooth horizon matter.
   bool bent(const Surface& surface) const;
   // The surface's own place, or one beyond it where its mesh is too coarse for its smooth normals.
-  Vec3 shadow_ray_origin(const Surface& surface, const Vec3& to_light) const;
+  Vec3 shadow_ray_origin(const Surface& surface, const Vec3& to_light,
+                         float time = kShutterCentre) const;
 
   const Bounds& bounds() const { return bounds_; }
   Vec3 center() const { return bounds_.empty() ? Vec3{} : bounds_.center(); }
@@ -251,6 +309,7 @@ class Scene {
     float u, v, distance;
     Vec3 position;
     Vec3 normal;  // unit length, of the front
+    float time = kShutterCentre;
   };
   void fill_surface(const RawHit& hit, const Vec3& direction, Surface& surface) const;
   void intersect_eight(const Rays& rays, uint32_t count, RayHits& hits, uint32_t place) const;
@@ -270,7 +329,16 @@ class Scene {
   };
   void make_lookups();
   void see_limits();
-  Vec3 smooth_normal(uint32_t instance, uint32_t triangle, float u, float v) const;
+  Vec3 smooth_normal(uint32_t instance, uint32_t triangle, float u, float v, float time) const;
+  Surface moving_surface_at(uint32_t instance, uint32_t triangle, float u, float v, bool back,
+                            float time) const;
+  Vec3 moving_normal(uint32_t instance, uint32_t triangle, float u, float v, float time) const;
+  // Of a normal that Embree has found on an instanced mesh.
+  Vec3 normal_from_mesh(uint32_t instance, const Vec3& n, float time) const {
+    if (moves(instance)) return pose_at(instance, time).to_local.transposed_vector(n);
+    return instances[instance].to_local.transposed_vector(n);
+  }
+  void find_moving();
   // Every thread calls `meanwhile` once.
   void commit(RTCScene scene, const CancelFlag& cancel,
               const std::function<void()>& meanwhile = {});
@@ -283,6 +351,7 @@ class Scene {
   // Rays are of these kinds as well: all, where no instance's mask is set
   RayMask any_ray_ = kAllRays;
   bool kinds_differ_ = false, first_kinds_differ_ = false;
+  bool moves_ = false;
   bool packets_ = false;  // this Embree has code for packets of eight
   std::vector<RTCScene> mesh_scenes_;
   std::vector<Lookup> lookups_;  // by instance

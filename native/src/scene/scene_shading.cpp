@@ -37,10 +37,12 @@ void Scene::shade(const Surface& s, const Vec3& wo, const RayInfo& ray, Bsdf& bs
 }
 
 Rgb Scene::emission_at(const Material& material, uint32_t instance, uint32_t triangle, float u,
-                       float v, bool back, const Vec3& wo) const {
+                       float v, bool back, const Vec3& wo, float time) const {
   const MaterialSide& side = back ? material.back : material.front;
   if (material.program < 0 && side.emission_texture < 0) return side.emission;
-  return emission(surface_at(instance, triangle, u, v, back), wo, {RayInfo::kEmission});
+  RayInfo ray{RayInfo::kEmission};
+  ray.time = time;
+  return emission(surface_at(instance, triangle, u, v, back, time), wo, ray);
 }
 
 Rgb Scene::emission(const Surface& s, const Vec3& wo, const RayInfo& ray) const {
@@ -54,7 +56,7 @@ Rgb Scene::emission(const Surface& s, const Vec3& wo, const RayInfo& ray) const 
 Rgb Scene::transmittance(const Vec3& origin, const Vec3& direction, float far, const RayInfo& ray,
                          uint64_t blockers) const {
   constexpr RayMask kShadow = ray_bit(RayInfo::kShadow);
-  if (!blockers || !occluded(origin, direction, 0, far, kShadow)) return {1, 1, 1};
+  if (!blockers || !occluded(origin, direction, 0, far, kShadow, ray.time)) return {1, 1, 1};
   if (!~blockers && !(features_ & kProgramTransparent)) return {};
   Rgb through{1, 1, 1};
   RayInfo info = ray;
@@ -62,7 +64,8 @@ Rgb Scene::transmittance(const Vec3& origin, const Vec3& direction, float far, c
   info.singular = info.through = false;
   info.from = 0;
   Surface s;
-  for (float near = 0; intersect(origin, direction, near, far, false, s, kShadow); near = past(s)) {
+  for (float near = 0; intersect(origin, direction, near, far, false, s, kShadow, ray.time);
+       near = past(s)) {
     if (!(blockers & instances[s.instance].group)) continue;
     if (!may_be_transparent(s)) return {};
     Bsdf bsdf(Transport::kRadiance, -direction, s.ng, s.ns, s.back);
@@ -84,7 +87,7 @@ Rgb Scene::transmittance(const Vec3& origin, const Vec3& direction, float far, c
   Rgb through{1, 1, 1};
   Surface s;
   for (float near = 0, begin = 0;; near = past(s)) {
-    const bool found = intersect(origin, direction, near, far, false, s, kShadow);
+    const bool found = intersect(origin, direction, near, far, false, s, kShadow, ray.time);
     if (found && blockers & instances[s.instance].group) {
       if (!may_be_transparent(s)) return {};
       Bsdf bsdf(Transport::kRadiance, -direction, s.ng, s.ns, s.back);

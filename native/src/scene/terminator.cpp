@@ -33,7 +33,7 @@ bool Scene::bent(const Surface& s) const {
   return dot(s.ng, s.ns) < kStraight && instances[s.instance].terminator_offset > 0;
 }
 
-Vec3 Scene::shadow_ray_origin(const Surface& s, const Vec3& to_light) const {
+Vec3 Scene::shadow_ray_origin(const Surface& s, const Vec3& to_light, float time) const {
   const Lookup& lookup = lookups_[s.instance];
   const Instance& instance = instances[s.instance];
   const float cutoff = instance.terminator_offset;
@@ -45,14 +45,22 @@ Vec3 Scene::shadow_ray_origin(const Surface& s, const Vec3& to_light) const {
   if (!(near > 0)) return s.position;
   const Mesh& mesh = meshes[instance.mesh];
   const Triangle& t = mesh.triangles[s.triangle];
-  const Vec3 vertices[3] = {mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]};
-  const Vec3* const normals = lookup.normals + 3 * static_cast<size_t>(s.triangle);
+  const bool moving = moves(s.instance);
+  const auto vertex = [&](int i) {
+    return moving ? mesh.position(t[i], time) : mesh.positions[t[i]];
+  };
+  const Vec3 vertices[3] = {vertex(0), vertex(1), vertex(2)};
+  Vec3 moved[3];
+  const Vec3* const normals = moving ? mesh.normals(s.triangle, time, moved)
+                                     : lookup.normals + 3 * static_cast<size_t>(s.triangle);
   const float weights[3] = {1 - s.u - s.v, s.u, s.v};
   const bool inwards = s.back != (smooth < 0);
   const float lift = lift_of(vertices, normals, weights, inwards ? -1.0f : 1.0f);
   const Vec3 way = (normals[0] * weights[0] + normals[1] * weights[1] + normals[2] * weights[2]) *
                    (lift * std::min(near, 1.0f));
-  return s.position + (lookup.shared ? instance.to_world.vector(way) : way);
+  if (!lookup.shared) return s.position + way;
+  return s.position +
+         (moving ? pose_at(s.instance, time).to_world : instance.to_world).vector(way);
 }
 
 }  // namespace photon_splat

@@ -2,6 +2,8 @@
 // Each takes the operands of its instruction, `w`, which check_program() has found sound.
 #pragma once
 
+#include <optional>
+
 #include "bsdf/bsdf.h"
 #include "scene/scene.h"
 #include "shading/noise.h"
@@ -40,6 +42,8 @@ struct Frame {
   Vec3 displacement{};  // what Displace gave
   OffsetAxes axes{};
   Vec3 normal_in_object{};
+  // Of an instance that moves: where it is now
+  std::optional<Pose> pose = pose_now();
 
   const float* at(uint32_t word) const {
     return (word & kConstant ? constants : registers) + (word & ~kConstant);
@@ -79,6 +83,7 @@ struct Frame {
   Vec3 undisplaced(const MeshAttribute& positions, const Vec2& at) const;
   Vec3 generated();
   const Mesh& mesh() const { return scene.meshes[scene.instances[point.instance].mesh]; }
+  std::optional<Pose> pose_now() const;
   const Affine& world_to_object() const;  // from coordinates relative to the scene's origin
   Affine object_to_world() const;         // to coordinates relative to the scene's origin
   // Of the mesh at the shifted point; false where it has none.

@@ -26,8 +26,9 @@ Vec3 tangent_of_triangle(const Frame& f, uint32_t uv, float& sign) {
   // A mirrored mesh that stands in world coordinates has its corners in the other order.
   const bool reversed = !shared && determinant(f.object_to_world()) < 0;
   sign = (area < 0) != reversed ? -1.0f : 1.0f;
-  const Vec3 e1 = mesh.positions[t[1]] - mesh.positions[t[0]],
-             e2 = mesh.positions[t[2]] - mesh.positions[t[0]];
+  const float time = f.point.ray.time;
+  const Vec3 first = mesh.position(t[0], time), e1 = mesh.position(t[1], time) - first,
+             e2 = mesh.position(t[2], time) - first;
   const Vec3 direction = (e1 * v2 - e2 * v1) * (area < 0 ? -1.0f : 1.0f);
   return shared ? direction : f.world_to_object().vector(direction);
 }
@@ -48,7 +49,8 @@ Vec3 front_normal_in_object(const Frame& f) {
   const Mesh& mesh = f.mesh();
   if (mesh.corner_normals.empty())
     return f.normal_to_object(f.point.back ? -f.point.ng : f.point.ng);
-  const Vec3* n = &mesh.corner_normals[3 * static_cast<size_t>(f.point.triangle)];
+  Vec3 moved[3];
+  const Vec3* n = mesh.normals(f.point.triangle, f.point.ray.time, moved);
   const bool shared = f.scene.instances[f.point.instance].shared;
   const auto own = [&](int k) { return shared ? n[k] : f.normal_to_object(n[k]); };
   return own(0) * (1 - f.point.u - f.point.v) + own(1) * f.point.u + own(2) * f.point.v;
@@ -62,12 +64,7 @@ Vec3 across(const Frame& f, const Vec3& tangent_in_object) {
 }  // namespace
 
 void Frame::corners(Vec3* corner) const {
-  const Mesh& m = mesh();
-  const Instance& instance = scene.instances[point.instance];
-  for (int k = 0; k < 3; ++k) {
-    corner[k] = m.positions[m.triangles[point.triangle][k]];
-    if (instance.shared) corner[k] = instance.to_world.point(corner[k]);
-  }
+  scene.corners(point.instance, point.triangle, point.ray.time, corner);
 }
 
 const OffsetAxes& Frame::offset_axes() {

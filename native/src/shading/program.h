@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "math/sampling.h"
+#include "scene/motion.h"
 
 namespace photon_splat {
 
@@ -53,6 +54,7 @@ struct RayInfo {
   float from = 0;  // where it began to see, m: the camera's clipping, as in Cycles
   // Width of a camera sample where it meets something, m: how far apart Bump looks; 0: not known
   float footprint = 0;
+  float time = kShutterCentre;  // of all of its path
   uint16_t depth = 0, diffuse_depth = 0, glossy_depth = 0, transmission_depth = 0,
            transparent_depth = 0;
 

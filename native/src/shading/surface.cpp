@@ -14,10 +14,12 @@ Vec3 shifted_normal(Frame& f) {
   if (!f.is_on_surface() || f.mesh().corner_normals.empty()) return f.normal();
   const auto [u, v] = f.uv_there();
   if (u == f.point.u && v == f.point.v) return f.normal();
-  const Vec3* n = &f.mesh().corner_normals[3 * static_cast<size_t>(f.point.triangle)];
+  Vec3 moved[3];
+  const Vec3* n = f.mesh().normals(f.point.triangle, f.point.ray.time, moved);
   Vec3 world = n[0] * (1 - u - v) + n[1] * u + n[2] * v;
   const Instance& instance = f.scene.instances[f.point.instance];
-  if (instance.shared) world = instance.to_local.transposed_vector(world);
+  if (instance.shared)
+    world = (f.pose ? f.pose->to_local : instance.to_local).transposed_vector(world);
   const float l = length(world);
   if (!(l > 0)) return f.normal();
   return world * ((f.point.back ? -1.0f : 1.0f) / l);
@@ -101,15 +103,23 @@ void set_attribute(Frame& f, const uint32_t* w, const std::array<float, 4>& a,
 
 }  // namespace
 
+std::optional<Pose> Frame::pose_now() const {
+  if (!is_on_mesh() || !scene.moves(point.instance) || scene.instances[point.instance].motion < 0)
+    return std::nullopt;
+  return scene.pose_at(point.instance, point.ray.time);
+}
+
 const Affine& Frame::world_to_object() const {
   static const Affine identity;
   if (point.lamp) return point.lamp->to_local;
+  if (pose) return pose->to_local;
   return point.instance < scene.world_to_object.size() ? scene.world_to_object[point.instance]
                                                        : identity;
 }
 
 Affine Frame::object_to_world() const {
   if (point.lamp) return point.lamp->to_world;
+  if (pose) return pose->to_world;
   Affine m;
   const auto& exact = scene.instances[point.instance].exact;
   for (size_t i = 0; i < 12; ++i) m.m[i] = static_cast<float>(exact[i]);
@@ -160,6 +170,13 @@ Vec3 Frame::generated() {
   uint32_t components;
   if (attribute(kGeneratedAttribute, own, components)) return {own[0], own[1], own[2]};
   const GeneratedSpace& space = mesh().generated;
+  if (is_on_surface() && mesh().motion.steps()) {  // they do not change with the shape
+    Vec3 c[3];
+    const Vec2 at = uv_there();
+    scene.corners(point.instance, point.triangle, kShutterCentre, c);
+    const Vec3 x = c[0] * (1 - at.x - at.y) + c[1] * at.x + c[2] * at.y;
+    return scene.world_to_object[point.instance].point(x) * space.scale + space.offset;
+  }
   return object_position() * space.scale + space.offset;
 }
 

@@ -163,7 +163,7 @@ TEST_CASE("many lamps: rays and light samples share them to the full") {
     }
     const Vec3 d = sample_cosine_hemisphere(sobol_2d(i, 2, 3));
     if (!(d.z > 0)) continue;
-    by_ray += all.lamps_seen(to.x, d, 0, INFINITY).x * kPi;
+    by_ray += all.lamps_seen(to.x, d, 0, INFINITY, kShutterCentre).x * kPi;
     shared += all.lamps_met(to, d, 0, INFINITY, d.z / kPi).x * kPi;
   }
   CHECK(by_light / count == doctest::Approx(by_ray / count).epsilon(0.03));

@@ -143,11 +143,9 @@ def test_a_camera_of_a_type_that_nobody_knows() -> None:
 
 @in_blender
 def test_what_a_camera_cannot_do_yet_is_named() -> None:
-    stage.scene().render.use_motion_blur = True
     stage.scene().render.use_multiview = True
     stage.camera()
     assert stage.exported().warnings == [
-        "Motion blur is not supported yet; everything stands still",
         "Stereoscopy is not supported yet; all views are the same",
     ]
 

@@ -41,7 +41,7 @@ def _save_scenes(folder: str) -> None:
     scene = stage.room(pixels=24, passes=4, photons=3000)
     stage.plane("Lamp shade", 0.5, location=(1, 1, 1))
     save("room")
-    stage.scene().render.use_motion_blur = True
+    stage.portal()
     scene.view_layers.new("Second")
     scene.render.use_border = True
     (
@@ -403,10 +403,7 @@ def test_options_have_the_last_word(scenes: Path, tmp_path: Path) -> None:
 def test_border_layers_and_warnings(scenes: Path, tmp_path: Path) -> None:
     status, errors = _render(tmp_path, scenes / "border.blend", "-o", "out.exr")
     assert status == 0
-    assert (
-        "photon-splat: warning: Motion blur is not supported yet; everything stands still\n"
-        in errors
-    )
+    assert "photon-splat: warning: Light portals are not supported; left out: 'Portal'\n" in errors
     spec, _ = _picture(tmp_path / "out.exr")
     assert (spec.x, spec.y, spec.width, spec.height) == (6, 6, 12, 6)
     assert (spec.full_x, spec.full_y, spec.full_width, spec.full_height) == (0, 0, 24, 24)

@@ -624,12 +624,12 @@ def test_the_last_render_is_told_in_the_panel() -> None:
     from photon_splat.blender.panels import report
 
     stage.room()
-    stage.scene().render.use_motion_blur = True
+    stage.portal()
     # passes have as many photons
     job.observer.settings = lambda own: replace(own, adaptive_samples=False, fallback=False)
     bpy.ops.render.render()
     last = job.last_renders["Scene"]
-    assert "Motion blur" in last.warnings[0]
+    assert "Light portals" in last.warnings[0]
     lines = list(report.statistics_lines(last.statistics))
     assert lines[0].startswith("2 passes in ")
     assert any(line.startswith("4,000 photons traced, ") for line in lines)

@@ -49,11 +49,11 @@ def _draw(panel: Any) -> list[str]:
 
 
 def _panels() -> list[Any]:
-    from photon_splat.blender.panels import render, report, view_layer
+    from photon_splat.blender.panels import motion, render, report, view_layer
 
     return [
         cls
-        for part in (render, view_layer, report)
+        for part in (render, motion, view_layer, report)
         for cls in part.CLASSES
         if "_PT_" in cls.__name__
     ]
@@ -68,11 +68,11 @@ def test_every_panel_draws_before_and_after_a_render() -> None:
     stage.world(0.5)
     before = {panel.__name__: _draw(panel) for panel in _panels()}
     assert before["PHOTON_SPLAT_PT_last_render"] == []
-    stage.scene().render.use_motion_blur = True
+    stage.portal()
     bpy.ops.render.render()
     after = {panel.__name__: _draw(panel) for panel in _panels()}
     assert after["PHOTON_SPLAT_PT_last_render"][0].startswith("2 passes in ")
-    assert "Motion blur" in " ".join(after["PHOTON_SPLAT_PT_approximations"])
+    assert "Light portals" in " ".join(after["PHOTON_SPLAT_PT_approximations"])
     shown = {name for panel in after.values() for name in panel}
     hidden = {"rna_type", "name"}
     for group in (stage.scene().photon_splat, bpy.context.view_layer.photon_splat):
@@ -159,7 +159,7 @@ def test_a_click_on_a_warning_selects_what_it_names() -> None:
     ]
     assert bpy.ops.photon_splat.select(name="Other") == {"FINISHED"}
     assert bpy.context.view_layer.objects.active == other
-    assert report.named("Motion blur is not supported yet; everything stands still") == []
+    assert report.named("Stereoscopy is not supported yet; all views are the same") == []
     assert bpy.ops.photon_splat.select(name="Odd\nOther") == {"FINISHED"}
     assert {ob.name for ob in bpy.context.selected_objects} == {one.name, other.name}
     assert bpy.context.view_layer.objects.active == one
@@ -202,7 +202,7 @@ def test_all_warnings_are_shown_one_a_kind_and_lead_to_all_they_name() -> None:
     from photon_splat.blender import job
 
     scene = stage.room()
-    scene.render.use_motion_blur = True
+    scene.render.use_multiview = True
     for k in range(4):
         thing = stage.plane(f"Thing {k}")
         shade, tree = stage.empty_material(f"Photo {k}")
@@ -217,7 +217,7 @@ def test_all_warnings_are_shown_one_a_kind_and_lead_to_all_they_name() -> None:
     bpy.ops.render.render()
     first, second = job.last_renders[scene.name].warnings
     assert "cannot be read; shown in pink; likewise Material 'Photo " in first
-    assert second == "Motion blur is not supported yet; everything stands still"
+    assert second == "Stereoscopy is not supported yet; all views are the same"
     panel = next(cls for cls in _panels() if cls.__name__ == "PHOTON_SPLAT_PT_approximations")
     assert _draw(panel).count("photon_splat.select") == 1
     from photon_splat.blender.panels import report

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "math/sampling.h"
+#include "scene/motion.h"
 
 namespace photon_splat {
 
@@ -15,6 +16,7 @@ struct EmissionPrimary {
   Vec2 pick;  // of the emitter (x) and of its triangle (y)
   Vec2 place, way;
   float weight = 1;  // one over the density relative to unguided emission
+  float time = kShutterCentre;
 };
 
 // A histogram over the hypercube of each emitter. Cells are drawn with density ~ sqrt(mean useful

@@ -127,7 +127,7 @@ void PhotonEmitter::weigh_mesh(const Emitter& e, const MeshPoint& p, Draft& draf
   start.power = {};
   if (!(draft.natural > 0)) return;
   start.origin = p.position + (on_back ? -t.normal : t.normal) * ray_epsilon(p.position, 0);
-  start.power = emission_of(scene_, e.instance, t, p.u, p.v, on_back, start.direction) *
+  start.power = emission_of(scene_, e.instance, t, p.u, p.v, on_back, start.direction, start.time) *
                 (kPi / (t.pdf * side_share));
 }
 
@@ -147,22 +147,24 @@ void PhotonEmitter::weigh_parallel(Draft& draft) const {
   draft.start.power = draft.flux * area;
 }
 
-PhotonEmitter::Draft PhotonEmitter::natural_draft(uint32_t index, const Vec2& pick,
-                                                  const Vec2& place, const Vec2& way) const {
+PhotonEmitter::Draft PhotonEmitter::natural_draft(const EmissionPrimary& primary) const {
+  const auto& [index, pick, place, way, weight, time] = primary;
   Draft draft;
   if (index == emitters_.size()) {
-    draft.start = emit_world(place, way);
+    draft.start = emit_world(place, way, time);
     cross_scene(draft);
     return draft;
   }
   const Emitter& e = emitters_[index];
   if (e.lamp < 0) {
-    draft.start = emit_mesh_light(scene_, e.mesh, e.instance, pick.y, place, way);
-    weigh_mesh(e, e.mesh.point_at(pick.y, place), draft);
+    draft.start = emit_mesh_light(scene_, e.mesh, e.instance, pick.y, place, way, time);
+    draft.start.time = time;
+    EmissiveTriangle moved;
+    weigh_mesh(e, e.mesh.point_at(scene_, e.instance, pick.y, place, time, moved), draft);
     return draft;
   }
   const Lamp& lamp = lamps_[e.lamp];
-  draft.start = emit_lamp(lamp, pick.y, place, way);
+  draft.start = emit_lamp(lamp, pick.y, place, way, time);
   draft.inside = lamp.holds_geometry && pick.y < 0.5f;
   if (lamp.s.kind == LampKind::kSun) {
     cross_scene(draft);
@@ -178,10 +180,10 @@ PhotonEmitter::Draft PhotonEmitter::natural_draft(uint32_t index, const Vec2& pi
 
 // Starts as natural emission does, and then goes to the target instead where it can be seen from
 // there.
-PhotonEmitter::Draft PhotonEmitter::aimed_draft(uint32_t index, const EmissionTargets::Sphere& t,
-                                                const Vec2& pick, const Vec2& place,
-                                                const Vec2& way) const {
-  Draft draft = natural_draft(index, pick, place, way);
+PhotonEmitter::Draft PhotonEmitter::aimed_draft(const EmissionPrimary& primary,
+                                                const EmissionTargets::Sphere& t) const {
+  const auto& [index, pick, place, way, weight, time] = primary;
+  Draft draft = natural_draft(primary);
   PhotonStart& start = draft.start;
   if (draft.sort == Draft::kPoint) {
     const Vec3 to = t.center - start.origin;
@@ -189,10 +191,11 @@ PhotonEmitter::Draft PhotonEmitter::aimed_draft(uint32_t index, const EmissionTa
     if (d2 <= r2) return draft;
     start.direction = Basis(to / std::sqrt(d2)).to_world(sample_cone(way, cone_of(r2, d2)));
     const Emitter& e = emitters_[index];
+    EmissiveTriangle moved;
     if (e.lamp >= 0)
       weigh_lamp(lamps_[e.lamp], draft);
     else
-      weigh_mesh(e, e.mesh.point_at(pick.y, place), draft);
+      weigh_mesh(e, e.mesh.point_at(scene_, e.instance, pick.y, place, time, moved), draft);
     return draft;
   }
   const Lamp* lamp = draft.sort == Draft::kLines ? &lamps_[emitters_[index].lamp] : nullptr;
@@ -214,7 +217,7 @@ PhotonEmitter::Draft PhotonEmitter::aimed_draft(uint32_t index, const EmissionTa
     const Vec3 across = draft.center + draft.offset,
                through = across + start.direction * dot(t.center - across, start.direction);
     start.origin = parallel_origin(start.direction, through,
-                                   across - start.direction * draft.radius, t.radius);
+                                   across - start.direction * draft.radius, t.radius, time);
     return draft;
   }
   if (depth2 < 0) start.power = {};  // natural emission leaves that dark
@@ -256,8 +259,10 @@ float PhotonEmitter::aimed_density(const Draft& draft, const EmissionTargets::Sp
 // lie twice as far off brings a quarter of the light to what is near.
 PhotonStart PhotonEmitter::emit_nearby(const EmissionPrimary& p) const {
   const Emitter& e = emitters_[p.emitter];
+  EmissiveTriangle moved;
   const Vec3 from =
-      e.lamp >= 0 ? lamps_[e.lamp].center : e.mesh.point_at(p.pick.y, p.place).position;
+      e.lamp >= 0 ? lamps_[e.lamp].center
+                  : e.mesh.point_at(scene_, e.instance, p.pick.y, p.place, p.time, moved).position;
   const int spheres = near_spheres(scene_, length(from));
   Vec2 way = p.way;
   // Of as many equal chances the first third goes to the smallest sphere, beside its own one.
@@ -271,8 +276,9 @@ PhotonStart PhotonEmitter::emit_nearby(const EmissionPrimary& p) const {
     s.radius = near_sphere(scene_, k);
     return s;
   };
-  Draft draft = own < spheres ? aimed_draft(p.emitter, sphere(own), p.pick, p.place, way)
-                              : natural_draft(p.emitter, p.pick, p.place, way);
+  EmissionPrimary drawn = p;
+  drawn.way = way;
+  Draft draft = own < spheres ? aimed_draft(drawn, sphere(own)) : natural_draft(drawn);
   float density = draft.natural;
   for (int k = 0; k < spheres; ++k)
     density += static_cast<float>(k ? 1 : 1 + more) * aimed_density(draft, sphere(k), k == own);
@@ -281,18 +287,19 @@ PhotonStart PhotonEmitter::emit_nearby(const EmissionPrimary& p) const {
   if (spheres)
     start_nearby(
         draft.start.origin - draft.start.direction * dot(draft.start.origin, draft.start.direction),
-        draft.start);
+        p.time, draft.start);
   return finished(draft.start, p);
 }
 
 // A place millions of metres away is known to a few centimetres. Where nothing stands before it,
 // the way begins near its end, at `across` from the origin.
-void PhotonEmitter::start_nearby(const Vec3& across, PhotonStart& start) const {
+void PhotonEmitter::start_nearby(const Vec3& across, float time, PhotonStart& start) const {
   if (!start.plain() || !(max_abs(start.power) > 0)) return;
   const float ahead = 2 * std::max(near_sphere(scene_, 0), length(across)),
               before = -dot(start.origin, start.direction) - ahead;
   const Vec3 origin = across - start.direction * ahead;
-  if (before > 0 && !scene_.occluded(origin, -start.direction, 0, before * (1 - 1e-5f)))
+  if (before > 0 &&
+      !scene_.occluded(origin, -start.direction, 0, before * (1 - 1e-5f), kAllRays, time))
     start.origin = origin;
 }
 
@@ -379,9 +386,8 @@ PhotonStart PhotonEmitter::emit_towards(const EmissionTargets& targets, uint64_t
     aim = static_cast<int32_t>(std::min(at, targets.pairs_.size() - 1));
     p.emitter = targets.pairs_[aim].emitter;
   }
-  Draft draft = aim < 0 ? natural_draft(p.emitter, p.pick, p.place, p.way)
-                        : aimed_draft(p.emitter, targets.spheres_[targets.pairs_[aim].target],
-                                      p.pick, p.place, p.way);
+  Draft draft =
+      aim < 0 ? natural_draft(p) : aimed_draft(p, targets.spheres_[targets.pairs_[aim].target]);
   const double power = p.emitter == emitters_.size() ? world_power_ : emitters_[p.emitter].power;
   double density = natural_share * power / total_power_ * draft.natural;
   if (!targets.pairs_.empty())
@@ -392,6 +398,7 @@ PhotonStart PhotonEmitter::emit_towards(const EmissionTargets& targets, uint64_t
     }
   draft.start.power *= density > 0 ? static_cast<float>(draft.natural / density) : 0.0f;
   draft.start.aim = aim;
+  draft.start.time = p.time;
   draft.start.light_group = scene_.world_light_group;
   draft.start.seen_by = as_scattered(scene_.world_seen_by);
   if (p.emitter < emitters_.size()) {

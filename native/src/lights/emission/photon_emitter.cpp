@@ -22,16 +22,17 @@ constexpr uint32_t whole_vectors(uint32_t count) { return (count + 15) & ~15u; }
 // From far outside of a scene that is huge against what is seen nothing could be hit precisely:
 // unless something far off stands in the way, the path starts nearer.
 Vec3 PhotonEmitter::parallel_origin(const Vec3& direction, const Vec3& through, const Vec3& outside,
-                                    float width) const {
+                                    float width, float time) const {
   if (!discs_.focused() || discs_.radius() < kHugeScene * width) return outside;
   const Vec3 near = through - direction * (kStartsAt * width);
-  return scene_.occluded(near, -direction, 0, INFINITY) ? outside : near;
+  return scene_.occluded(near, -direction, 0, INFINITY, kAllRays, time) ? outside : near;
 }
 
-PhotonStart PhotonEmitter::emit_parallel(const Vec3& direction, const Vec2& place) const {
+PhotonStart PhotonEmitter::emit_parallel(const Vec3& direction, const Vec2& place,
+                                         float time) const {
   const EmissionDiscs::Place from = discs_.sample(direction, place);
   PhotonStart start;
-  start.origin = parallel_origin(direction, from.through, from.outside, from.width);
+  start.origin = parallel_origin(direction, from.through, from.outside, from.width, time);
   start.direction = direction;
   start.from_afar = true;
   const float area = discs_.area(direction, from.through);
@@ -39,20 +40,20 @@ PhotonStart PhotonEmitter::emit_parallel(const Vec3& direction, const Vec2& plac
   return start;
 }
 
-PhotonStart PhotonEmitter::emit_world(const Vec2& place, const Vec2& way) const {
+PhotonStart PhotonEmitter::emit_world(const Vec2& place, const Vec2& way, float time) const {
   const Environment::Sample s = environment_.sample(way);
-  PhotonStart start = emit_parallel(-s.direction, place);
+  PhotonStart start = emit_parallel(-s.direction, place, time);
   start.power *= s.pdf > 0 ? environment_.radiance(s.direction) / s.pdf : Rgb{};
   start.asks_ray = environment_.asks_ray();
   return start;
 }
 
 PhotonStart PhotonEmitter::emit_lamp(const Lamp& lamp, float coin, const Vec2& place,
-                                     const Vec2& way) const {
+                                     const Vec2& way, float time) const {
   if (lamp.s.kind == LampKind::kArea) return emit_area_lamp(lamp, place, way);
   if (lamp.s.kind != LampKind::kSun) return emit_point_lamp(lamp, coin, place, way);
-  PhotonStart start =
-      emit_parallel(Basis(lamp.forward).to_world(sample_cone(way, lamp.one_minus_cos)), place);
+  PhotonStart start = emit_parallel(
+      Basis(lamp.forward).to_world(sample_cone(way, lamp.one_minus_cos)), place, time);
   start.power *=
       lamp.one_minus_cos > 0 ? lamp.radiance * (2 * kPi * lamp.one_minus_cos) : lamp.intensity;
   return start;
@@ -72,8 +73,12 @@ void PhotonEmitter::primaries(uint64_t first, uint32_t count, uint32_t seed,
   photon_numbers(PhotonDimension::kPlace, key).fill(low, count, place);
   photon_numbers(PhotonDimension::kDirection, key).fill(low, count, way);
   if (guide) photon_numbers(PhotonDimension::kGuide, key).fill(low, count, again);
+  SobolPair::Run when;
+  const bool moves = scene_.moves();
+  if (moves) photon_numbers(PhotonDimension::kTime, key).fill(low, count, when);
   for (uint32_t i = 0; i < count; ++i) {
     EmissionPrimary& p = out[i] = {0, pick[i], place[i], way[i]};
+    if (moves) p.time = scene_.shutter.time(when.x[i], when.y[i]);
     if (guide) {
       guide->warp(p, {p.pick.x, again.x[i]});
       continue;
@@ -90,11 +95,12 @@ PhotonStart PhotonEmitter::emit(const EmissionPrimary& p) const {
   if (scene_.has_far_things() && !parallel) return emit_nearby(p);
   PhotonStart start;
   if (p.emitter == emitters_.size()) {
-    start = emit_world(p.place, p.way);
+    start = emit_world(p.place, p.way, p.time);
   } else {
     const Emitter& e = emitters_[p.emitter];
-    start = e.lamp >= 0 ? emit_lamp(lamps_[e.lamp], p.pick.y, p.place, p.way)
-                        : emit_mesh_light(scene_, e.mesh, e.instance, p.pick.y, p.place, p.way);
+    start = e.lamp >= 0
+                ? emit_lamp(lamps_[e.lamp], p.pick.y, p.place, p.way, p.time)
+                : emit_mesh_light(scene_, e.mesh, e.instance, p.pick.y, p.place, p.way, p.time);
   }
   return finished(start, p);
 }
@@ -143,6 +149,7 @@ PhotonStart& PhotonEmitter::finished(PhotonStart& start, const EmissionPrimary& 
     if (e.exact) start_exactly(p.emitter, start);
   }
   start.power *= over_share * p.weight;
+  start.time = p.time;
   return start;
 }
 
@@ -154,9 +161,10 @@ void PhotonEmitter::emit(const EmissionPrimary* primaries, uint32_t count, Photo
     const Emitter* e = plain && p.emitter < emitters_.size() && !emitters_[p.emitter].exact
                            ? &emitters_[p.emitter]
                            : nullptr;
-    if (e && e->lamp < 0)
+    if (e && e->lamp < 0 && !scene_.moves(e->instance))
       meshes[mesh_count++] = i;
-    else if (e && lamps_[e->lamp].s.kind == LampKind::kArea && lamps_[e->lamp].angle_cdf.empty())
+    else if (e && e->lamp >= 0 && lamps_[e->lamp].s.kind == LampKind::kArea &&
+             lamps_[e->lamp].angle_cdf.empty())
       areas[area_count++] = i;
     else
       out[i] = emit(p);
@@ -217,9 +225,9 @@ void PhotonEmitter::emit_meshes(const EmissionPrimary* primaries, const uint32_t
     PhotonStart& start = out[which[k]] = PhotonStart{};
     start.origin = places.at(k);
     start.direction = ways.at(k);
-    start.power =
-        emission_of(scene_, emitter(k).instance, t, u[k], v[k], back[k], start.direction) *
-        (kPi / (t.pdf * (back[k] ? 1 - t.front_share : t.front_share)));
+    start.power = emission_of(scene_, emitter(k).instance, t, u[k], v[k], back[k], start.direction,
+                              kShutterCentre) *
+                  (kPi / (t.pdf * (back[k] ? 1 - t.front_share : t.front_share)));
     finished(start, primaries[which[k]]);
   }
 }

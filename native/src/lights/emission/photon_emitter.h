@@ -55,7 +55,8 @@ class PhotonEmitter {
   PhotonStart emit_towards(const EmissionTargets& targets, uint64_t index, uint32_t seed) const;
   // Of one lamp, its program aside. coin: whether a photon of a spherical lamp that holds things
   // starts inside.
-  PhotonStart emit_lamp(const Lamp& lamp, float coin, const Vec2& place, const Vec2& way) const;
+  PhotonStart emit_lamp(const Lamp& lamp, float coin, const Vec2& place, const Vec2& way,
+                        float time = kShutterCentre) const;
 
  private:
   void start_exactly(uint32_t emitter, PhotonStart& start) const;
@@ -67,21 +68,20 @@ class PhotonEmitter {
                   PhotonStart* out) const;
   // A photon that is not weighted yet, and what its weight is made of: photon_aiming.cpp.
   struct Draft;
-  Draft natural_draft(uint32_t emitter, const Vec2& pick, const Vec2& place, const Vec2& way) const;
-  Draft aimed_draft(uint32_t emitter, const EmissionTargets::Sphere& target, const Vec2& pick,
-                    const Vec2& place, const Vec2& way) const;
+  Draft natural_draft(const EmissionPrimary& primary) const;
+  Draft aimed_draft(const EmissionPrimary& primary, const EmissionTargets::Sphere& target) const;
   void cross_scene(Draft& draft) const;
   void weigh_parallel(Draft& draft) const;
   void weigh_lamp(const Lamp& lamp, Draft& draft) const;
   void weigh_mesh(const Emitter& e, const MeshPoint& point, Draft& draft) const;
   float aimed_density(const Draft& draft, const EmissionTargets::Sphere& target, bool own) const;
   double flux_between(uint32_t emitter, const EmissionTargets::Sphere& target) const;
-  PhotonStart emit_parallel(const Vec3& direction, const Vec2& place) const;
-  PhotonStart emit_world(const Vec2& place, const Vec2& way) const;
-  Vec3 parallel_origin(const Vec3& direction, const Vec3& through, const Vec3& outside,
-                       float width) const;
+  PhotonStart emit_parallel(const Vec3& direction, const Vec2& place, float time) const;
+  PhotonStart emit_world(const Vec2& place, const Vec2& way, float time) const;
+  Vec3 parallel_origin(const Vec3& direction, const Vec3& through, const Vec3& outside, float width,
+                       float time) const;
   PhotonStart emit_nearby(const EmissionPrimary& primary) const;
-  void start_nearby(const Vec3& across, PhotonStart& start) const;
+  void start_nearby(const Vec3& across, float time, PhotonStart& start) const;
 
   const Scene& scene_;
   const Environment& environment_;

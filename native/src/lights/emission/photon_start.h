@@ -31,6 +31,7 @@ struct PhotonStart {
   // Of a world: `power` lacks Environment::share() of the ray that sees it
   bool asks_ray = false;
   bool from_afar = false;  // of a sun or the world
+  float time = kShutterCentre;
 
   // Whether it lights and is stopped by whatever it meets, as it is.
   bool plain() const {

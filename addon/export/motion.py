@@ -1,0 +1,323 @@
+"""Motion blur: the dependency graph at other times, and what has moved there, as Cycles does it.
+
+Blender's scene goes from time to time while the shutter is open, and back in any case.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field, fields, replace
+from math import floor
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..core.scene import Mesh, Scene
+from ..core.scene.motion import CameraMotion, MeshMotion, Shutter
+from .arrays import read
+from .camera import camera_matrix
+from .instance_attributes import NO_LEVEL
+from .kept import identity
+from .mesh import sound_triangles
+from .report import Report
+
+FrameSet = Callable[[int, float], None]
+"""Takes Blender's scene, and the dependency graph that is exported, to a frame and a subframe."""
+
+MOST_STEPS = 129
+CURVE_POINTS = 257
+ROLLING = "TOP"
+NOT_ROLLING = -1.0
+
+
+@dataclass(slots=True)
+class Blur:
+    """The settings of a scene, times in frames: `centre` of the opening after the frame itself."""
+
+    shutter: float
+    centre: float
+    rolling: float
+
+
+def blur_of(depsgraph: Any) -> Blur | None:
+    """None: nothing is blurred."""
+    scene = depsgraph.scene_eval
+    render, cycles = scene.render, getattr(scene, "cycles", None)
+    if not render.use_motion_blur or not getattr(
+        depsgraph.view_layer_eval, "use_motion_blur", True
+    ):
+        return None
+    shutter = max(float(render.motion_blur_shutter), 0.0)
+    # before Blender 4.2 a property of Cycles
+    position = getattr(
+        render, "motion_blur_position", getattr(cycles, "motion_blur_position", "CENTER")
+    )
+    centre = {"START": 0.5, "END": -0.5}.get(position, 0.0) * shutter
+    rolling = NOT_ROLLING
+    if cycles is not None and cycles.rolling_shutter_type == ROLLING:
+        rolling = float(cycles.rolling_shutter_duration)
+    return Blur(shutter, centre, rolling)
+
+
+def shutter_curve(render: Any) -> NDArray[np.float32]:
+    """How far the shutter is open at equal steps, of original settings."""
+    mapping = render.motion_blur_shutter_curve
+    mapping.initialize()
+    curve = mapping.curves[0]
+    return np.array(
+        [mapping.evaluate(curve, i / (CURVE_POINTS - 1)) for i in range(CURVE_POINTS)], np.float32
+    )
+
+
+@contextmanager
+def other_times(depsgraph: Any, frame_set: FrameSet) -> Iterator[Callable[[float], None]]:
+    """Gives a function that goes to a time, in frames after the present one; returns at the end,
+    however that comes.
+    """
+    scene = depsgraph.scene
+    frame, subframe = int(scene.frame_current), float(scene.frame_subframe)
+    moved = False
+
+    def go(after: float) -> None:
+        nonlocal moved
+        time = frame + subframe + after
+        moved = True
+        frame_set(floor(time), time - floor(time))
+
+    try:
+        yield go
+    finally:
+        if moved:
+            frame_set(frame, subframe)
+
+
+Key = tuple[int, ...]
+
+
+def key_of(instance: Any) -> Key:
+    """What an instance of the graph has in common with itself at other times."""
+    own = identity(instance.object)
+    if not instance.is_instance:
+        return (own,)
+    levels = (number for number in instance.persistent_id if number != NO_LEVEL)
+    return (own, identity(instance.parent), *levels)
+
+
+def steps_of(ob: Any, parent: Any = None) -> int:
+    """At how many steps Cycles looks at an object while the shutter is open; 0: it stands still."""
+    asked = [getattr(one, "cycles", None) for one in (ob, parent) if one is not None]
+    if not all(getattr(one, "use_motion_blur", True) for one in asked):
+        return 0
+    most = max([1, *(int(getattr(one, "motion_steps", 1)) for one in asked)])
+    return min((2 << (most - 1)) + 1, MOST_STEPS)
+
+
+def times_of(steps: int) -> list[float]:
+    """-1 where the shutter opens, 1 where it closes."""
+    return [2.0 * step / (steps - 1) - 1.0 for step in range(steps)]
+
+
+@dataclass(slots=True)
+class _Placed:
+    row: int
+    steps: int
+    vanishes: bool  # a particle is there as long as all steps know it
+    matrices: dict[float, NDArray[np.float64]] = field(default_factory=dict)
+
+
+@dataclass(slots=True)
+class _Shape:
+    """A mesh that may change its shape. corners: loops of its triangles, where normals are
+    theirs.
+    """
+
+    name: str
+    steps: int
+    mesh: Mesh
+    corners: NDArray[np.int32] | None
+    rows: list[int]
+    positions: dict[float, NDArray[np.float32]] = field(default_factory=dict)
+    normals: dict[float, NDArray[np.float32]] = field(default_factory=dict)
+
+
+class Moving:
+    """What may move of the instances of one export, found at the shutter's centre, looked at again
+    at other times.
+    """
+
+    def __init__(self, depsgraph: Any, blur: Blur, report: Report) -> None:
+        self._scene, self._blur, self._report = depsgraph.scene, blur, report
+        self._placed: dict[Key, _Placed] = {}
+        self._shapes: dict[Key, _Shape] = {}
+        self._shape_of: dict[int, _Shape | None] = {}
+        self._camera: dict[float, tuple[NDArray[np.float64], float]] = {}
+        self._camera_steps = 0
+
+    def add(self, instance: Any, row: int, mesh: Mesh, flat: bool) -> None:
+        """An instance that has become `row`; `mesh` as it is before displacement."""
+        ob = instance.object
+        parent = instance.parent if instance.is_instance else None
+        steps = steps_of(ob, parent)
+        if not steps:
+            return
+        if flat:
+            self._report.warn(
+                "Motion blur: objects that their scale flattens stand still: {}", ob.name
+            )
+            return
+        key = key_of(instance)
+        vanishes = instance.is_instance and instance.particle_system is not None
+        self._placed[key] = _Placed(row, steps, vanishes)
+        shape = self._shape(key, ob, parent, steps, mesh)
+        if shape is not None:
+            shape.rows.append(row)
+
+    def _shape(self, key: Key, ob: Any, parent: Any, steps: int, mesh: Mesh) -> _Shape | None:
+        if id(mesh) in self._shape_of:
+            return self._shape_of[id(mesh)]
+        asked = [getattr(one, "cycles", None) for one in (ob, parent) if one is not None]
+        shape = None
+        if all(getattr(one, "use_deform_motion", True) for one in asked) and ob.is_deform_modified(
+            self._scene, "RENDER"
+        ):
+            corners = None
+            if mesh.corner_normals is not None:
+                found = sound_triangles(ob.data, ob.name, Report())
+                corners = None if found is None else np.array(found.corners)
+            shape = self._shapes[key] = _Shape(ob.name, steps, mesh, corners, [])
+        self._shape_of[id(mesh)] = shape
+        return shape
+
+    def add_camera(self, ob: Any, report: Report) -> None:
+        self._camera_steps = steps_of(ob)
+        self._see_camera(0.0, ob, report)
+
+    def times(self) -> list[float]:
+        """All that are to be looked at, the centre aside."""
+        steps = {self._camera_steps, *(placed.steps for placed in self._placed.values())} - {0}
+        return sorted({time for count in steps for time in times_of(count)} - {0.0})
+
+    def see(self, depsgraph: Any, camera: Any, time: float, go_on: Callable[[], None]) -> None:
+        """Looks at the graph where it is at `time`. `camera`: the original."""
+        for instance in depsgraph.object_instances:
+            go_on()
+            if instance.object.type != "MESH":
+                continue
+            key = key_of(instance)
+            placed = self._placed.get(key)
+            if placed is None or time not in times_of(placed.steps):
+                continue
+            placed.matrices[time] = np.array(instance.matrix_world, np.float64)
+            if key in self._shapes:
+                self._see_shape(self._shapes[key], instance.object, time)
+        if self._camera_steps and time in times_of(self._camera_steps):
+            self._see_camera(time, camera.evaluated_get(depsgraph), Report())
+
+    def _see_shape(self, shape: _Shape, ob: Any, time: float) -> None:
+        mesh = ob.data
+        positions = read(mesh.vertices, "co", np.float32, 3)
+        if len(positions) != len(shape.mesh.positions) or not np.isfinite(positions).all():
+            self._report.warn(
+                "Motion blur: meshes keep their shape, as their number of vertices changes: {}",
+                ob.name,
+            )
+            return
+        shape.positions[time] = np.array(positions)
+        if shape.mesh.vertex_normals is not None:
+            shape.normals[time] = np.array(read(mesh.vertex_normals, "vector", np.float32, 3))
+        elif shape.corners is not None:
+            normals = read(mesh.corner_normals, "vector", np.float32, 3)
+            if not len(shape.corners) or int(np.max(shape.corners)) < len(normals):
+                shape.normals[time] = np.take(normals, shape.corners, axis=0)
+
+    def _see_camera(self, time: float, ob: Any, report: Report) -> None:
+        data = ob.data
+        lens = float(data.lens) if data.type == "PERSP" else 1.0
+        side = data.sensor_height if data.sensor_fit == "VERTICAL" else data.sensor_width
+        extent = float(side) / lens if data.type == "PERSP" else 1.0
+        self._camera[time] = (camera_matrix(ob, report), extent)
+
+    def move(self, scene: Scene, render: Any) -> None:
+        """Tells `scene` what has moved, and its shutter if anything has."""
+        motion = {}
+        lost = []
+        for placed in self._placed.values():
+            row, times = placed.row, times_of(placed.steps)
+            if placed.vanishes and any(time and time not in placed.matrices for time in times):
+                lost.append(row)
+                continue
+            own = scene.instances.matrix[row]
+            steps = np.stack([placed.matrices.get(time, own) for time in times])
+            if _differ(steps, own) and np.isfinite(steps).all():
+                motion[row] = steps
+        scene.instances.motion = motion
+        for shape in self._shapes.values():
+            self._move_shape(scene, shape)
+        self._move_camera(scene)
+        _remove(scene, lost)
+        if scene.instances.motion or scene.camera.motion or any(m.motion for m in scene.meshes):
+            scene.shutter = Shutter(shutter_curve(render), self._blur.rolling)
+
+    def _move_shape(self, scene: Scene, shape: _Shape) -> None:
+        base, times = shape.mesh, times_of(shape.steps)
+        if not any(not np.array_equal(p, base.positions) for p in shape.positions.values()):
+            return
+        for index in {int(scene.instances.mesh[row]) for row in shape.rows}:
+            mesh = scene.meshes[index]
+            positions = np.stack(
+                [
+                    mesh.positions + (shape.positions.get(time, base.positions) - base.positions)
+                    for time in times
+                ]
+            )
+            motion = MeshMotion(positions)
+            if mesh.positions is base.positions and shape.normals:
+                own = base.corner_normals if base.vertex_normals is None else base.vertex_normals
+                assert own is not None
+                normals = np.stack([shape.normals.get(time, own) for time in times])
+                if base.vertex_normals is None:
+                    motion.corner_normals = normals
+                else:
+                    motion.vertex_normals = normals
+            scene.meshes[index] = replace(mesh, motion=motion)
+
+    def _move_camera(self, scene: Scene) -> None:
+        if not self._camera_steps:
+            return
+        own, extent = self._camera[0.0]
+        times = times_of(self._camera_steps)
+        matrices = np.stack([self._camera[time][0] for time in times])
+        zoom = (self._camera[-1.0][1] / extent, self._camera[1.0][1] / extent)
+        if _differ(matrices, own) or zoom != (1.0, 1.0):
+            scene.camera.motion = CameraMotion(matrices, zoom)
+
+
+def _differ(steps: NDArray[np.float64], own: NDArray[np.float64]) -> bool:
+    """Whether matrices do, as the renderer holds them."""
+    return bool((steps.astype(np.float32) != own.astype(np.float32)).any())
+
+
+def _remove(scene: Scene, rows: list[int]) -> None:
+    """Takes instances out of the scene: particles that are not there all of the time, which Cycles
+    hides.
+    """
+    if not rows:
+        return
+    old = scene.instances
+    left = np.ones(len(old.mesh), bool)
+    left[rows] = False
+    number = np.cumsum(left) - 1
+
+    kept: dict[str, Any] = {
+        one.name: getattr(old, one.name)[left]
+        for one in fields(old)
+        if isinstance(getattr(old, one.name), np.ndarray)
+    }
+    scene.instances = replace(
+        old,
+        **kept,
+        attributes=[replace(one, values=one.values[left]) for one in old.attributes],
+        motion={int(number[row]): steps for row, steps in old.motion.items()},
+    )

@@ -1,0 +1,119 @@
+// Where moving things of a scene are at a time, and where their points are at the shutter's centre.
+#include <bit>
+
+#include "scene/scene.h"
+
+namespace photon_splat {
+namespace {
+
+// Between what steps hold of a mesh, whose own is `middle`: of element `i`.
+Vec3 between(const std::vector<LargeArray<Vec3>>& steps, const LargeArray<Vec3>& middle, size_t i,
+             float time) {
+  const auto [first, share] = motion_step(steps.size(), time);
+  const auto at = [&](size_t step) {
+    return step == steps.size() / 2 ? middle[i] : steps[step][i];
+  };
+  return at(first) * (1 - share) + at(first + 1) * share;
+}
+
+}  // namespace
+
+Vec3 Mesh::position(uint32_t vertex, float time) const {
+  if (!motion.steps()) return positions[vertex];
+  return between(motion.positions, positions, vertex, time);
+}
+
+const Vec3* Mesh::normals(uint32_t triangle, float time, Vec3 moved[3]) const {
+  const size_t first = 3 * static_cast<size_t>(triangle);
+  if (motion.corner_normals.empty()) return &corner_normals[first];
+  for (size_t i = 0; i < 3; ++i)
+    moved[i] = between(motion.corner_normals, corner_normals, first + i, time);
+  return moved;
+}
+
+void Scene::find_moving() {
+  moves_ = false;
+  for (Instance& instance : instances) {
+    instance.moves = instance.motion >= 0 || meshes[instance.mesh].motion.steps() > 0;
+    moves_ |= instance.moves;
+  }
+}
+
+unsigned Scene::still(const RayHits& hits, unsigned which) const {
+  for (unsigned rest = which; rest; rest &= rest - 1) {
+    const uint32_t k = static_cast<uint32_t>(std::countr_zero(rest));
+    if (instances[hits.instance[k]].moves) which &= ~(1u << k);
+  }
+  return which;
+}
+
+Pose Scene::pose_at(uint32_t index, float time) const {
+  const Instance& instance = instances[index];
+  if (instance.motion < 0 || time == kShutterCentre) return {instance.to_world, instance.to_local};
+  const Affine to_world = motions[instance.motion].at(time);
+  // Of what is flat nothing is seen
+  const bool flat = !(std::abs(determinant(to_world)) > 0);
+  return {to_world, flat ? instance.to_local : inverse(to_world)};
+}
+
+void Scene::corners(uint32_t index, uint32_t triangle, float time, Vec3 corner[3]) const {
+  const Instance& instance = instances[index];
+  const Mesh& mesh = meshes[instance.mesh];
+  const Triangle& t = mesh.triangles[triangle];
+  if (!moves(index)) {
+    for (int i = 0; i < 3; ++i)
+      corner[i] =
+          instance.shared ? instance.to_world.point(mesh.positions[t[i]]) : mesh.positions[t[i]];
+    return;
+  }
+  const Affine to_world = pose_at(index, time).to_world;
+  for (int i = 0; i < 3; ++i) {
+    const Vec3 p = mesh.position(t[i], time);
+    corner[i] = instance.shared ? to_world.point(p) : p;
+  }
+}
+
+Vec3 Scene::moving_normal(uint32_t index, uint32_t triangle, float u, float v, float time) const {
+  const Instance& instance = instances[index];
+  const Mesh& mesh = meshes[instance.mesh];
+  if (mesh.corner_normals.empty()) return {};
+  Vec3 moved[3];
+  const Vec3* n = mesh.normals(triangle, time, moved);
+  Vec3 ns = n[0] * (1 - u - v) + n[1] * u + n[2] * v;
+  if (mesh.motion.steps() && mesh.motion.corner_normals.empty()) {
+    Vec3 rest[3], now[3];
+    for (int i = 0; i < 3; ++i) {
+      rest[i] = mesh.positions[mesh.triangles[triangle][i]];
+      now[i] = mesh.position(mesh.triangles[triangle][i], time);
+    }
+    const Turn turn(rest, now);
+    ns = turn(ns);
+  }
+  return instance.shared ? pose_at(index, time).to_local.transposed_vector(ns) : ns;
+}
+
+Surface Scene::moving_surface_at(uint32_t index, uint32_t triangle, float u, float v, bool back,
+                                 float time) const {
+  Vec3 c[3];
+  corners(index, triangle, time, c);
+  const Vec3 ab = c[1] - c[0], ac = c[2] - c[0];
+  Vec3 front = normalize(cross(ab, ac));
+  if (instances[index].mirrored) front = -front;
+  Surface s;
+  fill_surface({index, triangle, u, v, 0, c[0] + ab * u + ac * v, front, time},
+               back ? front : -front, s);
+  return s;
+}
+
+PlaceAtRest Scene::at_rest(const Surface& s, float time) const {
+  Vec3 now[3], rest[3];
+  corners(s.instance, s.triangle, time, now);
+  corners(s.instance, s.triangle, kShutterCentre, rest);
+  const Turn turn(now, rest);
+  const float area_now = length(cross(now[1] - now[0], now[2] - now[0])),
+              area_rest = length(cross(rest[1] - rest[0], rest[2] - rest[0]));
+  return {rest[0] * (1 - s.u - s.v) + rest[1] * s.u + rest[2] * s.v, turn(s.ng),
+          area_now > 0 ? area_rest / area_now : 0, turn};
+}
+
+}  // namespace photon_splat
