@@ -13,6 +13,7 @@ from typing import Any
 from tests.reference.cycles.cases import CASES, Case
 from tests.reference.cycles.displacement import DISPLACEMENT
 from tests.reference.cycles.lamp_trees import LAMP_TREES
+from tests.reference.cycles.motion import MOTION
 from tests.reference.cycles.specs import Spec, node
 from tests.reference.cycles.terminator import TERMINATOR
 from tests.reference.cycles.visibility import VISIBILITY
@@ -375,7 +376,9 @@ def _cases() -> tuple[Case, ...]:
 
 
 GALLERY: tuple[Case, ...] = _cases()
-ALL: tuple[Case, ...] = CASES + LAMP_TREES + VISIBILITY + DISPLACEMENT + TERMINATOR + GALLERY
+ALL: tuple[Case, ...] = (
+    CASES + LAMP_TREES + VISIBILITY + DISPLACEMENT + TERMINATOR + MOTION + GALLERY
+)
 BY_NAME = {case.name: case for case in ALL}
 
 # The roughness sweep: these materials in 21 steps; only the pictures' means are kept.

@@ -31,6 +31,7 @@ def build(case: Case) -> bpy.types.Scene:
         displacement_stage,
         gallery_stage,
         media_stage,
+        motion_stage,
         terminator_stage,
         visibility_stage,
     )
@@ -41,6 +42,7 @@ def build(case: Case) -> bpy.types.Scene:
         | vars(media_stage)
         | vars(displacement_stage)
         | vars(terminator_stage)
+        | vars(motion_stage)
         | {"material_case": gallery_stage.material_case, "caustic_view": pictures.open_view}
     )
     builders[case.build](**case.options)
