@@ -39,6 +39,7 @@ class Blur:
     shutter: float
     centre: float
     rolling: float
+    frame_seconds: float
 
 
 def blur_of(depsgraph: Any) -> Blur | None:
@@ -58,7 +59,7 @@ def blur_of(depsgraph: Any) -> Blur | None:
     rolling = NOT_ROLLING
     if cycles is not None and cycles.rolling_shutter_type == ROLLING:
         rolling = float(cycles.rolling_shutter_duration)
-    return Blur(shutter, centre, rolling)
+    return Blur(shutter, centre, rolling, float(render.fps_base) / max(float(render.fps), 1e-6))
 
 
 def shutter_curve(render: Any) -> NDArray[np.float32]:
@@ -130,14 +131,15 @@ class _Placed:
 @dataclass(slots=True)
 class _Shape:
     """A mesh that may change its shape. corners: loops of its triangles, where normals are
-    theirs.
+    theirs. known: positions are, by the velocities of its vertices.
     """
 
     name: str
     steps: int
     mesh: Mesh
     corners: NDArray[np.int32] | None
-    rows: list[int]
+    rows: list[int] = field(default_factory=list)
+    known: bool = False
     positions: dict[float, NDArray[np.float32]] = field(default_factory=dict)
     normals: dict[float, NDArray[np.float32]] = field(default_factory=dict)
 
@@ -179,15 +181,21 @@ class Moving:
             return self._shape_of[id(mesh)]
         asked = [getattr(one, "cycles", None) for one in (ob, parent) if one is not None]
         shape = None
-        if all(getattr(one, "use_deform_motion", True) for one in asked) and ob.is_deform_modified(
-            self._scene, "RENDER"
-        ):
-            corners = None
-            if mesh.corner_normals is not None:
-                found = sound_triangles(ob.data, ob.name, Report())
-                corners = None if found is None else np.array(found.corners)
-            shape = self._shapes[key] = _Shape(ob.name, steps, mesh, corners, [])
+        if all(getattr(one, "use_deform_motion", True) for one in asked):
+            velocity = _velocities(ob.data)
+            if velocity is not None and len(velocity) == len(mesh.positions):
+                shape = _Shape(ob.name, 3, mesh, None, known=True)
+                way = velocity * np.float32(0.5 * self._blur.shutter * self._blur.frame_seconds)
+                shape.positions = {-1.0: mesh.positions - way, 1.0: mesh.positions + way}
+            elif ob.is_deform_modified(self._scene, "RENDER"):
+                corners = None
+                if mesh.corner_normals is not None:
+                    found = sound_triangles(ob.data, ob.name, Report())
+                    corners = None if found is None else np.array(found.corners)
+                shape = _Shape(ob.name, steps, mesh, corners)
         self._shape_of[id(mesh)] = shape
+        if shape is not None:
+            self._shapes[key] = shape
         return shape
 
     def add_camera(self, ob: Any, report: Report) -> None:
@@ -210,7 +218,7 @@ class Moving:
             if placed is None or time not in times_of(placed.steps):
                 continue
             placed.matrices[time] = np.array(instance.matrix_world, np.float64)
-            if key in self._shapes:
+            if key in self._shapes and not self._shapes[key].known:
                 self._see_shape(self._shapes[key], instance.object, time)
         if self._camera_steps and time in times_of(self._camera_steps):
             self._see_camera(time, camera.evaluated_get(depsgraph), Report())
@@ -292,6 +300,14 @@ class Moving:
         zoom = (self._camera[-1.0][1] / extent, self._camera[1.0][1] / extent)
         if _differ(matrices, own) or zoom != (1.0, 1.0):
             scene.camera.motion = CameraMotion(matrices, zoom)
+
+
+def _velocities(mesh: Any) -> NDArray[np.float32] | None:
+    """(V, 3) m/s, of simulations and caches, whose vertices are others in each frame."""
+    found = mesh.attributes.get("velocity")
+    if found is None or found.domain != "POINT" or found.data_type != "FLOAT_VECTOR":
+        return None
+    return np.nan_to_num(read(found.data, "vector", np.float32, 3), posinf=0.0, neginf=0.0)
 
 
 def _differ(steps: NDArray[np.float64], own: NDArray[np.float64]) -> bool:

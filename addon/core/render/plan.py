@@ -108,9 +108,22 @@ def make_plan(scene: Scene, settings: RenderSettings) -> Plan:
         sentences.append(
             "Paths from the camera never stand in for photons: small things may be blotchy."
         )
+    if scene.shutter is not None:
+        sentences.append(f"While the shutter is open {_moving(scene)}.")
     if splat and settings.force:
         sentences.append(f"Forced on: {', '.join(settings.force)}.")
     return Plan(sentences, flags)
+
+
+def _moving(scene: Scene) -> str:
+    """What is blurred, as the end of a sentence."""
+    shapes = sum(mesh.motion is not None for mesh in scene.meshes)
+    counts = {
+        f"{len(scene.instances.motion):,} instances move": scene.instances.motion,
+        f"{shapes:,} meshes change their shape": shapes,
+        "the camera moves": scene.camera.motion,
+    }
+    return ", ".join(said for said, some in counts.items() if some)
 
 
 def _gathers(settings: RenderSettings) -> bool:

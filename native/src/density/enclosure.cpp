@@ -6,7 +6,6 @@ namespace photon_splat {
 namespace {
 
 constexpr uint32_t kLooks = 24;  // by which a closed thing is told from a sheet
-constexpr RayMask kStored = ray_bit(RayInfo::kDiffuse);  // what stops photons that are stored
 
 }  // namespace
 
@@ -28,7 +27,7 @@ unsigned Enclosures::hold(const Vec3* points, uint32_t count, unsigned which) {
   }
   Surface above[Scene::kPacket];
   unsigned inside = 0;
-  for (unsigned met = which & scene_.intersect_packet(origins, ways, count, above, kStored); met;
+  for (unsigned met = which & scene_.intersect_packet(origins, ways, count, above, kinds_); met;
        met &= met - 1) {
     const int k = std::countr_zero(met);
     if (above[k].back && above[k].key != key_ && holds_under(above[k], origins[k]))
@@ -59,7 +58,7 @@ bool Enclosures::backs_all_around(const Vec3& origin) {
       origins[i] = origin;
       ways[i] = basis_.to_world(sample_cosine_hemisphere(random_.next2()));
     }
-    if (scene_.intersect_packet(origins, ways, kTogether, hits, kStored) != (1u << kTogether) - 1)
+    if (scene_.intersect_packet(origins, ways, kTogether, hits, kinds_) != (1u << kTogether) - 1)
       return false;
     if (!std::all_of(hits, hits + kTogether,
                      [&](const Surface& hit) { return hit.back && hit.key != key_; }))

@@ -14,9 +14,16 @@ bool is_dark(const Scene& scene, const Surface& hit, const Vec3& wo);
 // surface that is over the points; one of these for each kernel disc.
 class Enclosures {
  public:
-  // `key`: of the surface that the points are on; they are looked at from `height` over it.
-  Enclosures(const Scene& scene, uint32_t key, const Basis& basis, float height, uint32_t seed)
-      : scene_(scene), key_(key), basis_(basis), height_(height), random_(seed, 0xe7c1) {}
+  // `kinds`: Scene::keeping_off() the surface that the points are on. `key`: of that; they are
+  // looked at from `height` over it.
+  Enclosures(const Scene& scene, RayMask kinds, uint32_t key, const Basis& basis, float height,
+             uint32_t seed)
+      : scene_(scene),
+        kinds_(kinds),
+        key_(key),
+        basis_(basis),
+        height_(height),
+        random_(seed, 0xe7c1) {}
 
   // Of `count` <= Scene::kPacket points those whose bits are set in `which`: the bits of those that
   // are inside.
@@ -29,6 +36,7 @@ class Enclosures {
   bool backs_all_around(const Vec3& origin);
 
   const Scene& scene_;
+  RayMask kinds_;
   uint32_t key_;
   const Basis& basis_;
   float height_;

@@ -30,7 +30,6 @@ constexpr float kFurthest = 3;      // of it: so far a disc may be moved
 constexpr float kBentReach = 0.7f;  // of a bent disc's radius: further off it has little weight
 // Of it: so far behind what has been met the patch is looked for
 constexpr float kBeyond = 0.1f;
-constexpr RayMask kStored = ray_bit(RayInfo::kDiffuse);  // what stops photons that are stored
 
 // The part of a kernel (Epanechnikov) within the share s of its radius.
 float mass_within(float s) {
@@ -43,35 +42,35 @@ float length_of_look(const Vec3& y, float h) {
   return kCover * h - std::max(kTouching * h, ray_epsilon(y, h));
 }
 
-bool is_cover(const Scene& scene, const Vec3& y, const Vec3& normal, float h) {
+bool is_cover(const Scene& scene, RayMask kinds, const Vec3& y, const Vec3& normal, float h) {
   Surface hit;
   return scene.intersect(y + normal * (kCover * h), -normal, 0, length_of_look(y, h), false, hit,
-                         kStored) &&
+                         kinds) &&
          is_dark(scene, hit, normal);
 }
 
-bool covered(const Scene& scene, const Vec3& y, const Vec3& normal, float h) {
+bool covered(const Scene& scene, RayMask kinds, const Vec3& y, const Vec3& normal, float h) {
   const float far = length_of_look(y, h);
-  return far > 0 && scene.occluded(y + normal * (kCover * h), -normal, 0, far, kStored) &&
-         is_cover(scene, y, normal, h);
+  return far > 0 && scene.occluded(y + normal * (kCover * h), -normal, 0, far, kinds) &&
+         is_cover(scene, kinds, y, normal, h);
 }
 
 // Whether light comes in from the rim of the cover of y: by one direction, so that the mean tells
 // how much.
-bool lit_from_the_rim(const Scene& scene, const Vec3& y, const Basis& basis, float h,
+bool lit_from_the_rim(const Scene& scene, RayMask kinds, const Vec3& y, const Basis& basis, float h,
                       Random& random) {
   const Vec3 way = basis.to_world(sample_cosine_hemisphere(random.next2()));
-  return !scene.occluded(y + basis.normal * ray_epsilon(y, h), way, 0, h, kStored);
+  return !scene.occluded(y + basis.normal * ray_epsilon(y, h), way, 0, h, kinds);
 }
 
 // The parts of the two kernels where the patch is covered. Under a cover itself all is alike:
 // nothing is left out.
-void add_covered(const Scene& scene, PatchOutline& outline, const Vec3& x, const Basis& basis,
-                 float h, uint32_t seed, DiscOcclusion& out) {
+void add_covered(const Scene& scene, RayMask kinds, PatchOutline& outline, const Vec3& x,
+                 const Basis& basis, float h, uint32_t seed, DiscOcclusion& out) {
   const Vec3& normal = basis.normal;
   Random random(seed, 0xc07e);
   const float turn = 2 * kPi * random.next();
-  if (covered(scene, x, normal, h)) return;
+  if (covered(scene, kinds, x, normal, h)) return;
   const float far = length_of_look(x, h);
   if (!(far > 0)) return;
   bool any = false;
@@ -91,13 +90,14 @@ void add_covered(const Scene& scene, PatchOutline& outline, const Vec3& x, const
       offsets[i] = Vec3{std::cos(angle), std::sin(angle), 0} * (h * s);
       above[i] = x + basis.to_world(offsets[i]) + normal * (kCover * h);
     }
-    for (unsigned met = scene.occluded_packet(above, kTogether, -normal, far, kStored); met;
+    for (unsigned met = scene.occluded_packet(above, kTogether, -normal, far, kinds); met;
          met &= met - 1) {
       const int i = std::countr_zero(met);
       const Vec3 y = x + basis.to_world(offsets[i]);
-      if (!is_cover(scene, y, normal, h) || !outline.holds(offsets[i].x, offsets[i].y)) continue;
+      if (!is_cover(scene, kinds, y, normal, h) || !outline.holds(offsets[i].x, offsets[i].y))
+        continue;
       any = true;
-      if (lit_from_the_rim(scene, y, basis, h, random)) continue;
+      if (lit_from_the_rim(scene, kinds, y, basis, h, random)) continue;
       out.hidden += 1.0f / kCoverProbes;
       const float s2 = squares[i], n2 = sqr(kNarrow);
       if (s2 < n2) out.narrow_hidden += (1 - s2 / n2) / (n2 * (1 - s2)) / kCoverProbes;
@@ -109,15 +109,16 @@ void add_covered(const Scene& scene, PatchOutline& outline, const Vec3& x, const
 // together as a packet has rays.
 class Probes {
  public:
-  Probes(const Scene& scene, PatchOutline& outline, uint32_t key, const Vec3& x, const Basis& basis,
-         float h, uint32_t seed, DiscOcclusion& out)
+  Probes(const Scene& scene, RayMask kinds, PatchOutline& outline, uint32_t key, const Vec3& x,
+         const Basis& basis, float h, uint32_t seed, DiscOcclusion& out)
       : scene_(scene),
+        kinds_(kinds),
         outline_(outline),
         x_(x),
         basis_(basis),
         h_(h),
         far_(length_of_look(x, h)),
-        enclosures_(scene, key, basis, kHeight * h, seed),
+        enclosures_(scene, kinds, key, basis, kHeight * h, seed),
         out_(out) {}
 
   // From `inner` to `outer` (in h) along `way` (in the basis), on which something has been met
@@ -137,9 +138,10 @@ class Probes {
     if (far_ > 0) {  // what is covered has been counted already
       Vec3 above[Scene::kPacket];
       for (uint32_t i = 0; i < count_; ++i) above[i] = places_[i] + basis_.normal * (kCover * h_);
-      for (unsigned met = scene_.occluded_packet(above, count_, -basis_.normal, far_, kStored); met;
+      for (unsigned met = scene_.occluded_packet(above, count_, -basis_.normal, far_, kinds_); met;
            met &= met - 1)
-        if (const int i = std::countr_zero(met); is_cover(scene_, places_[i], basis_.normal, h_))
+        if (const int i = std::countr_zero(met);
+            is_cover(scene_, kinds_, places_[i], basis_.normal, h_))
           open &= ~(1u << i);
     }
     const unsigned held = enclosures_.hold(places_, count_, open);
@@ -164,6 +166,7 @@ class Probes {
     Vec3 way;
   };
   const Scene& scene_;
+  RayMask kinds_;
   PatchOutline& outline_;
   const Vec3& x_;
   const Basis& basis_;
@@ -184,6 +187,7 @@ DiscOcclusion disc_occlusion(const Scene& scene, uint32_t instance, uint32_t tri
   const uint32_t patch = topology.patch[triangle];
   // Rays along the tangent plane tell little of a bent surface
   if (!topology.planar[patch]) return out;
+  const RayMask kinds = scene.keeping_off(instance);
   const Basis basis(normal);
   const float turn = to_unit_float(hash32(seed));
   const Vec3 origin = x + normal * std::max(kHeight * h, ray_epsilon(x, h));
@@ -193,7 +197,7 @@ DiscOcclusion disc_occlusion(const Scene& scene, uint32_t instance, uint32_t tri
   };
   const auto met = [&](int i, float& distance) {
     Surface hit;
-    if (!scene.intersect(origin, basis.to_world(way_of(i)), 0, h, false, hit, kStored) ||
+    if (!scene.intersect(origin, basis.to_world(way_of(i)), 0, h, false, hit, kinds) ||
         hit.key == key)
       return false;
     distance = hit.distance;
@@ -202,13 +206,13 @@ DiscOcclusion disc_occlusion(const Scene& scene, uint32_t instance, uint32_t tri
   float distance[kDirections];
   bool blocked[kDirections] = {}, any = false;
   PatchOutline outline(scene, instance, patch, x, basis, h);
-  add_covered(scene, outline, x, basis, h, seed, out);
+  add_covered(scene, kinds, outline, x, basis, h, seed, out);
   for (int i = 0; i < kDirections; i += kDirections / kScouts)
     any |= blocked[i] = met(i, distance[i]);
   if (!any) return out;
   for (int i = 0; i < kDirections; ++i)
     if (i % (kDirections / kScouts)) blocked[i] = met(i, distance[i]);
-  Probes probes(scene, outline, key, x, basis, h, seed, out);
+  Probes probes(scene, kinds, outline, key, x, basis, h, seed, out);
   for (int i = 0; i < kDirections; ++i) {
     if (!blocked[i]) continue;
     const float first = distance[i] / h;
@@ -221,10 +225,12 @@ DiscOcclusion disc_occlusion(const Scene& scene, uint32_t instance, uint32_t tri
   return out;
 }
 
-bool wall_between(const Scene& scene, const Vec3& a, const Vec3& b, const Vec3& normal, float h) {
+bool wall_between(const Scene& scene, uint32_t instance, const Vec3& a, const Vec3& b,
+                  const Vec3& normal, float h) {
   const Vec3 from = a + normal * std::max(kHeight * h, ray_epsilon(a, h)), way = b - a;
   const float distance = length(way);
-  return distance > 0 && scene.occluded(from, way / distance, 0, distance, kStored);
+  return distance > 0 &&
+         scene.occluded(from, way / distance, 0, distance, scene.keeping_off(instance));
 }
 
 bool step_clear_of_walls(const Scene& scene, uint32_t instance, uint32_t triangle, uint32_t key,
@@ -238,7 +244,7 @@ bool step_clear_of_walls(const Scene& scene, uint32_t instance, uint32_t triangl
     PatchOutline outline(scene, instance, patch, x, basis, kFurthest * r);
     const float a = dot(y - x, basis.tangent), b = dot(y - x, basis.bitangent);
     if (length2(y - x) > sqr(kFurthest * r) || !outline.holds(a, b) ||
-        wall_between(scene, x, y, normal, r))
+        wall_between(scene, instance, x, y, normal, r))
       return false;
     there = disc_occlusion(scene, instance, triangle, key, y, normal, r, hash_combine(seed, step));
     if (there.clear < r) continue;
@@ -252,6 +258,7 @@ bool step_clear_of_walls(const Scene& scene, uint32_t instance, uint32_t triangl
 bool stands_in_bent_disc(const Scene& scene, uint32_t instance, uint32_t triangle, uint32_t key,
                          const Vec3& x, const Vec3& normal, float h) {
   const Instance& placed = scene.instances[instance];
+  const RayMask kinds = scene.keeping_off(instance);
   const float curvature = scene.meshes[placed.mesh].topology.curvature_of(triangle) / placed.scale;
   const float tilt = std::min(0.5f * curvature * h, 0.5f);  // to where the surface is at the rim
   const Basis basis(normal);
@@ -269,7 +276,7 @@ bool stands_in_bent_disc(const Scene& scene, uint32_t instance, uint32_t triangl
     return scene.intersect(place, -normal, 0, h, false, found) && (found.key | 1u) == (key | 1u);
   };
   Surface hits[Scene::kPacket];
-  for (unsigned met = scene.intersect_packet(origins, ways, Scene::kPacket, hits, kStored); met;
+  for (unsigned met = scene.intersect_packet(origins, ways, Scene::kPacket, hits, kinds); met;
        met &= met - 1) {
     const int k = std::countr_zero(met);
     const Surface& hit = hits[k];
@@ -285,7 +292,7 @@ bool stands_in_bent_disc(const Scene& scene, uint32_t instance, uint32_t triangl
     const Vec3 from = before.position + normal * above;
     const Vec3 way = behind.position + normal * above - from;
     const float distance = length(way);
-    if (distance > 0 && scene.intersect(from, way / distance, 0, distance, false, wall, kStored) &&
+    if (distance > 0 && scene.intersect(from, way / distance, 0, distance, false, wall, kinds) &&
         (wall.key | 1u) != (key | 1u))
       return true;
   }

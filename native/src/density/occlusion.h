@@ -26,9 +26,10 @@ DiscOcclusion disc_occlusion(const Scene& scene, uint32_t instance, uint32_t tri
 bool step_clear_of_walls(const Scene& scene, uint32_t instance, uint32_t triangle, uint32_t key,
                          Vec3& x, const Vec3& normal, float r, uint32_t seed, DiscOcclusion& near);
 
-// Whether something that stops photons stands between two places close over a surface, h being the
-// radius of discs there.
-bool wall_between(const Scene& scene, const Vec3& a, const Vec3& b, const Vec3& normal, float h);
+// Whether something that stops photons stands between two places close over a surface of an
+// instance, h being the radius of discs there.
+bool wall_between(const Scene& scene, uint32_t instance, const Vec3& a, const Vec3& b,
+                  const Vec3& normal, float h);
 
 // Whether something else stands on a bent patch, or the patch runs into it, within a disc of radius
 // h about x: what rays along the surface meet, level or a little downwards as it may bend away, if

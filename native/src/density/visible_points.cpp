@@ -209,7 +209,7 @@ void VisiblePoints::split_at_walls(Scene& scene, const GatherPoints& gather_poin
       const Vec3& middle = gather_points[point.gather_point].position;
       const float clear = looks_[p].found.clear;
       if (clear < point.h && length2(gather_points[i].position - middle) > sqr(clear) &&
-          wall_between(scene, gather_points[i].position, middle,
+          wall_between(scene, gather_points[i].instance, gather_points[i].position, middle,
                        gather_points[point.gather_point].ng, point.h))
         behind[c].push_back(static_cast<uint32_t>(i));
     }

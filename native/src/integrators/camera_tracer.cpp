@@ -436,6 +436,8 @@ bool CameraTracer::brings_all() const {
 bool CameraTracer::continues(Path& path, const Surface& hit, const Bsdf& bsdf) const {
   const bool here = !is_black(bsdf.gather());
   if (!here && is_black(bsdf.gather_through())) return false;
+  if (follows_motion_ && !scene_.moves(hit.instance) && scene_.moves_near(hit.position))
+    return true;
   if (!strategy_) return false;
   if (strategy_->kind() == IndirectStrategy::Kind::kPathTraced) return true;
   if (strategy_->kind() == IndirectStrategy::Kind::kFinalGather && path.gather_bounces == 0)

@@ -49,6 +49,11 @@ class CameraTracer {
     radius_factor_ = radius_factor;
   }
 
+  // Whether paths go on for the indirect light, where photons bring it, beside what moves: the
+  // light there when it is seen may not be that of all times.
+  void follow_motion(bool on) { follows_motion_ = on; }
+  bool follows_motion() const { return follows_motion_; }
+
   // One sample per pixel of the unbiased path tracer, indirect light included; leaves no gather
   // points.
   void trace_reference(uint32_t sample, int max_bounces, PackedFilm& film,
@@ -148,7 +153,7 @@ class CameraTracer {
   uint64_t rays_ = 0, last_rays_ = 0, bad_samples_ = 0, places_ = 0, continued_ = 0,
            last_continued_ = 0;
   const IndirectStrategy* strategy_ = nullptr;
-  bool caustic_photons_ = false, keeps_trial_ = false;
+  bool caustic_photons_ = false, keeps_trial_ = false, follows_motion_ = false;
   float radius_factor_ = 1;
 };
 

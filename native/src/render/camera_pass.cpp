@@ -60,6 +60,7 @@ void CameraPass::trace(uint32_t pass, const PhotonMaps& maps, PackedFilm& film) 
   const bool photons = indirect.first_pass_paths() > 0,
              learns = !chosen_ && options.fallback && photons && !context_.scene.media();
   const bool by_view = learns && !options.keeps_photons();
+  tracer_.follow_motion(photons && options.fallback && context_.scene.moves());
   // Photons bring caustics through media; all else that scatters in them comes by paths.
   if (!strategy_ && context_.scene.media())
     strategy_.emplace(context_.scene, IndirectStrategy::Kind::kPathTraced);

@@ -193,6 +193,7 @@ void Scene::build(const CancelFlag& cancel) {
     instance.scale = 1;
   }
 
+  find_swept();
   see_limits();
   top_ = rtcNewScene(device_);
   mesh_scenes_.assign(meshes.size(), nullptr);
@@ -220,12 +221,12 @@ void Scene::build(const CancelFlag& cancel) {
       else
         rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR,
                                 instance.to_world.m.data());
-      if (limits_rays()) rtcSetGeometryMask(geometry, instance.seen_by);
+      if (limits_rays()) rtcSetGeometryMask(geometry, mask_of(instance));
       rtcCommitGeometry(geometry);
     } else {
       geometry = make_geometry(device_, mesh);
       if (limits_rays()) {
-        rtcSetGeometryMask(geometry, instance.seen_by);
+        rtcSetGeometryMask(geometry, mask_of(instance));
         rtcCommitGeometry(geometry);
       }
     }
@@ -257,7 +258,7 @@ void Scene::build(const CancelFlag& cancel) {
 void Scene::update_media(const CancelFlag& cancel) { media_ = Media::of(*this, pool_, cancel); }
 
 void Scene::see_limits() {
-  any_ray_ = kAllRays;
+  any_ray_ = moves_ ? 0 : kAllRays;
   kinds_differ_ = first_kinds_differ_ = false;
   for (const Instance& instance : instances) {
     const RayMask seen_by = instance.seen_by, scattered = seen_by & kScatteredRays;

@@ -13,6 +13,7 @@
 #include "scene/motion.h"
 #include "scene/ray_hits.h"
 #include "scene/surface_tree.h"
+#include "scene/swept_boxes.h"
 #include "scene/texture.h"
 #include "shading/program.h"
 #include "util/large_pages.h"
@@ -247,6 +248,13 @@ class Scene {
   bool moves(uint32_t instance) const { return moves_ && instances[instance].moves; }
   // Of the hits whose bits are set in `which` those on instances that do not.
   unsigned still(const RayHits& hits, unsigned which) const;
+  // Whether something that moves comes so near to x that light there may change with the time by
+  // much.
+  bool moves_near(const Vec3& x) const { return moves_ && swept_->hold(x); }
+  // Rays that find what keeps photons off a surface of an instance all of the time.
+  RayMask keeping_off(uint32_t instance) const {
+    return moves_ && !instances[instance].moves ? kStillRays : ray_bit(RayInfo::kDiffuse);
+  }
   Pose pose_at(uint32_t instance, float time) const;
   // Corners of a triangle in the world.
   void corners(uint32_t instance, uint32_t triangle, float time, Vec3 corner[3]) const;
@@ -339,6 +347,8 @@ class Scene {
     return instances[instance].to_local.transposed_vector(n);
   }
   void find_moving();
+  void find_swept();
+  RayMask mask_of(const Instance& instance) const;
   // Every thread calls `meanwhile` once.
   void commit(RTCScene scene, const CancelFlag& cancel,
               const std::function<void()>& meanwhile = {});
@@ -352,7 +362,8 @@ class Scene {
   RayMask any_ray_ = kAllRays;
   bool kinds_differ_ = false, first_kinds_differ_ = false;
   bool moves_ = false;
-  bool packets_ = false;  // this Embree has code for packets of eight
+  std::unique_ptr<SweptBoxes> swept_;  // where that is so
+  bool packets_ = false;               // this Embree has code for packets of eight
   std::vector<RTCScene> mesh_scenes_;
   std::vector<Lookup> lookups_;  // by instance
   Bounds bounds_;

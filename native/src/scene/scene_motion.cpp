@@ -16,6 +16,21 @@ Vec3 between(const std::vector<LargeArray<Vec3>>& steps, const LargeArray<Vec3>&
   return at(first) * (1 - share) + at(first + 1) * share;
 }
 
+constexpr int kLooksInTime = 17;  // at where an instance goes while the shutter is open
+constexpr float kNear = 1;        // radii of a moving thing: so near it changes light with the time
+
+// Of a mesh at all of its steps, in its own coordinates.
+Bounds bounds_of(const Mesh& mesh) {
+  Bounds all;
+  for (const Triangle& t : mesh.triangles)
+    for (const uint32_t vertex : t) {
+      all.add(mesh.positions[vertex]);
+      for (const LargeArray<Vec3>& step : mesh.motion.positions)
+        if (!step.empty()) all.add(step[vertex]);
+    }
+  return all;
+}
+
 }  // namespace
 
 Vec3 Mesh::position(uint32_t vertex, float time) const {
@@ -37,6 +52,44 @@ void Scene::find_moving() {
     instance.moves = instance.motion >= 0 || meshes[instance.mesh].motion.steps() > 0;
     moves_ |= instance.moves;
   }
+}
+
+void Scene::find_swept() {
+  swept_.reset();
+  if (!moves_) return;
+  std::vector<Bounds> boxes, of_meshes(meshes.size());
+  for (uint32_t i = 0; i < instances.size(); ++i) {
+    const Instance& instance = instances[i];
+    if (!instance.moves) continue;
+    Bounds& own = of_meshes[instance.mesh];
+    if (own.empty()) own = bounds_of(meshes[instance.mesh]);
+    if (own.empty()) continue;
+    Bounds swept;
+    float radius = 0;
+    const int looks = instance.motion < 0 ? 1 : kLooksInTime;
+    for (int look = 0; look < looks; ++look) {
+      const float time =
+          looks > 1 ? static_cast<float>(look) / static_cast<float>(looks - 1) : kShutterCentre;
+      const Affine to_world = pose_at(i, time).to_world;
+      Bounds there;
+      for (int corner = 0; corner < 8; ++corner) {
+        const Vec3 p{corner & 1 ? own.upper.x : own.lower.x, corner & 2 ? own.upper.y : own.lower.y,
+                     corner & 4 ? own.upper.z : own.lower.z};
+        there.add(instance.shared ? to_world.point(p) : p);
+      }
+      radius = std::max(radius, 0.5f * there.diagonal());
+      swept.add(there);
+    }
+    const Vec3 margin = Vec3{1, 1, 1} * (kNear * radius);
+    swept.add(Bounds{swept.lower - margin, swept.upper + margin});
+    boxes.push_back(swept);
+  }
+  swept_ = std::make_unique<SweptBoxes>(std::move(boxes));
+}
+
+RayMask Scene::mask_of(const Instance& instance) const {
+  const bool still = !instance.moves && instance.seen_by & ray_bit(RayInfo::kDiffuse);
+  return still ? instance.seen_by | kStillRays : instance.seen_by & ~kStillRays;
 }
 
 unsigned Scene::still(const RayHits& hits, unsigned which) const {

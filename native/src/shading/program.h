@@ -85,6 +85,8 @@ struct RayInfo {
 using RayMask = uint32_t;
 inline constexpr RayMask kAllRays = ~0u;
 constexpr RayMask ray_bit(RayInfo::Kind kind) { return 1u << kind; }
+// Met by nothing that moves: of no path.
+inline constexpr RayMask kStillRays = 1u << 7;
 inline constexpr RayMask kScatteredRays =
     ray_bit(RayInfo::kDiffuse) | ray_bit(RayInfo::kGlossy) | ray_bit(RayInfo::kTransmission);
 

@@ -242,6 +242,55 @@ TEST_CASE("photons on what grows are as dense as where they have landed") {
   }
 }
 
+TEST_CASE("boxes hold the points that any of them holds") {
+  CHECK_FALSE(SweptBoxes({}).hold({}));
+  CHECK_FALSE(SweptBoxes({Bounds{}}).hold({}));
+  std::vector<Bounds> boxes;
+  for (uint32_t i = 0; i < 60; ++i) {
+    Random random(i, 5);
+    const Vec3 middle{10 * random.next(), 10 * random.next(), 10 * random.next()},
+        half{random.next(), random.next(), random.next()};
+    boxes.push_back({middle - half, middle + half});
+  }
+  const SweptBoxes tree(boxes);
+  int held = 0;
+  for (uint32_t i = 0; i < 2000; ++i) {
+    Random random(i, 6);
+    const Vec3 x{10 * random.next(), 10 * random.next(), 10 * random.next()};
+    const bool expected = std::any_of(boxes.begin(), boxes.end(), [&](const Bounds& b) {
+      const Vec3 low = x - b.lower, high = b.upper - x;
+      return std::min({low.x, low.y, low.z, high.x, high.y, high.z}) >= 0;
+    });
+    CHECK(tree.hold(x) == expected);
+    held += expected;
+  }
+  CHECK(held > 50);
+}
+
+TEST_CASE("still surfaces take no notice of what moves, but know that it comes by") {
+  Scene scene(1);
+  scene.materials.resize(1);
+  scene.meshes.push_back(padded(make_grid(1)));
+  Placement low = identity;
+  low[11] = -1;
+  scene.add_instance(0, low, {0});
+  scene.add_instance(0, identity, {0});
+  scene.set_motion(std::vector<Affine>{moved({-4, 0, 0}), moved({0, 0, 0}), moved({4, 0, 0})});
+  scene.build(CancelFlag());
+  const Vec3 above{0.5f, 0.4f, 1}, down{0, 0, -1};
+  Surface s;
+  REQUIRE(scene.intersect(above, down, 0, 10, false, s));
+  CHECK(s.instance == 1);
+  REQUIRE(scene.intersect(above, down, 0, 10, false, s, scene.keeping_off(1)));
+  CHECK(s.instance == 1);
+  REQUIRE(scene.intersect(above, down, 0, 10, false, s, scene.keeping_off(0)));
+  CHECK(s.instance == 0);
+  CHECK(scene.moves_near({-3, 0.5f, 0}));
+  CHECK(scene.moves_near({5, 0.5f, 0.5f}));
+  CHECK_FALSE(scene.moves_near({7, 0.5f, 0}));
+  CHECK_FALSE(scene.moves_near({0, 0.5f, 2}));
+}
+
 TEST_CASE("what does not move asks for no time") {
   Scene scene(1);
   fill(scene, make_grid(1), {identity});

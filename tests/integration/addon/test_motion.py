@@ -330,3 +330,18 @@ def test_persistent_data_follows_what_moves_from_frame_to_frame() -> None:
         assert np.allclose(motion.positions[:, 0, 2], middle + np.array([-0.5, 0, 0.5]), atol=1e-5)
         steps = exported.instances.motion[0]
         assert np.allclose(steps[:, 0, 3], middle + np.array([-0.5, 0, 0.5]), atol=1e-5)
+
+
+@in_blender
+def test_velocities_of_vertices_stand_for_their_motion() -> None:
+    scene = blurred(shutter=0.5)
+    scene.render.fps, scene.render.fps_base = 24, 1.0
+    ob = stage.plane()
+    for own in ob.data.attributes.new("velocity", "FLOAT_VECTOR", "POINT").data:
+        own.vector = (24.0, 0.0, 48.0)
+    mesh = stage.exported().meshes[0]
+    assert mesh.motion is not None
+    assert np.allclose(mesh.motion.positions[2] - mesh.positions, (0.25, 0, 0.5), atol=1e-6)
+    assert np.allclose(mesh.motion.positions[0] - mesh.positions, (-0.25, 0, -0.5), atol=1e-6)
+    ob.cycles.use_deform_motion = False
+    assert stage.exported().meshes[0].motion is None

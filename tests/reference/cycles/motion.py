@@ -38,11 +38,14 @@ MOTION = (
     _moving("grow", move="grow", splat=True),
     _moving("mirrored", move="mirrored", material="object", splat=True),
     _moving("parent", move="parent", splat=True),
+    _moving("standing", shape="standing", splat=True, move="glide"),
+    _moving("tray", shape="tray", splat=True, move="turn"),
     # Shapes
     _moving("shape", move="shape", splat=True),
     _moving("shape_ball", move="shape", shape="ball", material="generated", splat=True),
     _moving("shape_steps", move="shape_late", shape="ball", material="generated", steps=2),
     _moving("shape_twist", move="twist", shape="box"),
+    _moving("shape_velocity", move="velocity", shape="ball", material="generated"),
     _moving("shape_still", move="shape", material="generated", deform=False),
     # What it is made of
     _moving("generated", material="generated"),

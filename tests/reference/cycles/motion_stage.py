@@ -102,6 +102,14 @@ def _thing(shape: str, material: Any) -> bpy.types.Object:
     if shape == "plate":
         corners = [(-0.3, -0.3, 0.0), (0.3, -0.3, 0.0), (0.3, 0.3, 0.0), (-0.3, 0.3, 0.0)]
         return m.add_mesh("Mover", corners, [(0, 1, 2, 3)], material, location=PLACE)
+    if shape == "standing":
+        box = ((-0.22, -0.22, 0.0), (0.22, 0.22, 0.6))
+        return m.add_boxes("Mover", [box], material, (0.1, -0.7, 0.0), 0.4)
+    if shape == "tray":
+        corners, faces = m.box_data((-0.45, -0.45, 0.0), (0.45, 0.45, 0.3))
+        return m.add_mesh(
+            "Mover", corners, faces[:1] + faces[2:], material, location=(0.1, -0.7, 0.2)
+        )
     return m.add_boxes("Mover", [((-0.22, -0.22, -0.22), (0.22, 0.22, 0.22))], material, PLACE, 0.4)
 
 
@@ -150,6 +158,13 @@ def _twisted(thing: bpy.types.Object) -> None:
     keyed(modifier, "angle", -1.0, 1.6)
 
 
+def _velocity(thing: bpy.types.Object) -> None:
+    """Nothing is animated: the vertices say how fast they are."""
+    found = thing.data.attributes.new("velocity", "FLOAT_VECTOR", "POINT")
+    for point, own in zip(thing.data.vertices, found.data, strict=True):
+        own.vector = (30.0 * (point.co.z + 0.3), 10.0, 20.0 * point.co.x)
+
+
 def _parented(thing: bpy.types.Object) -> None:
     stand = m.add_object("Stand", None, (0.2, 0.3, 0.0))
     thing.parent = stand
@@ -159,12 +174,14 @@ def _parented(thing: bpy.types.Object) -> None:
 MOVES: dict[str, Callable[[bpy.types.Object], None]] = {
     "slide": _slide,
     "turn": lambda thing: _turn(thing, (0.0, 0.0, -0.8), (0.0, 0.0, 1.2)),
+    "glide": lambda thing: _slide(thing, (0.8, 0.3, 0.0)),
     "tumble": lambda thing: _turn(thing, (-2.0, 0.3, -1.5), (2.4, -0.5, 2.2)),
     "grow": _grow,
     "mirrored": _mirrored,
     "shape": _shape_key,
     "shape_late": _shape_key_late,
     "twist": _twisted,
+    "velocity": _velocity,
     "parent": _parented,
     "none": lambda thing: None,
 }

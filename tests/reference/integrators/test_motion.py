@@ -152,6 +152,33 @@ def test_a_moving_caustic_is_the_mean_of_many_that_stand_still() -> None:
         pytest.fail(f"mean {ratio:.4f} +- {error:.4f}; {result}")
 
 
+def test_a_floor_is_lit_right_where_a_box_glides_over_it() -> None:
+    """The box covers a place at the very times when no light gets there: the mean light of all
+    times is not that of the times when the place is seen.
+    """
+    wall = [(-1.5, 1.5, 0), (1.5, 1.5, 0), (1.5, 1.5, 2), (-1.5, 1.5, 2)]
+    things = [
+        (c.quad(1.5), c.lambert(0.6)),
+        (c.box((-0.3, -0.3, 0.001), (0.3, 0.3, 0.5)), c.lambert(0.6)),
+        (c.mesh(wall, [(0, 1, 2, 3)]), c.lambert(0.8)),
+    ]
+    lamp = c.lamp(LightKind.AREA, 200.0, (0, 0.8, 1.0), (0, 1.5, 1.0), size=(0.3, 0.3))
+    scene = c.scene(c.ortho_down(3.0, 3.0, PIXELS), things, [lamp])
+    scene.instances.matrix[1] = moved(0.0, -0.2)
+    scene = sliding(scene, 1, 1.6)
+    stacks = [
+        np.stack([c.picture(scene, by, passes=passes, seed=k) for k in range(runs)])
+        for by, passes, runs in ((Integrator.SPLAT, 64, 5), (Integrator.REFERENCE, 200, 2))
+    ]
+    result = block_test(
+        Blocks.of(stacks[0], 4, independent_pixels=False),
+        Blocks.of(stacks[1], 4, independent_pixels=True),
+        relative=0.03,
+        absolute=0.01 * float(stacks[1].mean()),
+    )
+    assert result.passed, str(result)
+
+
 def test_both_integrators_agree_on_indirect_light_of_what_moves() -> None:
     """A bright wall slides and turns beside a floor; light reaches that from it alone."""
     view = c.perspective((0.0, -4.0, 2.5), (0.0, 0.0, 0.5), 40, 40, 0.8)
