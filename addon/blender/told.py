@@ -38,8 +38,8 @@ _ORDER = (
     (
         2,
         re.compile(
-            r"not supported|taken as|read as|ignored|as usual|all the same|stands still|as a "
-            r"bump|is used|are used|not displaced|which stay"
+            r"not supported|taken as|read as|ignored|as usual|all the same|stand still|keep their "
+            r"shape|as a bump|is used|are used|not displaced|which stay"
         ),
     ),
 )

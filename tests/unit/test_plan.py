@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from photon_splat.core.render.plan import make_plan
 from photon_splat.core.render.settings import Integrator, RenderSettings
-from photon_splat.core.scene import LightKind, Scene
+from photon_splat.core.scene import CameraMotion, LightKind, Scene, Shutter
 
 from tests.robustness.test_degenerate import room
 from tests.support import corescene as c
@@ -47,6 +47,16 @@ def test_any_light_is_enough(what: Scene) -> None:
     assert make_plan(what, RenderSettings()).flags["photons"]
     settings = {"passes": 2, "photons_per_pass": 1000, "adaptive_samples": False, "fallback": False}
     assert c.shoot(what, **settings).statistics["photons"]["traced"] == 2000
+
+
+def test_what_moves_is_told() -> None:
+    what = floor(lamp=1.0)
+    assert "shutter" not in " ".join(make_plan(what, RenderSettings()).sentences)
+    what.shutter = Shutter(np.ones(2, np.float32))
+    what.instances.motion = {0: np.tile(np.eye(4), (3, 1, 1))}
+    what.camera.motion = CameraMotion(np.tile(np.eye(4), (3, 1, 1)))
+    sentences = make_plan(what, RenderSettings()).sentences
+    assert "While the shutter is open 1 instance moves, the camera moves." in sentences
 
 
 def test_words_and_flags() -> None:

@@ -117,13 +117,17 @@ def make_plan(scene: Scene, settings: RenderSettings) -> Plan:
 
 def _moving(scene: Scene) -> str:
     """What is blurred, as the end of a sentence."""
+    instances = len(scene.instances.motion)
     shapes = sum(mesh.motion is not None for mesh in scene.meshes)
-    counts = {
-        f"{len(scene.instances.motion):,} instances move": scene.instances.motion,
-        f"{shapes:,} meshes change their shape": shapes,
-        "the camera moves": scene.camera.motion,
-    }
-    return ", ".join(said for said, some in counts.items() if some)
+    said = []
+    if instances:
+        said.append("1 instance moves" if instances == 1 else f"{instances:,} instances move")
+    if shapes:
+        said.append("1 mesh changes" if shapes == 1 else f"{shapes:,} meshes change")
+        said[-1] += " in shape"
+    if scene.camera.motion is not None:
+        said.append("the camera moves")
+    return ", ".join(said)
 
 
 def _gathers(settings: RenderSettings) -> bool:

@@ -59,8 +59,8 @@ Vec3 Scene::shadow_ray_origin(const Surface& s, const Vec3& to_light, float time
   const Vec3 way = (normals[0] * weights[0] + normals[1] * weights[1] + normals[2] * weights[2]) *
                    (lift * std::min(near, 1.0f));
   if (!lookup.shared) return s.position + way;
-  return s.position +
-         (moving ? pose_at(s.instance, time).to_world : instance.to_world).vector(way);
+  if (moving) return s.position + pose_at(s.instance, time).to_world.vector(way);
+  return s.position + instance.to_world.vector(way);
 }
 
 }  // namespace photon_splat

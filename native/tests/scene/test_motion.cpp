@@ -232,6 +232,31 @@ TEST_CASE("a mesh that changes its shape is met where it is") {
   }
 }
 
+TEST_CASE("shadow rays of a coarse mesh start off it where it is at their time") {
+  const auto octant = [] {
+    Mesh mesh;
+    mesh.positions = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    mesh.triangles = {{0, 1, 2}};
+    mesh.corner_normals = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    return mesh;
+  };
+  const Vec3 axis = normalize(Vec3{1, 0, 2});
+  const std::vector<Affine> steps{turned(axis, 0), turned(axis, 0.6f, {1, 0, 0}),
+                                  turned(axis, 1.2f, {2, 1, 0})};
+  const float time = 0.8f;
+  Scene moving(1), still(1);
+  fill_moving(moving, octant(), steps);
+  fill(still, octant(), {exact(TransformMotion(steps).at(time))});
+  const float third = 1 / 3.0f;
+  const Surface a = moving.surface_at(0, 0, third, third, false, time),
+                b = still.surface_at(0, 0, third, third, false);
+  const Vec3 along = normalize(Basis(b.ng).tangent + b.ng * 0.02f);
+  CHECK(length(a.position - b.position) < 1e-5f);
+  CHECK(length(b.position - still.shadow_ray_origin(b, along)) > 0.1f);
+  CHECK(length(moving.shadow_ray_origin(a, along, time) - still.shadow_ray_origin(b, along)) <
+        1e-5f);
+}
+
 TEST_CASE("photons on what grows are as dense as where they have landed") {
   Scene scene(1);
   fill_moving(scene, make_grid(1), {scaled({}, {0.5f, 0.5f, 1}), {}, scaled({}, {3, 2, 1})});
