@@ -167,7 +167,7 @@ CASES: tuple[Case, ...] = (
     _fog("fog_in_glass", box="cloud", lamp="world", surface="glass", Density=3.0),
     _fog("fog_camera_inside", "fog_camera_inside", Density=0.3),
     _fog("fog_world", "fog_world", Density=0.15),
-    _fog("fog_world_sun", "fog_world", lamp="sun", Density=0.15),
+    _fog("fog_world_spot", "fog_world", lamp="spot", Density=0.15),
     _fog("fog_overlapping", "fog_overlapping"),
     _fog("fog_in_instances", "fog_in_instances"),
     # Scenes of blend_scenes/

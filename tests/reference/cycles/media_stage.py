@@ -105,17 +105,19 @@ def fog_world(lamp: str = "point", **inputs: Any) -> None:
 
 
 def fog_overlapping() -> None:
-    """Two boxes of different fogs that share a part of their space."""
+    """Two boxes of different fogs that share a part of their space. They are grey: of mixed phase
+    functions Cycles takes the same share in every channel.
+    """
     stage._stage()
     m.add_boxes(
         "Near",
         [((-0.8, -1.0, 0.2), (0.3, 0.2, 1.0))],
-        medium("scatter", Color=(0.9, 0.5, 0.3), Density=1.5),
+        medium("scatter", Color=(0.5, 0.5, 0.5), Density=1.5),
     )
     m.add_boxes(
         "Far",
         [((-0.2, -0.7, 0.4), (0.9, 0.4, 1.3))],
-        medium("principled", Color=(0.3, 0.5, 0.9), Density=2.0, Anisotropy=0.4),
+        medium("principled", Color=(0.8, 0.8, 0.8), Density=2.0, Anisotropy=0.4),
     )
     _lights("area")
 
