@@ -33,6 +33,7 @@ def build(case: Case) -> bpy.types.Scene:
         media_stage,
         motion_stage,
         terminator_stage,
+        subsurface_stage,
         visibility_stage,
     )
 
@@ -43,6 +44,7 @@ def build(case: Case) -> bpy.types.Scene:
         | vars(displacement_stage)
         | vars(terminator_stage)
         | vars(motion_stage)
+        | vars(subsurface_stage)
         | {"material_case": gallery_stage.material_case, "caustic_view": pictures.open_view}
     )
     builders[case.build](**case.options)
