@@ -21,8 +21,9 @@ enum Dimension : uint32_t {
   kMediumPair,
   kMediumPlacePair,
   kBelowPair,
-  kBelowChoicePair,
   kExitPairs = 16,  // from here on those of the vertex where a path leaves from below
+  kWalkPairs = 32,  // of a walk
+  kWalkEnd = 48,
   kLensPair = 64,
   kTimePair = 65
 };

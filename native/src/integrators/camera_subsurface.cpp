@@ -35,18 +35,21 @@ bool CameraTracer::meet_body(Path& path, const Surface& hit, Bsdf& bsdf) const {
 
 // The path enters the body, and is lit where it leaves; false where it ends.
 bool CameraTracer::go_below(Path& path, const Surface& hit, const Bsdf& bsdf) const {
-  const Vec2 way = path.numbers(kBelowPair), choice = path.numbers(kBelowChoicePair);
+  const float choice = bsdf.below_count() > 1 ? path.numbers(kBelowPair).x : 0;
   float weights[4], all = 0;
   for (int i = 0; i < bsdf.below_count(); ++i)
     all += weights[i] = max_abs((path.throughput + path.world_throughput) * bsdf.below(i).weight);
   if (!(all > 0)) return false;
   int own = 0;
-  float left = choice.x * all;
+  float left = choice * all;
   for (; own < bsdf.below_count() - 1 && left >= weights[own]; ++own) left -= weights[own];
   if (!(weights[own] > 0)) return false;
   const Vec3 wo = -path.direction;
+  WalkNumbers numbers = path.vertex == 0
+                            ? WalkNumbers(path.random, path.sample, path.seed, kWalkPairs, kWalkEnd)
+                            : WalkNumbers(path.random);
   const auto exit = scatter_below(scene_, hit, bsdf.below(own), wo,
-                                  path.throughput + path.world_throughput, way, path.random);
+                                  path.throughput + path.world_throughput, numbers, path.info.time);
   if (!exit) return false;
   path.scale(exit->weight * (all / weights[own]));
   if (!is_finite(path.throughput) || !is_finite(path.world_throughput)) {

@@ -31,7 +31,9 @@ bool PhotonTracer::go_below(Path& path, const Surface& hit, const Bsdf& bsdf, co
   if (!(chance > 0)) return false;
 
   const Vec3 way = Basis(-hit.ng).to_world(sample_cosine_hemisphere(draws.next(path)));
-  const auto exit = walk_below(scene_, hit, entered, way, path.power * entered.albedo, path.random);
+  WalkNumbers numbers(path.random);
+  const auto exit =
+      walk_below(scene_, hit, entered, way, path.power * entered.albedo, numbers, path.time);
   if (!exit) return false;
   const Surface& s = exit->surface;
   const float choice = path.random.next();
@@ -42,7 +44,11 @@ bool PhotonTracer::go_below(Path& path, const Surface& hit, const Bsdf& bsdf, co
   scene_.shade(s, leaving->wo, ray, there);
   if (own >= there.below_count()) return false;
   const Subsurface& left_by = there.below(own);
-  const float density = entry_pdf(left_by, leaving->wo, -exit->way) * dot(leaving->wo, s.ng) /
+  // Of facets and about the normal that the direction was drawn by: the density of others may have
+  // its peak where none is drawn.
+  Subsurface drawn_by = entered;
+  drawn_by.n = s.ns;
+  const float density = entry_pdf(drawn_by, leaving->wo, -exit->way) * dot(leaving->wo, s.ng) /
                         std::max(dot(exit->way, s.ng), 1e-6f);
   path.power *= exit->weight * entered.albedo * divided(left_by.weight, left_by.albedo) *
                 (cos_shading / cos_geometric / chance * density / leaving->pdf);

@@ -276,16 +276,18 @@ void Scene::update_subsurface(const CancelFlag& cancel) {
 }
 
 bool Scene::meets_itself(uint32_t index, const Vec3& origin, const Vec3& direction, float near,
-                         float far, OwnHit& found) const {
+                         float far, float time, OwnHit& found) const {
   const Instance& instance = instances[index];
   const RTCScene scene = instance.shared              ? mesh_scenes_[instance.mesh]
                          : index < own_scenes_.size() ? own_scenes_[index]
                                                       : nullptr;
   if (!scene) return false;
-  const Vec3 o = instance.shared ? instance.to_local.point(origin) : origin,
-             d = instance.shared ? instance.to_local.vector(direction) : direction;
+  Affine to_local;
+  if (instance.shared) to_local = pose_at(index, time).to_local;
+  const Vec3 o = instance.shared ? to_local.point(origin) : origin,
+             d = instance.shared ? to_local.vector(direction) : direction;
   RTCRayHit hit;
-  hit.ray = {o.x, o.y, o.z, near, d.x, d.y, d.z, 0, far, ~0u, 0, 0};
+  hit.ray = {o.x, o.y, o.z, near, d.x, d.y, d.z, time, far, ~0u, 0, 0};
   hit.hit.geomID = hit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
   RTCIntersectArguments arguments;
   rtcInitIntersectArguments(&arguments);
@@ -293,7 +295,7 @@ bool Scene::meets_itself(uint32_t index, const Vec3& origin, const Vec3& directi
   rtcIntersect1(scene, &hit, &arguments);
   if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
   Vec3 normal{hit.hit.Ng_x, hit.hit.Ng_y, hit.hit.Ng_z};
-  if (instance.shared) normal = instance.to_local.transposed_vector(normal);
+  if (instance.shared) normal = to_local.transposed_vector(normal);
   found = {hit.hit.primID, hit.hit.u, hit.hit.v, hit.ray.tfar, normalize(normal)};
   return true;
 }

@@ -212,11 +212,7 @@ class Scene {
     Vec3 normal;  // unit, of the front
   };
   bool meets_itself(uint32_t instance, const Vec3& origin, const Vec3& direction, float near,
-                    float far, OwnHit& hit) const;
-  bool meets_itself(uint32_t instance, const Vec3& origin, const Vec3& direction, float far,
-                    OwnHit& hit) const {
-    return meets_itself(instance, origin, direction, 0, far, hit);
-  }
+                    float far, float time, OwnHit& hit) const;
   // The same for `count` <= kPacket incoherent rays from 0 to infinity; bit k of the result tells
   // whether ray k hit.
   static constexpr uint32_t kPacket = 8;

@@ -40,8 +40,9 @@ struct Found {
 }  // namespace
 
 std::optional<SubsurfaceExit> project_below(const Scene& scene, const Surface& entry,
-                                            const Subsurface& closure, const Vec2& u,
-                                            Random& random) {
+                                            const Subsurface& closure, WalkNumbers& numbers,
+                                            float time) {
+  const Vec2 u = numbers.next2();
   const Rgb d = closure.radius;
   // The channels that go below
   int channels[3], count = 0;
@@ -71,16 +72,16 @@ std::optional<SubsurfaceExit> project_below(const Scene& scene, const Surface& e
   float near = 0;
   Scene::OwnHit hit;
   for (; hits < kMostCrossings && near < 2 * height &&
-         scene.meets_itself(entry.instance, start, -n, near, 2 * height, hit);
+         scene.meets_itself(entry.instance, start, -n, near, 2 * height, time, hit);
        ++hits) {
     near = std::nextafter(hit.distance + ray_epsilon(start, hit.distance), INFINITY);
     // A random choice where there are too many
     int slot = hits;
-    if (hits >= kMostHits) slot = static_cast<int>(random.next() * static_cast<float>(hits + 1));
+    if (hits >= kMostHits) slot = static_cast<int>(numbers.next() * static_cast<float>(hits + 1));
     if (slot >= kMostHits) continue;
     // The side of the entry
     const Surface surface =
-        scene.surface_at(entry.instance, hit.triangle, hit.u, hit.v, entry.back);
+        scene.surface_at(entry.instance, hit.triangle, hit.u, hit.v, entry.back, time);
     float by_axes = 0, by_own = 0;
     for (int i = 0; i < 3; ++i) {
       const float p = (i == 0 ? 0.5f : 0.25f) * std::abs(dot(axes[i], surface.ng));
@@ -95,7 +96,7 @@ std::optional<SubsurfaceExit> project_below(const Scene& scene, const Surface& e
   float all = 0;
   for (int i = 0; i < std::min(hits, kMostHits); ++i) all += kept[i]->mean;
   if (!(all > 0)) return std::nullopt;
-  float choice = random.next() * all;
+  float choice = numbers.next() * all;
   int chosen = 0;
   for (int i = 0; i < std::min(hits, kMostHits); ++i) {
     if (!(kept[i]->mean > 0)) continue;

@@ -20,12 +20,14 @@ Rgb attenuation(const Rgb& c, float t) {
   return {one(c.x), one(c.y), one(c.z)};
 }
 
+float min_component(const Rgb& c) { return std::min({c.x, c.y, c.z}); }
+
 Rgb absolute(const Rgb& c) { return {std::abs(c.x), std::abs(c.y), std::abs(c.z)}; }
 
 SubsurfaceExit leave(const Scene& scene, const Surface& entry, const Scene::OwnHit& hit,
-                     const Vec3& way, const Rgb& weight) {
+                     const Vec3& way, const Rgb& weight, float time) {
   const bool back = dot(hit.normal, way) < 0;
-  return {scene.surface_at(entry.instance, hit.triangle, hit.u, hit.v, back), way, weight};
+  return {scene.surface_at(entry.instance, hit.triangle, hit.u, hit.v, back, time), way, weight};
 }
 
 // The chance of each channel to be walked by.
@@ -44,16 +46,17 @@ Vec3 turn(const Vec3& way, float g, const Vec2& u) {
 
 }  // namespace
 
+// Each step is drawn by one channel and weighed as drawn by any (balance heuristic). Steps aimed at
+// the surface (Krivanek and d'Eon, A Zero-variance-based Sampling Scheme for Monte Carlo Subsurface
+// Scattering, 2014) changed the variance by -12 to +5 %: not worth their work.
 std::optional<SubsurfaceExit> walk_below(const Scene& scene, const Surface& entry,
                                          const Subsurface& closure, const Vec3& way,
-                                         const Rgb& carried, Random& random) {
+                                         const Rgb& carried, WalkNumbers& numbers, float time) {
   const float offset = ray_epsilon(entry.position, entry.distance);
   const float least = kLeastOffsets * offset;
   Scattering medium = scattering_of(closure);
   // Too short to be told from its start
-  if (1 / std::max(std::min({medium.extinction.x, medium.extinction.y, medium.extinction.z}),
-                   1e-30f) <
-      least)
+  if (1 / std::max(min_component(medium.extinction), 1e-30f) < least)
     return SubsurfaceExit{entry, entry.ng, {1, 1, 1}};
   medium.extinction = min(medium.extinction, Rgb{1, 1, 1} / least);
   Rgb weight = medium.factor;
@@ -61,27 +64,27 @@ std::optional<SubsurfaceExit> walk_below(const Scene& scene, const Surface& entr
   Vec3 x = entry.position - entry.ng * offset, direction = way;
   for (int step = 0; step < kMostSteps; ++step) {
     if (step == kDirectedSteps && medium.g != 0) medium = medium.reduced();
-    if (step > 0) direction = turn(direction, medium.g, random.next2());
+    if (step > 0) direction = turn(direction, medium.g, numbers.next2());
     const Rgb chance = chances(weight * carried, medium.albedo);
-    float u = random.next();
+    Vec2 u = numbers.next2();
     int channel = 0;
-    for (; channel < 2 && u >= chance[channel]; ++channel) u -= chance[channel];
-    float t = -std::log1p(-random.next()) / medium.extinction[channel];
+    for (; channel < 2 && u.x >= chance[channel]; ++channel) u.x -= chance[channel];
+    float t = -std::log1p(-u.y) / medium.extinction[channel];
     Scene::OwnHit hit;
-    const bool leaves = scene.meets_itself(entry.instance, x, direction, t, hit);
+    const bool leaves = scene.meets_itself(entry.instance, x, direction, 0, t, time, hit);
     if (leaves) t = hit.distance;
     if (!std::isfinite(t)) return std::nullopt;
     const Rgb there = attenuation(medium.extinction, t);
     const float pdf = dot(chance, leaves ? there : medium.extinction * there);
     if (!(pdf > 0)) return std::nullopt;
     weight *= (leaves ? there : medium.scattering() * there) / pdf;
-    if (leaves) return leave(scene, entry, hit, direction, weight);
+    if (leaves) return leave(scene, entry, hit, direction, weight, time);
     x += direction * t;
     const float left = max_abs(weight * carried);
     if (!(left > 0) || !is_finite(x)) return std::nullopt;
     if (left >= kFaint * start) continue;
     const float survival = left / (kFaint * start);
-    if (random.next() >= survival) return std::nullopt;
+    if (numbers.next() >= survival) return std::nullopt;
     weight *= 1 / survival;
   }
   return std::nullopt;
@@ -89,14 +92,15 @@ std::optional<SubsurfaceExit> walk_below(const Scene& scene, const Surface& entr
 
 std::optional<SubsurfaceExit> scatter_below(const Scene& scene, const Surface& entry,
                                             const Subsurface& closure, const Vec3& wo,
-                                            const Rgb& carried, const Vec2& u, Random& random) {
+                                            const Rgb& carried, WalkNumbers& numbers, float time) {
   std::optional<SubsurfaceExit> exit;
   if (closure.method == SubsurfaceMethod::kBurley) {
-    exit = project_below(scene, entry, closure, u, random);
+    exit = project_below(scene, entry, closure, numbers, time);
   } else {
     Vec3 way;
-    if (!sample_entry(closure, wo, u, &way) || dot(way, entry.ng) >= 0) return std::nullopt;
-    exit = walk_below(scene, entry, closure, way, carried * closure.weight, random);
+    if (!sample_entry(closure, wo, numbers.next2(), &way) || dot(way, entry.ng) >= 0)
+      return std::nullopt;
+    exit = walk_below(scene, entry, closure, way, carried * closure.weight, numbers, time);
   }
   if (!exit) return std::nullopt;
   exit->weight *= closure.weight;

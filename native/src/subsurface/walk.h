@@ -11,6 +11,21 @@
 
 namespace photon_splat {
 
+// Random numbers of a walk; of the first steps, where there are, from a low-discrepancy sequence.
+class WalkNumbers {
+ public:
+  explicit WalkNumbers(Random& random) : random_(random) {}
+  WalkNumbers(Random& random, uint32_t sample, uint32_t seed, uint32_t first, uint32_t end)
+      : random_(random), sample_(sample), seed_(seed), pair_(first), end_(end) {}
+
+  Vec2 next2() { return pair_ < end_ ? sobol_2d(sample_, pair_++, seed_) : random_.next2(); }
+  float next() { return random_.next(); }
+
+ private:
+  Random& random_;
+  uint32_t sample_ = 0, seed_ = 0, pair_ = 0, end_ = 0;
+};
+
 struct SubsurfaceExit {
   Surface surface;  // as seen from outside, along -way
   Vec3 way;         // unit, out of the body
@@ -21,16 +36,18 @@ struct SubsurfaceExit {
 // body, or is lost beyond an open mesh.
 std::optional<SubsurfaceExit> scatter_below(const Scene& scene, const Surface& entry,
                                             const Subsurface& closure, const Vec3& wo,
-                                            const Rgb& carried, const Vec2& u, Random& random);
+                                            const Rgb& carried, WalkNumbers& numbers,
+                                            float time = kShutterCentre);
 
 // A walk alone, from the entry in the direction `way`. Without the closure's weight.
 std::optional<SubsurfaceExit> walk_below(const Scene& scene, const Surface& entry,
                                          const Subsurface& closure, const Vec3& way,
-                                         const Rgb& carried, Random& random);
+                                         const Rgb& carried, WalkNumbers& numbers,
+                                         float time = kShutterCentre);
 
 // The same by the profile.
 std::optional<SubsurfaceExit> project_below(const Scene& scene, const Surface& entry,
-                                            const Subsurface& closure, const Vec2& u,
-                                            Random& random);
+                                            const Subsurface& closure, WalkNumbers& numbers,
+                                            float time = kShutterCentre);
 
 }  // namespace photon_splat

@@ -69,7 +69,8 @@ Rgb walked(const Scene& scene, const Surface& entry, const Subsurface& c) {
   const Basis basis(-entry.ng);
   for (uint32_t i = 0; i < kPaths; ++i) {
     const Vec3 way = basis.to_world(sample_cosine_hemisphere(sobol_2d(i, 0, 5)));
-    if (const auto exit = walk_below(scene, entry, c, way, {1, 1, 1}, random)) {
+    WalkNumbers numbers(random);
+    if (const auto exit = walk_below(scene, entry, c, way, {1, 1, 1}, numbers)) {
       REQUIRE(is_finite(exit->weight));
       CHECK(dot(exit->way, exit->surface.ng) > 0);
       sum += exit->weight / kPaths;
@@ -103,6 +104,50 @@ TEST_CASE("a half-space reflects the albedo that a walk was asked for") {
     }
 }
 
+// By reciprocity light from everywhere is thrown back everywhere by as much, whichever way it is
+// followed.
+TEST_CASE("photons and camera paths agree on how much light a body throws back") {
+  Scene scene(1);
+  fill_half_space(scene);
+  const Surface entry = from_above(scene, {});
+  struct Kind {
+    SubsurfaceMethod method;
+    float alpha, ior;
+  };
+  const Kind kinds[] = {{SubsurfaceMethod::kRandomWalk, 0.06f, 1.5f},
+                        {SubsurfaceMethod::kRandomWalk, 0.25f, 1.1f},
+                        {SubsurfaceMethod::kRandomWalk, 1, 1.5f},
+                        {SubsurfaceMethod::kRandomWalkSkin, 1, 1.5f}};
+  for (const auto& [method, alpha, ior] : kinds) {
+    CAPTURE(static_cast<int>(method));
+    CAPTURE(alpha);
+    SubsurfaceInputs in;
+    in.method = method;
+    in.color = {0.3f, 0.5f, 0.8f};
+    in.radius = {0.1f, 0.1f, 0.1f};
+    in.ior = ior;
+    in.alpha = alpha;
+    const Subsurface c = expanded(in, SubsurfaceUse::kAll, in.color).below(0);
+    Random random(1, 2);
+    WalkNumbers numbers(random);
+    Rgb seen{}, thrown{};
+    for (uint32_t i = 0; i < 2 * kPaths; ++i) {
+      const Vec3 direction = sample_cosine_hemisphere(sobol_2d(i, 0, 5));
+      if (const auto exit = scatter_below(scene, entry, c, direction, {1, 1, 1}, numbers))
+        seen += exit->weight / (2.0f * kPaths);
+      const auto exit = walk_below(scene, entry, c, -direction, {1, 1, 1}, numbers);
+      if (!exit) continue;
+      const Vec3 into = -exit->way;
+      const auto leaving = sample_leaving(c, kUp, kUp, into, random.next(), sobol_2d(i, 1, 5));
+      if (!leaving) continue;
+      thrown += exit->weight * c.weight *
+                (entry_pdf(c, leaving->wo, into) * leaving->wo.z / -into.z / leaving->pdf /
+                 (2.0f * kPaths));
+    }
+    for (int k = 0; k < 3; ++k) CHECK(thrown[k] == doctest::Approx(seen[k]).epsilon(0.03));
+  }
+}
+
 TEST_CASE("nothing is lost in a closed body that absorbs nothing") {
   Scene scene(1);
   fill_body(scene, make_sphere(16, 32), {{0.5, 0, 0, 3, 0, 0.8, 0, 1, 0, 0, 0.4, 2}});
@@ -124,9 +169,10 @@ TEST_CASE("a mesh that stands in several places is walked in where it stands") {
   REQUIRE(entry.instance == 0);
   const Subsurface c = closure(SubsurfaceMethod::kRandomWalk, {1, 1, 1}, 0.3f);
   Random random(1, 2);
+  WalkNumbers numbers(random);
   Rgb sum{};
   for (uint32_t i = 0; i < kPaths; ++i)
-    if (const auto exit = walk_below(scene, entry, c, -kUp, {1, 1, 1}, random)) {
+    if (const auto exit = walk_below(scene, entry, c, -kUp, {1, 1, 1}, numbers)) {
       const Surface& s = exit->surface;
       CHECK(s.instance == 0);
       CHECK(s.position.x > 2.999f);
@@ -149,12 +195,14 @@ TEST_CASE("Burley's profile on a plane: all of it, as far away as it should be")
   const Subsurface c = expanded(in).below(0);
   Random random(3, 1);
   Rgb sum{}, distance{};
-  for (uint32_t i = 0; i < 8 * kPaths; ++i)
-    if (const auto exit = project_below(scene, entry, c, sobol_2d(i, 0, 9), random)) {
+  for (uint32_t i = 0; i < 8 * kPaths; ++i) {
+    WalkNumbers numbers(random, i, 9, 0, 1);
+    if (const auto exit = project_below(scene, entry, c, numbers)) {
       sum += exit->weight / (8.0f * kPaths);
       distance +=
           exit->weight * (length(exit->surface.position - entry.position) / (8.0f * kPaths));
     }
+  }
   for (int i = 0; i < 3; ++i) {
     CHECK(sum[i] == doctest::Approx(1).epsilon(0.01));
     // (d^2 + 9 d^2)/(4 d), less what lies beyond the end
@@ -214,6 +262,7 @@ TEST_CASE("bad input: open meshes, and numbers that are none, yield finite light
   const Surface entry = from_above(scene, {2, 2, 0});
   const float odd[] = {kNan, kInf, -kInf, -1, 0, 1e-30f, 1e-7f, 1e-4f, 1e6f, 1e30f};
   Random random(3, 1);
+  WalkNumbers numbers(random);
   for (const SubsurfaceMethod method :
        {SubsurfaceMethod::kBurley, SubsurfaceMethod::kRandomWalk,
         SubsurfaceMethod::kRandomWalkLegacy, SubsurfaceMethod::kRandomWalkSkin})
@@ -227,8 +276,8 @@ TEST_CASE("bad input: open meshes, and numbers that are none, yield finite light
         const LobeList lobes = expanded(in, SubsurfaceUse::kAll, {1, 1, 1});
         for (int k = 0; k < lobes.below_count(); ++k)
           for (uint32_t i = 0; i < 64; ++i)
-            if (const auto exit = scatter_below(scene, entry, lobes.below(k), kUp, {1, 1, 1},
-                                                sobol_2d(i, 0, 2), random)) {
+            if (const auto exit =
+                    scatter_below(scene, entry, lobes.below(k), kUp, {1, 1, 1}, numbers)) {
               CHECK(is_finite(exit->weight));
               CHECK(exit->weight.x >= 0);
               CHECK(is_finite(exit->surface.position));

@@ -32,8 +32,8 @@ def build(case: Case) -> bpy.types.Scene:
         gallery_stage,
         media_stage,
         motion_stage,
-        terminator_stage,
         subsurface_stage,
+        terminator_stage,
         visibility_stage,
     )
 

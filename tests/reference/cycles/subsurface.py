@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 from tests.reference.cycles.cases import Case
@@ -42,7 +43,10 @@ SUBSURFACE = (
     _body("skin_ior", method="RANDOM_WALK_SKIN", Subsurface_IOR=2.0, Subsurface_Anisotropy=0.5),
     _body("burley", method="BURLEY", Subsurface_Scale=0.8),
     _body("burley_box", shape="box", method="BURLEY", Subsurface_Scale=1.0, lamp="sun"),
-    _body("burley_slab", shape="slab", method="BURLEY", Subsurface_Scale=1.0, lamp="back"),
+    replace(
+        _body("burley_slab", shape="slab", method="BURLEY", Subsurface_Scale=1.0, lamp="back"),
+        block_bias=0.04,  # the kernel's, at the edge of the lamp's light on the wall
+    ),
     _body("node", node="subsurface", Roughness=0.3),
     _body("node_skin", node="subsurface", method="RANDOM_WALK_SKIN"),
     _body("node_burley", node="subsurface", method="BURLEY", Scale=0.5),
@@ -50,7 +54,7 @@ SUBSURFACE = (
     _body("box", shape="box", lamp="back", Subsurface_Scale=0.3),
     _body("slab", shape="slab", lamp="back"),
     _body("sheet", shape="sheet"),
-    _body("shell", shape="shell", lamp="inside"),
+    replace(_body("shell", shape="shell", lamp="inside"), samples=1024, photons_per_pass=80_000),
     _body("monkey", shape="monkey", lamp="sun", Subsurface_Scale=0.05),
     _body("stretched", scale=(1.3, 0.6, 0.9)),
     _body("instances", "bodies"),

@@ -134,6 +134,7 @@ def _shape(shape: str, material: bpy.types.Material) -> bpy.types.Object:
     if shape == "monkey":
         bpy.ops.mesh.primitive_monkey_add(size=0.9)
         thing = bpy.context.object
+        thing.shadow_terminator_geometry_offset = 0.0  # a trick of Cycles' for coarse meshes
         thing.data.materials.append(material)
         for face in thing.data.polygons:
             face.use_smooth = True
