@@ -43,10 +43,7 @@ SUBSURFACE = (
     _body("skin_ior", method="RANDOM_WALK_SKIN", Subsurface_IOR=2.0, Subsurface_Anisotropy=0.5),
     _body("burley", method="BURLEY", Subsurface_Scale=0.8),
     _body("burley_box", shape="box", method="BURLEY", Subsurface_Scale=1.0, lamp="sun"),
-    replace(
-        _body("burley_slab", shape="slab", method="BURLEY", Subsurface_Scale=1.0, lamp="back"),
-        block_bias=0.04,  # the kernel's, at the edge of the lamp's light on the wall
-    ),
+    _body("burley_slab", shape="slab", method="BURLEY", Subsurface_Scale=1.0, lamp="back"),
     _body("node", node="subsurface", Roughness=0.3),
     _body("node_skin", node="subsurface", method="RANDOM_WALK_SKIN"),
     _body("node_burley", node="subsurface", method="BURLEY", Scale=0.5),
