@@ -131,8 +131,12 @@ def _default_program(shading: Shading) -> Program:
         "sheen_weight",
         "emission_strength",
         "thin_film_thickness",
+        "subsurface_scale",
+        "subsurface_anisotropy",
     )
-    given = dict.fromkeys(zeros, ZERO) | dict.fromkeys(("normal", "coat_normal", "tangent"), ORIGIN)
+    given = dict.fromkeys(zeros, ZERO) | dict.fromkeys(
+        ("normal", "coat_normal", "tangent", "subsurface_radius"), ORIGIN
+    )
     given |= dict.fromkeys(("specular_tint", "coat_tint", "sheen_tint", "emission_color"), white)
     given |= {
         "weight": ONE,
@@ -141,8 +145,12 @@ def _default_program(shading: Shading) -> Program:
         "coat_roughness": number(0.03),
     }
     given |= dict.fromkeys(("roughness", "specular_level", "sheen_roughness"), number(0.5))
-    given |= dict.fromkeys(("ior", "coat_ior"), number(1.5)) | {"thin_film_ior": number(1.33)}
-    made = statement("Principled", distribution="MULTI_GGX", **given)
+    given |= dict.fromkeys(("ior", "coat_ior", "subsurface_ior"), number(1.5)) | {
+        "thin_film_ior": number(1.33)
+    }
+    made = statement(
+        "Principled", distribution="MULTI_GGX", subsurface_method="RANDOM_WALK", **given
+    )
     return Compiled(Graph(shading.folding), [made], Feature.GATHERS | Feature.REST).program(
         DEFAULT_NAME
     )

@@ -25,6 +25,7 @@ class Feature(IntFlag):
     SHARP = 16
     CONSTANT_EMISSION = 32
     TRANSMITS = 64
+    SUBSURFACE = 128
 
 
 @dataclass(slots=True)

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from ...core.scene.shading import Feature
 from .assemble import Statement, statement
 from .node import LEAST_IOR, Node
-from .values import ONE, ZERO, Value
+from .values import ONE, ORIGIN, ZERO, Value
 
 Made = tuple[list[Statement], Feature]
 # A lobe below this roughness focuses light: photons of its own kind (see the integrator).
@@ -27,6 +27,7 @@ def _roughness_features(*roughnesses: Value) -> Feature:
 MEDIA = ("VolumeAbsorption", "VolumeScatter", "VolumeCoefficients", "PrincipledVolume")
 MOST_LOBES = 48
 """LobeList::kMax of native/src/bsdf/lobe.h."""
+DEFAULT_RADIUS = (1.0, 0.2, 0.1)
 
 
 def lobe_count(made: Statement) -> int:
@@ -99,22 +100,32 @@ def translucent(n: Node, weight: Value) -> Made:
 
 
 def subsurface(n: Node, weight: Value) -> Made:
-    n.around.report.warn(
-        "Subsurface Scattering is not supported yet; taken as diffuse: {}", f"{_short(n)}"
+    method, anisotropy = _walk(n, "falloff", "Anisotropy")
+    made = statement(
+        "Subsurface",
+        weight=weight,
+        color=n.color("Color"),
+        normal=n.closure_normal(),
+        radius=n.vector("Radius", DEFAULT_RADIUS),
+        scale=n.number("Scale", 0.05),
+        ior=n.number("IOR", 1.4),
+        roughness=n.share("Roughness", 1.0),
+        anisotropy=anisotropy,
+        method=method,
     )
-    return [
-        statement(
-            "Diffuse",
-            weight=weight,
-            color=n.color("Color"),
-            normal=n.closure_normal(),
-            roughness=ZERO,
-        )
-    ], Feature.GATHERS
+    return [made], Feature.GATHERS | Feature.SUBSURFACE
 
 
-def _short(n: Node) -> str:
-    return n.owner.id.name if n.owner.id is not None else n.owner.name
+def _walk(n: Node, method: str, anisotropy: str) -> tuple[str, Value]:
+    """The method of a subsurface node, and the mean cosine of its phase function. Blender before
+    5.2 has only the older random walk, which does not scatter backwards.
+    """
+    older = "RANDOM_WALK_LEGACY" not in n.node.bl_rna.properties[method].enum_items
+    name, cosine = getattr(n.node, method), n.number(anisotropy)
+    if not older:
+        return name, cosine
+    bounded = n.graph.one("Math", operation="MAXIMUM", a=cosine, b=ZERO, c=ZERO, use_clamp="OFF")
+    return "RANDOM_WALK_LEGACY" if name == "RANDOM_WALK" else name, bounded
 
 
 def _distribution(n: Node) -> str:
@@ -230,10 +241,7 @@ def principled(n: Node, weight: Value) -> Made:
     weights = {
         name: n.share(name) for name in ("Subsurface Weight", "Transmission Weight", "Coat Weight")
     } | {"Sheen Weight": n.number("Sheen Weight")}
-    if weights["Subsurface Weight"] != ZERO:
-        n.around.report.warn(
-            "Subsurface Scattering is not supported yet; taken as diffuse: {}", f"{_short(n)}"
-        )
+    scatters_below = weights["Subsurface Weight"] != ZERO
     if n.number("Thin Wall") != ZERO:
         n.warn("Thin Wall is not supported; taken as solid")
     metal, roughness, coat_roughness = (
@@ -251,7 +259,7 @@ def principled(n: Node, weight: Value) -> Made:
         alpha = n.graph.one("OneMinus", a=clear)
     ior = n.ior("IOR", 1.5)
     emission_color, emission_strength = n.color("Emission Color"), n.number("Emission Strength")
-    layers = ("Transmission Weight", "Coat Weight", "Sheen Weight")
+    layers = ("Subsurface Weight", "Transmission Weight", "Coat Weight", "Sheen Weight")
     if (
         alpha == ONE
         and specular == ZERO
@@ -259,6 +267,11 @@ def principled(n: Node, weight: Value) -> Made:
         and all(weights[name] == ZERO for name in layers)
     ):
         return _matte(n, weight, emission_color, emission_strength)
+    method, cosine = (
+        _walk(n, "subsurface_method", "Subsurface Anisotropy")
+        if scatters_below
+        else ("RANDOM_WALK", ZERO)
+    )
     made = statement(
         "Principled",
         weight=weight,
@@ -289,8 +302,15 @@ def principled(n: Node, weight: Value) -> Made:
         thin_film_thickness=n.number("Thin Film Thickness"),
         thin_film_ior=n.number("Thin Film IOR", 1.33),
         distribution=n.node.distribution,
+        subsurface_radius=n.vector("Subsurface Radius", DEFAULT_RADIUS)
+        if scatters_below
+        else ORIGIN,
+        subsurface_scale=n.number("Subsurface Scale", 0.05) if scatters_below else ZERO,
+        subsurface_ior=n.number("Subsurface IOR", 1.4) if scatters_below else ONE,
+        subsurface_anisotropy=cosine,
+        subsurface_method=method,
     )
-    features = Feature(0)
+    features = Feature.SUBSURFACE if scatters_below else Feature(0)
     if alpha != ONE:
         features |= Feature.TRANSPARENT
     if emission_strength != ZERO and not (

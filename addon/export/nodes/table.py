@@ -73,7 +73,7 @@ NODES: dict[str, Entry] = {
         "shader",
         "Principled BSDF",
         s.principled,
-        "subsurface is taken as diffuse, Thin Wall as solid",
+        "Thin Wall is taken as solid",
     ),
     "BSDF_GLOSSY": Entry("shader", "Glossy BSDF", s.glossy),
     "BSDF_GLASS": Entry("shader", "Glass BSDF", s.glass),
@@ -84,9 +84,7 @@ NODES: dict[str, Entry] = {
     "BSDF_SHEEN": Entry("shader", "Sheen BSDF", s.sheen),
     "BSDF_TOON": Entry("shader", "Toon BSDF", s.toon),
     "HOLDOUT": Entry("shader", "Holdout", s.holdout),
-    "SUBSURFACE_SCATTERING": Entry(
-        "shader", "Subsurface Scattering", s.subsurface, "taken as diffuse"
-    ),
+    "SUBSURFACE_SCATTERING": Entry("shader", "Subsurface Scattering", s.subsurface),
     "BSDF_HAIR": Entry("shader", "Hair BSDF", s.hair, "taken as diffuse"),
     "BSDF_HAIR_PRINCIPLED": Entry(
         "shader", "Principled Hair BSDF", s.hair_principled, "taken as diffuse"

@@ -36,7 +36,7 @@ uint32_t add_program(Renderer& r, const std::string& name, Array<uint32_t, nb::s
   program.registers = registers;
   program.features = features;
   check_program(r.scene, program);
-  look_at_light_path(program);
+  look_at_program(program);
   r.scene.programs.push_back(std::move(program));
   return static_cast<uint32_t>(r.scene.programs.size() - 1);
 }

@@ -106,8 +106,18 @@ struct Holdout {
 struct Principled {
   Rgb weight;
   PrincipledInputs inputs;
+  SubsurfaceUse use;
   void expand(const View& view, LobeList& out) const {
-    expand_principled(weight, inputs, view, out);
+    expand_principled(weight, inputs, view, use, out);
+  }
+};
+
+struct Below {
+  Rgb weight;
+  SubsurfaceInputs inputs;
+  SubsurfaceUse use;
+  void expand(const View& view, LobeList& out) const {
+    expand_subsurface(weight, inputs, view, use, out);
   }
 };
 
@@ -201,8 +211,12 @@ void Bsdf::add_holdout(float weight) { add(Holdout{clean(weight, 0, 1, 0)}); }
 void Bsdf::add_principled(const Rgb& weight, PrincipledInputs&& inputs) {
   make_clean(inputs);
   const Rgb w = clean_color(weight);
-  expand_principled(w, inputs, view_, lobes_);
-  if (transport_ == Transport::kFlux) keep(Principled{w, inputs});
+  expand_principled(w, inputs, view_, use_, lobes_);
+  if (transport_ == Transport::kFlux) keep(Principled{w, inputs, use_});
+}
+void Bsdf::add_subsurface(const Rgb& weight, SubsurfaceInputs&& inputs) {
+  make_clean(inputs);
+  add(Below{clean_color(weight), inputs, use_});
 }
 void Bsdf::add_sheen(const Rgb& weight, const Vec3& normal, float roughness, bool ashikhmin) {
   add(Sheen{clean_color(weight), normal, clean(roughness, 0, 1, 0.5f), ashikhmin});
@@ -373,6 +387,7 @@ bool Bsdf::transmits() const {
 }
 
 bool Bsdf::scatters() const {
+  if (lobes_.below_count() > 0) return true;
   for (const Lobe& lobe : lobes_)
     if (lobe.pick > 0) return true;
   return false;
@@ -384,10 +399,16 @@ bool Bsdf::only_delta() const {
   return scatters();
 }
 
+Rgb Bsdf::below_weight() const {
+  Rgb sum{};
+  for (int i = 0; i < below_count(); ++i) sum += below(i).weight;
+  return sum;
+}
+
 bool Bsdf::has_rest() const { return rest_; }
 
 Rgb Bsdf::albedo() const {
-  Rgb sum{};
+  Rgb sum = below_weight();
   for (const Lobe& lobe : lobes_)
     sum += lobe.kind == LobeKind::kFacets ? lobe.scale * lobe.layer
            : lobe.diffuse()               ? lobe.gather
@@ -398,11 +419,12 @@ Rgb Bsdf::albedo() const {
 Vec3 Bsdf::mean_normal() const {
   Vec3 sum{};
   for (const Lobe& lobe : lobes_) sum += lobe.n * lobe.albedo;
+  for (int i = 0; i < below_count(); ++i) sum += below(i).n * average(below(i).weight);
   const float len = length(sum);
   return len > 0 && std::isfinite(len) ? sum / len : view_.ns;
 }
 
-Rgb Bsdf::diffuse_albedo() const { return gather_ + gather_through_; }
+Rgb Bsdf::diffuse_albedo() const { return gather_ + gather_through_ + below_weight(); }
 
 // The radiance BSDF with the two directions exchanged: photons come from wo and leave along wi.
 // Densities on a surface are per area of the surface proper: Veach 1997, section 5.3.

@@ -20,7 +20,8 @@ struct PrincipledInputs {
   Rgb base_color{0.8f, 0.8f, 0.8f};
   float metallic = 0, roughness = 0.5f, ior = 1.5f;
   float diffuse_roughness = 0;
-  float subsurface_weight = 0;  // treated as diffuse
+  float subsurface_weight = 0;
+  SubsurfaceInputs subsurface;  // method, radius, ior of skin, anisotropy; else not read
   float specular_level = 0.5f;
   Rgb specular_tint{1, 1, 1};
   float anisotropic = 0, anisotropic_rotation = 0;
@@ -69,6 +70,10 @@ class Bsdf {
   // The normal, on the side of wo, that bumps of single closures are told from; else `ns`.
   void set_bent_normal(const Vec3& normal) { view_.bent = normal; }
 
+  // Which closures that scatter below the surface are kept as such, in below(); the others are
+  // diffuse. Before any is added.
+  void keep_subsurface(SubsurfaceUse use) { use_ = use; }
+
   // weight: the closure's colour times the mix factors above it (what Cycles calls the closure's
   // weight). Negative or non-finite weights and parameters are made harmless here: never a NaN out.
   // `color` (optional, here and below): the closure's colour without the mix factors, which tints
@@ -91,6 +96,7 @@ class Bsdf {
                     float film_ior);
   void add_sheen(const Rgb& weight, const Vec3& normal, float roughness, bool ashikhmin);
   void add_toon(const Rgb& weight, const Vec3& normal, bool glossy, float size, float smooth);
+  void add_subsurface(const Rgb& weight, SubsurfaceInputs&& inputs);  // which are changed
   void add_transparent(const Rgb& weight);
   void add_emission(const Rgb& weight);
   void add_holdout(float weight);
@@ -105,9 +111,15 @@ class Bsdf {
   // Share of light that goes straight on: a null vertex, no lobe
   const Rgb& transparency() const { return lobes_.transparency; }
   float holdout() const { return lobes_.holdout; }
-  bool scatters() const;    // has any closure that scatters
+  bool scatters() const;    // has any closure that scatters, below the surface too
   bool transmits() const;   // some lobe sends light to the other side
   bool only_delta() const;  // scatters, and evaluate() is 0 everywhere
+
+  // Closures that scatter below the surface. evaluate() and sample() know nothing of them.
+  int below_count() const { return lobes_.below_count(); }
+  int lobe_count() const { return lobes_.size(); }
+  const Subsurface& below(int i) const { return lobes_.below(i); }
+  Rgb below_weight() const;  // of all
 
   // What photons estimate here: Lambertian albedos. L_D = gather/pi E(wo's side) +
   // gather_through/pi E(the other side).
@@ -167,6 +179,7 @@ class Bsdf {
   std::optional<BsdfSample> finish_delta(int index, BsdfSample out) const;
 
   Transport transport_;
+  SubsurfaceUse use_ = SubsurfaceUse::kNone;
   View view_;
   LobeList lobes_;
   Rgb gather_{}, gather_through_{};

@@ -6,6 +6,7 @@
 #include <new>
 
 #include "bsdf/microfacet.h"
+#include "bsdf/subsurface.h"
 
 namespace photon_splat {
 
@@ -73,7 +74,7 @@ struct Lobe {
 // Fixed room, filled from the front; what does not fit is dropped.
 class LobeList {
  public:
-  static constexpr int kMax = 48;
+  static constexpr int kMax = 48, kMostBelow = 4;
 
   Rgb emission{}, transparency{};
   Rgb straight{};  // the part of transparency that is glass which bends nothing
@@ -85,6 +86,15 @@ class LobeList {
   const Lobe* begin() const { return std::launder(reinterpret_cast<const Lobe*>(storage_)); }
   const Lobe* end() const { return begin() + size_; }
   const Lobe& operator[](int i) const { return begin()[i]; }
+  // What goes below the surface: no lobes
+  int below_count() const { return below_count_; }
+  const Subsurface& below(int i) const {
+    return std::launder(reinterpret_cast<const Subsurface*>(below_))[i];
+  }
+  void add_below(const Subsurface& closure) {
+    if (below_count_ == kMostBelow) return;
+    new (below_ + sizeof(Subsurface) * static_cast<size_t>(below_count_++)) Subsurface(closure);
+  }
   void go_straight(const Rgb& weight) {
     transparency += weight;
     straight += weight;
@@ -99,9 +109,10 @@ class LobeList {
   }
 
  private:
-  int size_ = 0;
+  int size_ = 0, below_count_ = 0;
   // Not a Lobe[]: the constructors would cost more than a hit
   alignas(Lobe) std::byte storage_[sizeof(Lobe) * (kMax + 1)];
+  alignas(Subsurface) std::byte below_[sizeof(Subsurface) * kMostBelow];
 };
 
 // n turned towards ng until the mirror direction of wo stands a little above the surface; n where

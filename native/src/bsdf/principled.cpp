@@ -25,6 +25,7 @@ void make_clean(PrincipledInputs& in) {
   unit(in.anisotropic, 0);
   in.anisotropic_rotation = clean(in.anisotropic_rotation, -1e4f, 1e4f, 0);
   in.emission_strength = clean(in.emission_strength, 0, 1e10f, 0);
+  if (in.subsurface_weight > 0) make_clean(in.subsurface);
   in.thin_film_thickness = clean(in.thin_film_thickness, 0, 1e5f, 0);
   in.thin_film_ior = clean(in.thin_film_ior, 1e-5f, 1e5f, 1.33f);
   if (!is_finite(in.tangent)) in.tangent = {};
@@ -42,7 +43,7 @@ Rgb power(const Rgb& c, float e) { return {std::pow(c.x, e), std::pow(c.y, e), s
 // Which lobes come out depends on the inputs alone, never on the view: adjoints match lobes of two
 // views by number.
 void expand_principled(const Rgb& outer, const PrincipledInputs& in, const View& view,
-                       LobeList& out) {
+                       SubsurfaceUse use, LobeList& out) {
   const Vec3 normal = view.turned(in.normal),
              coat_normal = in.coat_weight > 0 ? view.turned(in.coat_normal) : normal;
   const Rgb base = min(in.base_color, kWhite);
@@ -141,7 +142,21 @@ void expand_principled(const Rgb& outer, const PrincipledInputs& in, const View&
     if (f.ior != 1 || f.film_thickness > 0.1f) {
       weight *= under(out.add([&] { return facet_lobe(view, weight, normal, shape, f); }).layer);
     }
-    const float rough_share = in.diffuse_roughness > 1e-5f ? 1 - in.subsurface_weight : 0;
+    if (use != SubsurfaceUse::kNone && in.subsurface_weight > 0) {
+      SubsurfaceInputs below = in.subsurface;
+      below.normal = in.normal;
+      below.color = base;
+      below.alpha = sqr(in.roughness);
+      if (below.method != SubsurfaceMethod::kRandomWalkSkin) below.ior = f.ior;
+      make_clean(below);
+      expand_subsurface(weight * base * in.subsurface_weight, below, view, use, out);
+      weight *= 1 - in.subsurface_weight;
+      if (in.subsurface_weight == 1) return;
+    }
+    const bool rough = in.diffuse_roughness > 1e-5f;
+    const float rough_share = !rough                        ? 0
+                              : use == SubsurfaceUse::kNone ? 1 - in.subsurface_weight
+                                                            : 1;
     const Rgb color = weight * in.base_color;
     if (rough_share > 0)
       out.add([&] {

@@ -6,11 +6,15 @@ namespace photon_splat {
 
 // Inputs made finite and brought into the range that Cycles keeps them in.
 void make_clean(PrincipledInputs& inputs);
+void make_clean(SubsurfaceInputs& inputs);
 
 // The Principled BSDF of Blender 4 and 5 as layers: sheen over coat over emission over a mix of
 // metal, glass and dielectric over diffuse. A layer lets through what it does not reflect.
 void expand_principled(const Rgb& weight, const PrincipledInputs& inputs, const View& view,
-                       LobeList& out);
+                       SubsurfaceUse use, LobeList& out);
+
+void expand_subsurface(const Rgb& weight, const SubsurfaceInputs& inputs, const View& view,
+                       SubsurfaceUse use, LobeList& out);
 
 // Harmless numbers.
 inline float clean(float x, float low, float high, float fallback) {

@@ -20,6 +20,10 @@ enum Dimension : uint32_t {
   kSkyChoicePair,
   kMediumPair,
   kMediumPlacePair,
+  kBelowPair,
+  kExitPairs = 16,  // from here on those of the vertex where a path leaves from below
+  kWalkPairs = 32,  // of a walk
+  kWalkEnd = 48,
   kLensPair = 64,
   kTimePair = 65
 };
@@ -55,7 +59,8 @@ struct CameraTracer::Path {
   Pixel& pixel;
   Tile& tile;
   uint32_t pixel_index, sample, seed;
-  size_t place = 0;  // of the pixel in its tile
+  uint32_t first_pair = 0;  // of the numbers of vertex 0
+  size_t place = 0;         // of the pixel in its tile
   int max_bounces = 0;
   Rgb* groups = nullptr;      // the pixel's light by group, if wanted
   bool learns = false;        // what it sees of the world is noted
@@ -103,7 +108,7 @@ struct CameraTracer::Path {
   }
   // Numbers for the next vertex: the low-discrepancy sequence at the first one.
   Vec2 numbers(Dimension pair) {
-    return vertex == 0 ? sobol_2d(sample, pair, seed) : random.next2();
+    return vertex == 0 ? sobol_2d(sample, first_pair + pair, seed) : random.next2();
   }
 };
 

@@ -83,6 +83,12 @@ void CameraTracer::trace_pixel(const Job& job, int x, int y, PackedFilm& film, P
 void CameraTracer::trace_path(Path& path) const {
   const Media* const media = scene_.media();
   if (media) path.media = media->around(path.origin + path.direction * path.near, path.info.time);
+  follow(path);
+}
+
+void CameraTracer::follow(Path& path) const {
+  const Media* const media = scene_.media();
+  const bool bodies = scene_.features() & kProgramSubsurface;
   for (;;) {
     Surface hit;
     ++path.tile.rays;
@@ -109,6 +115,8 @@ void CameraTracer::trace_path(Path& path) const {
     path.info.length = hit.distance;
     path.info.footprint = camera_.footprint_at(path.ray, path.travelled + hit.distance);
     Bsdf bsdf(Transport::kRadiance, wo, hit.ng, hit.ns, hit.back);
+    if (bodies)
+      bsdf.keep_subsurface(path.info.after_diffuse ? SubsurfaceUse::kWalks : SubsurfaceUse::kAll);
     scene_.shade(hit, wo, path.info, bsdf);
     const bool holdout = path.vertex == 0 && scene_.instances[hit.instance].holdout;
     if (!holdout) add_emission(path, hit, bsdf.emission());
@@ -127,31 +135,36 @@ void CameraTracer::trace_path(Path& path) const {
       path.pixel.albedo += bsdf.albedo() * path.throughput;
     }
     if (!bsdf.scatters() || !(max_abs(path.throughput + path.world_throughput) > 0)) return;
-    Receiver receiver{hit.position, bsdf.transmits() ? Vec3{} : hit.ng, bsdf.has_rest(),
-                      scene_.instances[hit.instance].group};
-    if (!brings_all()) receiver.guide = lights_.guide_at(receiver.x, receiver.n);
-    receiver.ns = hit.ns;
-    receiver.bent = scene_.bent(hit);
-    receiver.time = path.info.time;
-    receiver.bounces = static_cast<uint16_t>(path.vertex);
-    if (path.vertex < kSunnyVertices && lights_.environment().contrast() > kSunny)
-      receiver.world_samples = 2;
-    const bool gathers = path.leaves_gather_points && path.vertex < path.max_bounces &&
-                         !is_black(path.throughput),
-               continued = gathers && continues(path, hit, bsdf);
-    if (path.leaves_gather_points && bsdf.has_rest()) {
-      const bool shares_diffuse =
-          lights_.wants_bsdf_ray({receiver.x, receiver.n, false, receiver.group});
-      bsdf.prefer_rest(continued || lights_.world_by_paths() ? 1
-                       : shares_diffuse                      ? kDiffuseShared
-                                                             : kDiffuseLeast);
-    }
-    add_direct(path, hit, bsdf, receiver);
-    if (gathers && (!continued || caustic_photons_))
-      leave_gather_points(path, hit, bsdf, continued);
-    if (!scatter(path, hit, bsdf, receiver, continued)) return;
-    if (lights_.shadow_linked()) add_linked(path);
+    if (!(bsdf.below_count() > 0 ? meet_body(path, hit, bsdf) : meet(path, hit, bsdf))) return;
   }
+}
+
+// Light at a surface, and the path's next way; false where it ends.
+bool CameraTracer::meet(Path& path, const Surface& hit, Bsdf& bsdf) const {
+  Receiver receiver{hit.position, bsdf.transmits() ? Vec3{} : hit.ng, bsdf.has_rest(),
+                    scene_.instances[hit.instance].group};
+  if (!brings_all()) receiver.guide = lights_.guide_at(receiver.x, receiver.n);
+  receiver.ns = hit.ns;
+  receiver.bent = scene_.bent(hit);
+  receiver.time = path.info.time;
+  receiver.bounces = static_cast<uint16_t>(path.vertex);
+  if (path.vertex < kSunnyVertices && lights_.environment().contrast() > kSunny)
+    receiver.world_samples = 2;
+  const bool gathers = path.leaves_gather_points && path.vertex < path.max_bounces &&
+                       !is_black(path.throughput),
+             continued = gathers && continues(path, hit, bsdf);
+  if (path.leaves_gather_points && bsdf.has_rest()) {
+    const bool shares_diffuse =
+        lights_.wants_bsdf_ray({receiver.x, receiver.n, false, receiver.group});
+    bsdf.prefer_rest(continued || lights_.world_by_paths() ? 1
+                     : shares_diffuse                      ? kDiffuseShared
+                                                           : kDiffuseLeast);
+  }
+  add_direct(path, hit, bsdf, receiver);
+  if (gathers && (!continued || caustic_photons_)) leave_gather_points(path, hit, bsdf, continued);
+  if (!scatter(path, hit, bsdf, receiver, continued)) return false;
+  if (lights_.shadow_linked()) add_linked(path);
+  return true;
 }
 
 void CameraTracer::show_first(Path& path, const Surface& hit, float alpha) const {

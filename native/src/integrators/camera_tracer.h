@@ -106,6 +106,11 @@ class CameraTracer {
   static void see_trial(Tile& tile, const PackedFilm::Tile& pixels, int width, int height);
   void trace_pixel(const Job& job, int x, int y, PackedFilm& film, Pixel& pixel, Tile& tile) const;
   void trace_path(Path& path) const;
+  void follow(Path& path) const;
+  bool meet(Path& path, const Surface& hit, Bsdf& bsdf) const;
+  bool meet_body(Path& path, const Surface& hit, Bsdf& bsdf) const;
+  bool go_below(Path& path, const Surface& hit, const Bsdf& bsdf) const;
+  Vec3 exit_normal(const Path& path, const Surface& exit, const Vec3& wo) const;
   void add_met(Path& path, const Rgb& radiance, Rgb& seen,
                int16_t light_group = kNoLightGroup) const;
   void add_lamps(Path& path, float far) const;

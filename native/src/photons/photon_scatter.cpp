@@ -243,6 +243,7 @@ bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const Phot
   ray.time = path.time;
   if (viewer_) ray.footprint = viewer_->footprint_from(hit.position);
   Bsdf bsdf(Transport::kFlux, -direction, hit.ng, hit.ns, hit.back);
+  if (hit.program->features & kProgramSubsurface) bsdf.keep_subsurface(SubsurfaceUse::kWalks);
   scene_.shade(hit, -direction, ray, bsdf);
   const bool blocking = blocks(path, hit, start);
   Rgb transparency = blocking ? bsdf.transparency() : Rgb{1, 1, 1};
@@ -278,8 +279,27 @@ bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const Phot
   if (!accepted || path.bounces == max_bounces_ || path.bounces >= start.max_bounces ||
       !bsdf.scatters() || !light_up(path, hit, start))
     return false;
-  const float choice = path.random.next();
+  float choice = path.random.next();
   const bool caustic = stream_ == PhotonStream::kCaustic;
+  if (bsdf.below_count() > 0 && !caustic) {
+    const float goes = average(bsdf.below_weight()),
+                stays = std::max(average(bsdf.albedo()) - goes, 0.0f);
+    const float below = bsdf.lobe_count() > 0 ? goes / std::max(goes + stays, 1e-20f) : 1;
+    if (choice < below) {
+      // Seen from where it lands it is a diffuse ray
+      if (!scatters_for(start, path, RayInfo::kDiffuse) ||
+          (path.guessed && path.kind != (direct ? RayInfo::kShadow : RayInfo::kDiffuse)) ||
+          !light_up_by_ray(path, start, {1, 1, 1}, false, false))
+        return false;
+      path.power *= 1 / (below * chance);
+      if (!go_below(path, hit, bsdf, ray, draws, origin, direction)) return false;
+      path.kind = ray.kind;
+      path.guessed = asked;
+      return true;
+    }
+    choice = (choice - below) / (1 - below);
+    path.power *= 1 / (1 - below);
+  }
   const auto s =
       caustic ? bsdf.sample_sharp(choice, draws.next(path)) : bsdf.sample(choice, draws.next(path));
   if (!s) return false;

@@ -156,6 +156,8 @@ class PhotonTracer {
   bool light_up(Path& path, const Surface& hit, const PhotonStart& start) const;
   bool light_up_by_ray(Path& path, const PhotonStart& start, const Rgb& diffuse, bool transmitted,
                        bool delta) const;
+  bool go_below(Path& path, const Surface& hit, const Bsdf& bsdf, const RayInfo& ray,
+                const Draws& draws, Vec3& origin, Vec3& direction) const;
   bool scatter_by_program(Path& path, const Surface& hit, const PhotonStart& start,
                           const Draws& draws, const SurfaceFilter& visible, Vec3& origin,
                           Vec3& direction, Photons& photons) const;

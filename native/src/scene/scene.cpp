@@ -87,8 +87,9 @@ Scene::Scene(int threads) : pool_(threads) {
 
 Scene::~Scene() {
   if (top_) rtcReleaseScene(top_);
-  for (RTCScene scene : mesh_scenes_)
-    if (scene) rtcReleaseScene(scene);
+  for (const auto* scenes : {&mesh_scenes_, &own_scenes_})
+    for (RTCScene scene : *scenes)
+      if (scene) rtcReleaseScene(scene);
   rtcReleaseDevice(device_);
 }
 
@@ -252,7 +253,51 @@ void Scene::build(const CancelFlag& cancel) {
     }
   }
   throw_on_error(cancel);
+  update_subsurface(cancel);
   update_media(cancel);
+}
+
+void Scene::update_subsurface(const CancelFlag& cancel) {
+  if (!(features_ & kProgramSubsurface)) return;
+  own_scenes_.resize(instances.size(), nullptr);
+  for (uint32_t i = 0; i < instances.size(); ++i) {
+    const Instance& instance = instances[i];
+    if (instance.shared || own_scenes_[i]) continue;
+    bool any = false;
+    for (uint32_t slot = 0; slot < instance.slot_count; ++slot) {
+      const int program = materials[slot_materials[instance.first_material + slot]].program;
+      any |= program >= 0 && programs[program].features & kProgramSubsurface;
+    }
+    if (!any) continue;
+    own_scenes_[i] = rtcNewScene(device_);
+    rtcAttachGeometryByID(own_scenes_[i], rtcGetGeometry(top_, i), 0);
+    commit(own_scenes_[i], cancel);
+  }
+}
+
+bool Scene::meets_itself(uint32_t index, const Vec3& origin, const Vec3& direction, float near,
+                         float far, float time, OwnHit& found) const {
+  const Instance& instance = instances[index];
+  const RTCScene scene = instance.shared              ? mesh_scenes_[instance.mesh]
+                         : index < own_scenes_.size() ? own_scenes_[index]
+                                                      : nullptr;
+  if (!scene) return false;
+  Affine to_local;
+  if (instance.shared) to_local = pose_at(index, time).to_local;
+  const Vec3 o = instance.shared ? to_local.point(origin) : origin,
+             d = instance.shared ? to_local.vector(direction) : direction;
+  RTCRayHit hit;
+  hit.ray = {o.x, o.y, o.z, near, d.x, d.y, d.z, time, far, ~0u, 0, 0};
+  hit.hit.geomID = hit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  RTCIntersectArguments arguments;
+  rtcInitIntersectArguments(&arguments);
+  arguments.flags = RTC_RAY_QUERY_FLAG_INCOHERENT;
+  rtcIntersect1(scene, &hit, &arguments);
+  if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
+  Vec3 normal{hit.hit.Ng_x, hit.hit.Ng_y, hit.hit.Ng_z};
+  if (instance.shared) normal = to_local.transposed_vector(normal);
+  found = {hit.hit.primID, hit.hit.u, hit.hit.v, hit.ray.tfar, normalize(normal)};
+  return true;
 }
 
 void Scene::update_media(const CancelFlag& cancel) { media_ = Media::of(*this, pool_, cancel); }

@@ -204,6 +204,15 @@ class Scene {
   // `kinds` see.
   bool intersect(const Vec3& origin, const Vec3& direction, float near, float far, bool coherent,
                  Surface& surface, RayMask kinds = kAllRays, float time = kShutterCentre) const;
+  // Where a ray meets the surface of one instance, whose materials have subsurface closures: others
+  // are not there.
+  struct OwnHit {
+    uint32_t triangle;
+    float u, v, distance;
+    Vec3 normal;  // unit, of the front
+  };
+  bool meets_itself(uint32_t instance, const Vec3& origin, const Vec3& direction, float near,
+                    float far, float time, OwnHit& hit) const;
   // The same for `count` <= kPacket incoherent rays from 0 to infinity; bit k of the result tells
   // whether ray k hit.
   static constexpr uint32_t kPacket = 8;
@@ -287,8 +296,9 @@ class Scene {
   bool limits_rays() const { return any_ray_ == 0; }
   bool kinds_differ() const { return kinds_differ_ && features_ & kProgramRest; }
   bool first_kinds_differ() const { return first_kinds_differ_ && features_ & kProgramSharp; }
-  // To be called when materials have changed after build(). Throws Cancelled.
+  // To be called when materials have changed after build(). Throw Cancelled.
   void update_features();
+  void update_subsurface(const CancelFlag& cancel);
   void update_media(const CancelFlag& cancel);
   Vec2 uv_at(uint32_t instance, uint32_t triangle, float u, float v) const;
   const Material& material_of(uint32_t instance, uint32_t triangle) const;
@@ -365,7 +375,8 @@ class Scene {
   std::unique_ptr<SweptBoxes> swept_;  // where that is so
   bool packets_ = false;               // this Embree has code for packets of eight
   std::vector<RTCScene> mesh_scenes_;
-  std::vector<Lookup> lookups_;  // by instance
+  std::vector<RTCScene> own_scenes_;  // by instance: of those not shared that light goes into
+  std::vector<Lookup> lookups_;       // by instance
   Bounds bounds_;
   std::unique_ptr<Media> media_;
 };

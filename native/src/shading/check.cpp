@@ -120,8 +120,26 @@ class Checker {
 
 void check_program(const Scene& scene, const Program& program) { Checker(scene, program).run(); }
 
-void look_at_light_path(Program& program) {
+namespace {
+
+bool bends_subsurface(nodes::Op op, const uint32_t* w) {
+  if (op == nodes::Op::BentNormal) return true;
+  const auto& operands = nodes::operations()[static_cast<size_t>(op)].operands;
+  for (size_t i = 0; i < operands.size(); ++i)
+    if (std::string_view(operands[i].name) == "normal") return !(w[i] & nodes::kConstant);
+  return false;
+}
+
+}  // namespace
+
+void look_at_program(Program& program) {
   using enum nodes::PathValue;
+  if (program.features & kProgramSubsurface)
+    for (size_t at = 0; at < program.code.size(); at += nodes::kWords[program.code[at]]) {
+      const auto op = static_cast<nodes::Op>(program.code[at]);
+      if (op == nodes::Op::BentNormal || op == nodes::Op::Principled || op == nodes::Op::Subsurface)
+        program.bends_subsurface |= bends_subsurface(op, &program.code[at + 1]);
+    }
   program.asks_shadow = program.asks_kind = program.asks_singular = program.asks_depth =
       program.asks_ray = false;
   for (size_t at = 0; at < program.code.size(); at += nodes::kWords[program.code[at]]) {

@@ -30,6 +30,16 @@ Vec3 front_normal(const Frame& f, uint32_t word) {
   return f.point.back ? -n : n;
 }
 
+SubsurfaceMethod method(uint32_t word) {
+  switch (Frame::mode<SubsurfaceFalloff>(word)) {
+    case SubsurfaceFalloff::BURLEY: return SubsurfaceMethod::kBurley;
+    case SubsurfaceFalloff::RANDOM_WALK: return SubsurfaceMethod::kRandomWalk;
+    case SubsurfaceFalloff::RANDOM_WALK_LEGACY: return SubsurfaceMethod::kRandomWalkLegacy;
+    case SubsurfaceFalloff::RANDOM_WALK_SKIN: return SubsurfaceMethod::kRandomWalkSkin;
+  }
+  return SubsurfaceMethod::kRandomWalk;
+}
+
 void principled(Frame& f, const uint32_t* w) {
   enum {
     kWeight,
@@ -59,7 +69,12 @@ void principled(Frame& f, const uint32_t* w) {
     kEmissionStrength,
     kFilm,
     kFilmIor,
-    kDistribution
+    kDistribution,
+    kSubsurfaceRadius,
+    kSubsurfaceScale,
+    kSubsurfaceIor,
+    kSubsurfaceAnisotropy,
+    kSubsurfaceMethod
   };
   const float weight = bounded(f.number(w[kWeight]), kMostScattered);
   PrincipledInputs p;
@@ -71,6 +86,12 @@ void principled(Frame& f, const uint32_t* w) {
   p.normal = front_normal(f, w[kNormal]);
   p.diffuse_roughness = f.number(w[kDiffuseRoughness]);
   p.subsurface_weight = f.number(w[kSubsurface]);
+  if (p.subsurface_weight > 0) {
+    p.subsurface.method = method(w[kSubsurfaceMethod]);
+    p.subsurface.radius = f.vector(w[kSubsurfaceRadius]) * f.number(w[kSubsurfaceScale]);
+    p.subsurface.ior = f.number(w[kSubsurfaceIor]);
+    p.subsurface.anisotropy = f.number(w[kSubsurfaceAnisotropy]);
+  }
   p.specular_level = f.number(w[kSpecular]);
   p.specular_tint = bounded(f.vector(w[kSpecularTint]), kMostScattered);
   p.anisotropic = f.number(w[kAnisotropic]);
@@ -156,6 +177,18 @@ void closure(Frame& f, Op op, const uint32_t* w) {
       f.out.add_toon(colored(), front_normal(f, w[2]), f.mode<ToonType>(w[5]) == ToonType::GLOSSY,
                      f.number(w[3]), f.number(w[4]));
       break;
+    case Op::Subsurface: {
+      SubsurfaceInputs in;
+      in.method = method(w[8]);
+      in.color = color();
+      in.normal = front_normal(f, w[2]);
+      in.radius = f.vector(w[3]) * f.number(w[4]);
+      in.ior = f.number(w[5]);
+      in.alpha = f.number(w[6]);
+      in.anisotropy = f.number(w[7]);
+      f.out.add_subsurface(colored(), std::move(in));
+      break;
+    }
     case Op::Principled: principled(f, w); break;
     default: break;
   }

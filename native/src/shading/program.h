@@ -25,10 +25,11 @@ struct Program {
   std::vector<float> constants;
   uint32_t registers = 0;  // floats of scratch space
   uint32_t features = 0;   // ProgramFeature bits: what a run may produce
-  // Whether shadow rays, and which others, see something else: look_at_light_path()
+  // Whether shadow rays, and which others, see something else: look_at_program()
   bool asks_shadow = false, asks_kind = false;
   // And those of deltas, later ones, any others
   bool asks_singular = false, asks_depth = false, asks_ray = false;
+  bool bends_subsurface = false;  // light from below leaves about another normal than the surface's
 };
 
 enum ProgramFeature : uint32_t {
@@ -40,6 +41,7 @@ enum ProgramFeature : uint32_t {
   kProgramSharp = 16,             // a lobe of roughness below 1/2 is possible: caustics
   kProgramConstantEmission = 32,  // emission is the same everywhere and from every direction
   kProgramTransmits = 64,         // a lobe may send light to the other side
+  kProgramSubsurface = 128,       // light may go below the surface
 };
 
 // The ray that found the hit: the Light Path node's outputs.
@@ -47,9 +49,10 @@ struct RayInfo {
   // kEmission: none, as an emitter is asked
   // kVolume: left a medium
   enum Kind : uint8_t { kCamera, kShadow, kDiffuse, kGlossy, kTransmission, kEmission, kVolume };
-  Kind kind = kCamera;    // kTransmission: glossy, kDiffuse: either way
-  bool singular = false;  // left a delta lobe
-  bool through = false;   // left to the other side
+  Kind kind = kCamera;         // kTransmission: glossy, kDiffuse: either way
+  bool singular = false;       // left a delta lobe
+  bool through = false;        // left to the other side
+  bool after_diffuse = false;  // some diffuse lobe sent the path on
   float length = 0;
   float from = 0;  // where it began to see, m: the camera's clipping, as in Cycles
   // Width of a camera sample where it meets something, m: how far apart Bump looks; 0: not known
@@ -64,6 +67,7 @@ struct RayInfo {
     out.kind = diffuse ? kDiffuse : transmitted ? kTransmission : kGlossy;
     out.through = transmitted;
     out.singular = delta;
+    out.after_diffuse |= diffuse;
     out.from = 0;
     ++out.depth;
     ++(transmitted ? out.transmission_depth : diffuse ? out.diffuse_depth : out.glossy_depth);
@@ -127,8 +131,9 @@ Vec3 run_displacement(const Scene& scene, const Program& program, const ShadingP
 // constants.
 std::vector<float> run_constant_program(const Scene& scene, const Program& program);
 
-// Sets what a checked program asks of the ray.
-void look_at_light_path(Program& program);
+// Sets what a checked program asks of the ray, and whether it bends the normals of what leaves from
+// below the surface.
+void look_at_program(Program& program);
 
 // Throws std::invalid_argument for a program that reads or writes outside its registers, constants
 // or textures.

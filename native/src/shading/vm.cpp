@@ -138,6 +138,7 @@ void execute(Frame& f) {
       case Op::Metallic:
       case Op::Sheen:
       case Op::Toon:
+      case Op::Subsurface:
       case Op::Principled: closure(f, op, w); break;
       case Op::VolumeAbsorption:
       case Op::VolumeScatter:

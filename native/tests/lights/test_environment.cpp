@@ -67,7 +67,7 @@ TEST_CASE("a world that asks by what ray it is seen has its photons and samples 
     w.emit(nodes::Op::LightPath, {{"out", r}, {"what", word_of(what)}});
     w.emit(nodes::Op::Spread, {{"out", color}, {"value", r}});
     scene.programs.push_back(w.emitting(color));
-    look_at_light_path(scene.programs[0]);
+    look_at_program(scene.programs[0]);
     scene.world_program = 0;
   };
   const Vec3 up{0, 0, 1};

@@ -173,7 +173,7 @@ TEST_CASE("a program is known to ask for the kind of ray, or of shadow rays alon
     w.emit(Op::LightPath, {{"out", r}, {"what", word_of(what)}});
     w.emit(Op::Transparent, {{"weight", r}, {"color", w.constant({1, 1, 1})}});
     w.emit(Op::End, {});
-    look_at_light_path(w.program());
+    look_at_program(w.program());
     CHECK(w.program().asks_kind ==
           (what != IS_CAMERA_RAY && what != RAY_LENGTH && what != IS_SHADOW_RAY));
     CHECK(w.program().asks_shadow == (what != IS_CAMERA_RAY && what != RAY_LENGTH));

@@ -290,6 +290,8 @@ def test_features_of_programs() -> None:
     assert principled(Roughness=0.2) == matte | Feature.SHARP
     assert principled(Coat_Weight=1.0, Coat_Roughness=0.0) == matte | Feature.SHARP
     assert principled(Metallic=1.0) == Feature.REST
+    assert principled(Subsurface_Weight=0.5) == matte | Feature.SUBSURFACE
+    assert principled(Subsurface_Weight=0.5, Specular_IOR_Level=0.0) & Feature.SUBSURFACE
     assert principled(Alpha=0.5) == matte | Feature.TRANSPARENT
     assert principled(Emission_Strength=2.0) == matte | Feature.EMITS | Feature.CONSTANT_EMISSION
     assert (
@@ -697,3 +699,36 @@ def test_packed_tiles(tmp_path: str) -> None:
     assert (51, 51, 51) in shown
     assert (255, 0, 255) in shown
     assert any("1003" in warning for warning in what.warnings)
+
+
+@in_blender
+def test_subsurface_methods() -> None:
+    """Blender before 5.2 means the older walk by Random Walk, and scatters forwards only."""
+    from photon_splat.export.nodes.values import CONSTANT_BIT, operations
+
+    ob = stage.plane()
+    modes = operations()["Subsurface"].operands[-1].modes
+    for node_type, setting, anisotropy in (
+        ("ShaderNodeSubsurfaceScattering", "falloff", "Anisotropy"),
+        ("ShaderNodeBsdfPrincipled", "subsurface_method", "Subsurface Anisotropy"),
+    ):
+        made, tree = stage.empty_material("Made")
+        shader = tree.nodes.new(node_type)
+        shader.inputs[anisotropy].default_value = -0.5
+        if node_type == "ShaderNodeBsdfPrincipled":
+            shader.inputs["Subsurface Weight"].default_value = 1.0
+        stage.surface(tree, shader)
+        ob.data.materials[0] = made
+        methods = shader.bl_rna.properties[setting].enum_items.keys()
+        older = "RANDOM_WALK_LEGACY" not in methods
+        for method in methods:
+            setattr(shader, setting, method)
+            what = stage.exported()
+            program = what.programs[what.materials[0].program]
+            assert program.features & Feature.SUBSURFACE
+            code = program.code.tolist()
+            expected = "RANDOM_WALK_LEGACY" if older and method == "RANDOM_WALK" else method
+            assert code[-2] == modes.index(expected), method
+            cosine = program.constants[code[-3] - CONSTANT_BIT]
+            assert cosine == (0.0 if older else -0.5)
+            assert what.warnings == []

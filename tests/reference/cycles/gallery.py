@@ -15,6 +15,7 @@ from tests.reference.cycles.displacement import DISPLACEMENT
 from tests.reference.cycles.lamp_trees import LAMP_TREES
 from tests.reference.cycles.motion import MOTION
 from tests.reference.cycles.specs import Spec, node
+from tests.reference.cycles.subsurface import SUBSURFACE
 from tests.reference.cycles.terminator import TERMINATOR
 from tests.reference.cycles.visibility import VISIBILITY
 
@@ -289,7 +290,6 @@ ROUGH_GLASS = (
     *(f"principled_transmission_{x:g}_rough" for x in (0.5, 1.0)),
 )
 """Cases whose lamp Cycles must find by scattered rays alone: references.py says why."""
-_SUBSURFACE = {"mean_tolerance": 0.06, "block_bias": 0.15, "reference_bias": 0.15}
 
 
 def _case(
@@ -359,25 +359,15 @@ def _cases() -> tuple[Case, ...]:
         _case("dielectric_on_diffuse", glass("GGX", 0.0, 1.5), second="filled"),
         _case("holdout", node("Holdout"), alpha=True),
         _case("holdout_mix", mix(0.5, node("Holdout"), diffuse()), alpha=True),
-        # Scattering under the surface is rendered as diffuse, and said so; these two may differ by
-        # more.
-        _case(
-            "subsurface_thin",
-            principled(Subsurface_Weight=1.0, Subsurface_Scale=0.01),
-            **_SUBSURFACE,
-        ),
-        _case(
-            "subsurface_half",
-            principled(Subsurface_Weight=0.5, Subsurface_Scale=0.05),
-            **_SUBSURFACE,
-        ),
+        _case("subsurface_thin", principled(Subsurface_Weight=1.0, Subsurface_Scale=0.01)),
+        _case("subsurface_half", principled(Subsurface_Weight=0.5, Subsurface_Scale=0.05)),
     ]
     return tuple(cases)
 
 
 GALLERY: tuple[Case, ...] = _cases()
 ALL: tuple[Case, ...] = (
-    CASES + LAMP_TREES + VISIBILITY + DISPLACEMENT + TERMINATOR + MOTION + GALLERY
+    CASES + LAMP_TREES + VISIBILITY + DISPLACEMENT + TERMINATOR + MOTION + SUBSURFACE + GALLERY
 )
 BY_NAME = {case.name: case for case in ALL}
 

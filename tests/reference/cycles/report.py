@@ -57,6 +57,8 @@ TELLING = (
     "principled_everything",
     "normal_map_diffuse",
     "bump_grain",
+    "body_slab",
+    "subsurface_half",
 )
 
 
