@@ -7,11 +7,15 @@
 namespace photon_splat {
 namespace {
 
-constexpr int kMostSteps = 1024;
+// As in Cycles: of white bodies a few percent of the light are lost on longer ways.
+constexpr int kMostSteps = 256;
 // Scatterings after which a medium's phase function no longer tells: as in Cycles
 constexpr int kDirectedSteps = 10;
 constexpr float kFaint = 0.05f;  // of what entered: broken off by chance
-// Mean free paths below so many ray offsets cannot be told from none.
+// Walks start so far below the surface, of their distance from the origin: a place by barycentric
+// coordinates is that exact. One on a ray is not, and paths of a micrometre would start too deep.
+constexpr float kOffset = 4e-7f;
+// Mean free paths below so many offsets cannot be told from none.
 constexpr float kLeastOffsets = 4;
 
 // e^(-c t)
@@ -52,7 +56,9 @@ Vec3 turn(const Vec3& way, float g, const Vec2& u) {
 std::optional<SubsurfaceExit> walk_below(const Scene& scene, const Surface& entry,
                                          const Subsurface& closure, const Vec3& way,
                                          const Rgb& carried, WalkNumbers& numbers, float time) {
-  const float offset = ray_epsilon(entry.position, entry.distance);
+  const Vec3 place =
+      scene.surface_at(entry.instance, entry.triangle, entry.u, entry.v, entry.back, time).position;
+  const float offset = std::max(kOffset * max_abs(place), 1e-30f);
   const float least = kLeastOffsets * offset;
   Scattering medium = scattering_of(closure);
   // Too short to be told from its start
@@ -61,7 +67,7 @@ std::optional<SubsurfaceExit> walk_below(const Scene& scene, const Surface& entr
   medium.extinction = min(medium.extinction, Rgb{1, 1, 1} / least);
   Rgb weight = medium.factor;
   const float start = max_abs(weight * carried);
-  Vec3 x = entry.position - entry.ng * offset, direction = way;
+  Vec3 x = place - entry.ng * offset, direction = way;
   for (int step = 0; step < kMostSteps; ++step) {
     if (step == kDirectedSteps && medium.g != 0) medium = medium.reduced();
     if (step > 0) direction = turn(direction, medium.g, numbers.next2());
