@@ -149,6 +149,18 @@ def test_cancel_within_a_fifth_of_a_second(integrator: Integrator, after: float)
         )
 
 
+def test_a_render_that_is_cancelled_at_once_says_so_however_small_it_is() -> None:
+    for _ in range(5):
+        done = render(
+            room(pixels=2),
+            RenderSettings(passes=1, photons_per_pass=10),
+            started=time.monotonic(),
+            should_cancel=lambda: True,
+        )
+        assert done.cancelled
+        assert done.statistics["passes"] == 0
+
+
 def test_cancel_while_embree_builds() -> None:
     what = c.scene(c.perspective((0, 0, 4), (0, 0, 0), 8, 8), [(_hills(1000), c.lambert(0.5))])
     assert min(cancelled_render(what, RenderSettings(passes=1))[1] for _ in range(3)) < 0.2

@@ -376,6 +376,8 @@ def render(
     worker = _Worker(
         start, settings, scene.light_groups, started, want_interim, wanted, (width, height)
     )
+    if should_cancel is not None and should_cancel():  # a small scene is done before it is asked
+        worker.cancel()
     worker.start()
     try:
         while not worker.finished:
