@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ..scene import Camera, Mesh, Texture
 from ..scene.displacement import UNDISPLACED, UNDISPLACED_NORMALS, Displacement, Normals
 from ..scene.shading import GENERATED, Domain, InstanceAttribute, MeshAttribute, Program
-from .fill import add_mesh_shading, add_textures
+from .fill import add_mesh_shading, add_program, add_textures
 from .library import load
 
 NOTHING = (-1, False)
@@ -45,11 +45,7 @@ def displaced(
         if slot is None:
             of_slots.append(NOTHING)
             continue
-        program = slot.program
-        index = renderer.add_program(
-            program.name, program.code, program.constants, program.registers, int(program.features)
-        )
-        of_slots.append((index, slot.bumps))
+        of_slots.append((add_program(renderer, slot.program), slot.bumps))
     renderer.add_material(*[((0.0, 0.0, 0.0), -1, (0.0, 0.0, 0.0), -1)] * 2)
     renderer.add_mesh(
         with_old.positions,

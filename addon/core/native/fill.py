@@ -24,6 +24,7 @@ from ..scene import (
     Side,
     Texture,
 )
+from ..scene.shading import Program
 from .library import load
 
 if TYPE_CHECKING:
@@ -201,12 +202,17 @@ def add_textures(renderer: Renderer, textures: Sequence[Texture]) -> None:
         )
 
 
+def add_program(renderer: Renderer, program: Program) -> int:
+    """Returns its index."""
+    return renderer.add_program(
+        program.name, program.code, program.constants, program.registers, int(program.features)
+    )
+
+
 def _add_materials(renderer: Renderer, scene: Scene) -> None:
     add_textures(renderer, scene.textures)
     for program in scene.programs:
-        renderer.add_program(
-            program.name, program.code, program.constants, program.registers, int(program.features)
-        )
+        add_program(renderer, program)
     for material in scene.materials:
         with _naming(f"material '{material.name}'"):
             if material.program != NO_PROGRAM:

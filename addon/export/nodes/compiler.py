@@ -9,7 +9,7 @@ from typing import Any
 from ...core.scene.shading import Feature, Program
 from .assemble import Statement, assemble, live_instructions, statement
 from .inputs import bump_width
-from .media import IN_VOLUMES, no_volume
+from .media import belongs, misplaced
 from .node import Node, Owner, Surroundings, label
 from .shaders import MOST_LOBES, from_value, lobe_count, unknown
 from .table import NODES
@@ -193,8 +193,8 @@ class Compiler:
         entry = NODES.get(node.type)
         if entry is None or entry.compile is None:
             return unknown(n, weight)
-        if self.owner.of_volume and node.type not in IN_VOLUMES:
-            return no_volume(n)
+        if not belongs(n):
+            return misplaced(n)
         return entry.compile(n, weight)
 
     def _prepared(self, node: Any, groups: Groups) -> Node:

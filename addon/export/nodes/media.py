@@ -11,14 +11,13 @@ from .node import Node
 from .shaders import Made, emitted
 from .values import ONE, ZERO, Value, number
 
-IN_VOLUMES = {
+OF_VOLUMES = {
     "VOLUME_ABSORPTION",
     "VOLUME_SCATTER",
     "VOLUME_COEFFICIENTS",
     "PRINCIPLED_VOLUME",
-    "EMISSION",
 }
-"""Shaders that mean something in a volume."""
+"""Shaders that mean something in a volume alone."""
 NO_FOURNIER = "the phase function of Fournier and Forand is taken as Henyey-Greenstein's of 0.9"
 FOURNIER_FORWARD = 0.9
 STEFAN_BOLTZMANN = 5.670373e-8
@@ -26,8 +25,6 @@ STEFAN_BOLTZMANN = 5.670373e-8
 
 
 def absorption(n: Node, weight: Value) -> Made:
-    if not n.owner.of_volume:
-        return _on_surface(n)
     made = statement(
         "VolumeAbsorption",
         weight=weight,
@@ -38,8 +35,6 @@ def absorption(n: Node, weight: Value) -> Made:
 
 
 def scatter(n: Node, weight: Value) -> Made:
-    if not n.owner.of_volume:
-        return _on_surface(n)
     made = statement(
         "VolumeScatter",
         weight=weight,
@@ -51,8 +46,6 @@ def scatter(n: Node, weight: Value) -> Made:
 
 
 def coefficients(n: Node, weight: Value) -> Made:
-    if not n.owner.of_volume:
-        return _on_surface(n)
     emission = n.vector("Emission Coefficients")
     made = statement(
         "VolumeCoefficients",
@@ -68,8 +61,6 @@ def coefficients(n: Node, weight: Value) -> Made:
 
 def principled(n: Node, weight: Value) -> Made:
     """With emission by colour and by black body, as Cycles adds them: of density's none."""
-    if not n.owner.of_volume:
-        return _on_surface(n)
     made = statement(
         "PrincipledVolume",
         weight=weight,
@@ -119,11 +110,14 @@ def _phase(n: Node) -> dict[str, Any]:
     return found | {"phase": phase}
 
 
-def _on_surface(n: Node) -> Made:
-    n.unsupported("has no effect on a surface; left out")
-    return [], Feature(0)
+def belongs(n: Node) -> bool:
+    """Whether a shader means something where it is: in a volume, or on a surface."""
+    if n.owner.of_volume:
+        return n.node.type in OF_VOLUMES or n.node.type == "EMISSION"
+    return n.node.type not in OF_VOLUMES
 
 
-def no_volume(n: Node) -> Made:
-    n.unsupported("has no effect in a volume; left out")
+def misplaced(n: Node) -> Made:
+    place = "in a volume" if n.owner.of_volume else "on a surface"
+    n.unsupported(f"has no effect {place}; left out")
     return [], Feature(0)

@@ -146,10 +146,8 @@ def test_an_empty_mesh_is_no_matter() -> None:
     assert what.warnings == []
 
 
-@in_blender
-def test_what_displacement_leaves_without_area_is_left_out() -> None:
-    ob = _moved("ShaderNodeTexImage")
-    tree = ob.active_material.node_tree
+def _shrink_to_a_point(material: Any) -> None:
+    tree = material.node_tree
     node = tree.nodes.new("ShaderNodeVectorDisplacement")
     node.space = "OBJECT"
     node.inputs["Scale"].default_value = -1.0
@@ -157,6 +155,12 @@ def test_what_displacement_leaves_without_area_is_left_out() -> None:
     tree.links.new(where.outputs["Position"], node.inputs["Vector"])
     output = next(one for one in tree.nodes if one.type == "OUTPUT_MATERIAL")
     tree.links.new(node.outputs[0], output.inputs["Displacement"])
+
+
+@in_blender
+def test_what_displacement_leaves_without_area_is_left_out() -> None:
+    ob = _moved("ShaderNodeTexImage")
+    _shrink_to_a_point(ob.active_material)
     what = stage.exported()
     assert len(_mesh(what).triangles) == 0
     assert "32 without area" in stage.the_one_warning(what)
@@ -166,14 +170,7 @@ def test_what_displacement_leaves_without_area_is_left_out() -> None:
 def test_it_is_rendered_where_nothing_is_left() -> None:
     """A mesh that all moves to one point is not there, and nothing fails."""
     ob = _moved()
-    tree = ob.active_material.node_tree
-    node = tree.nodes.new("ShaderNodeVectorDisplacement")
-    node.space = "OBJECT"
-    node.inputs["Scale"].default_value = -1.0
-    where = tree.nodes.new("ShaderNodeNewGeometry")
-    tree.links.new(where.outputs["Position"], node.inputs["Vector"])
-    output = next(one for one in tree.nodes if one.type == "OUTPUT_MATERIAL")
-    tree.links.new(node.outputs[0], output.inputs["Displacement"])
+    _shrink_to_a_point(ob.active_material)
     import bpy
 
     stage.room()

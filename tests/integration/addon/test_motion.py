@@ -49,6 +49,15 @@ def slide(ob: Any) -> Any:
     return ob
 
 
+def rise(ob: Any) -> None:
+    """Its vertices at z = frame, by a shape key."""
+    ob.shape_key_add(name="Basis")
+    raised = ob.shape_key_add(name="Raised")
+    for point in raised.data:
+        point.co.z += 10.0
+    keyed(raised, "value", {0: 0.0, 10: 1.0})
+
+
 @pytest.mark.smoke
 @in_blender
 def test_a_moving_object_is_looked_at_while_the_shutter_is_open() -> None:
@@ -157,11 +166,7 @@ def test_an_instancer_has_a_say_in_its_instances() -> None:
 def test_a_mesh_that_deforms_has_its_vertices_at_all_steps() -> None:
     blurred(shutter=2.0)
     ob = stage.plane()
-    ob.shape_key_add(name="Basis")
-    raised = ob.shape_key_add(name="Raised")
-    for point in raised.data:
-        point.co.z += 10.0
-    keyed(raised, "value", {0: 0.0, 10: 1.0})
+    rise(ob)
     exported = stage.exported()
     motion = exported.meshes[0].motion
     assert motion is not None
@@ -317,11 +322,7 @@ def test_persistent_data_follows_what_moves_from_frame_to_frame() -> None:
     scene = blurred()
     scene.render.use_persistent_data = True
     ob = stage.plane()
-    ob.shape_key_add(name="Basis")
-    raised = ob.shape_key_add(name="Raised")
-    for point in raised.data:
-        point.co.z += 10.0
-    keyed(raised, "value", {0: 0.0, 10: 1.0})
+    rise(ob)
     slide(ob)
     scene.frame_start, scene.frame_end = 4, 6
     for exported, middle in zip(stage.exports(animation=True), (4.0, 5.0, 6.0), strict=True):
