@@ -29,10 +29,6 @@ void keep_seen(const LightSample& light, const Surface& hit, Rgb& scattered, Rgb
   sharp = keeps_rest && after > 0 ? std::min(sharp * before / after, 1.0f) : 0;  // of what is left
 }
 
-Rgb divided(const Rgb& a, const Rgb& b) {
-  return {b.x != 0 ? a.x / b.x : 0, b.y != 0 ? a.y / b.y : 0, b.z != 0 ? a.z / b.z : 0};
-}
-
 }  // namespace
 
 void CameraTracer::trace_pixel(const Job& job, int x, int y, PackedFilm& film, Pixel& pixel,

@@ -70,8 +70,11 @@ inline Vec3 min(const Vec3& a, const Vec3& b) {
 inline Vec3 max(const Vec3& a, const Vec3& b) {
   return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)};
 }
-inline float max_abs(const Vec3& a) {
-  return std::max({std::abs(a.x), std::abs(a.y), std::abs(a.z)});
+inline Vec3 absolute(const Vec3& a) { return {std::abs(a.x), std::abs(a.y), std::abs(a.z)}; }
+inline float max_abs(const Vec3& a) { return max_component(absolute(a)); }
+// By components; 0 where there is nothing to divide by.
+inline Vec3 divided(const Vec3& a, const Vec3& b) {
+  return {b.x != 0 ? a.x / b.x : 0, b.y != 0 ? a.y / b.y : 0, b.z != 0 ? a.z / b.z : 0};
 }
 
 struct Bounds {

@@ -7,14 +7,6 @@ namespace {
 constexpr int kMostCollisions = 20000;  // on one way; then it ends there
 constexpr float kFaint = 0.02f;         // transmittance below which ways are broken off by chance
 
-// e^(-c t), with nothing lost where there is nothing.
-Rgb attenuation(const Rgb& c, float t) {
-  const auto one = [t](float x) { return x > 0 ? std::exp(-x * t) : 1.0f; };
-  return {one(c.x), one(c.y), one(c.z)};
-}
-
-Rgb absolute(const Rgb& c) { return {std::abs(c.x), std::abs(c.y), std::abs(c.z)}; }
-
 }  // namespace
 
 // The tentative collisions of one region along a ray, in the order of their distance.

@@ -40,9 +40,7 @@ Vec3 MediumPoint::sample(const Vec3& before, float choice, const Vec2& u) const 
     target -= own;
   }
   const float cosine = count_ ? parts_[i].phase.sample_cosine(u.x) : 1 - 2 * u.x;
-  const float sine = std::sqrt(std::max(0.0f, 1 - cosine * cosine)), angle = 2 * kPi * u.y;
-  return normalize(
-      Basis(before).to_world({sine * std::cos(angle), sine * std::sin(angle), cosine}));
+  return turned(before, cosine, u.y);
 }
 
 bool MediumStack::holds(uint16_t region) const {

@@ -22,6 +22,18 @@ struct Phase {
   float sample_cosine(float u) const;
 };
 
+// What is left on a way of length t where extinction is c: e^(-c t), all where there is none.
+inline Rgb attenuation(const Rgb& c, float t) {
+  const auto one = [t](float x) { return x > 0 ? std::exp(-x * t) : 1.0f; };
+  return {one(c.x), one(c.y), one(c.z)};
+}
+// The way at this cosine to `way`, `turn` of a full turn about it.
+inline Vec3 turned(const Vec3& way, float cosine, float turn) {
+  const float sine = std::sqrt(std::max(0.0f, 1 - cosine * cosine));
+  const Vec2 around = cos_sin_of_turn(turn);
+  return normalize(Basis(way).to_world({sine * around.x, sine * around.y, cosine}));
+}
+
 // Two phase functions of which the first has the share `first` fit Mie scattering by droplets of
 // `diameter` micrometres in water fog (Jendersie and d'Eon, An Approximate Mie Scattering Function
 // for Fog and Cloud Rendering, 2023).

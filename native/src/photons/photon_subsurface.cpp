@@ -6,14 +6,6 @@
 #include "subsurface/walk.h"
 
 namespace photon_splat {
-namespace {
-
-Rgb divided(const Rgb& a, const Rgb& b) {
-  return {b.x > 0 ? a.x / b.x : 0, b.y > 0 ? a.y / b.y : 0, b.z > 0 ? a.z / b.z : 0};
-}
-
-}  // namespace
-
 // Sends the path on from where it leaves; false where it ends. The body is taken for one of what
 // the closure says where the photon enters, while camera paths ask where they do.
 bool PhotonTracer::go_below(Path& path, const Surface& hit, const Bsdf& bsdf, const RayInfo& ray,

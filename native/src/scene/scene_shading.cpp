@@ -23,6 +23,23 @@ ShadingPoint shading_point(const Surface& s, const Vec3& wo, const RayInfo& ray)
   return p;
 }
 
+RayInfo shadow_ray(const RayInfo& before) {
+  RayInfo ray = before;
+  ray.kind = RayInfo::kShadow;
+  ray.singular = ray.through = false;
+  ray.from = 0;
+  return ray;
+}
+
+// What of the light a shadow ray's surface lets through; counts it.
+Rgb let_through(const Scene& scene, const Surface& s, const Vec3& direction, RayInfo& ray) {
+  if (!scene.may_be_transparent(s)) return {};
+  Bsdf bsdf(Transport::kRadiance, -direction, s.ng, s.ns, s.back);
+  run_program(scene, *s.program, shading_point(s, -direction, ray), bsdf);
+  ++ray.transparent_depth;
+  return bsdf.transparency();
+}
+
 }  // namespace
 
 void Scene::shade(const Surface& s, const Vec3& wo, const RayInfo& ray, Bsdf& bsdf) const {
@@ -59,20 +76,13 @@ Rgb Scene::transmittance(const Vec3& origin, const Vec3& direction, float far, c
   if (!blockers || !occluded(origin, direction, 0, far, kShadow, ray.time)) return {1, 1, 1};
   if (!~blockers && !(features_ & kProgramTransparent)) return {};
   Rgb through{1, 1, 1};
-  RayInfo info = ray;
-  info.kind = RayInfo::kShadow;
-  info.singular = info.through = false;
-  info.from = 0;
+  RayInfo info = shadow_ray(ray);
   Surface s;
   for (float near = 0; intersect(origin, direction, near, far, false, s, kShadow, ray.time);
        near = past(s)) {
     if (!(blockers & instances[s.instance].group)) continue;
-    if (!may_be_transparent(s)) return {};
-    Bsdf bsdf(Transport::kRadiance, -direction, s.ng, s.ns, s.back);
-    run_program(*this, *s.program, shading_point(s, -direction, info), bsdf);
-    through *= bsdf.transparency();
+    through *= let_through(*this, s, direction, info);
     if (max_component(through) < 1e-6f) return {};
-    ++info.transparent_depth;
   }
   return through;
 }
@@ -80,20 +90,14 @@ Rgb Scene::transmittance(const Vec3& origin, const Vec3& direction, float far, c
 Rgb Scene::transmittance(const Vec3& origin, const Vec3& direction, float far, const RayInfo& ray,
                          uint64_t blockers, MediumStack around, Random& random) const {
   constexpr RayMask kShadow = ray_bit(RayInfo::kShadow);
-  RayInfo info = ray;
-  info.kind = RayInfo::kShadow;
-  info.singular = info.through = false;
-  info.from = 0;
+  RayInfo info = shadow_ray(ray);
   Rgb through{1, 1, 1};
   Surface s;
   for (float near = 0, begin = 0;; near = past(s)) {
     const bool found = intersect(origin, direction, near, far, false, s, kShadow, ray.time);
     if (found && blockers & instances[s.instance].group) {
-      if (!may_be_transparent(s)) return {};
-      Bsdf bsdf(Transport::kRadiance, -direction, s.ng, s.ns, s.back);
-      run_program(*this, *s.program, shading_point(s, -direction, info), bsdf);
-      through *= bsdf.transparency();
-      ++info.transparent_depth;
+      through *= let_through(*this, s, direction, info);
+      if (!(max_abs(through) > 0)) return {};
     }
     through *= media_->transmittance(around, origin, direction, begin, found ? s.distance : far,
                                      info, random);

@@ -55,11 +55,7 @@ float wrenninge(float color, float g) {
 
 Scattering Scattering::reduced() const {
   const Rgb scattered = scattering() * (1 - g), all = extinction - scattering() + scattered;
-  const auto ratio = [](float a, float b) { return b > 0 ? a / b : 0; };
-  return {all,
-          {ratio(scattered.x, all.x), ratio(scattered.y, all.y), ratio(scattered.z, all.z)},
-          0,
-          factor};
+  return {all, divided(scattered, all), 0, factor};
 }
 
 Scattering scattering_of(const Subsurface& closure) {

@@ -18,15 +18,7 @@ constexpr float kOffset = 4e-7f;
 // Mean free paths below so many offsets cannot be told from none.
 constexpr float kLeastOffsets = 4;
 
-// e^(-c t)
-Rgb attenuation(const Rgb& c, float t) {
-  const auto one = [t](float x) { return x > 0 ? std::exp(-x * t) : 1.0f; };
-  return {one(c.x), one(c.y), one(c.z)};
-}
-
 float min_component(const Rgb& c) { return std::min({c.x, c.y, c.z}); }
-
-Rgb absolute(const Rgb& c) { return {std::abs(c.x), std::abs(c.y), std::abs(c.z)}; }
 
 SubsurfaceExit leave(const Scene& scene, const Surface& entry, const Scene::OwnHit& hit,
                      const Vec3& way, const Rgb& weight, float time) {
@@ -41,11 +33,8 @@ Rgb chances(const Rgb& weight, const Rgb& albedo) {
   return all > 0 && std::isfinite(all) ? c / all : Rgb{1, 1, 1} / 3;
 }
 
-Vec3 turn(const Vec3& way, float g, const Vec2& u) {
-  const Phase phase{PhaseKind::kHenyeyGreenstein, g, 0};
-  const float cosine = phase.sample_cosine(u.x), sine = std::sqrt(std::max(0.0f, 1 - sqr(cosine)));
-  const Vec2 around = cos_sin_of_turn(u.y);
-  return normalize(Basis(way).to_world({sine * around.x, sine * around.y, cosine}));
+Vec3 scattered(const Vec3& way, float g, const Vec2& u) {
+  return turned(way, Phase{PhaseKind::kHenyeyGreenstein, g, 0}.sample_cosine(u.x), u.y);
 }
 
 }  // namespace
@@ -70,7 +59,7 @@ std::optional<SubsurfaceExit> walk_below(const Scene& scene, const Surface& entr
   Vec3 x = place - entry.ng * offset, direction = way;
   for (int step = 0; step < kMostSteps; ++step) {
     if (step == kDirectedSteps && medium.g != 0) medium = medium.reduced();
-    if (step > 0) direction = turn(direction, medium.g, numbers.next2());
+    if (step > 0) direction = scattered(direction, medium.g, numbers.next2());
     const Rgb chance = chances(weight * carried, medium.albedo);
     Vec2 u = numbers.next2();
     int channel = 0;
