@@ -70,7 +70,7 @@ def render_view_layer(engine: Any, depsgraph: Any) -> None:
     failed = True
     try:
         held = held_for(engine, depsgraph)
-        frame = export_frame(depsgraph.scene_eval.render)
+        frame = export_frame(depsgraph.scene_eval)
         _, _, width, height = frame.region
         blender_result = engine.begin_result(
             0, 0, width, height, layer=depsgraph.view_layer_eval.name

@@ -59,7 +59,7 @@ def _export_still(
     return export_contents(
         depsgraph,
         seen,
-        frame or export_frame(scene.render),
+        frame or export_frame(scene),
         report,
         kept,
         light_groups=light_groups,
@@ -141,6 +141,8 @@ def export_contents(
     objects.collect_shading(depsgraph, shading.around.wants, *shading.wanted)
     objects.displace(camera)
     world = getattr(view_layer, "world_override", None) or scene.world
+    if not view_layer.use_sky:
+        world = None
     export_world(world, shading, exported)
     if world is not None and world.original.lightgroup in exported.light_groups:
         exported.world_light_group = exported.light_groups.index(world.original.lightgroup)

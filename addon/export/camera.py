@@ -23,17 +23,31 @@ def resolution(render: Any) -> tuple[int, int]:
     )
 
 
-def export_frame(render: Any) -> Frame:
-    """Raster, border, film and filter of a bpy.types.RenderSettings."""
+def export_frame(scene: Any) -> Frame:
+    """Raster, border, film and filter of a bpy.types.Scene."""
+    render = scene.render
     width, height = resolution(render)
     return Frame(
         width=width,
         height=height,
         border=_border(render, width, height) if render.use_border else None,
-        transparent=bool(render.film_transparent),
-        pixel_filter=PixelFilter.BLACKMAN_HARRIS,
-        filter_width=float(render.filter_size),
+        **film_of(scene),
     )
+
+
+def film_of(scene: Any) -> dict[str, Any]:
+    """Film and pixel filter, for Frame: those of Cycles, which files set, where Blender has it."""
+    render, cycles = scene.render, getattr(scene, "cycles", None)
+    film: dict[str, Any] = {"transparent": bool(render.film_transparent)}
+    if cycles is None:
+        return film | {"filter_width": float(render.filter_size)}
+    clear = bool(cycles.film_transparent_glass)
+    return film | {
+        "transparent_glass": float(cycles.film_transparent_roughness) if clear else -1.0,
+        "pixel_filter": PixelFilter(cycles.pixel_filter_type.lower()),
+        "filter_width": float(cycles.filter_width),
+        "exposure": float(cycles.film_exposure),
+    }
 
 
 def export_camera(ob: Any, scene: Any, report: Report) -> Camera:

@@ -33,7 +33,7 @@ from .mesh import export_mesh, flattened
 from .motion import Moving
 from .nodes.node import Want, Wants
 from .report import Report
-from .visibility import FLAGS, Visibility, report_catcher
+from .visibility import FLAGS, Visibility, report_unsupported
 
 Value = TypeVar("Value")
 SEEING_RAYS = sum(FLAGS.values())
@@ -105,7 +105,7 @@ class Objects:
                 if instance.show_particles:
                     self._report_particles(ob)
                 rays, holdout = visibility.of(instance)
-                if instance.show_self and rays & SEEING_RAYS:
+                if instance.show_self and rays & SEEING_RAYS and view_layer.use_solid:
                     before = len(self._rows)
                     self._add_mesh(ob, np.array(instance.matrix_world, np.float64), override)
                     if len(self._rows) > before:
@@ -252,7 +252,7 @@ class Objects:
         key = (pointer, ob.original.as_pointer())
         if key not in self._set_of:
             self._set_of[key] = self._material_set(ob, data, index, override)
-            report_catcher(ob, self._report)
+            report_unsupported(ob, self._report)
         slots = slots_of(
             self.meshes[index],
             self.material_sets[self._set_of[key]].tolist(),

@@ -82,9 +82,11 @@ def world_seen_by(world: Any) -> int:
     return mask
 
 
-def report_catcher(ob: Any, report: Report) -> None:
+def report_unsupported(ob: Any, report: Report) -> None:
     if ob.is_shadow_catcher:
         report.warn("Shadow catchers are not supported yet; rendered as usual: {}", ob.name)
+    if ob.original.shadow_terminator_shading_offset > 0.0:
+        report.warn("Shadow Terminator's Shading Offset is not supported; ignored: {}", ob.name)
 
 
 def _own(ob: Any) -> int:

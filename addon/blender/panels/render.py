@@ -76,9 +76,21 @@ class PHOTON_SPLAT_PT_film(RenderPanel, bpy.types.Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: Any) -> None:
-        layout, render = split_layout(self), context.scene.render
-        layout.prop(render, "film_transparent", text="Transparent")
-        layout.prop(render, "filter_size", text="Filter Width (px)")
+        layout, scene = split_layout(self), context.scene
+        cycles = getattr(scene, "cycles", None)
+        layout.prop(scene.render, "film_transparent", text="Transparent")
+        if cycles is None:
+            layout.prop(scene.render, "filter_size", text="Filter Width (px)")
+            return
+        column = layout.column()
+        column.active = scene.render.film_transparent
+        column.prop(cycles, "film_transparent_glass", text="Transparent Glass")
+        column.prop(cycles, "film_transparent_roughness", text="Roughness Threshold")
+        layout.prop(cycles, "film_exposure", text="Exposure")
+        layout.prop(cycles, "pixel_filter_type", text="Pixel Filter")
+        row = layout.row()
+        row.active = cycles.pixel_filter_type != "BOX"
+        row.prop(cycles, "filter_width", text="Filter Width (px)")
 
 
 class PHOTON_SPLAT_PT_performance(RenderPanel, bpy.types.Panel):

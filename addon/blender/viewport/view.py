@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.scene import Camera, Frame, PixelFilter
+from ...core.scene import Camera, Frame
 from ...core.viewport.controller import View
-from ...export.camera import NoCameraError, export_camera, resolution, screen
+from ...export.camera import NoCameraError, export_camera, film_of, resolution, screen
 from ...export.report import Report
 
 Rectangle = tuple[float, float, float, float]
@@ -37,9 +37,7 @@ def view_of(
     frame = Frame(
         width,
         height,
-        transparent=bool(scene.render.film_transparent),
-        pixel_filter=PixelFilter.BLACKMAN_HARRIS,
-        filter_width=float(scene.render.filter_size),
+        **film_of(scene),
     )
     window, camera = projection(rv3d)
     seen = None

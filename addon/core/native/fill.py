@@ -285,8 +285,10 @@ def place_camera(renderer: Renderer, camera: Camera, frame: Frame) -> None:
         frame=[frame.width, frame.height],
         region=list(frame.region),
         transparent=frame.transparent,
+        transparent_glass=frame.transparent_glass,
         pixel_filter=str(frame.pixel_filter),
         filter_width=frame.filter_width,
+        exposure=frame.exposure,
     )
     if camera.panorama is not None:
         panorama: dict[str, Any] = {

@@ -91,15 +91,19 @@ class Camera:
 @dataclass(slots=True)
 class Frame:
     """The raster: the whole frame in pixels and the part of it that is rendered (`border`: x, y,
-    width, height, origin bottom left).
+    width, height, origin bottom left). With `transparent` the camera does not see the world, nor
+    sees it through glass of at most the roughness `transparent_glass` (negative: through none).
+    `exposure` is a factor of all light in the picture.
     """
 
     width: int
     height: int
     border: tuple[int, int, int, int] | None = None
     transparent: bool = False
+    transparent_glass: float = -1.0
     pixel_filter: PixelFilter = PixelFilter.BLACKMAN_HARRIS
     filter_width: float = 1.5
+    exposure: float = 1.0
 
     @property
     def region(self) -> tuple[int, int, int, int]:

@@ -18,11 +18,15 @@ struct Run {
   size_t first, count;
 };
 
+// What the picture's exposure does to values: nothing, or it is a factor of them once or twice.
+enum class Unit { kOther, kLight, kLightSquared };
+
 struct Source {
   const char* name;
   size_t channels;
   void (*fill)(const Run& run, float* to);
   ChannelMask needs;  // of the film
+  Unit unit;
 };
 
 template <class Get>
@@ -87,41 +91,53 @@ void fill_error(const Run& run, float* to) {
 
 // One member of Pixel.
 template <auto kMember>
-Source mean_of(const char* name) {
-  return {name, sizeof(Pixel{}.*kMember) / sizeof(float), &fill_mean<kMember>,
-          channels_of(kMember)};
+Source mean_of(const char* name, Unit unit = Unit::kOther) {
+  return {name, sizeof(Pixel{}.*kMember) / sizeof(float), &fill_mean<kMember>, channels_of(kMember),
+          unit};
+}
+template <auto kMember>
+Source light_of(const char* name) {
+  return mean_of<kMember>(name, Unit::kLight);
 }
 template <float Pixel::* kValue>
 Source value_of(const char* name) {
-  return {name, 1, &fill_value<kValue>, channels_of(kValue)};
+  return {name, 1, &fill_value<kValue>, channels_of(kValue), Unit::kOther};
 }
 
 const Source kSources[] = {
-    {"combined", 4, &fill_combined, 0},
-    mean_of<&Pixel::diffuse_direct>("diffuse_direct"),
-    mean_of<&Pixel::diffuse_indirect>("diffuse_indirect"),
+    {"combined", 4, &fill_combined, 0, Unit::kLight},
+    light_of<&Pixel::diffuse_direct>("diffuse_direct"),
+    light_of<&Pixel::diffuse_indirect>("diffuse_indirect"),
     {"diffuse_direct_per_albedo", 3, &fill_per_albedo<&Pixel::diffuse_direct>,
-     channels_of(&Pixel::diffuse_color)},
+     channels_of(&Pixel::diffuse_color), Unit::kLight},
     {"diffuse_indirect_per_albedo", 3, &fill_per_albedo<&Pixel::diffuse_indirect>,
-     channels_of(&Pixel::diffuse_color)},
-    mean_of<&Pixel::glossy_direct>("glossy_direct"),
-    mean_of<&Pixel::glossy_indirect>("glossy_indirect"),
-    mean_of<&Pixel::transmission_direct>("transmission_direct"),
-    mean_of<&Pixel::transmission_indirect>("transmission_indirect"),
+     channels_of(&Pixel::diffuse_color), Unit::kLight},
+    light_of<&Pixel::glossy_direct>("glossy_direct"),
+    light_of<&Pixel::glossy_indirect>("glossy_indirect"),
+    light_of<&Pixel::transmission_direct>("transmission_direct"),
+    light_of<&Pixel::transmission_indirect>("transmission_indirect"),
     mean_of<&Pixel::diffuse_color>("diffuse_color"),
     mean_of<&Pixel::albedo>("albedo"),
-    mean_of<&Pixel::emission>("emission"),
-    mean_of<&Pixel::environment>("environment"),
+    light_of<&Pixel::emission>("emission"),
+    light_of<&Pixel::environment>("environment"),
     mean_of<&Pixel::normal>("normal"),
     mean_of<&Pixel::alpha>("alpha"),
     mean_of<&Pixel::photon_density>("photon_density"),
     value_of<&Pixel::depth>("depth"),
     value_of<&Pixel::surface_id>("surface_id"),
     value_of<&Pixel::samples>("samples"),
-    {"variance", 1, &fill_variance, 0},
-    {"error", 1, &fill_error, 0},
+    {"variance", 1, &fill_variance, 0, Unit::kLightSquared},
+    {"error", 1, &fill_error, 0, Unit::kLight},
 };
 constexpr const char* kLightGroups = "light_groups";  // (light group, row, column, RGB)
+
+// Alpha, the fourth channel, stays as it is.
+void expose(const Source& source, float exposure, size_t count, float* values) {
+  if (source.unit == Unit::kOther || exposure == 1) return;
+  const float factor = source.unit == Unit::kLight ? exposure : exposure * exposure;
+  for (size_t i = 0; i < count * source.channels; ++i)
+    if (i % source.channels < 3) values[i] *= factor;
+}
 
 const Source& source_of(const std::string& name) {
   for (const Source& source : kSources)
@@ -138,6 +154,7 @@ struct FilmArray {
 nb::dict film_arrays(Renderer& r, const std::optional<std::vector<std::string>>& names) {
   const PackedFilm& film = r.film().sum();
   const size_t width = film.width, height = film.height, groups = film.light_groups;
+  const float exposure = r.camera_settings.exposure;
   std::vector<FilmArray> arrays;
   bool with_groups = !names;
   const auto add = [&](const Source& source) {
@@ -168,16 +185,18 @@ nb::dict film_arrays(Renderer& r, const std::optional<std::vector<std::string>>&
       film.each_run(t, [&](size_t first, size_t count, size_t place) {
         for (const FilmArray& array : arrays) {
           float* to = array.values->data() + first * array.source->channels;
-          if (film.passes)
+          if (film.passes) {
             array.source->fill({r, &pixels[place], first, count}, to);
-          else
+            expose(*array.source, exposure, count, to);
+          } else {
             std::fill_n(to, count * array.source->channels, 0.0f);
+          }
         }
         for (size_t g = 0; with_groups && g < groups; ++g)
           for (size_t i = 0; i < count; ++i) {
-            const Rgb light =
-                film.passes ? film.by_group[(first + i) * groups + g] * pixels[place + i].share()
-                            : Rgb{};
+            const Rgb light = film.passes ? film.by_group[(first + i) * groups + g] *
+                                                (pixels[place + i].share() * exposure)
+                                          : Rgb{};
             const float rgb[3] = {light.x, light.y, light.z};
             std::copy_n(rgb, 3, by_group->data() + 3 * (g * width * height + first + i));
           }
@@ -207,7 +226,8 @@ void bind_film(RendererClass& renderer) {
       "Of which arrays film() is to be able to tell; all if this is not called. Before build(), set_view() or begin_again().");
   renderer.def(
       "film", &film_arrays, "names"_a = nb::none(),
-      "(height, width, channels) float32 by name: means over the film's samples, row 0 at the bottom; 0 before the first pass.");
+      "(height, width, channels) float32 by name: means over the film's samples, row 0 at the bottom; 0 before the first pass.\n"
+      "Light is multiplied by the camera's exposure.");
 }
 
 }  // namespace photon_splat

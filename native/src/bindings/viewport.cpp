@@ -12,13 +12,14 @@ nb::ndarray<nb::numpy, float> picture(Renderer& r) {
   std::vector<float> values(static_cast<size_t>(film.width) * film.height * 4);
   if (film.passes) {
     nb::gil_scoped_release release;
+    const float exposure = r.camera_settings.exposure;
     r.scene.pool().for_each(film.tiles(), CancelFlag{}, [&](size_t t, int) {
       PackedFilm::Tile pixels;
       film.get(t, pixels);
       film.each(t, [&](size_t i, size_t place) {
         const Pixel& p = pixels[place];
         const float share = p.share();
-        const Rgb c = p.combined() * share;
+        const Rgb c = p.combined() * (share * exposure);
         const float out[4] = {c.x, c.y, c.z, p.alpha * share};
         std::copy(out, out + 4, &values[4 * i]);
       });

@@ -115,6 +115,7 @@ bool CameraTracer::scatter_in_medium(Path& path, const Flight& flight, bool dire
     path.before = path.info;
     path.diffuse_share = {};
   }
+  path.clear = false;
   path.info = path.info.scattered_in_medium();
   path.travelled += flight.distance;
   path.origin = x;

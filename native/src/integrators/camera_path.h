@@ -81,6 +81,8 @@ struct CameraTracer::Path {
   // Before it, straight through glass that bends nothing: vertex 0 is not what the pixel shows
   // first
   bool through_glass = false;
+  // All that it was scattered by is glass that a transparent film takes for clear
+  bool clear = true;
   float travelled = 0;               // up to the last vertex
   Rgb throughput{1, 1, 1};           // of light that leaves the next vertex, emission excepted
   Rgb emission_throughput{1, 1, 1};  // of its emission

@@ -219,12 +219,12 @@ void CameraTracer::add_linked(Path& path) const {
 }
 
 void CameraTracer::add_world(Path& path) const {
-  if (path.vertex == 0 && !path.through_glass) {
-    if (camera_.settings().transparent) {
-      path.pixel.alpha += 1 - average(path.throughput);
-      return;
-    }
-    path.pixel.alpha += 1;
+  const bool first = path.vertex == 0 && !path.through_glass;
+  if (first) path.pixel.alpha += 1;
+  const CameraSettings& film = camera_.settings();
+  if (film.transparent && (first || (path.clear && film.transparent_glass >= 0))) {
+    path.pixel.alpha -= average(path.emission_throughput);
+    return;
   }
   const Environment& world = lights_.environment();
   if (path.vertex == 0 && world.asks_camera())
@@ -540,6 +540,8 @@ bool CameraTracer::scatter(Path& path, const Surface& hit, const Bsdf& bsdf,
     path.category = s->transmitted ? LobeCategory::kTransmission
                     : s->diffuse   ? LobeCategory::kDiffuse
                                    : LobeCategory::kGlossy;
+  path.clear &=
+      s->transmitted && !s->diffuse && s->roughness <= camera_.settings().transparent_glass;
   path.info = path.info.scattered(s->diffuse, s->transmitted, s->pdf <= 0);
   const float side =
       std::copysign(ray_epsilon(hit.position, hit.distance), dot(s->direction, hit.ng));

@@ -36,7 +36,10 @@ struct CameraSettings {
   int width = 1, height = 1;  // whole frame, pixels
   // What is rendered of it, origin bottom left
   int x0 = 0, y0 = 0, region_width = 1, region_height = 1;
-  bool transparent = false;
+  bool transparent = false;  // the camera does not see the world
+  // nor through glass up to that roughness; negative: it does
+  float transparent_glass = -1;
+  float exposure = 1;  // of light in the picture
   FilterKind filter = FilterKind::kBlackmanHarris;
   float filter_width = 1.5f;  // pixels
 };

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from photon_splat.core.scene import PixelFilter
 from tests.support import stage
 from tests.support.blender import in_blender
 
@@ -104,12 +105,18 @@ def test_resolution_border_and_clipping() -> None:
         0.5,
     )
     render.film_transparent = True
-    render.filter_size = 2.5
+    cycles = render.id_data.cycles
+    cycles.filter_width, cycles.pixel_filter_type = 2.5, "GAUSSIAN"
+    cycles.film_exposure, cycles.film_transparent_glass = 1.5, True
+    cycles.film_transparent_roughness = 0.2
     what = stage.exported()
     assert (what.frame.width, what.frame.height) == (25, 15)
     assert what.frame.border == (5, 0, 10, 7)
     assert what.frame.transparent
     assert what.frame.filter_width == 2.5
+    assert what.frame.pixel_filter is PixelFilter.GAUSSIAN
+    assert what.frame.exposure == 1.5
+    assert what.frame.transparent_glass == pytest.approx(0.2)
     assert (what.camera.clip_start, what.camera.clip_end) == (0.25, 50)
 
 

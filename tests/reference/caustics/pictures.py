@@ -28,7 +28,7 @@ def open_view(name: str, *, surface_only: bool = True, pixels: int = PIXELS) -> 
     camera.data.type, camera.data.ortho_scale, camera.data.sensor_fit = "ORTHO", view.size, "AUTO"
     camera.data.clip_start = height - view.below if surface_only else 0.1
     render.resolution_x = render.resolution_y = pixels
-    render.filter_size = FILTER
+    scene.cycles.filter_width = FILTER
     bpy.context.view_layer.update()
 
 

@@ -513,7 +513,7 @@ CASES: tuple[Case, ...] = (
     ),
     Case("percentage", "camera_variant", {"percentage": 50}, width=96, height=80),
     Case("film_transparent", "camera_variant", {"transparent": True}, alpha=True),
-    Case("wide_pixel_filter", "camera_variant", {"filter_size": 3.0}),
+    Case("wide_pixel_filter", "camera_variant", {"filter_width": 3.0}),
     # Lenses
     _focus("dof", splat=True),
     _focus("dof_blades", blades=5, rotation=0.35, fstop=0.06),

@@ -12,6 +12,7 @@ from typing import Any
 
 from tests.reference.cycles.cases import CASES, Case
 from tests.reference.cycles.displacement import DISPLACEMENT
+from tests.reference.cycles.film import FILM
 from tests.reference.cycles.lamp_trees import LAMP_TREES
 from tests.reference.cycles.motion import MOTION
 from tests.reference.cycles.specs import Spec, node
@@ -367,7 +368,15 @@ def _cases() -> tuple[Case, ...]:
 
 GALLERY: tuple[Case, ...] = _cases()
 ALL: tuple[Case, ...] = (
-    CASES + LAMP_TREES + VISIBILITY + DISPLACEMENT + TERMINATOR + MOTION + SUBSURFACE + GALLERY
+    CASES
+    + LAMP_TREES
+    + VISIBILITY
+    + FILM
+    + DISPLACEMENT
+    + TERMINATOR
+    + MOTION
+    + SUBSURFACE
+    + GALLERY
 )
 BY_NAME = {case.name: case for case in ALL}
 

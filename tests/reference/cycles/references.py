@@ -52,7 +52,6 @@ def cycles_settings(samples: int, seed: int) -> None:
     # The default arranges noise so that it cancels between neighbours; the block tests need
     # independent pixels.
     cycles.sampling_pattern = "TABULATED_SOBOL"
-    cycles.pixel_filter_type, cycles.filter_width = "BLACKMAN_HARRIS", scene.render.filter_size
     cycles.use_light_tree = True
     scene.render.use_persistent_data = False
 

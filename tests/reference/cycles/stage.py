@@ -29,6 +29,7 @@ def build(case: Case) -> bpy.types.Scene:
     from tests.reference.caustics import pictures
     from tests.reference.cycles import (
         displacement_stage,
+        film_stage,
         gallery_stage,
         media_stage,
         motion_stage,
@@ -40,6 +41,7 @@ def build(case: Case) -> bpy.types.Scene:
     builders = (
         globals()
         | vars(visibility_stage)
+        | vars(film_stage)
         | vars(media_stage)
         | vars(displacement_stage)
         | vars(terminator_stage)
@@ -781,7 +783,7 @@ def camera_variant(
     crop: bool = False,
     percentage: int = 100,
     transparent: bool = False,
-    filter_size: float = 1.5,
+    filter_width: float = 1.5,
 ) -> None:
     """border: min x, max x, min y, max y as fractions of the frame."""
     _stage()
@@ -800,7 +802,7 @@ def camera_variant(
     if border:
         render.use_border, render.use_crop_to_border = True, crop
         render.border_min_x, render.border_max_x, render.border_min_y, render.border_max_y = border
-    render.filter_size = filter_size
+    bpy.context.scene.cycles.filter_width = filter_width
 
 
 def _look(location: Sequence[float], aim: Sequence[float]) -> None:
