@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-
 from photon_splat.core.scene import PixelFilter
+
 from tests.support import stage
 from tests.support.blender import in_blender
 
