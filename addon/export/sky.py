@@ -20,8 +20,10 @@ SKY_MODELS = {
     "NISHITA": SkyModel.SINGLE_SCATTERING,
     "MULTIPLE_SCATTERING": SkyModel.MULTIPLE_SCATTERING,
     "PREETHAM": SkyModel.PREETHAM,
-    "HOSEK_WILKIE": SkyModel.PREETHAM,
+    "HOSEK_WILKIE": SkyModel.HOSEK_WILKIE,
 }
+ANALYTIC = (SkyModel.PREETHAM, SkyModel.HOSEK_WILKIE)
+"""Their sun is a direction, and they have no disc."""
 
 
 @dataclass(slots=True)
@@ -40,17 +42,20 @@ class ExportedSky:
 def export_sky(node: Any, textures: Textures, owner: str, report: Report) -> ExportedSky:
     """The sky of a Sky Texture node without the sun's disc; `owner` is what warnings name."""
     model = SKY_MODELS.get(node.sky_type)
-    if model is None or node.sky_type == "HOSEK_WILKIE":
+    if model is None:
         report.warn(
             f"{owner}, node '{label(node)}': the sky model {node.sky_type} is not supported; "
             "taken as Preetham's"
         )
         model = SkyModel.PREETHAM
-    if model is SkyModel.PREETHAM:
+    if model in ANALYTIC:
         sun = np.asarray(node.sun_direction, np.float64)
         sun = sun / max(float(np.linalg.norm(sun)), 1e-9)
         settings = SkySettings(
-            model, math.asin(min(max(sun[2], -1.0), 1.0)), turbidity=float(node.turbidity)
+            model,
+            math.asin(min(max(sun[2], -1.0), 1.0)),
+            turbidity=float(node.turbidity),
+            ground_albedo=float(node.ground_albedo),
         )
         longitude = math.atan2(sun[1], sun[0])
     else:
@@ -72,9 +77,7 @@ def export_sky(node: Any, textures: Textures, owner: str, report: Report) -> Exp
     c, s = math.cos(longitude), math.sin(longitude)
     turn = np.eye(4)
     turn[:2, :2] = [[c, s], [-s, c]]
-    return ExportedSky(
-        texture, turn, settings, made, model is not SkyModel.PREETHAM and bool(node.sun_disc)
-    )
+    return ExportedSky(texture, turn, settings, made, model not in ANALYTIC and bool(node.sun_disc))
 
 
 def _wrapped(elevation: float, rotation: float) -> tuple[float, float]:

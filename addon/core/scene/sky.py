@@ -19,12 +19,13 @@ class SkyModel(StrEnum):
     SINGLE_SCATTERING = "single_scattering"
     MULTIPLE_SCATTERING = "multiple_scattering"
     PREETHAM = "preetham"
+    HOSEK_WILKIE = "hosek_wilkie"
 
 
 @dataclass(frozen=True, slots=True)
 class SkySettings:
-    """Angles in radians, altitude in m, densities relative to the Earth's; `turbidity` is
-    Preetham's only parameter.
+    """Angles in radians, altitude in m, densities relative to the Earth's; `turbidity` is the only
+    parameter of Preetham, and with `ground_albedo` of Hosek and Wilkie.
     """
 
     model: SkyModel
@@ -34,6 +35,7 @@ class SkySettings:
     aerosol: float = 1.0
     ozone: float = 1.0
     turbidity: float = 2.2
+    ground_albedo: float = 0.3
     sun_size: float = 0.0095
 
 
@@ -61,6 +63,7 @@ def sky(settings: SkySettings) -> Sky:
         aerosol=settings.aerosol,
         ozone=settings.ozone,
         turbidity=settings.turbidity,
+        ground_albedo=settings.ground_albedo,
         angular_diameter=settings.sun_size,
         width=WIDTH,
         height=HEIGHT,

@@ -113,8 +113,7 @@ NODES: dict[str, Entry] = {
         "texture",
         "Sky Texture",
         t.sky,
-        "without the sun's disc where it is not the world's only colour; Hosek-Wilkie is taken as "
-        "Preetham",
+        "without the sun's disc where it is not the world's only colour",
     ),
     "TEX_IES": Entry("texture", "IES Texture", t.ies),
     "TEX_POINTDENSITY": Entry("texture", "Point Density", t.no_density, "taken as empty"),

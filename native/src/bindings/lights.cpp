@@ -89,19 +89,22 @@ void add_sun_disc(Renderer& r, Rgb3 direction, float half_angle, Rgb3 bottom, Rg
 }
 
 nb::tuple make_sky(const std::string& model, float sun_elevation, float altitude, float air,
-                   float aerosol, float ozone, float turbidity, float angular_diameter, int width,
-                   int height) {
+                   float aerosol, float ozone, float turbidity, float ground_albedo,
+                   float angular_diameter, int width, int height) {
   SkySettings s;
   s.model = named<SkyModel>(model,
                             {{"single_scattering", SkyModel::kSingleScattering},
                              {"preetham", SkyModel::kPreetham},
+                             {"hosek_wilkie", SkyModel::kHosekWilkie},
                              {"multiple_scattering", SkyModel::kMultipleScattering}},
                             "sky model");
   s.sun_elevation = sun_elevation;
   s.altitude = altitude;
   s.air = air, s.aerosol = aerosol, s.ozone = ozone;
   s.turbidity = turbidity;
-  for (float f : {sun_elevation, altitude, air, aerosol, ozone, turbidity, angular_diameter})
+  s.ground_albedo = ground_albedo;
+  for (float f :
+       {sun_elevation, altitude, air, aerosol, ozone, turbidity, ground_albedo, angular_diameter})
     if (!std::isfinite(f)) throw std::invalid_argument("the sky has a setting that is not finite");
   if (width < 2 || height < 2) throw std::invalid_argument("the sky's image has no pixels");
   Texture image;
@@ -166,8 +169,8 @@ void bind_lights(nb::module_& m, RendererClass& renderer) {
           "W/m^2/sr, and the elevation of the horizon, rad. After set_world().");
   m.def(
       "sky", &make_sky, "model"_a, "sun_elevation"_a, "altitude"_a, "air"_a, "aerosol"_a, "ozone"_a,
-      "turbidity"_a, "angular_diameter"_a, "width"_a, "height"_a,
-      "Blender's Sky Texture. model: 'single_scattering', 'multiple_scattering', 'preetham'; angles in rad, altitude in m.\n"
+      "turbidity"_a, "ground_albedo"_a, "angular_diameter"_a, "width"_a, "height"_a,
+      "Blender's Sky Texture. model: 'single_scattering', 'multiple_scattering', 'preetham', 'hosek_wilkie'; angles in rad, altitude in m.\n"
       "Returns (image (height, width, 4) float32, sun's lower edge rgb, upper edge rgb, elevation of the horizon).");
 }
 

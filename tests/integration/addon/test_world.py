@@ -192,18 +192,25 @@ def test_a_sky_and_its_sun(model: str) -> None:
 
 
 @in_blender
-def test_a_sky_model_that_is_not_there_is_named() -> None:
+def test_the_sky_of_hosek_and_wilkie_is_brighter_towards_the_sun_and_over_snow() -> None:
     tree, background = _tree()
     stage.camera()
     node = tree.nodes.new("ShaderNodeTexSky")
     node.sky_type = "HOSEK_WILKIE"
+    node.sun_direction = (0.6, 0.0, 0.8)
     tree.links.new(node.outputs["Color"], background.inputs["Color"])
-    what = stage.exported()
-    assert what.warnings == [
-        "World 'Sky', node 'Sky Texture': the sky model HOSEK_WILKIE is not supported; taken as "
-        "Preetham's"
-    ]
-    assert what.world_map is not None
+    means = []
+    for albedo in (0.0, 1.0):
+        node.ground_albedo = albedo
+        what = stage.exported()
+        assert what.warnings == []
+        assert what.sun_discs == []
+        pixels = what.textures[what.world_map.texture].pixels[..., :3].mean(axis=2)
+        height, width = pixels.shape
+        above = pixels[int(0.8 * height)]
+        assert above[width // 2] > 1.5 * above[0]
+        means.append(pixels.mean())
+    assert means[1] > 1.05 * means[0]
 
 
 @in_blender

@@ -430,6 +430,33 @@ CASES: tuple[Case, ...] = (
         turbidity=3.5,
         seen=1.6,
     ),
+    _world(
+        "sky_preetham_night",
+        "sky",
+        kind="PREETHAM",
+        sun_direction=(0.4, -0.6, -0.1),
+        turbidity=3.5,
+        seen=1.6,
+    ),
+    _world("sky_hosek", "sky", kind="HOSEK_WILKIE", sun_direction=(0.4, -0.6, 0.5), seen=1.6),
+    _world(
+        "sky_hosek_hazy",
+        "sky",
+        kind="HOSEK_WILKIE",
+        sun_direction=(-0.5, 0.8, 0.1),
+        turbidity=7.3,
+        ground_albedo=0.8,
+        seen=1.6,
+        splat=True,
+    ),
+    _world(
+        "sky_hosek_night",
+        "sky",
+        kind="HOSEK_WILKIE",
+        sun_direction=(-0.5, 0.8, -0.2),
+        turbidity=10.0,
+        seen=1.6,
+    ),
     # Cycles draws from a world as no ray sees it, and mixes that with what rays see: its rays alone
     # are compared.
     *(

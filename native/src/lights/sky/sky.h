@@ -11,7 +11,8 @@ enum class SkyModel {
                       // scattering"
   // Garcia Linan 2022, a fit of four wavelengths (fgarlin.com/posts/2024-12-06-spectral_sky)
   kMultipleScattering,
-  kPreetham  // Preetham et al. 1999, "A practical analytic model for daylight"
+  kPreetham,    // Preetham et al. 1999, "A practical analytic model for daylight"
+  kHosekWilkie  // Hosek and Wilkie 2012, "An Analytic Model for Full Spectral Sky-Dome Radiance"
 };
 
 struct SkySettings {
@@ -19,7 +20,8 @@ struct SkySettings {
   float sun_elevation = 0;                // radians
   float altitude = 0;                     // m
   float air = 1, aerosol = 1, ozone = 1;  // densities relative to those of the models
-  float turbidity = 2.2f;                 // Preetham
+  float turbidity = 2.2f;                 // Preetham, Hosek and Wilkie
+  float ground_albedo = 0.3f;             // Hosek and Wilkie
 };
 
 // Linear RGB, W/m^2/sr, equirectangular with the sun in the direction +X, without its disc. Width
