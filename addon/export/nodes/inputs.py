@@ -247,6 +247,53 @@ def wireframe(n: Node) -> Outputs:
     }
 
 
+def ambient_occlusion(n: Node) -> Outputs:
+    open_share = n.graph.one(
+        "AmbientOcclusion",
+        distance=n.number("Distance", 1.0),
+        normal=n.normal(),
+        samples=int(n.node.samples),
+        inside=bool(n.node.inside),
+        only_local=bool(n.node.only_local),
+    )
+    color = n.color("Color", (1.0, 1.0, 1.0))
+    return {"AO": open_share, "Color": n.graph.scale(color, open_share)}
+
+
+def bevel(n: Node) -> Outputs:
+    return {
+        "Normal": n.graph.one(
+            "Bevel",
+            radius=n.number("Radius", 0.05),
+            normal_in=n.normal(),
+            samples=int(n.node.samples),
+        )
+    }
+
+
+def raycast(n: Node) -> Outputs:
+    position = (
+        n.vector("Position") if n.linked("Position") else n.graph.one("Geometry", what="POSITION")
+    )
+    direction = n.vector("Direction") if n.linked("Direction") else n.shading_normal()
+    found = n.graph.add(
+        "Raycast",
+        position_in=position,
+        direction=direction,
+        length=n.number("Length", 1.0),
+        only_local=bool(n.node.only_local),
+    )
+    if len(n.node.sample_attribute_items):
+        n.unsupported("its attributes of what is hit are not supported; taken as 0")
+    return {
+        "Is Hit": found["is_hit"],
+        "Self Hit": found["self_hit"],
+        "Hit Distance": found["distance"],
+        "Hit Position": found["position"],
+        "Hit Normal": found["hit_normal"],
+    }
+
+
 def tangent(n: Node) -> Outputs:
     node = n.node
     if node.direction_type == "RADIAL":

@@ -15,8 +15,7 @@ from . import inputs as i
 from . import media as m
 from . import shaders as s
 from . import texturing as t
-from .node import Node
-from .values import ONE, ZERO, Value, vector
+from .values import Value
 
 Outputs = dict[str, Value]
 
@@ -37,29 +36,6 @@ class Entry:
     instead: str = ""
 
 
-def _passed(instead: str, **outputs: str | Value) -> Callable[[Node], Outputs]:
-    """A stand-in whose outputs are inputs of the same node, or fixed values; what it does is
-    reported.
-    """
-
-    def compile_stand_in(n: Node) -> Outputs:
-        n.unsupported(f"is not supported; {instead}")
-        found: Outputs = {}
-        for output, given in outputs.items():
-            if isinstance(given, str):
-                found[output] = (
-                    n.normal(given) if given == "Normal" else n.color(given, (1.0, 1.0, 1.0))
-                )
-            else:
-                found[output] = given
-        return found
-
-    return compile_stand_in
-
-
-NO_OCCLUSION = "taken as not occluded"
-NO_BEVEL = "the normal is left as it is"
-NO_RAYCAST = "taken as a ray that hits nothing"
 NO_SCRIPT = "links from it count as not there"
 
 NODES: dict[str, Entry] = {
@@ -142,24 +118,10 @@ NODES: dict[str, Entry] = {
     "HAIR_INFO": Entry("input", "Curves Info", i.nothing_of_hair),
     "POINT_INFO": Entry("input", "Point Info", i.nothing_of_hair),
     "VOLUME_INFO": Entry("input", "Volume Info", i.nothing_of_hair),
-    "AMBIENT_OCCLUSION": Entry(
-        "input", "Ambient Occlusion", _passed(NO_OCCLUSION, Color="Color", AO=ONE), NO_OCCLUSION
-    ),
-    "BEVEL": Entry("input", "Bevel", _passed(NO_BEVEL, Normal="Normal"), NO_BEVEL),
+    "AMBIENT_OCCLUSION": Entry("input", "Ambient Occlusion", i.ambient_occlusion),
+    "BEVEL": Entry("input", "Bevel", i.bevel),
     "MATERIAL_RAYCAST": Entry(
-        "input",
-        "Raycast",
-        _passed(
-            NO_RAYCAST,
-            **{
-                "Is Hit": ZERO,
-                "Self Hit": ZERO,
-                "Hit Distance": ZERO,
-                "Hit Position": vector((0, 0, 0)),
-                "Hit Normal": vector((0, 0, 0)),
-            },
-        ),
-        NO_RAYCAST,
+        "input", "Raycast", i.raycast, "attributes of what is hit are taken as 0"
     ),
     "UVALONGSTROKE": Entry("input", "UV Along Stroke", None, NO_SCRIPT),
     # --- vectors ---

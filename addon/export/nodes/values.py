@@ -42,6 +42,7 @@ OF_THE_HIT = MOVED_WITH_HIT | {
         "InstanceAttribute",
         "ObjectLocation",
     ),
+    *("AmbientOcclusion", "Bevel", "Raycast"),
     *("LightPath", "NormalMap", "Bump", "DisplacementBump", "ImageTexture", "EnvironmentTexture"),
 }
 

@@ -15,7 +15,7 @@ void Renderer::relight() {
   map();
   check_light_groups();
   scene.update_features();
-  scene.update_subsurface(cancel_);
+  scene.update_own_scenes(cancel_);
   scene.update_media(cancel_);
   current_ = nullptr;  // what they were made of goes
   maps_.clear();

@@ -253,12 +253,14 @@ void Scene::build(const CancelFlag& cancel) {
     }
   }
   throw_on_error(cancel);
-  update_subsurface(cancel);
+  is_built_ = true;
+  update_own_scenes(cancel);
   update_media(cancel);
 }
 
-void Scene::update_subsurface(const CancelFlag& cancel) {
-  if (!(features_ & kProgramSubsurface)) return;
+void Scene::update_own_scenes(const CancelFlag& cancel) {
+  constexpr uint32_t kAsking = kProgramSubsurface | kProgramMeetsItself;
+  if (!(features_ & kAsking)) return;
   own_scenes_.resize(instances.size(), nullptr);
   for (uint32_t i = 0; i < instances.size(); ++i) {
     const Instance& instance = instances[i];
@@ -266,7 +268,7 @@ void Scene::update_subsurface(const CancelFlag& cancel) {
     bool any = false;
     for (uint32_t slot = 0; slot < instance.slot_count; ++slot) {
       const int program = materials[slot_materials[instance.first_material + slot]].program;
-      any |= program >= 0 && programs[program].features & kProgramSubsurface;
+      any |= program >= 0 && programs[program].features & kAsking;
     }
     if (!any) continue;
     own_scenes_[i] = rtcNewScene(device_);

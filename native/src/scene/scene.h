@@ -204,8 +204,8 @@ class Scene {
   // `kinds` see.
   bool intersect(const Vec3& origin, const Vec3& direction, float near, float far, bool coherent,
                  Surface& surface, RayMask kinds = kAllRays, float time = kShutterCentre) const;
-  // Where a ray meets the surface of one instance, whose materials have subsurface closures: others
-  // are not there.
+  // Where a ray meets the surface of one instance, whose materials have subsurface closures or ask
+  // for such rays: others are not there.
   struct OwnHit {
     uint32_t triangle;
     float u, v, distance;
@@ -298,7 +298,7 @@ class Scene {
   bool first_kinds_differ() const { return first_kinds_differ_ && features_ & kProgramSharp; }
   // To be called when materials have changed after build(). Throw Cancelled.
   void update_features();
-  void update_subsurface(const CancelFlag& cancel);
+  void update_own_scenes(const CancelFlag& cancel);
   void update_media(const CancelFlag& cancel);
   Vec2 uv_at(uint32_t instance, uint32_t triangle, float u, float v) const;
   const Material& material_of(uint32_t instance, uint32_t triangle) const;
@@ -319,6 +319,7 @@ class Scene {
   float near_radius() const { return has_far_things() ? near : radius(); }
   ThreadPool& pool() { return pool_; }
   RTCScene embree() const { return top_; }
+  bool is_built() const { return is_built_; }
 
  private:
   Rgb textured(const Rgb& factor, int texture, const Surface& s) const;
@@ -371,11 +372,11 @@ class Scene {
   // Rays are of these kinds as well: all, where no instance's mask is set
   RayMask any_ray_ = kAllRays;
   bool kinds_differ_ = false, first_kinds_differ_ = false;
-  bool moves_ = false;
+  bool moves_ = false, is_built_ = false;
   std::unique_ptr<SweptBoxes> swept_;  // where that is so
   bool packets_ = false;               // this Embree has code for packets of eight
   std::vector<RTCScene> mesh_scenes_;
-  std::vector<RTCScene> own_scenes_;  // by instance: of those not shared that light goes into
+  std::vector<RTCScene> own_scenes_;  // by instance: of those not shared that ask for rays
   std::vector<Lookup> lookups_;       // by instance
   Bounds bounds_;
   std::unique_ptr<Media> media_;

@@ -140,6 +140,11 @@ void look_at_program(Program& program) {
       if (op == nodes::Op::BentNormal || op == nodes::Op::Principled || op == nodes::Op::Subsurface)
         program.bends_subsurface |= bends_subsurface(op, &program.code[at + 1]);
     }
+  for (size_t at = 0; at < program.code.size(); at += nodes::kWords[program.code[at]]) {
+    const auto op = static_cast<nodes::Op>(program.code[at]);
+    if (op == nodes::Op::AmbientOcclusion || op == nodes::Op::Bevel || op == nodes::Op::Raycast)
+      program.features |= kProgramMeetsItself;
+  }
   program.asks_shadow = program.asks_kind = program.asks_singular = program.asks_depth =
       program.asks_ray = false;
   for (size_t at = 0; at < program.code.size(); at += nodes::kWords[program.code[at]]) {

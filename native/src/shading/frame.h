@@ -111,6 +111,11 @@ void fresnel(Frame& f, const uint32_t* w);
 void layer_weight(Frame& f, const uint32_t* w);
 void vector_transform(Frame& f, const uint32_t* w);
 
+// traced.cpp
+void ambient_occlusion(Frame& f, const uint32_t* w);
+void bevel(Frame& f, const uint32_t* w);
+void raycast(Frame& f, const uint32_t* w);
+
 // normals.cpp
 void tangent_radial(Frame& f, const uint32_t* w);
 void tangent_uv(Frame& f, const uint32_t* w);

@@ -42,6 +42,7 @@ enum ProgramFeature : uint32_t {
   kProgramConstantEmission = 32,  // emission is the same everywhere and from every direction
   kProgramTransmits = 64,         // a lobe may send light to the other side
   kProgramSubsurface = 128,       // light may go below the surface
+  kProgramMeetsItself = 256,      // it traces rays against its own object: look_at_program()
 };
 
 // The ray that found the hit: the Light Path node's outputs.

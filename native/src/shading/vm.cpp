@@ -102,6 +102,9 @@ void execute(Frame& f) {
       case Op::CameraData: camera_data(f, w); break;
       case Op::LightPath: light_path(f, w); break;
       case Op::Wireframe: wireframe(f, w); break;
+      case Op::AmbientOcclusion: ambient_occlusion(f, w); break;
+      case Op::Bevel: bevel(f, w); break;
+      case Op::Raycast: raycast(f, w); break;
       case Op::TangentRadial: tangent_radial(f, w); break;
       case Op::TangentUv: tangent_uv(f, w); break;
       case Op::NormalMap: normal_map(f, w); break;

@@ -283,6 +283,52 @@ def _normals() -> dict[str, Spec]:
     }
 
 
+HALF = (0.5, 0.5, 0.5)
+
+
+def occlusion(output: str = "Color", **modes: Any) -> Spec:
+    return node("AmbientOcclusion", output, modes, Color=ORANGE, Distance=0.6)
+
+
+def bevel(radius: float, **inputs: Any) -> Spec:
+    return node("Bevel", "Normal", {"samples": 8}, Radius=radius, **inputs)
+
+
+def raycast(output: str, **modes: Any) -> Spec:
+    up = node("CombineXYZ", X=0.4, Z=0.7)
+    return node("Raycast", output, modes, Direction=up, Length=0.8)
+
+
+def shining(vector: Spec) -> Spec:
+    """A vector of components from -2.5 to 2.5, as a colour that shines."""
+    factor = (0.2, 0.2, 0.2)
+    moved = node("VectorMath", modes={"operation": "MULTIPLY_ADD"}, i0=vector, i1=factor, i2=HALF)
+    return node("Emission", Color=moved)
+
+
+def _traced() -> dict[str, Spec]:
+    """Nodes that trace rays of their own."""
+    squared = node("Math", modes={"operation": "POWER"}, i0=occlusion("AO", samples=4), i1=3.0)
+    return {
+        "occlusion": diffuse(occlusion()),
+        "occlusion_cubed": mix(squared, diffuse((0.1, 0.2, 0.8)), diffuse((0.8, 0.6, 0.3))),
+        "occlusion_inside": diffuse(occlusion(inside=True, samples=8)),
+        "occlusion_own": diffuse(occlusion(only_local=True)),
+        "occlusion_bent": diffuse(node("AmbientOcclusion", Distance=0.6, Normal=WAVES)),
+        "occlusion_shines": node("Emission", Color=occlusion(), Strength=0.4),
+        "bevel": diffuse(Normal=bevel(0.08)),
+        "bevel_wide": diffuse(Normal=bevel(0.3)),
+        "bevel_glossy": glossy("GGX", 0.3, Normal=bevel(0.08)),
+        "bevel_bumped": principled(Roughness=0.4, Normal=bevel(0.08, Normal=WAVES)),
+        "raycast_hit": diffuse(raycast("Is Hit")),
+        "raycast_self": diffuse(raycast("Self Hit")),
+        "raycast_own": diffuse(raycast("Is Hit", only_local=True)),
+        "raycast_distance": diffuse(raycast("Hit Distance")),
+        "raycast_position": shining(raycast("Hit Position")),
+        "raycast_normal": shining(raycast("Hit Normal")),
+    }
+
+
 WIDTH, HEIGHT = 40, 32
 ROUGH_GLASS = (
     *(f"glass_{name}_{r:g}" for name in DISTRIBUTIONS for r in (0.4, 1.0)),
@@ -324,7 +370,7 @@ def _case(
 def _cases() -> tuple[Case, ...]:
     cases = [
         _case(name, material)
-        for part in (_bsdfs(), _light_paths(), _principled(), _normals())
+        for part in (_bsdfs(), _light_paths(), _principled(), _normals(), _traced())
         for name, material in part.items()
     ]
     alpha_mix = mix(painted("Alpha"), transparent(), diffuse(painted()))
@@ -358,6 +404,7 @@ def _cases() -> tuple[Case, ...]:
         _case("nested_dielectrics", glass("GGX", 0.0, 1.33), second="glass_in_water"),
         _case("air_bubble", glass("GGX", 0.0, 1.5), second="bubble"),
         _case("dielectric_on_diffuse", glass("GGX", 0.0, 1.5), second="filled"),
+        _case("occlusion_of_floor", diffuse(occlusion()), second="floor"),
         _case("holdout", node("Holdout"), alpha=True),
         _case("holdout_mix", mix(0.5, node("Holdout"), diffuse()), alpha=True),
         _case("subsurface_thin", principled(Subsurface_Weight=1.0, Subsurface_Scale=0.01)),

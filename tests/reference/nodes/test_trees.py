@@ -108,18 +108,15 @@ def test_a_node_of_a_later_blender_version_is_named(tmp_path: str) -> None:
 @in_blender
 def test_nodes_that_are_not_supported_are_named() -> None:
     tree, shader = _emitting()
-    script, occlusion = (
-        tree.nodes.new("ShaderNodeScript"),
-        tree.nodes.new("ShaderNodeAmbientOcclusion"),
-    )
-    script.mode = "INTERNAL"
-    occlusion.label = "Dirt"
-    occlusion.inputs["Color"].default_value = (0.25, 0.5, 1.0, 1.0)
-    tree.links.new(occlusion.outputs["Color"], shader.inputs["Color"])
+    stroke = tree.nodes.new("ShaderNodeUVAlongStroke")
+    stroke.label = "Lines"
+    tree.links.new(stroke.outputs[0], shader.inputs["Color"])
+    shader.inputs["Color"].default_value = (0.25, 0.5, 1.0, 1.0)
     what = stage.exported()
     assert what.materials[0].front.emission == (0.25, 0.5, 1)
     assert what.warnings == [
-        "Material 'Made', node 'Dirt': Ambient Occlusion is not supported; taken as not occluded"
+        "Material 'Made', node 'Lines': UV Along Stroke is not supported; links from it count as "
+        "not there"
     ]
 
 
