@@ -155,9 +155,8 @@ def pilot_sentences(statistics: Statistics) -> list[str]:
             "been used again."
         )
     if discs["points"]:
-        cut, things = (
-            f"{100 * discs[name] / discs['points']:.2g} %" for name in ("cut", "obstructed")
-        )
+        cut = f"{100 * discs['cut'] / max(discs['measured'], 1):.2g} %"
+        things = f"{100 * discs['obstructed'] / discs['points']:.2g} %"
         sentences.append(
             f"Surface edges cut {cut} of the discs."
             if discs["cut"]

@@ -72,10 +72,12 @@ class Discs(TypedDict):
     """Kernels of gather points."""
 
     points: int
-    cut: int
-    """Those that a surface's edge cuts."""
     obstructed: int
     """Those that something stands in."""
+    measured: int
+    """Those whose kernel mass was found: photons have reached them, or it decides their size."""
+    cut: int
+    """Of these, those that a surface's edge cuts."""
 
 
 class Fallback(TypedDict):

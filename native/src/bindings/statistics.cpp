@@ -45,11 +45,13 @@ nb::dict discs_of(const RenderStatistics& s) {
   VisiblePoints::Counts sum;
   for (const PhotonMapStatistics& map : s.maps) {
     sum.points += map.discs.points;
+    sum.measured += map.discs.measured;
     sum.cut += map.discs.cut;
     sum.obstructed += map.discs.obstructed;
   }
   nb::dict out;
   out["points"] = sum.points;
+  out["measured"] = sum.measured;
   out["cut"] = sum.cut;
   out["obstructed"] = sum.obstructed;
   return out;

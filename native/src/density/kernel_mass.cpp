@@ -12,6 +12,10 @@ constexpr uint32_t kFewEdges = 48;
 constexpr float kGentle = 0.3f;
 constexpr float kRadiusOverCurvature = 0.7f;
 
+bool is_bent(const Instance& placed, const Topology& topology, uint32_t patch, float h) {
+  return !topology.planar[patch] && h * topology.patch_curvature[patch] > kGentle * placed.scale;
+}
+
 KernelMass positive(const Masses& mass, bool exact) {
   return {std::max(static_cast<float>(mass.wide), kSmallestMass), exact,
           std::max(static_cast<float>(mass.narrow), kSmallestMass)};
@@ -34,6 +38,13 @@ float patch_width(const Scene& scene, uint32_t instance, uint32_t triangle) {
              : INFINITY;
 }
 
+bool has_exact_mass(const Scene& scene, uint32_t instance, uint32_t triangle, float h) {
+  const Instance& placed = scene.instances[instance];
+  const Topology& topology = scene.meshes[placed.mesh].topology;
+  const uint32_t patch = topology.patch[triangle];
+  return topology.planar[patch] || is_bent(placed, topology, patch, h);
+}
+
 KernelMass kernel_mass(const Scene& scene, uint32_t instance, uint32_t triangle, const Vec3& x,
                        const Vec3& normal, float h) {
   const Instance& placed = scene.instances[instance];
@@ -42,9 +53,8 @@ KernelMass kernel_mass(const Scene& scene, uint32_t instance, uint32_t triangle,
   const uint32_t patch = topology.patch[triangle];
   const uint32_t first = topology.first_edge[patch], count = topology.first_edge[patch + 1] - first;
   const bool planar = topology.planar[patch] != 0;
-  if (!planar && h * topology.patch_curvature[patch] > kGentle * placed.scale) {
+  if (is_bent(placed, topology, patch, h))
     return positive(bent_mass(scene, instance, triangle, x, normal, h), true);
-  }
   if (!count) return {1, planar, 1};
 
   // The side about which edges run counter-clockwise in world space.

@@ -25,6 +25,9 @@ inline constexpr float kNarrow = 0.70710678f;
 KernelMass kernel_mass(const Scene& scene, uint32_t instance, uint32_t triangle, const Vec3& x,
                        const Vec3& normal, float h);
 
+// Whether that mass will be exact, told without finding it.
+bool has_exact_mass(const Scene& scene, uint32_t instance, uint32_t triangle, float h);
+
 inline constexpr float kSmallestMass = 1e-6f;
 
 // Largest kernel radius that the surface's curvature at a triangle allows, m; infinity on planar

@@ -39,6 +39,21 @@ uint32_t seed_of(const Vec3& x) {
                       hash_combine(std::bit_cast<uint32_t>(x.y), std::bit_cast<uint32_t>(x.z)));
 }
 
+// What of the kernel lies on the surface, less what is hidden there. Returns whether an edge cuts
+// the disc.
+bool divide_by_mass(PointBlock& block, uint32_t lane, KernelMass m, const DiscOcclusion& inside) {
+  const bool cut = m.mass < kWhole;
+  m.mass = std::max(m.mass - inside.hidden, kLeastUnhidden * m.mass);
+  m.narrow = std::max(m.narrow - inside.narrow_hidden, kLeastUnhidden * m.narrow);
+  if (!m.exact) {
+    m.mass = std::max(m.mass, kTrustedMass);
+    m.narrow = std::max(m.narrow, kTrustedMass);
+  }
+  block.scale[lane] /= m.mass;
+  block.narrow_scale[lane] /= m.narrow;
+  return cut;
+}
+
 }  // namespace
 
 void VisiblePoints::build(Scene& scene, const GatherPoints& gather_points, const RadiusMap& radii,
@@ -313,17 +328,24 @@ void VisiblePoints::fill_blocks(Scene& scene, const GatherPoints& gather_points,
 }
 
 void VisiblePoints::correct_boundaries(Scene& scene, const CancelFlag& cancel) {
-  std::atomic<uint64_t> cut{0}, obstructed{0};
+  std::atomic<uint64_t> obstructed{0}, cut{0}, measured{0};
+  waiting_.assign(places_.size(), 0);
   scene.pool().for_each(blocks_.size(), cancel, [&](size_t b, int) {
     PointBlock& block = blocks_[b];
-    for (uint32_t lane = 0; lane < kBlockSize && b * kBlockSize + lane < places_.size(); ++lane) {
-      const auto [instance, triangle] = places_[b * kBlockSize + lane];
+    const size_t first = b * kBlockSize, last = std::min(first + kBlockSize, places_.size());
+    for (size_t i = first; i < last; ++i) {
+      const uint32_t lane = static_cast<uint32_t>(i - first);
+      const auto [instance, triangle] = places_[i];
       Vec3 x{block.x[lane], block.y[lane], block.z[lane]};
       const Vec3 n{block.nx[lane], block.ny[lane], block.nz[lane]};
       float h = 1 / std::sqrt(block.inverse_h2[lane]);
       DiscOcclusion inside{0, 0, h};
-      if (!looks_.empty()) inside = looks_[b * kBlockSize + lane].found;
+      if (!looks_.empty()) inside = looks_[i].found;
       obstructed.fetch_add(inside.hidden > 0 || inside.clear < h, std::memory_order_relaxed);
+      if (inside.clear >= h && has_exact_mass(scene, instance, triangle, h)) {
+        waiting_[i] = 1;
+        continue;
+      }
       if (inside.clear < h) {
         const uint32_t seed = seed_of(x), key = block.key[lane];
         float least = kLeastOfWalledRadius * h;
@@ -348,21 +370,40 @@ void VisiblePoints::correct_boundaries(Scene& scene, const CancelFlag& cancel) {
         h *= 0.5f;
         m = kernel_mass(scene, instance, triangle, x, n, h);
       }
-      cut.fetch_add(m.mass < kWhole, std::memory_order_relaxed);
-      m.mass = std::max(m.mass - inside.hidden, kLeastUnhidden * m.mass);
-      m.narrow = std::max(m.narrow - inside.narrow_hidden, kLeastUnhidden * m.narrow);
-      if (!m.exact) {
-        m.mass = std::max(m.mass, kTrustedMass);
-        m.narrow = std::max(m.narrow, kTrustedMass);
-      }
       block.inverse_h2[lane] = 1 / (h * h);
-      block.scale[lane] = 2 / (kPi * h * h * m.mass);
-      block.narrow_scale[lane] = 4 / (kPi * h * h * m.narrow);
+      block.scale[lane] = 2 / (kPi * h * h);
+      block.narrow_scale[lane] = 2 * block.scale[lane];
+      cut.fetch_add(divide_by_mass(block, lane, m, inside), std::memory_order_relaxed);
+      measured.fetch_add(1, std::memory_order_relaxed);
     }
   });
   counts_.points += points_.size();
+  counts_.measured += measured;
   counts_.cut += cut;
   counts_.obstructed += obstructed;
+}
+
+void VisiblePoints::find_masses(Scene& scene, const CancelFlag& cancel) {
+  std::atomic<uint64_t> cut{0}, measured{0};
+  scene.pool().for_each(blocks_.size(), cancel, [&](size_t b, int) {
+    PointBlock& block = blocks_[b];
+    const size_t first = b * kBlockSize, last = std::min(first + kBlockSize, waiting_.size());
+    for (size_t i = first; i < last; ++i) {
+      const uint32_t lane = static_cast<uint32_t>(i - first);
+      if (!waiting_[i] || !(block.count[lane] > 0)) continue;
+      waiting_[i] = 0;
+      const auto [instance, triangle] = places_[i];
+      const Vec3 x{block.x[lane], block.y[lane], block.z[lane]},
+          n{block.nx[lane], block.ny[lane], block.nz[lane]};
+      const float h = 1 / std::sqrt(block.inverse_h2[lane]);
+      const KernelMass m = kernel_mass(scene, instance, triangle, x, n, h);
+      const DiscOcclusion inside = looks_.empty() ? DiscOcclusion{0, 0, h} : looks_[i].found;
+      cut.fetch_add(divide_by_mass(block, lane, m, inside), std::memory_order_relaxed);
+      measured.fetch_add(1, std::memory_order_relaxed);
+    }
+  });
+  counts_.measured += measured;
+  counts_.cut += cut;
 }
 
 }  // namespace photon_splat

@@ -35,18 +35,22 @@ class VisiblePoints {
   void build(Scene& scene, const GatherPoints& gather_points, const RadiusMap& radii,
              const PointSettings& settings, uint32_t pass, uint32_t seed, const CancelFlag& cancel);
 
-  // Kernel masses of all points (the seed's boundary term), kept apart so that it can be timed;
-  // with PointSettings::occlusion less what things that stand on the surface hide, and of discs
-  // that do not reach past walls.
+  // The seed's boundary term, kept apart so that it can be timed: kernel masses, with
+  // PointSettings::occlusion less what things that stand on the surface hide, and of discs that do
+  // not reach past walls. Before photons are splatted: places and radii of discs, and masses that
+  // have a say in those.
   void correct_boundaries(Scene& scene, const CancelFlag& cancel);
+  // After that: the other masses, of points that some photon has reached. May come again.
+  void find_masses(Scene& scene, const CancelFlag& cancel);
 
   // Another view learns anew, so that its picture does not depend on those before.
   void forget_clear_regions() { clear_regions_ = {}; }
 
-  // What correct_boundaries() has met, over all calls.
+  // What these two have met, over all calls.
   struct Counts {
-    // all; with an edge in the disc; with a thing or wall in it
-    uint64_t points = 0, cut = 0, obstructed = 0;
+    // all; with a thing or wall in the disc; whose mass was found; of these with an edge in the
+    // disc
+    uint64_t points = 0, obstructed = 0, measured = 0, cut = 0;
   };
   const Counts& counts() const { return counts_; }
 
@@ -90,6 +94,7 @@ class VisiblePoints {
   std::vector<Look> looks_;
   // Instance and triangle per point, in block order
   std::vector<std::pair<uint32_t, uint32_t>> places_;
+  std::vector<uint8_t> waiting_;  // by point, in block order: its mass is found once it has photons
   std::vector<uint32_t> point_of_;
   PointBlocks blocks_;
   std::vector<Bounds> bounds_;

@@ -179,12 +179,21 @@ void PhotonMap::set_photons(Photons photons) {
 }
 
 void PhotonMap::splat() {
-  Timer timer(context_.seconds.splat);
-  ThreadPool& pool = context_.scene.pool();
-  if (!batch_groups_->empty())
-    groups_.splat(*splatter_, *batch_, *batch_groups_, points_.blocks(), pool, context_.cancel);
-  else
-    splatter_->splat(*batch_, points_.blocks(), pool, context_.cancel);
+  {
+    Timer timer(context_.seconds.splat);
+    ThreadPool& pool = context_.scene.pool();
+    if (!batch_groups_->empty())
+      groups_.splat(*splatter_, *batch_, *batch_groups_, points_.blocks(), pool, context_.cancel);
+    else
+      splatter_->splat(*batch_, points_.blocks(), pool, context_.cancel);
+  }
+  find_masses();
+}
+
+void PhotonMap::find_masses() {
+  if (!context_.options.boundary_correction) return;
+  Timer timer(context_.seconds.boundary);
+  points_.find_masses(context_.scene, context_.cancel);
 }
 
 const Splatter& PhotonMap::find_pairs(size_t first, size_t count) {
@@ -310,6 +319,7 @@ void PhotonMap::place_viewport_points(const GatherPoints& gather_points) {
   if (options.boundary_correction) points_.correct_boundaries(context_.scene, context_.cancel);
   splatter_->set_blocks(points_.block_bounds());
   splatter_->splat(there.photons(), points_.blocks(), context_.scene.pool(), context_.cancel);
+  if (options.boundary_correction) points_.find_masses(context_.scene, context_.cancel);
   scale_sums(points_.blocks(), static_cast<float>(1.0 / paths));
 }
 

@@ -53,6 +53,8 @@ class PhotonMap {
   void set_photons(Photons photons);
   // Adds the batch to the points.
   void splat();
+  // After it, for the points that it has reached; splat() does so itself.
+  void find_masses();
   // Instead of splat(), for a splatter elsewhere: which of the photons [first, first + count) of
   // the batch each block may catch. That splatter writes its sums into points().blocks().
   const Splatter& find_pairs(size_t first, size_t count);

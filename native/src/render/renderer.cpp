@@ -63,6 +63,7 @@ bool Renderer::splat_photons(double seconds, uint64_t paths_per_batch_wanted,
     map.seconds_per_path = (PassClock::now() - began) / static_cast<double>(batch);
   }
   if (elsewhere && !elsewhere->finish_pass()) return false;
+  if (elsewhere) map.find_masses();
   if (traced < wanted) map.end_photons(traced);
   return true;
 }
