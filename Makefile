@@ -22,7 +22,7 @@ CXX_SOURCES = $(shell find native -path native/.cache -prune -o -type f \( -name
 # What is built in the virtual environment must find its tools there: cmake and ninja.
 IN_VENV = PATH="$(CURDIR)/$(@D)/bin:$$PATH"
 
-.PHONY: help setup setup-old setup-rivals render test lint format test-native test-python test-old extension extension-test viewport-test bench bench-viewport bench-persistent bench-gpu bench-nodes chart stability convergence calibration references scenes reference oracle agreement wild nodes node-list sanitize wheel clean
+.PHONY: help setup setup-old setup-rivals render test lint format test-native test-python test-old extension extension-test viewport-test bench bench-viewport bench-persistent bench-gpu bench-nodes chart defaults stability convergence calibration references scenes reference oracle agreement wild nodes node-list sanitize wheel clean
 
 help:
 	@sed -n 's/^\([a-z-]*\):.*## /  make \1\t/p' $(MAKEFILE_LIST) | expand -t 20
@@ -191,6 +191,9 @@ bench-gpu: setup ## the GPU splatter on a graphics card (GPU_OPTIONS: see python
 chart: setup ## error against time, ours, Cycles' and rivals': tests/benchmarks/chart (CHART_OPTIONS: see python -m tests.benchmarks.chart --help)
 	$(PY) -m tests.benchmarks.chart $(CHART_OPTIONS)
 	$(PY) -m tests.benchmarks.chart.seed_comparison
+
+defaults: setup ## what a click on Render gives, beside Cycles with its defaults: tests/benchmarks/chart/defaults.csv
+	$(PY) -m tests.benchmarks.chart.defaults
 
 stability: setup ## the product and plain photon maps on the known failures: tests/benchmarks/stability/methods.md and .png
 	$(PY) -m tests.benchmarks.stability.run

@@ -14,6 +14,8 @@ from ..core.render.settings import Backend, FinalGather, RenderSettings
 from .registration import register_classes, unregister_classes
 
 DEFAULTS = RenderSettings()
+CLICK = RenderSettings(passes=4096, error_threshold=0.05, denoise=True)
+"""What a click on Render gives, where nothing has been set."""
 
 
 def _tell(settings: Any, _: Any) -> None:
@@ -39,9 +41,10 @@ class PhotonSplatSettings(bpy.types.PropertyGroup):
     )
     error_threshold: FloatProperty(  # type: ignore[valid-type]
         name="Error Threshold",
-        description="Stop when the picture's estimated relative error (RMS error over mean "
-        "brightness) is this small; 0 = off",
-        default=DEFAULTS.error_threshold,
+        description="Stop when the estimated relative error (RMS error over mean brightness) of "
+        "the picture before denoising is this small; 0 = off. Left at its default it does not end "
+        "a render that has a time limit",
+        default=CLICK.error_threshold,
         min=0.0,
         soft_max=0.2,
         precision=4,
@@ -51,7 +54,7 @@ class PhotonSplatSettings(bpy.types.PropertyGroup):
         name="Passes",
         description="Number of passes: each takes one camera sample per pixel and traces a new "
         "set of photons",
-        default=DEFAULTS.passes,
+        default=CLICK.passes,
         min=1,
         soft_max=4096,
         update=_tell,
@@ -108,8 +111,7 @@ class PhotonSplatSettings(bpy.types.PropertyGroup):
             (
                 FinalGather.AUTO.value,
                 "Automatic",
-                "Where the picture is denoised and no error threshold ends the render; without "
-                "photons where that is less work",
+                "Where the picture is denoised; without photons where that is less work",
             ),
             (FinalGather.ON.value, "On", "Always"),
             (FinalGather.OFF.value, "Off", "Photons light what the camera sees"),
@@ -120,7 +122,7 @@ class PhotonSplatSettings(bpy.types.PropertyGroup):
     denoise: BoolProperty(  # type: ignore[valid-type]
         name="Denoise",
         description="Run Open Image Denoise on the finished picture",
-        default=DEFAULTS.denoise,
+        default=CLICK.denoise,
         update=_tell,
     )
     backend: EnumProperty(  # type: ignore[valid-type]
@@ -212,7 +214,7 @@ def render_settings(scene: Any) -> RenderSettings:
     return RenderSettings(
         passes=group.passes,
         time_limit=group.time_limit,
-        error_threshold=group.error_threshold,
+        error_threshold=_threshold(group),
         photons_per_pass=group.photons_per_pass,
         max_bounces=group.max_bounces,
         radius_scale=group.radius_scale,
@@ -227,6 +229,12 @@ def render_settings(scene: Any) -> RenderSettings:
         if abs(spacing - DEFAULTS.point_spacing) < 1e-6
         else spacing,
     )
+
+
+def _threshold(group: PhotonSplatSettings) -> float:
+    """Who sets a time limit wants the best picture in that time."""
+    given = group.is_property_set("error_threshold")
+    return round(float(group.error_threshold), 7) if given or not group.time_limit else 0.0
 
 
 def viewport_settings(scene: Any) -> RenderSettings:

@@ -147,9 +147,8 @@ def parser() -> argparse.ArgumentParser:
     )
     r.add_argument(
         "--denoise",
-        action="store_const",
-        const=True,
-        help="run Open Image Denoise on the finished picture",
+        action=argparse.BooleanOptionalAction,
+        help="run Open Image Denoise on the finished picture (default: if the file says so)",
     )
     r.add_argument(
         "--no-adaptive-radius",

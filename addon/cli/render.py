@@ -33,6 +33,9 @@ def open_scene(options: argparse.Namespace) -> Any:
     render = scene.render
     render.engine = "PHOTON_SPLAT"
     render.use_compositing = render.use_sequencer = False
+    # what is written is raw unless somebody has asked for something else
+    if options.denoise is None and not scene.photon_splat.is_property_set("denoise"):
+        options.denoise = False
     if options.resolution is not None:
         render.resolution_x, render.resolution_y = options.resolution
         render.resolution_percentage = 100

@@ -9,7 +9,7 @@ import time
 import numpy as np
 import pytest
 from photon_splat.core.render.result import RenderResult
-from photon_splat.core.render.session import PassSize, pass_that_fits, render
+from photon_splat.core.render.session import PassSize, pass_that_fits, render, share_of_most
 from photon_splat.core.render.settings import Integrator, RenderSettings
 from photon_splat.core.scene import Mesh, Scene
 
@@ -106,6 +106,16 @@ def test_the_last_pass_gets_what_fits() -> None:
     assert fits(2.0, 3.0, PassSize(2.5, 0.0), last, last) == PassSize(
         pytest.approx(2.4), pytest.approx(7 / 15)
     )
+
+
+def test_few_outliers_do_not_count() -> None:
+    even = np.full((20, 50, 1), 0.1, np.float32)
+    assert share_of_most(even) == pytest.approx(1.0)
+    even[3, 7] = 50.0
+    assert share_of_most(even) == pytest.approx(0.1 / np.sqrt(0.01 * 0.999 + 2.5), rel=1e-3)
+    even[:, :10] = 50.0  # a fifth of the picture is no outlier
+    assert share_of_most(even) > 0.97
+    assert share_of_most(np.zeros((4, 4, 1), np.float32)) == 1.0
 
 
 def test_time_limit_is_kept() -> None:

@@ -120,6 +120,7 @@ def room(pixels: int = 16, passes: int = 2, photons: int = 2000) -> Any:
     plane(half=2.0)
     resize(pixels)
     made.photon_splat.passes, made.photon_splat.photons_per_pass = passes, photons
+    made.photon_splat.error_threshold, made.photon_splat.denoise = 0.0, False
     return made
 
 

@@ -135,7 +135,7 @@ def _gathers(settings: RenderSettings) -> bool:
     caustics to have photons of their own.
     """
     if settings.final_gather == FinalGather.AUTO:
-        return settings.denoise and not settings.error_threshold and settings.caustics
+        return settings.denoise and settings.caustics
     return settings.final_gather == FinalGather.ON
 
 

@@ -53,7 +53,8 @@ class RenderSettings:
 
     time_limit           seconds from `started` (0 = none)
     error_threshold      relative RMS error of the picture, as statistics["error"] estimates it (0 =
-                         none)
+                         none); with denoise that before denoising, and a hundredth of the pixels
+                         does not count
     passes               passes; in each one camera sample per pixel, more where noise is
                          (adaptive_samples)
     photons_per_pass     photon paths that start in the first pass, and with adaptive_samples off in
@@ -69,10 +70,9 @@ class RenderSettings:
     fallback             camera paths go on for indirect light where surfaces are too small, too
                          bent or too dark for photons
     final_gather         photons light what camera paths meet after one more bounce, instead of what
-                         they see first: noisier, and sharp. AUTO: where the picture is denoised and
-                         no error_threshold ends the render, else the plan makes OFF of it; and
-                         where it is less work by a trial, camera paths bring all of the indirect
-                         light, caustics excepted
+                         they see first: noisier, and sharp. AUTO: where the picture is denoised,
+                         else the plan makes OFF of it; and where it is less work by a trial, camera
+                         paths bring all of the indirect light, caustics excepted
     adaptive_radius      radii per pixel, from how discs of two sizes have differed in earlier
                          passes
     adaptive_samples     more camera samples where lamps, edges and direct light are noisier than

@@ -22,12 +22,13 @@ seconds are processor time over threads: a quarter of an hour need not be quiet.
 
 
 class Method(StrEnum):
-    """Cycles solves the same problem (no clamp, no end of paths before 64 bounces); DEFAULT is as
-    Blender sets it up.
+    """Cycles solves the same problem (no clamp, no end of paths before 64 bounces); DEFAULT is what
+    a click gives, of either engine (defaults.py).
     """
 
     SPLAT = "Photon Splat"
     SPLAT_DENOISED = "Photon Splat, denoised"
+    SPLAT_DEFAULT = "Photon Splat, defaults"
     CYCLES = "Cycles"
     CYCLES_DENOISED = "Cycles, denoised"
     CYCLES_DEFAULT = "Cycles, defaults"

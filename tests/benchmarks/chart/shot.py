@@ -39,7 +39,7 @@ def main(arguments: list[str]) -> None:
         100,
     )
     scene.render.use_border = False
-    if method in (Method.SPLAT, Method.SPLAT_DENOISED, "reference-paths", "reference-photons"):
+    if method.startswith(("Photon Splat", "reference")):
         found = _photon_splat(method, float(seconds), int(seed))
     else:
         found = _cycles(Method(method), float(seconds), int(seed), Path(*arguments[7:]))
@@ -57,6 +57,8 @@ def _photon_splat(method: str, seconds: float, seed: int) -> dict[str, object]:
     scene.render.engine = "PHOTON_SPLAT"
 
     def settings(own: RenderSettings) -> RenderSettings:
+        if method == Method.SPLAT_DEFAULT:
+            return replace(own, seed=seed)
         given = replace(
             own,
             passes=ENDLESS,
@@ -98,7 +100,7 @@ def _cycles(method: Method, seconds: float, seed: int, parts: Path) -> dict[str,
     image.file_format, image.color_depth, image.color_mode = "OPEN_EXR", "32", "RGBA"
     if seconds >= LONG:
         return _long(seconds, parts)
-    cycles.time_limit = seconds
+    cycles.time_limit = 0.0 if method == Method.CYCLES_DEFAULT else seconds
     started = time.monotonic()
     bpy.ops.render.render()
     took = time.monotonic() - started

@@ -486,6 +486,7 @@ def _signs() -> None:
         )
     stage.resize(16)
     stage.scene().photon_splat.passes = 2
+    stage.scene().photon_splat.denoise = False
 
 
 @pytest.mark.smoke
@@ -586,7 +587,8 @@ def test_settings_of_the_scene_reach_the_session() -> None:
     from photon_splat.core.render.settings import Backend, RenderSettings
 
     scene = stage.scene()
-    assert render_settings(scene) == RenderSettings()
+    click = RenderSettings(passes=4096, error_threshold=0.05, denoise=True)
+    assert render_settings(scene) == click
     values = {
         "time_limit": 2.5,
         "passes": 7,
@@ -602,8 +604,20 @@ def test_settings_of_the_scene_reach_the_session() -> None:
     scene.photon_splat.backend = "CPU"
     scene.render.threads_mode, scene.render.threads = "FIXED", 3
     assert render_settings(scene) == RenderSettings(
-        **values, boundary_correction=False, backend=Backend.CPU, threads=3
+        **values, denoise=True, boundary_correction=False, backend=Backend.CPU, threads=3
     )
+
+
+@in_blender
+def test_an_error_threshold_ends_a_render_with_a_time_limit_only_where_somebody_set_it() -> None:
+    from photon_splat.blender.properties import render_settings
+
+    group = stage.scene().photon_splat
+    assert render_settings(stage.scene()).error_threshold == pytest.approx(0.05)
+    group.time_limit = 3.0
+    assert render_settings(stage.scene()).error_threshold == 0.0
+    group.error_threshold = 0.05
+    assert render_settings(stage.scene()).error_threshold == pytest.approx(0.05)
 
 
 @in_blender
