@@ -13,6 +13,7 @@ from typing import Any
 import bpy
 import numpy as np
 
+from ..core.render.data_passes import manifests
 from ..core.render.memory import current_memory_bytes, peak_memory_bytes
 from ..core.render.result import Progress, RenderResult
 from ..core.render.session import render
@@ -66,7 +67,7 @@ def render_view_layer(engine: Any, depsgraph: Any) -> None:
     frame or crashes.
     """
     started = observer.started or time.monotonic()
-    blender_result = None
+    blender_result = result = None
     failed = True
     try:
         held = held_for(engine, depsgraph)
@@ -88,6 +89,10 @@ def render_view_layer(engine: Any, depsgraph: Any) -> None:
         _fail(engine, depsgraph, error)
     finally:
         engine.end_result(blender_result or engine.begin_result(0, 0, 1, 1), cancel=failed)
+    if result is not None and result.labels is not None:
+        layer = f"{depsgraph.view_layer_eval.name}."
+        for key, value in manifests(result.labels, layer).items():
+            engine.get_result().stamp_data_add_field(key, value)
 
 
 def _render(

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from ..core.render.result import PASSES, PassInfo, light_group_pass
+from ..export.labels import wanted as data_passes
 
 SWITCHES = {
     "Depth": "use_pass_z",
@@ -41,6 +42,7 @@ def wanted_passes(view_layer: Any) -> Iterator[PassInfo]:
                 yield info
         elif info.name not in SWITCHES or getattr(view_layer, SWITCHES[info.name]):
             yield info
+    yield from data_passes(view_layer)
     for group in getattr(view_layer, "lightgroups", ()):
         yield light_group_pass(group.name)
 
@@ -48,5 +50,5 @@ def wanted_passes(view_layer: Any) -> Iterator[PassInfo]:
 def kind(info: PassInfo) -> str:
     """Blender's type of a pass."""
     return {1: "VALUE", 4: "COLOR"}.get(
-        len(info.channels), "VECTOR" if info.channels == "XYZ" else "COLOR"
+        len(info.channels), "VECTOR" if info.channels in {"XYZ", "UVA"} else "COLOR"
     )

@@ -7,6 +7,7 @@ import json
 from collections.abc import Callable
 from typing import Any
 
+from ..core.render.data_passes import manifests
 from ..core.render.result import RenderResult
 from ..core.scene import Frame
 from .arguments import CommandError, settings_of
@@ -110,6 +111,9 @@ def write_files(
             for name in ("relative_rmse", "standard_error", "bias")
         },
     }
+    for i, (name, result, _) in enumerate(results):
+        if result.labels is not None:
+            metadata |= manifests(result.labels, f"{name}." if i else "")
     write_exr(
         options.output,
         names,

@@ -125,6 +125,7 @@ def export_contents(
     from .cancelled import Watch
     from .images import Textures
     from .kept import Kept
+    from .labels import Labelled, wanted
     from .materials import Materials, Shading
     from .objects import Objects
     from .world import export_world
@@ -136,7 +137,8 @@ def export_contents(
     textures = Textures(report, kept, watch)
     shading = Shading(textures, report, depsgraph, watch)
     materials = Materials(shading)
-    objects = Objects(materials, shading, kept, exported.light_groups, moving)
+    labelled = Labelled() if wanted(view_layer) else None
+    objects = Objects(materials, shading, kept, exported.light_groups, moving, labelled)
     objects.collect(depsgraph, visible)
     objects.collect_shading(depsgraph, shading.around.wants, *shading.wanted)
     objects.displace(camera)
@@ -153,5 +155,7 @@ def export_contents(
         textures.list,
         shading.programs,
     )
+    if labelled is not None:
+        exported.labels = labelled.labels(view_layer, scene.world, materials.list)
     exported.warnings = report.messages()
     return exported

@@ -96,6 +96,7 @@ class Materials:
         index = self._remember(
             (pointer, uv_map), lambda: export_material(material, owner, self._shading)
         )
+        self.list[index].pass_index = int(material.pass_index)
         if not owner.asked_uv_map:
             self._any_uv_map[pointer] = index
         return index

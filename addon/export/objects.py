@@ -26,6 +26,7 @@ from .displacement import Displaced, slots_of, smooth_normals
 from .flat_uv_maps import report_flat_uv_maps
 from .instance_attributes import InstanceAttributes
 from .kept import Kept, identity
+from .labels import Labelled
 from .lights import export_light
 from .linking import Linking
 from .materials import Materials, Shading
@@ -57,6 +58,7 @@ class Objects:
         kept: Kept,
         light_groups: list[str],
         moving: Moving | None = None,
+        labelled: Labelled | None = None,
     ) -> None:
         self.meshes: list[Mesh] = []
         self.material_sets: list[NDArray[np.int32]] = []
@@ -68,6 +70,7 @@ class Objects:
             kept,
         )
         self._moving = moving
+        self._labelled = labelled
         self._mesh_of: dict[int, int | None] = {}
         self._set_of: dict[tuple[int, int], int] = {}
         self._sets: dict[tuple[int, ...], int] = {}
@@ -111,6 +114,8 @@ class Objects:
                     if len(self._rows) > before:
                         self._row_of[place] = before
                         self._add_moving(instance, before)
+                        if self._labelled is not None:
+                            self._labelled.add(ob)
                         self._groups.append(linking.group(instance))
                         self._lit_groups.append(linking.lit_groups(ob))
                         self._blockers.append(linking.blockers(ob))

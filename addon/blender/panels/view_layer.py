@@ -7,6 +7,8 @@ from typing import Any
 import bpy
 
 from ...core.render.result import PASSES
+from ...export.labels import MATTES
+from ...export.labels import SWITCHES as DATA_SWITCHES
 from ..passes import OWN_SWITCHES, SWITCHES
 from ..registration import register_classes, unregister_classes
 from .base import RenderPanel, split_layout
@@ -28,6 +30,14 @@ class PHOTON_SPLAT_PT_passes(RenderPanel, bpy.types.Panel):
                 column.prop(view_layer.photon_splat, OWN_SWITCHES[info.name])
             elif info.name in SWITCHES:
                 column.prop(view_layer, SWITCHES[info.name], text=info.name)
+        for name, switch in DATA_SWITCHES.items():
+            data.prop(view_layer, switch, text=name)
+        mattes = layout.column(heading="Cryptomatte")
+        for name, switch in MATTES.items():
+            mattes.prop(view_layer, switch, text=name.removeprefix("Crypto"))
+        levels = mattes.column()
+        levels.active = any(getattr(view_layer, switch) for switch in MATTES.values())
+        levels.prop(view_layer, "pass_cryptomatte_depth", text="Levels")
 
 
 class PHOTON_SPLAT_PT_light_groups(RenderPanel, bpy.types.Panel):

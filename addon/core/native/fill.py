@@ -326,7 +326,7 @@ def _add_instances(renderer: Renderer, scene: Scene) -> None:
     )
     # Of surfaces that coincide rays meet the one that was added first; Cycles shows the object that
     # comes last.
-    for i in np.flatnonzero(~flat)[::-1]:
+    for i in _order(flat):
         materials = material_sets[int(instances.material_set[i])]
         linking = (int(groups[i]), lit[i], blockers[i], light_groups[i])
         renderer.add_instance(
@@ -342,8 +342,17 @@ def _add_instances(renderer: Renderer, scene: Scene) -> None:
             renderer.set_motion(np.ascontiguousarray(instances.motion[int(i)], np.float64))
     for attribute in instances.attributes:
         renderer.add_instance_attribute(
-            attribute.id, np.ascontiguousarray(attribute.values[~flat][::-1], np.float32)
+            attribute.id, np.ascontiguousarray(attribute.values[_order(flat)], np.float32)
         )
+
+
+def _order(flat: NDArray[np.bool_]) -> NDArray[np.int64]:
+    return np.flatnonzero(~flat)[::-1]
+
+
+def instance_order(scene: Scene) -> NDArray[np.int64]:
+    """The instances that the renderer has, in its order, as indices of the scene's."""
+    return _order(_is_flat(scene))
 
 
 def find_flat(scene: Scene) -> NDArray[np.bool_]:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..scene.labels import Labels
 from .statistics import Statistics
 
 Passes = dict[str, NDArray[np.float32]]
@@ -38,6 +39,28 @@ PASSES = (
     PassInfo("Error", "X"),
 )
 
+DATA_PASSES = (
+    PassInfo("Position", "XYZ"),
+    PassInfo("UV", "UVA"),
+    PassInfo("Mist", "Z"),
+    PassInfo("Object Index", "X"),
+    PassInfo("Material Index", "X"),
+)
+"""What is seen, instead of its light (data_passes.py). They are there where they are wanted."""
+DATA_ARRAYS = {
+    "Position": "position",
+    "UV": "uv",
+    "Mist": "mist",
+    "Object Index": "object_index",
+    "Material Index": "material_index",
+}
+CRYPTOMATTES = {
+    "CryptoObject": "object_matte",
+    "CryptoAsset": "asset_matte",
+    "CryptoMaterial": "material_matte",
+}
+
+MATTE_CHANNELS = "rgba"
 LIGHT_GROUP_CHANNELS = "RGB"
 
 FILM_ARRAYS = {
@@ -76,13 +99,15 @@ class Progress:
 @dataclass(slots=True)
 class RenderResult:
     """passes: name → (height, width, channels) float32, row 0 at the bottom, of those that were
-    wanted. noisy: the RGB of Combined before it was denoised, if it was.
+    wanted. noisy: the RGB of Combined before it was denoised, if it was. labels: of the scene,
+    where passes ask for them.
     """
 
     passes: Passes
     cancelled: bool
     statistics: Statistics
     noisy: NDArray[np.float32] | None = None
+    labels: Labels | None = None
 
 
 def light_group_pass(name: str) -> PassInfo:
@@ -90,12 +115,23 @@ def light_group_pass(name: str) -> PassInfo:
     return PassInfo(f"Combined_{name}", LIGHT_GROUP_CHANNELS)
 
 
+def matte_pass(name: str, number: int) -> PassInfo:
+    """The pass that holds the ranks 2 * number and 2 * number + 1 of a Cryptomatte."""
+    return PassInfo(f"{name}{number:02}", MATTE_CHANNELS)
+
+
 def infos_of(passes: Passes) -> list[PassInfo]:
-    """All passes; those of light groups come last."""
-    known = {info.name for info in PASSES}
+    """All passes; those of light groups and of data come last."""
+    known = {info.name: info for info in DATA_PASSES}
+    known |= {name: PassInfo(name, MATTE_CHANNELS) for name in passes if name.startswith("Crypto")}
+    film = {info.name for info in PASSES}
     return [
         *PASSES,
-        *(PassInfo(name, LIGHT_GROUP_CHANNELS) for name in passes if name not in known),
+        *(
+            known.get(name, PassInfo(name, LIGHT_GROUP_CHANNELS))
+            for name in passes
+            if name not in film
+        ),
     ]
 
 

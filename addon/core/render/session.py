@@ -16,6 +16,7 @@ from ..gpu.choice import choose_splatter
 from ..native.fill import lights_in_surfaces
 from ..native.library import load
 from ..scene import Scene
+from .data_passes import data_passes
 from .denoise import DenoiserMissing, blend, denoise
 from .ending import Ending, denoising_runs
 from .memory import check_picture_fits, peak_memory_bytes
@@ -147,18 +148,18 @@ class _Worker(threading.Thread):
         self,
         start: Start,
         settings: RenderSettings,
-        light_groups: list[str],
         started: float,
         want_interim: bool,
         wanted: Collection[str] | None,
         frame_size: tuple[int, int],
+        scene: Scene,
     ) -> None:
         super().__init__(name="Photon Splat", daemon=True)
         self.renderer = start.renderer
         self.prepare = start.prepare
         self.prepared = False
         self.settings = settings
-        self.light_groups = light_groups
+        self.light_groups = scene.light_groups
         self.started = started
         self.want_interim = want_interim
         self.wanted = wanted
@@ -177,6 +178,9 @@ class _Worker(threading.Thread):
         self.warnings: list[str] = []
         self.splatter: Splatter = CpuSplatter(self.renderer)
         self.ending = Ending(*frame_size)
+        self.scene = scene
+        self.labels = scene.labels
+        self.data: Passes = {}
         self.film_bytes = 0
 
     def cancel(self) -> None:
@@ -207,6 +211,9 @@ class _Worker(threading.Thread):
         self.renderer.keep_film(arrays)
         self.prepare()
         self.prepared = True
+        if self.labels is not None:
+            self.stage = "Passes of data"
+            self.data = data_passes(self.renderer, self.scene, self.labels)
         if settings.time_limit and settings.denoise:
             self.stage = "Trying the denoiser"
             self.ending.try_denoiser(settings.threads)
@@ -392,7 +399,13 @@ def render(
         for texture in scene.textures:
             texture.pixels = np.empty((0, 0, 4), texture.pixels.dtype)
     worker = _Worker(
-        start, settings, scene.light_groups, started, want_interim, wanted, (width, height)
+        start,
+        settings,
+        started,
+        want_interim,
+        wanted,
+        (width, height),
+        scene,
     )
     if should_cancel is not None and should_cancel():  # a small scene is done before it is asked
         worker.cancel()
@@ -424,6 +437,7 @@ def render(
         if film
         else black_passes(width, height, scene.light_groups)
     )
+    passes |= worker.data
     denoising, noisy = 0.0, None
     if settings.denoise and film and not worker.cancelled:
         noisy = passes["Combined"][..., :3].copy()
@@ -438,7 +452,7 @@ def render(
         statistics["seconds"]["denoise"] = denoising
     if persistent is not None and worker.prepared:
         persistent.keep(scene, settings, renderer)
-    return RenderResult(passes, worker.cancelled, statistics, noisy)
+    return RenderResult(passes, worker.cancelled, statistics, noisy, scene.labels)
 
 
 def _denoise(

@@ -8,6 +8,7 @@ Blender.
 from __future__ import annotations
 
 from .camera import Aperture, Camera, Frame, Panorama, PanoramaKind, PixelFilter
+from .labels import Labels
 from .lights import Light, LightKind, SunDisc, WorldMap
 from .material import NO_PROGRAM, NO_TEXTURE, Extension, Interpolation, Material, Rgb, Side, Texture
 from .mesh import Instances, Mesh
@@ -33,6 +34,7 @@ __all__ = [
     "Frame",
     "Instances",
     "Interpolation",
+    "Labels",
     "Light",
     "LightKind",
     "Material",

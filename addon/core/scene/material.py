@@ -72,3 +72,4 @@ class Material:
     back: Side = field(default_factory=Side)
     program: int = NO_PROGRAM
     volume: int = NO_PROGRAM
+    pass_index: int = 0

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .camera import Camera, Frame
+from .labels import Labels
 from .lights import Light, SunDisc, WorldMap
 from .material import NO_PROGRAM, Material, Rgb, Texture
 from .mesh import Instances, Mesh
@@ -26,7 +27,7 @@ class Scene:
     place of both where it is given. `world_volume` is the program of a medium
     that is everywhere. `light_groups` are the names of those whose light gets passes
     of their own. `world_seen_by`: the rays that bring the world's light, as of a lamp. `shutter`:
-    None where nothing moves.
+    None where nothing moves. `labels`: None where no pass asks for them.
     """
 
     camera: Camera
@@ -47,11 +48,12 @@ class Scene:
     world_light_group: int = NO_LIGHT_GROUP
     world_seen_by: int = ALL_RAYS
     shutter: Shutter | None = None
+    labels: Labels | None = None
     warnings: list[str] = field(default_factory=list)
 
 
 GEOMETRY = ("meshes", "instances", "material_sets", "shutter")
-VIEW = ("camera", "frame", "warnings")
+VIEW = ("camera", "frame", "labels", "warnings")
 SHADING = tuple(entry.name for entry in fields(Scene) if entry.name not in GEOMETRY + VIEW)
 
 

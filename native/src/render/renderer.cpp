@@ -68,6 +68,11 @@ bool Renderer::splat_photons(double seconds, uint64_t paths_per_batch_wanted,
   return true;
 }
 
+DataPasses Renderer::data_passes(const DataLabels& labels, DataSettings settings) {
+  settings.seed = stream_seed(options.seed, RandomStream::kCamera);
+  return trace_data_passes(scene, *camera_, labels, settings, cancel_);
+}
+
 RenderContext Renderer::context() {
   return {scene, options, cancel_, sampler_, seconds_, kept_bytes_};
 }

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "film/render_film.h"
+#include "integrators/data_passes.h"
 #include "render/camera_pass.h"
 #include "render/external_splatter.h"
 #include "render/photon_budget.h"
@@ -76,6 +77,9 @@ class Renderer {
   // Takes cancel() back, when no stage runs.
   void resume() { cancel_.clear(); }
   const CancelFlag& cancel_flag() const { return cancel_; }
+
+  // After build(); options.seed decides the samples.
+  DataPasses data_passes(const DataLabels& labels, DataSettings settings);
 
   RenderFilm& film() { return film_; }
   const RenderFilm& film() const { return film_; }

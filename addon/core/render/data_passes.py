@@ -1,0 +1,56 @@
+"""Passes that tell what is seen: from camera rays of their own, beside the film."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ..native.fill import instance_order
+from ..scene import Labels, Scene
+from .cryptomatte import id_of, metadata
+from .result import CRYPTOMATTES, DATA_ARRAYS, Passes, matte_pass
+
+SAMPLES = 64
+"""Of each pixel: coverage is known to 1/64, Cycles' of a render of that many samples."""
+
+
+def data_passes(renderer: Any, scene: Scene, labels: Labels) -> Passes:
+    """The wanted passes of `scene`, from its renderer, which has been built."""
+    order = instance_order(scene)
+
+    def ids(names: list[str]) -> np.ndarray:
+        known = {name: id_of(name) for name in dict.fromkeys(names)}
+        return np.array([known[name] for name in names], np.float32)
+
+    arrays = renderer.data_passes(
+        object_index=np.ascontiguousarray(labels.object_index[order], np.int32),
+        object_id=ids(labels.objects)[order],
+        asset_id=ids(labels.assets)[order],
+        material_index=np.ascontiguousarray(labels.material_index, np.int32),
+        material_id=ids(labels.materials),
+        levels=labels.levels,
+        mist=list(labels.mist),
+        samples=SAMPLES,
+    )
+    found = {name: arrays[array] for name, array in DATA_ARRAYS.items() if name in labels.passes}
+    for name, array in CRYPTOMATTES.items():
+        for rank in range(0, labels.levels, 2):
+            info = matte_pass(name, rank // 2)
+            if info.name in labels.passes:
+                found[info.name] = np.ascontiguousarray(arrays[array][..., 2 * rank : 2 * rank + 4])
+    return found
+
+
+def manifests(labels: Labels, layer: str = "") -> dict[str, str]:
+    """Metadata of the wanted mattes; `layer` is what stands before their names in a file."""
+    told: dict[str, str] = {}
+    named = {
+        "CryptoObject": labels.objects,
+        "CryptoAsset": labels.assets,
+        "CryptoMaterial": labels.materials,
+    }
+    for name, things in named.items():
+        if matte_pass(name, 0).name in labels.passes:
+            told |= metadata(f"{layer}{name}", things)
+    return told

@@ -1,0 +1,31 @@
+"""What compositors call the things of a scene."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+@dataclass(slots=True)
+class Labels:
+    """Names and numbers for passes that tell what is seen.
+
+    passes          names of those that are wanted
+    levels          ids of a pixel that each of the mattes among them keeps
+    object_index    (I,) int32 by instance
+    objects, assets  names by instance: of the object and of what it hangs on at last
+    material_index  (M,) int32 by material of Scene.materials
+    materials       names by material
+    mist            start and depth, m, and the power of the distance's share
+    """
+
+    passes: list[str]
+    levels: int = 0
+    object_index: NDArray[np.int32] = field(default_factory=lambda: np.zeros(0, np.int32))
+    objects: list[str] = field(default_factory=list)
+    assets: list[str] = field(default_factory=list)
+    material_index: NDArray[np.int32] = field(default_factory=lambda: np.zeros(0, np.int32))
+    materials: list[str] = field(default_factory=list)
+    mist: tuple[float, float, float] = (0.0, 100.0, 2.0)

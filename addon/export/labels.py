@@ -1,0 +1,73 @@
+"""What passes of data ask for: names and numbers of objects and materials, and the world's mist."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from ..core.render.result import DATA_PASSES, matte_pass
+from ..core.scene import Labels, Material
+
+SWITCHES = {
+    "Position": "use_pass_position",
+    "UV": "use_pass_uv",
+    "Mist": "use_pass_mist",
+    "Object Index": "use_pass_object_index",
+    "Material Index": "use_pass_material_index",
+}
+MATTES = {
+    "CryptoObject": "use_pass_cryptomatte_object",
+    "CryptoMaterial": "use_pass_cryptomatte_material",
+    "CryptoAsset": "use_pass_cryptomatte_asset",
+}
+"""Blender's own switches, properties of a view layer."""
+POWERS = {"QUADRATIC": 2.0, "LINEAR": 1.0, "INVERSE_QUADRATIC": 0.5}
+
+
+def wanted(view_layer: Any) -> list[Any]:
+    """The passes of data (PassInfo) that a bpy.types.ViewLayer asks for."""
+    infos = [info for info in DATA_PASSES if getattr(view_layer, SWITCHES[info.name])]
+    for name, switch in MATTES.items():
+        if getattr(view_layer, switch):
+            infos += [matte_pass(name, i) for i in range(math.ceil(levels(view_layer) / 2))]
+    return infos
+
+
+def levels(view_layer: Any) -> int:
+    return int(view_layer.pass_cryptomatte_depth)
+
+
+class Labelled:
+    """Collects labels, instance by instance."""
+
+    def __init__(self) -> None:
+        self._objects: list[str] = []
+        self._assets: list[str] = []
+        self._indices: list[int] = []
+
+    def add(self, ob: Any) -> None:
+        top = ob.original
+        while top.parent is not None:
+            top = top.parent
+        self._objects.append(ob.original.name)
+        self._assets.append(top.name)
+        self._indices.append(int(ob.original.pass_index))
+
+    def labels(self, view_layer: Any, world: Any, materials: list[Material]) -> Labels:
+        mist = (0.0, 100.0, 2.0)
+        if world is not None:
+            given = world.mist_settings
+            mist = (float(given.start), float(given.depth), POWERS[given.falloff])
+        infos = wanted(view_layer)
+        return Labels(
+            [info.name for info in infos],
+            2 * math.ceil(levels(view_layer) / 2) if any("Crypto" in i.name for i in infos) else 0,
+            np.array(self._indices, np.int32),
+            self._objects,
+            self._assets,
+            np.array([material.pass_index for material in materials], np.int32),
+            [material.name for material in materials],
+            mist,
+        )

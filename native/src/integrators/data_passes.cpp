@@ -1,0 +1,151 @@
+#include "integrators/data_passes.h"
+
+#include "bsdf/bsdf.h"
+#include "integrators/camera_path.h"
+
+namespace photon_splat {
+namespace {
+
+constexpr int kMostLayers = 64;  // transparent ones before a ray is given up
+constexpr float kFaint = 1e-4f;  // what is let through of a sample
+
+// Coverage by id, of the samples of one pixel.
+class Matte {
+ public:
+  void add(float id, float coverage) {
+    if (!(coverage > 0)) return;
+    for (auto& [known, sum] : found_)
+      if (known == id) return void(sum += coverage);
+    found_.emplace_back(id, coverage);
+  }
+  void put(float share, uint32_t levels, float* to) {
+    std::stable_sort(found_.begin(), found_.end(),
+                     [](const auto& a, const auto& b) { return a.second > b.second; });
+    for (size_t i = 0; i < std::min<size_t>(levels, found_.size()); ++i) {
+      to[2 * i] = found_[i].first;
+      to[2 * i + 1] = found_[i].second * share;
+    }
+    found_.clear();
+  }
+
+ private:
+  std::vector<std::pair<float, float>> found_;
+};
+
+struct Looker {
+  Scene& scene;
+  const Camera& camera;
+  const DataLabels& labels;
+  const DataSettings& settings;
+  DataPasses& out;
+
+  void look_at_pixel(int x, int y, size_t index, std::array<Matte, 3>& mattes) const {
+    const CameraSettings& c = camera.settings();
+    const uint32_t frame_index = static_cast<uint32_t>(y + c.y0) * c.width + (x + c.x0);
+    const uint32_t seed = hash_combine(settings.seed, frame_index);
+    const float down = 1 - static_cast<float>(y + c.y0) / static_cast<float>(c.height);
+    const float share = 1.0f / static_cast<float>(settings.samples);
+    float seen = 0;
+    for (uint32_t sample = 0; sample < settings.samples; ++sample) {
+      const float time = scene.shutter.blurs()
+                             ? scene.shutter.time(sobol_2d(sample, kTimePair, seed).x, down)
+                             : kShutterCentre;
+      const auto ray = camera.ray(x, y, sobol_2d(sample, kFilterPair, seed),
+                                  sobol_2d(sample, kLensPair, seed), time);
+      if (ray) seen += follow(*ray, time, index, sample == 0, mattes);
+    }
+    out.mist[index] = 1 - seen * share;
+    for (int i = 0; i < 3; ++i) out.uv[3 * index + i] *= share;
+    for (int k = 0; k < 3 && settings.levels; ++k)
+      mattes[k].put(share, settings.levels, &out.mattes[k][2 * settings.levels * index]);
+  }
+
+  // Through what lets light pass. Returns how much of it is not lost in mist.
+  float follow(const CameraRay& ray, float time, size_t index, bool first,
+               std::array<Matte, 3>& mattes) const {
+    float left = 1, clear = 0, near = ray.near;
+    RayInfo info;
+    info.from = near;
+    info.time = time;
+    Surface hit;
+    for (int layer = 0; layer < kMostLayers && left > kFaint; ++layer) {
+      if (!scene.intersect(ray.origin, ray.direction, near, ray.far, true, hit,
+                           ray_bit(RayInfo::kCamera), time))
+        break;
+      float through = 0;
+      if (scene.may_be_transparent(hit)) {
+        info.length = hit.distance;
+        info.footprint = camera.footprint_at(ray, hit.distance);
+        Bsdf bsdf(Transport::kRadiance, -ray.direction, hit.ng, hit.ns, hit.back);
+        scene.shade(hit, -ray.direction, info, bsdf);
+        through = std::clamp(average(bsdf.transparency()), 0.0f, 1.0f);
+        ++info.transparent_depth;
+      }
+      const float stays = left * (1 - through);
+      if (first && stays > 0) {
+        describe(hit, index);
+        first = false;
+      }
+      clear += stays * (1 - mist_at(hit.distance));
+      if (!scene.meshes[scene.instances[hit.instance].mesh].uv.empty()) {
+        const Vec2 uv = scene.uv_at(hit.instance, hit.triangle, hit.u, hit.v);
+        out.uv[3 * index] += stays * uv.x;
+        out.uv[3 * index + 1] += stays * uv.y;
+        out.uv[3 * index + 2] += stays;
+      }
+      if (settings.levels) {
+        mattes[0].add(labels.object_id[hit.instance], stays);
+        mattes[1].add(labels.asset_id[hit.instance], stays);
+        mattes[2].add(labels.material_id[material_of(hit)], stays);
+      }
+      left -= stays;
+      near = past(hit);
+    }
+    return clear;
+  }
+
+  void describe(const Surface& hit, size_t index) const {
+    for (int i = 0; i < 3; ++i)
+      out.position[3 * index + i] = static_cast<float>(hit.position[i] + scene.origin[i]);
+    out.object_index[index] = static_cast<float>(labels.object_index[hit.instance]);
+    out.material_index[index] = static_cast<float>(labels.material_index[material_of(hit)]);
+  }
+
+  size_t material_of(const Surface& hit) const {
+    return static_cast<size_t>(&scene.material_of(hit.instance, hit.triangle) -
+                               scene.materials.data());
+  }
+
+  float mist_at(float distance) const {
+    const Mist& m = settings.mist;
+    const float share = std::clamp((distance - m.start) / std::max(m.depth, 1e-6f), 0.0f, 1.0f);
+    return std::pow(share, m.power);
+  }
+};
+
+}  // namespace
+
+DataPasses trace_data_passes(Scene& scene, const Camera& camera, const DataLabels& labels,
+                             const DataSettings& settings, const CancelFlag& cancel) {
+  const size_t instances = scene.instances.size(), materials = scene.materials.size();
+  if (labels.object_index.size() != instances || labels.object_id.size() != instances ||
+      labels.asset_id.size() != instances || labels.material_index.size() != materials ||
+      labels.material_id.size() != materials)
+    throw std::invalid_argument("each instance and each material must have its labels");
+  if (!settings.samples) throw std::invalid_argument("a pixel has one sample at the least");
+  const int width = camera.settings().region_width, height = camera.settings().region_height;
+  const size_t pixels = static_cast<size_t>(width) * height;
+  DataPasses out;
+  for (auto* three : {&out.position, &out.uv}) three->assign(3 * pixels, 0);
+  for (auto* one : {&out.object_index, &out.material_index, &out.mist}) one->assign(pixels, 0);
+  for (auto& matte : out.mattes) matte.assign(2 * settings.levels * pixels, 0);
+  const Looker looker{scene, camera, labels, settings, out};
+  scene.pool().for_each(static_cast<size_t>(height), cancel, [&](size_t y, int) {
+    std::array<Matte, 3> mattes;
+    for (int x = 0; x < width; ++x)
+      looker.look_at_pixel(x, static_cast<int>(y), y * width + x, mattes);
+  });
+  return out;
+}
+
+}  // namespace photon_splat

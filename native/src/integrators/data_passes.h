@@ -1,0 +1,46 @@
+// Passes that tell what is seen instead of how it is lit, from camera rays of their own: whoever
+// wants none of them pays nothing.
+#pragma once
+
+#include <array>
+#include <span>
+
+#include "math/random_streams.h"
+#include "scene/camera.h"
+#include "scene/scene.h"
+
+namespace photon_splat {
+
+// What compositors call things. Ids are those of Cryptomatte: hashes that are floats (Friedman and
+// Jones 2015).
+struct DataLabels {
+  std::span<const int32_t> object_index, material_index;    // by instance, by material
+  std::span<const float> object_id, asset_id, material_id;  // the same
+};
+
+struct Mist {
+  float start = 0, depth = 100, power = 2;  // m, m, of the distance's share
+};
+
+struct DataSettings {
+  uint32_t samples = 32;  // of each pixel
+  uint32_t levels = 0;    // ids of a pixel that each of the mattes keeps; 0: no mattes
+  uint32_t seed = 0;
+  Mist mist;
+};
+
+// By pixel, row 0 at the bottom.
+struct DataPasses {
+  // Of the first sample, as Cycles has them
+  std::vector<float> position, object_index, material_index;
+  // Means over the samples
+  std::vector<float> uv, mist;
+  // Of objects, assets, materials: `levels` pairs of id and coverage, the greatest first
+  std::array<std::vector<float>, 3> mattes;
+};
+
+// Throws Cancelled; std::invalid_argument where labels are missing.
+DataPasses trace_data_passes(Scene& scene, const Camera& camera, const DataLabels& labels,
+                             const DataSettings& settings, const CancelFlag& cancel);
+
+}  // namespace photon_splat

@@ -1,0 +1,135 @@
+"""Passes that tell what is seen: indices, mist, position, mattes and their manifest."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import numpy as np
+import pytest
+from photon_splat.core.render.cryptomatte import id_bits, id_of, murmur3
+
+from tests.support import stage
+from tests.support.blender import in_blender
+
+
+def test_hashes_are_those_of_murmur3() -> None:
+    known = {"": 0, "hello": 0x248BFA47, "hello, world": 0x149BBB7F}
+    known["The quick brown fox jumps over the lazy dog"] = 0x2E4FF723
+    assert {text: murmur3(text.encode()) for text in known} == known
+
+
+def test_ids_are_ordinary_floats() -> None:
+    for name in (f"Thing {i}" for i in range(2000)):
+        assert np.isfinite(id_of(name))
+        assert 0 < (id_bits(name) >> 23) & 255 < 255
+
+
+def _board() -> Any:
+    """Two squares side by side that fill the picture, the right one half transparent before a
+    third. Returns the scene.
+    """
+    import bpy
+
+    made = stage.room(pixels=16)
+    made.camera.data.type, made.camera.data.ortho_scale = "ORTHO", 4.0
+    bpy.data.objects["Plane"].scale = (0.0, 0.0, 0.0)
+    left = stage.plane("Left", half=1.0, location=(-1.0, 0.0, 0.0))
+    left.scale = (1.0, 2.0, 1.0)
+    right = stage.plane("Right", half=1.0, location=(1.0, 0.0, 1.0))
+    right.scale = (1.0, 2.0, 1.0)
+    behind = stage.plane("Behind", half=1.0, location=(1.0, 0.0, 0.0))
+    behind.scale = (1.0, 2.0, 1.0)
+    bpy.context.view_layer.update()
+    behind.parent = left
+    behind.matrix_parent_inverse = left.matrix_world.inverted()
+    glass = stage.material("Half")
+    tree = glass.node_tree
+    mix, clear = tree.nodes.new("ShaderNodeMixShader"), tree.nodes.new("ShaderNodeBsdfTransparent")
+    output = next(node for node in tree.nodes if node.type == "OUTPUT_MATERIAL")
+    diffuse = output.inputs["Surface"].links[0].from_socket
+    mix.inputs["Fac"].default_value = 0.25
+    tree.links.new(clear.outputs[0], mix.inputs[1])
+    tree.links.new(diffuse, mix.inputs[2])
+    tree.links.new(mix.outputs[0], output.inputs["Surface"])
+    right.data.materials[0] = glass
+    for index, ob in enumerate((left, right, behind), start=3):
+        ob.pass_index = index
+        ob.data.materials[0].pass_index = 10 * index
+    layer = made.view_layers[0]
+    for name in ("position", "mist", "object_index", "material_index", "cryptomatte_object"):
+        setattr(layer, f"use_pass_{name}", True)
+    layer.use_pass_cryptomatte_asset = True
+    layer.pass_cryptomatte_depth = 4
+    return made
+
+
+def _coverage(passes: dict[str, np.ndarray], kind: str, name: str) -> np.ndarray:
+    total: Any = 0.0
+    for i in range(2):
+        pair = passes[f"{kind}{i:02}"]
+        for at in (0, 2):
+            total = total + np.where(pair[..., at] == np.float32(id_of(name)), pair[..., at + 1], 0)
+    return np.asarray(total)
+
+
+@in_blender
+def test_passes_of_data() -> None:
+    import bpy
+
+    made = _board()
+    world = bpy.data.worlds.new("World")
+    world.mist_settings.start, world.mist_settings.depth = 2.0, 4.0
+    world.mist_settings.falloff = "LINEAR"
+    made.world = world
+    with stage.watched() as results:
+        bpy.ops.render.render()
+    passes = results[0].passes
+    left, right = np.s_[2:-2, 2:6], np.s_[2:-2, 10:14]
+    assert np.all(passes["Object Index"][left] == 3)
+    assert np.all(passes["Object Index"][right] == 4)
+    assert np.all(passes["Material Index"][right] == 40)
+    assert passes["Position"][right][..., 2] == pytest.approx(1.0, abs=1e-5)
+    assert passes["Mist"][left] == pytest.approx(0.5, abs=1e-4)
+    # a quarter of the light stays at a distance of 3 m, the rest goes on to 4
+    assert passes["Mist"][right] == pytest.approx(0.25 * 0.25 + 0.75 * 0.5, abs=1e-4)
+    assert _coverage(passes, "CryptoObject", "Left")[left] == pytest.approx(1.0, abs=1e-5)
+    assert _coverage(passes, "CryptoObject", "Right")[right] == pytest.approx(0.25, abs=1e-5)
+    assert _coverage(passes, "CryptoObject", "Behind")[right] == pytest.approx(0.75, abs=1e-5)
+    assert _coverage(passes, "CryptoAsset", "Left")[right] == pytest.approx(0.75, abs=1e-5)
+    assert "CryptoMaterial00" not in passes
+
+
+@in_blender
+def test_the_manifest_is_in_the_file(tmp_path: str) -> None:
+    import bpy
+    import OpenImageIO as oiio
+
+    made = _board()
+    image = made.render.image_settings
+    if hasattr(image, "media_type"):
+        image.media_type = "MULTI_LAYER_IMAGE"
+    image.file_format = "OPEN_EXR_MULTILAYER"
+    made.render.filepath = f"{tmp_path}/out.exr"
+    bpy.ops.render.render(write_still=True)
+    file = oiio.ImageInput.open(made.render.filepath)
+    layer, told, channels, part = made.view_layers[0].name, {}, [], 0
+    while file.seek_subimage(part, 0):  # Blender writes a part for each pass
+        spec = file.spec()
+        told |= {a.name: a.value for a in spec.extra_attribs if a.name.startswith("cryptomatte/")}
+        channels += spec.channelnames
+        part += 1
+    assert {f"{layer}.CryptoObject", f"{layer}.CryptoAsset"} <= set(told.values())
+    manifest = next(
+        json.loads(told[key.replace("/name", "/manifest")])
+        for key, value in told.items()
+        if value == f"{layer}.CryptoObject"
+    )
+    assert manifest["Behind"] == f"{id_bits('Behind'):08x}"
+    assert f"{layer}.CryptoObject01.a" in channels
+
+
+@in_blender
+def test_who_asks_for_none_has_no_labels() -> None:
+    stage.room()
+    assert stage.exported().labels is None
