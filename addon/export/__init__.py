@@ -125,7 +125,7 @@ def export_contents(
     from .cancelled import Watch
     from .images import Textures
     from .kept import Kept
-    from .labels import Labelled, wanted
+    from .labels import Labelled, aovs, wanted
     from .materials import Materials, Shading
     from .objects import Objects
     from .world import export_world
@@ -136,7 +136,7 @@ def export_contents(
     exported = Scene(camera, frame, light_groups=list(light_groups))
     textures = Textures(report, kept, watch)
     shading = Shading(textures, report, depsgraph, watch)
-    materials = Materials(shading)
+    materials = Materials(shading, aovs(view_layer))
     labelled = Labelled() if wanted(view_layer) else None
     objects = Objects(materials, shading, kept, exported.light_groups, moving, labelled)
     objects.collect(depsgraph, visible)
@@ -156,6 +156,8 @@ def export_contents(
         shading.programs,
     )
     if labelled is not None:
-        exported.labels = labelled.labels(view_layer, scene.world, materials.list)
+        exported.labels = labelled.labels(
+            view_layer, scene.world, materials.list, materials.aov_programs_of_all()
+        )
     exported.warnings = report.messages()
     return exported

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..core.render.result import DATA_PASSES, matte_pass
+from ..core.render.result import DATA_PASSES, aov_pass, matte_pass
 from ..core.scene import Labels, Material
 
 SWITCHES = {
@@ -32,7 +32,12 @@ def wanted(view_layer: Any) -> list[Any]:
     for name, switch in MATTES.items():
         if getattr(view_layer, switch):
             infos += [matte_pass(name, i) for i in range(math.ceil(levels(view_layer) / 2))]
-    return infos
+    return infos + [aov_pass(name, is_color) for name, is_color in aovs(view_layer)]
+
+
+def aovs(view_layer: Any) -> list[tuple[str, bool]]:
+    """Names of the passes that materials fill, and whether each is a colour."""
+    return [(aov.name, aov.type == "COLOR") for aov in view_layer.aovs if aov.is_valid]
 
 
 def levels(view_layer: Any) -> int:
@@ -55,8 +60,10 @@ class Labelled:
         self._assets.append(top.name)
         self._indices.append(int(ob.original.pass_index))
 
-    def labels(self, view_layer: Any, world: Any, materials: list[Material]) -> Labels:
-        mist = (0.0, 100.0, 2.0)
+    def labels(
+        self, view_layer: Any, world: Any, materials: list[Material], programs: list[list[int]]
+    ) -> Labels:
+        mist = (0.0, 100.0, 1.0)
         if world is not None:
             given = world.mist_settings
             mist = (float(given.start), float(given.depth), POWERS[given.falloff])
@@ -69,5 +76,8 @@ class Labelled:
             self._assets,
             np.array([material.pass_index for material in materials], np.int32),
             [material.name for material in materials],
+            aovs(view_layer),
+            programs,
+            float(view_layer.pass_alpha_threshold),
             mist,
         )

@@ -4,7 +4,7 @@ as two Lambertian sides.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import bpy
@@ -52,6 +52,11 @@ class Shading:
     def displacement(self, owner: Owner, socket: Any) -> Compiled | None:
         return Compiler(owner, self.around, self.folding).displacement(socket)
 
+    def pass_value(self, owner: Owner, node: Any, is_color: bool) -> Compiled:
+        """What an AOV Output gives."""
+        socket = node.inputs["Color" if is_color else "Value"]
+        return Compiler(owner, self.around, self.folding).pass_value(socket, is_color)
+
     @property
     def wanted(self) -> tuple[frozenset[int], frozenset[int]]:
         """Ids of what programs read from meshes, and from instances."""
@@ -70,8 +75,10 @@ class Shading:
 class Materials:
     """The materials of one scene, each once. Indices point into `list`."""
 
-    def __init__(self, shading: Shading) -> None:
+    def __init__(self, shading: Shading, aovs: Sequence[tuple[str, bool]] = ()) -> None:
         self.list: list[Material] = []
+        self.aov_programs: list[list[int]] = []  # by pass, of each material
+        self._aovs = aovs
         self.displacements: dict[int, Displacement] = {}  # of those that move the surface
         self._shading = shading
         self._known: dict[tuple[int, str | None], int] = {}
@@ -97,9 +104,32 @@ class Materials:
             (pointer, uv_map), lambda: export_material(material, owner, self._shading)
         )
         self.list[index].pass_index = int(material.pass_index)
+        self._fill_aovs(index, material, owner)
         if not owner.asked_uv_map:
             self._any_uv_map[pointer] = index
         return index
+
+    def _fill_aovs(self, index: int, material: Any, owner: Owner) -> None:
+        """What the material's own outputs give the passes that the view layer names."""
+        for k, (name, is_color) in enumerate(self._aovs):
+            if k == len(self.aov_programs):
+                self.aov_programs.append([])
+            programs = self.aov_programs[k]
+            programs += [NO_PROGRAM] * (len(self.list) - len(programs))
+            if programs[index] == NO_PROGRAM and uses_nodes(material):
+                for node in material.node_tree.nodes:
+                    if node.bl_idname == "ShaderNodeOutputAOV" and node.aov_name == name:
+                        programs[index] = self._shading.add(
+                            self._shading.pass_value(owner, node, is_color).program(
+                                f"{material.name} ({name})"
+                            )
+                        )
+
+    def aov_programs_of_all(self) -> list[list[int]]:
+        return [
+            programs + [NO_PROGRAM] * (len(self.list) - len(programs))
+            for programs in self.aov_programs or [[] for _ in self._aovs]
+        ]
 
     def _remember(self, key: tuple[int, str | None], make: Callable[[], Material]) -> int:
         if key not in self._known:

@@ -31,6 +31,8 @@ def data_passes(renderer: Any, scene: Scene, labels: Labels) -> Passes:
         material_id=ids(labels.materials),
         levels=labels.levels,
         mist=list(labels.mist),
+        alpha_threshold=labels.alpha_threshold,
+        programs=labels.aov_programs,
         samples=SAMPLES,
     )
     found = {name: arrays[array] for name, array in DATA_ARRAYS.items() if name in labels.passes}
@@ -39,6 +41,13 @@ def data_passes(renderer: Any, scene: Scene, labels: Labels) -> Passes:
             info = matte_pass(name, rank // 2)
             if info.name in labels.passes:
                 found[info.name] = np.ascontiguousarray(arrays[array][..., 2 * rank : 2 * rank + 4])
+    for (name, is_color), values in zip(labels.aovs, arrays["values"], strict=True):
+        alpha = np.ones((*values.shape[:2], 1), np.float32)
+        found[name] = (
+            np.concatenate([values, alpha], 2)
+            if is_color
+            else np.ascontiguousarray(values[..., :1])
+        )
     return found
 
 

@@ -120,11 +120,21 @@ def matte_pass(name: str, number: int) -> PassInfo:
     return PassInfo(f"{name}{number:02}", MATTE_CHANNELS)
 
 
+def aov_pass(name: str, is_color: bool) -> PassInfo:
+    """A pass that materials fill."""
+    return PassInfo(name, "RGBA" if is_color else "X")
+
+
 def infos_of(passes: Passes) -> list[PassInfo]:
     """All passes; those of light groups and of data come last."""
     known = {info.name: info for info in DATA_PASSES}
     known |= {name: PassInfo(name, MATTE_CHANNELS) for name in passes if name.startswith("Crypto")}
     film = {info.name for info in PASSES}
+    known |= {
+        name: aov_pass(name, pixels.shape[2] == 4)
+        for name, pixels in passes.items()
+        if pixels.shape[2] != len(LIGHT_GROUP_CHANNELS) and name not in known
+    }
     return [
         *PASSES,
         *(

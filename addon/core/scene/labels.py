@@ -18,6 +18,9 @@ class Labels:
     objects, assets  names by instance: of the object and of what it hangs on at last
     material_index  (M,) int32 by material of Scene.materials
     materials       names by material
+    aovs            names of the passes that materials themselves fill, and whether each is a colour
+    aov_programs    by pass and material: index into Scene.programs, or NO_PROGRAM
+    alpha_threshold  what is less opaque is no first surface
     mist            start and depth, m, and the power of the distance's share
     """
 
@@ -28,4 +31,7 @@ class Labels:
     assets: list[str] = field(default_factory=list)
     material_index: NDArray[np.int32] = field(default_factory=lambda: np.zeros(0, np.int32))
     materials: list[str] = field(default_factory=list)
-    mist: tuple[float, float, float] = (0.0, 100.0, 2.0)
+    aovs: list[tuple[str, bool]] = field(default_factory=list)
+    aov_programs: list[list[int]] = field(default_factory=list)
+    alpha_threshold: float = 0.5
+    mist: tuple[float, float, float] = (0.0, 100.0, 1.0)

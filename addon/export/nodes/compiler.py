@@ -14,7 +14,7 @@ from .node import Node, Owner, Surroundings, label
 from .shaders import MOST_LOBES, from_value, lobe_count, unknown
 from .table import NODES
 from .trees import Feed, Groups
-from .values import ONE, UNMOVED, ZERO, BumpOffset, Folding, Graph, Value, number
+from .values import ONE, UNMOVED, ZERO, BumpOffset, Folding, Graph, Value, number, vector
 
 Key = tuple[int, tuple[int, ...], BumpOffset]
 ShaderKey = tuple[int, tuple[int, ...]]
@@ -215,6 +215,20 @@ class Compiler:
         self._evaluate(feed, UNMOVED)
         moved = self._result(feed, "VECTOR", UNMOVED)
         return Compiled(self.graph, [statement("Displace", weight=ONE, offset=moved)], Feature(0))
+
+    def pass_value(self, socket: Any, is_color: bool) -> Compiled:
+        """The value of a socket of an AOV output, as a vector."""
+        feed = self.around.trees.feed(socket, ())
+        kind = "RGBA" if is_color else "VALUE"
+        if feed is not None and feed.node is not None and self._gives(feed):
+            self._evaluate(feed, UNMOVED)
+            found = self._result(feed, kind, UNMOVED)
+        else:
+            given = socket.default_value
+            found = vector(tuple(given)[:3]) if is_color else number(float(given))
+        if not is_color:
+            found = self.graph.one("Spread", value=found)
+        return Compiled(self.graph, [statement("Displace", weight=ONE, offset=found)], Feature(0))
 
     def _bent_normal(self, socket: Any, displaced: bool) -> Value | None:
         """The shading normal bent by a displacement taken as bump; None where there is no

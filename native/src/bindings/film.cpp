@@ -216,15 +216,17 @@ nb::dict data_passes(Renderer& r, Array<int32_t, nb::shape<-1>> object_index,
                      Array<float, nb::shape<-1>> object_id, Array<float, nb::shape<-1>> asset_id,
                      Array<int32_t, nb::shape<-1>> material_index,
                      Array<float, nb::shape<-1>> material_id, uint32_t levels,
-                     std::array<float, 3> mist, uint32_t samples) {
+                     std::array<float, 3> mist, float alpha_threshold,
+                     std::vector<std::vector<int32_t>> programs, uint32_t samples) {
   const auto all = [](const auto& array) { return std::span(array.data(), array.size()); };
-  const DataLabels labels{all(object_index), all(material_index), all(object_id), all(asset_id),
-                          all(material_id)};
+  const DataLabels labels{std::move(programs), all(object_index), all(material_index),
+                          all(object_id),      all(asset_id),     all(material_id)};
   if (levels > 32) throw std::invalid_argument("a matte has at most 32 levels");
   DataPasses passes;
   {
     nb::gil_scoped_release release;
-    passes = r.data_passes(labels, {samples, levels, 0, {mist[0], mist[1], mist[2]}});
+    passes =
+        r.data_passes(labels, {samples, levels, 0, alpha_threshold, {mist[0], mist[1], mist[2]}});
   }
   const size_t width = r.camera_settings.region_width, height = r.camera_settings.region_height;
   nb::dict out;
@@ -236,6 +238,9 @@ nb::dict data_passes(Renderer& r, Array<int32_t, nb::shape<-1>> object_index,
   put("mist", passes.mist, 1);
   put("object_index", passes.object_index, 1);
   put("material_index", passes.material_index, 1);
+  nb::list values;
+  for (auto& one : passes.values) values.append(to_numpy(std::move(one), {height, width, 3}));
+  out["values"] = values;
   if (levels) {
     put("object_matte", passes.mattes[0], 2 * levels);
     put("asset_matte", passes.mattes[1], 2 * levels);
@@ -259,11 +264,13 @@ void bind_film(RendererClass& renderer) {
       "Of which arrays film() is to be able to tell; all if this is not called. Before build(), set_view() or begin_again().");
   renderer.def(
       "data_passes", &data_passes, "object_index"_a, "object_id"_a, "asset_id"_a,
-      "material_index"_a, "material_id"_a, "levels"_a, "mist"_a, "samples"_a,
+      "material_index"_a, "material_id"_a, "levels"_a, "mist"_a, "alpha_threshold"_a, "programs"_a,
+      "samples"_a,
       "(height, width, channels) float32 by name, row 0 at the bottom, of camera rays of their own: position, uv, mist,\n"
       "object_index, material_index, and where levels is not 0 object_matte, asset_matte and material_matte, pairs of id and\n"
-      "coverage. Labels by instance and by material; mist: start and depth, m, and power. After build(). ValueError where\n"
-      "labels are missing.");
+      "coverage; values: a list, of each of `programs`, (height, width, 3). Labels by instance and by material; programs: of\n"
+      "each pass of that kind indices of programs by material, or -1; mist: start and depth, m, and power; what is less\n"
+      "opaque than alpha_threshold is no first surface. After build(). ValueError where labels are missing.");
   renderer.def(
       "film", &film_arrays, "names"_a = nb::none(),
       "(height, width, channels) float32 by name: means over the film's samples, row 0 at the bottom; 0 before the first pass.\n"

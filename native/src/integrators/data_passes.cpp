@@ -55,7 +55,10 @@ struct Looker {
       if (ray) seen += follow(*ray, time, index, sample == 0, mattes);
     }
     out.mist[index] = 1 - seen * share;
-    for (int i = 0; i < 3; ++i) out.uv[3 * index + i] *= share;
+    for (int i = 0; i < 3; ++i) {
+      out.uv[3 * index + i] *= share;
+      for (auto& values : out.values) values[3 * index + i] *= share;
+    }
     for (int k = 0; k < 3 && settings.levels; ++k)
       mattes[k].put(share, settings.levels, &out.mattes[k][2 * settings.levels * index]);
   }
@@ -64,6 +67,8 @@ struct Looker {
   float follow(const CameraRay& ray, float time, size_t index, bool first,
                std::array<Matte, 3>& mattes) const {
     float left = 1, clear = 0, near = ray.near;
+    bool solid = false;
+    std::vector<float> registers;
     RayInfo info;
     info.from = near;
     info.time = time;
@@ -73,26 +78,27 @@ struct Looker {
                            ray_bit(RayInfo::kCamera), time))
         break;
       float through = 0;
+      info.length = hit.distance;
+      info.footprint = camera.footprint_at(ray, hit.distance);
+      if (!solid) add_values(hit, -ray.direction, info, left, index, registers);
       if (scene.may_be_transparent(hit)) {
-        info.length = hit.distance;
-        info.footprint = camera.footprint_at(ray, hit.distance);
         Bsdf bsdf(Transport::kRadiance, -ray.direction, hit.ng, hit.ns, hit.back);
         scene.shade(hit, -ray.direction, info, bsdf);
         through = std::clamp(average(bsdf.transparency()), 0.0f, 1.0f);
         ++info.transparent_depth;
       }
       const float stays = left * (1 - through);
-      if (first && stays > 0) {
-        describe(hit, index);
-        first = false;
+      if (!solid && 1 - through >= settings.alpha_threshold) {
+        solid = true;
+        if (first) describe(hit, index);
+        if (!scene.meshes[scene.instances[hit.instance].mesh].uv.empty()) {
+          const Vec2 uv = scene.uv_at(hit.instance, hit.triangle, hit.u, hit.v);
+          out.uv[3 * index] += uv.x;
+          out.uv[3 * index + 1] += uv.y;
+          out.uv[3 * index + 2] += 1;
+        }
       }
       clear += stays * (1 - mist_at(hit.distance));
-      if (!scene.meshes[scene.instances[hit.instance].mesh].uv.empty()) {
-        const Vec2 uv = scene.uv_at(hit.instance, hit.triangle, hit.u, hit.v);
-        out.uv[3 * index] += stays * uv.x;
-        out.uv[3 * index + 1] += stays * uv.y;
-        out.uv[3 * index + 2] += stays;
-      }
       if (settings.levels) {
         mattes[0].add(labels.object_id[hit.instance], stays);
         mattes[1].add(labels.asset_id[hit.instance], stays);
@@ -102,6 +108,20 @@ struct Looker {
       near = past(hit);
     }
     return clear;
+  }
+
+  void add_values(const Surface& hit, const Vec3& wo, const RayInfo& info, float weight,
+                  size_t index, std::vector<float>& registers) const {
+    for (size_t k = 0; k < labels.programs.size(); ++k) {
+      const int32_t program = labels.programs[k][material_of(hit)];
+      if (program < 0) continue;
+      const Vec3 value = scene.value_at(scene.programs[program], hit, wo, info, registers) * weight;
+      if (!is_finite(value)) continue;
+      float* const to = &out.values[k][3 * index];
+      to[0] += value.x;
+      to[1] += value.y;
+      to[2] += value.z;
+    }
   }
 
   void describe(const Surface& hit, size_t index) const {
@@ -132,12 +152,20 @@ DataPasses trace_data_passes(Scene& scene, const Camera& camera, const DataLabel
       labels.asset_id.size() != instances || labels.material_index.size() != materials ||
       labels.material_id.size() != materials)
     throw std::invalid_argument("each instance and each material must have its labels");
+  for (const auto& programs : labels.programs) {
+    if (programs.size() != materials)
+      throw std::invalid_argument("each material must say what it gives each pass");
+    for (const int32_t program : programs)
+      if (program >= static_cast<int32_t>(scene.programs.size()))
+        throw std::invalid_argument("a pass asks for a program that is not there");
+  }
   if (!settings.samples) throw std::invalid_argument("a pixel has one sample at the least");
   const int width = camera.settings().region_width, height = camera.settings().region_height;
   const size_t pixels = static_cast<size_t>(width) * height;
   DataPasses out;
   for (auto* three : {&out.position, &out.uv}) three->assign(3 * pixels, 0);
   for (auto* one : {&out.object_index, &out.material_index, &out.mist}) one->assign(pixels, 0);
+  out.values.assign(labels.programs.size(), std::vector<float>(3 * pixels, 0.0f));
   for (auto& matte : out.mattes) matte.assign(2 * settings.levels * pixels, 0);
   const Looker looker{scene, camera, labels, settings, out};
   scene.pool().for_each(static_cast<size_t>(height), cancel, [&](size_t y, int) {

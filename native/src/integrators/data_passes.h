@@ -14,6 +14,8 @@ namespace photon_splat {
 // What compositors call things. Ids are those of Cryptomatte: hashes that are floats (Friedman and
 // Jones 2015).
 struct DataLabels {
+  // By pass of its own and material, into Scene::programs; -1: none. What run_displacement() finds.
+  std::vector<std::vector<int32_t>> programs;
   std::span<const int32_t> object_index, material_index;    // by instance, by material
   std::span<const float> object_id, asset_id, material_id;  // the same
 };
@@ -26,15 +28,18 @@ struct DataSettings {
   uint32_t samples = 32;  // of each pixel
   uint32_t levels = 0;    // ids of a pixel that each of the mattes keeps; 0: no mattes
   uint32_t seed = 0;
+  float alpha_threshold = 0.5f;  // what is less opaque is no first surface
   Mist mist;
 };
 
 // By pixel, row 0 at the bottom.
 struct DataPasses {
-  // Of the first sample, as Cycles has them
+  // Of the first surface of the first sample, as Cycles has them
   std::vector<float> position, object_index, material_index;
-  // Means over the samples
+  // Means over the samples: of first surfaces, of all that is seen, and of what programs find up to
+  // the first surface
   std::vector<float> uv, mist;
+  std::vector<std::vector<float>> values;
   // Of objects, assets, materials: `levels` pairs of id and coverage, the greatest first
   std::array<std::vector<float>, 3> mattes;
 };

@@ -276,6 +276,9 @@ class Scene {
   // Closures of the surface for light that leaves towards `wo` (camera) or came from there
   // (photons), ready for use.
   void shade(const Surface& s, const Vec3& wo, const RayInfo& ray, Bsdf& bsdf) const;
+  // What a program that only finds a vector finds there; `registers` are its scratch space.
+  Vec3 value_at(const Program& program, const Surface& s, const Vec3& wo, const RayInfo& ray,
+                std::vector<float>& registers) const;
   // Lambertian reflectance of a surface without a program.
   Rgb albedo(const Surface& s) const { return textured(s.side->albedo, s.side->albedo_texture, s); }
   // Radiance towards `wo`.

@@ -53,6 +53,11 @@ void Scene::shade(const Surface& s, const Vec3& wo, const RayInfo& ray, Bsdf& bs
   bsdf.finish();
 }
 
+Vec3 Scene::value_at(const Program& program, const Surface& s, const Vec3& wo, const RayInfo& ray,
+                     std::vector<float>& registers) const {
+  return run_displacement(*this, program, shading_point(s, wo, ray), registers);
+}
+
 Rgb Scene::emission_at(const Material& material, uint32_t instance, uint32_t triangle, float u,
                        float v, bool back, const Vec3& wo, float time) const {
   const MaterialSide& side = back ? material.back : material.front;

@@ -87,9 +87,10 @@ def test_passes_of_data() -> None:
     passes = results[0].passes
     left, right = np.s_[2:-2, 2:6], np.s_[2:-2, 10:14]
     assert np.all(passes["Object Index"][left] == 3)
-    assert np.all(passes["Object Index"][right] == 4)
-    assert np.all(passes["Material Index"][right] == 40)
-    assert passes["Position"][right][..., 2] == pytest.approx(1.0, abs=1e-5)
+    # what is less than half opaque is no first surface
+    assert np.all(passes["Object Index"][right] == 5)
+    assert np.all(passes["Material Index"][right] == 50)
+    assert passes["Position"][right][..., 2] == pytest.approx(0.0, abs=1e-5)
     assert passes["Mist"][left] == pytest.approx(0.5, abs=1e-4)
     # a quarter of the light stays at a distance of 3 m, the rest goes on to 4
     assert passes["Mist"][right] == pytest.approx(0.25 * 0.25 + 0.75 * 0.5, abs=1e-4)
@@ -98,6 +99,35 @@ def test_passes_of_data() -> None:
     assert _coverage(passes, "CryptoObject", "Behind")[right] == pytest.approx(0.75, abs=1e-5)
     assert _coverage(passes, "CryptoAsset", "Left")[right] == pytest.approx(0.75, abs=1e-5)
     assert "CryptoMaterial00" not in passes
+
+
+@in_blender
+def test_materials_fill_passes_of_their_own() -> None:
+    import bpy
+
+    made = _board()
+    layer = made.view_layers[0]
+    colored, plain = layer.aovs.add(), layer.aovs.add()
+    colored.name, plain.name, plain.type = "Tint", "Height", "VALUE"
+    for name, tint in (("Left", (0.25, 0.5, 0.75, 1.0)), ("Right", (1.0, 0.0, 0.0, 1.0))):
+        tree = bpy.data.objects[name].data.materials[0].node_tree
+        for aov in ("Tint", "Height", "Nobody's"):
+            node = tree.nodes.new("ShaderNodeOutputAOV")
+            node.aov_name = aov
+            node.inputs["Color"].default_value = tint
+            place = tree.nodes.new("ShaderNodeNewGeometry")
+            split = tree.nodes.new("ShaderNodeSeparateXYZ")
+            tree.links.new(place.outputs["Position"], split.inputs[0])
+            tree.links.new(split.outputs["X"], node.inputs["Value"])
+    with stage.watched() as results:
+        bpy.ops.render.render()
+    passes = results[0].passes
+    assert "Nobody's" not in passes
+    assert passes["Tint"].shape[2] == 4
+    assert passes["Tint"][8, 3] == pytest.approx((0.25, 0.5, 0.75, 1.0))
+    assert passes["Tint"][8, 12] == pytest.approx((1.0, 0.0, 0.0, 1.0))
+    across = passes["Height"][8, 2:14, 0]
+    assert across == pytest.approx(-2.0 + 4.0 * (np.arange(2, 14) + 0.5) / 16, abs=0.03)
 
 
 @in_blender
