@@ -40,6 +40,28 @@ class PHOTON_SPLAT_PT_passes(RenderPanel, bpy.types.Panel):
         levels.prop(view_layer, "pass_cryptomatte_depth", text="Levels")
 
 
+class PHOTON_SPLAT_PT_aovs(RenderPanel, bpy.types.Panel):
+    bl_label = "Shader AOVs"
+    bl_context = "view_layer"
+    bl_parent_id = "PHOTON_SPLAT_PT_passes"
+
+    def draw(self, context: Any) -> None:
+        view_layer = context.view_layer
+        row = split_layout(self).row()
+        row.template_list(
+            "VIEWLAYER_UL_aov",
+            "aovs",
+            view_layer,
+            "aovs",
+            view_layer,
+            "active_aov_index",
+            rows=3,
+        )
+        buttons = row.column(align=True)
+        buttons.operator("scene.view_layer_add_aov", icon="ADD", text="")
+        buttons.operator("scene.view_layer_remove_aov", icon="REMOVE", text="")
+
+
 class PHOTON_SPLAT_PT_light_groups(RenderPanel, bpy.types.Panel):
     bl_label = "Light Groups"
     bl_context = "view_layer"
@@ -123,6 +145,7 @@ class PHOTON_SPLAT_WORLD_PT_preview(RenderPanel, bpy.types.Panel):
 
 CLASSES = (
     PHOTON_SPLAT_PT_passes,
+    PHOTON_SPLAT_PT_aovs,
     PHOTON_SPLAT_PT_light_groups,
     PHOTON_SPLAT_OBJECT_PT_light_group,
     PHOTON_SPLAT_WORLD_PT_light_group,
