@@ -134,6 +134,8 @@ def _keys(data: Any, default_radius: np.float32) -> NDArray[np.float32]:
 
 
 def _first(data: Any) -> NDArray[np.int64]:
+    if not len(data.curves):
+        return np.zeros(1, np.int64)
     return read(data.curve_offset_data, "value", np.int32).astype(np.int64)
 
 
