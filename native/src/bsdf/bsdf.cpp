@@ -530,7 +530,7 @@ Rgb Bsdf::evaluate_as(const View& view, const Vec3& wi, float* pdf, Rgb* rest, R
     if (lobe.pick <= 0) continue;
     const FacetValue value = lobe.evaluate(view, wi, i == sampled);
     density += lobe.pick * value.pdf;
-    if (sharp && !lobe.diffuse())
+    if (sharp && gathers_ && !lobe.diffuse())
       sharp_density += lobe.pick * value.pdf * sharpness(lobe.roughness());
     if (!radiance) continue;
     sum += value.f;
@@ -587,8 +587,8 @@ std::optional<BsdfSample> Bsdf::sample(float choice, const Vec2& u) const {
 std::optional<BsdfSample> Bsdf::sample_sharp(float choice, const Vec2& u) const {
   float total = 0;
   int index = -1;
-  const auto pick = [](const Lobe& lobe) {
-    return !lobe.diffuse() && sharpness(lobe.roughness()) > 0 ? lobe.pick : 0;
+  const auto pick = [this](const Lobe& lobe) {
+    return gathers_ && !lobe.diffuse() && sharpness(lobe.roughness()) > 0 ? lobe.pick : 0;
   };
   for (const Lobe& lobe : lobes_) total += pick(lobe);
   choice *= total;
@@ -612,7 +612,7 @@ std::optional<BsdfSample> Bsdf::sample_lobe(int index, float choice, const Vec2&
     return std::nullopt;
   out.transmitted = lobe.of_hair() ? hair_transmits(lobe, choice) : dot(out.direction, lobe.n) < 0;
   out.diffuse = lobe.diffuse();
-  out.roughness = lobe.roughness();
+  out.roughness = gathers_ ? lobe.roughness() : 1;
   if (lobe.delta()) return finish_delta(index, out);
   if (!right_side(lobe, view_, out.direction)) return std::nullopt;
   const Rgb f = evaluate_as(view_, out.direction, &out.pdf, &out.rest, nullptr, nullptr, index);

@@ -50,7 +50,7 @@ struct BsdfSample {
   Rgb weight;           // f |cos| / pdf of the whole BSDF (of the chosen lobe where it is a delta)
   Rgb rest;             // the same without what photons estimate at this vertex (see Bsdf::gather)
   float pdf = 0;        // solid angle, of the mixture over lobes; 0: delta
-  float roughness = 0;  // of the chosen lobe: 0 delta .. 1; diffuse lobes: 1
+  float roughness = 0;  // of the chosen lobe: 0 delta .. 1; diffuse lobes, strands: 1
   bool transmitted = false;
   bool diffuse = false;  // a diffuse-like lobe (diffuse, translucent, sheen) was chosen
 };
@@ -74,7 +74,8 @@ class Bsdf {
   // diffuse. Before any is added.
   void keep_subsurface(SubsurfaceUse use) { use_ = use; }
 
-  // Photons estimate nothing here: all is left to `rest`. Before finish().
+  // Photons estimate nothing here, all is left to `rest`; and no lobe counts as one that focuses
+  // light, which caustic photons would have to be aimed at. Before finish().
   void gather_nothing() { gathers_ = false; }
 
   // weight: the closure's colour times the mix factors above it (what Cycles calls the closure's

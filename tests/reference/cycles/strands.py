@@ -96,6 +96,12 @@ STRANDS = (
     _case("hair_spiral", "hair", kink="SPIRAL", lamp="point"),
     _case("hair_alone", "hair", hide_emitter=True, lamp="back"),
     _case("hair_instances", "instances", of="hair"),
+    # Motion
+    _case("moving", moves="slide", lamp="sun"),
+    _case("moving_velocity", moves="velocity", lamp="sun"),
+    _case("moving_points", "points", moves="velocity"),
+    _case("moving_hair", "hair", moves="slide", **BLUE),
+    _case("moving_bent", "hair", moves="bend", lamp="sun", **BLUE),
     # What is known of them
     *(
         _case(f"info_{output.lower().replace(' ', '_')}", material=_info(output), lamp="world")
@@ -123,6 +129,8 @@ STRANDS = (
     _case("translucent", material=node("BsdfTranslucent", Color=(0.7, 0.5, 0.2)), lamp="back"),
     _case("glossy", material=node("BsdfGlossy", Roughness=0.4), lamp="world"),
     _case("principled", material=node("BsdfPrincipled", Base_Color=(0.6, 0.2, 0.1))),
+    _case("points_glass", "points", material=node("BsdfGlass", Roughness=0.0), lamp="world"),
+    _case("points_metal", "points", material=node("BsdfGlossy", Roughness=0.1), lamp="world"),
     _case("points_glossy", "points", material=node("BsdfGlossy", Roughness=0.3)),
     # What shines is found by chance, in Cycles too
     _case("shining", material=GLOW, samples=4096),
@@ -160,7 +168,7 @@ STRANDS = (
     _case("ior", material=_principled(Color=(0.6, 0.3, 0.1), IOR=1.2, Offset=0.2), lamp="sun"),
     _case("randomised", material=_principled(random=True, Color=(0.5, 0.3, 0.2)), lamp="sun"),
     _case("principled_sky", material=_melanin(0.4), lamp="world"),
-    _case("principled_thick", material=_melanin(0.4), shape="THICK", lamp="sun"),
+    _case("principled_thick", material=_melanin(0.4), shape="THICK", lamp="sun", samples=4096),
     _case("principled_hair", "hair", material=_melanin(0.5), lamp="area"),
     _case("principled_lawn", "lawn", material=_melanin(0.2)),
 )

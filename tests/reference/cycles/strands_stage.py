@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 
 from blend_scenes.scripts import modelling as m
-from tests.reference.cycles import stage
+from tests.reference.cycles import motion_stage, stage
 from tests.reference.cycles.gallery_stage import build_material
 
 PLACE = (0.0, -0.25, 0.0)
@@ -23,6 +23,7 @@ def strands(
     lamp: str = "area",
     skin: dict[str, Any] | None = None,
     subdivisions: int = 2,
+    moves: str = "",
     **options: Any,
 ) -> None:
     """Strands on the stage.
@@ -31,6 +32,7 @@ def strands(
               on a ball), children, or instances (of one tuft, turned and stretched)
     material  of the strands, as gallery.py writes them; skin: of what they grow on
     shape     Cycles' setting
+    moves     slide (the object), velocity (an attribute) or bend (what hair grows on)
     lamp      area, point, sun, world or back (behind them)
     options   of the kind
     """
@@ -49,6 +51,8 @@ def strands(
         "instances": _instances,
         "generated": _generated,
     }[kind](made, own, **options)
+    if moves:
+        _move(moves)
 
 
 def _lights(kind: str) -> None:
@@ -62,6 +66,25 @@ def _lights(kind: str) -> None:
         stage._lamp("AREA", 60.0, (-0.4, 1.2, 1.6), (0.0, -0.2, 0.4), size=0.6)
     else:
         m.set_world((0.6, 0.7, 0.9))
+
+
+def _move(how: str) -> None:
+    motion_stage._shutter()
+    name = next(n for n in ("Tuft", "Ball", "Points") if n in bpy.data.objects)
+    ob = bpy.data.objects[name]
+    if how == "slide":
+        x, y, z = ob.location
+        motion_stage.keyed(ob, "location", (x - 0.5, y, z), (x + 0.5, y, z))
+    elif how == "velocity":
+        velocity = ob.data.attributes.new("velocity", "FLOAT_VECTOR", "POINT")
+        velocity.data.foreach_set("vector", [6.0, 0.0, 3.0] * len(velocity.data))
+    else:
+        ob.shape_key_add(name="Basis")
+        bent = ob.shape_key_add(name="Bent")
+        for point in bent.data:
+            point.co.x += 0.8 * (point.co.z + 0.4)
+        motion_stage.keyed(bent, "value", 0.0, 1.0)
+    bpy.context.scene.frame_set(1)
 
 
 def _random() -> np.random.Generator:
