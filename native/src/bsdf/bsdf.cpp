@@ -566,6 +566,8 @@ std::optional<BsdfSample> Bsdf::finish_delta(int index, BsdfSample out) const {
     float scale =
         std::abs(dot(out.direction, view_.ng)) / std::max(std::abs(dot(view_.wo, view_.ng)), 1e-6f);
     if (out.transmitted) scale *= cosine / std::max(sqr(lobe.fresnel.ior) * cos_out, 1e-6f);
+    // Light goes out of a strand without another refraction, which would undo that
+    if (out.transmitted && !gathers_) scale = 1;
     if (index < lobes.size()) out.weight = share(lobes[index], cos_out) * (scale / chance);
   }
   out.rest = out.weight;

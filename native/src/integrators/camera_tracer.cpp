@@ -158,7 +158,8 @@ bool CameraTracer::meet(Path& path, const Surface& hit, Bsdf& bsdf) const {
                                                            : kDiffuseLeast);
   }
   add_direct(path, hit, bsdf, receiver);
-  if (gathers && (!continued || caustic_photons_)) leave_gather_points(path, hit, bsdf, continued);
+  if (gathers && !hit.on_strand() && (!continued || caustic_photons_))
+    leave_gather_points(path, hit, bsdf, continued);
   if (!scatter(path, hit, bsdf, receiver, continued)) return false;
   if (lights_.shadow_linked()) add_linked(path);
   return true;

@@ -32,6 +32,7 @@ void Scene::fill_strand(const RawHit& hit, const Vec3& direction, Surface& s) co
     normal = s.position - pose_at(hit.instance, hit.time)
                               .to_world.point(strands.key(hit.triangle, hit.time).position);
   normal = normalize(normal);
+  if (dot(normal, direction) > 0) normal = -normal;       // within a round one
   s.ng = s.ns = is_finite(normal) ? normal : -direction;  // of what has no extent
   s.key = lookup.seed << 1;
   s.mark = Strands::mark(hit.instance, strands.strand(hit.triangle));

@@ -7,16 +7,16 @@
 namespace photon_splat {
 namespace {
 
-// The far sides of what is round are not there, as in Cycles: what goes through a strand is its
-// material's business. A ray that leaves a strand does not meet it again either.
-void pass(const RTCFilterFunctionNArguments* arguments, bool round) {
+// The far sides of points are not there, and a ray that leaves a strand does not meet it again, as
+// in Cycles: what goes through it is its material's business.
+void pass(const RTCFilterFunctionNArguments* arguments, bool point) {
   const Strands& strands = *static_cast<const Strands*>(arguments->geometryUserPtr);
   const unsigned n = arguments->N;
   for (unsigned i = 0; i < n; ++i) {
     if (!arguments->valid[i]) continue;
     RTCRayN* ray = arguments->ray;
     RTCHitN* hit = arguments->hit;
-    if (round && RTCRayN_dir_x(ray, n, i) * RTCHitN_Ng_x(hit, n, i) +
+    if (point && RTCRayN_dir_x(ray, n, i) * RTCHitN_Ng_x(hit, n, i) +
                          RTCRayN_dir_y(ray, n, i) * RTCHitN_Ng_y(hit, n, i) +
                          RTCRayN_dir_z(ray, n, i) * RTCHitN_Ng_z(hit, n, i) >
                      0) {
@@ -31,8 +31,8 @@ void pass(const RTCFilterFunctionNArguments* arguments, bool round) {
       arguments->valid[i] = 0;
   }
 }
-void pass_flat(const RTCFilterFunctionNArguments* arguments) { pass(arguments, false); }
-void pass_round(const RTCFilterFunctionNArguments* arguments) { pass(arguments, true); }
+void pass_curve(const RTCFilterFunctionNArguments* arguments) { pass(arguments, false); }
+void pass_point(const RTCFilterFunctionNArguments* arguments) { pass(arguments, true); }
 
 RTCGeometryType type_of(StrandShape shape) {
   switch (shape) {
@@ -212,7 +212,7 @@ RTCGeometry Strands::make_geometry(RTCDevice device) const {
                                0, sizeof(uint32_t), index_.size());
   }
   rtcSetGeometryUserData(geometry, const_cast<Strands*>(this));
-  const auto filter = shape_ == StrandShape::kRibbon ? pass_flat : pass_round;
+  const auto filter = are_curves() ? pass_curve : pass_point;
   rtcSetGeometryIntersectFilterFunction(geometry, filter);
   rtcSetGeometryOccludedFilterFunction(geometry, filter);
   rtcCommitGeometry(geometry);

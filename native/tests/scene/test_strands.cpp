@@ -69,13 +69,15 @@ TEST_CASE("rays meet strands as wide as they are, and find the normals of round 
   }
 }
 
-TEST_CASE("the far sides of round strands and of points are not there") {
+TEST_CASE("round strands have far sides, points have none") {
   Scene scene(1);
   put(scene, strands(StrandShape::kThick, upright(0)));
   put(scene, strands(StrandShape::kPoint, {{{4, 0, 2}, 0.5f}}));
   scene.build(CancelFlag());
   Surface s;
-  CHECK_FALSE(scene.intersect({0, 0, 2}, {0, 1, 0}, 0, INFINITY, false, s));
+  REQUIRE(scene.intersect({0, 0, 2}, {0, 1, 0}, 0, INFINITY, false, s));
+  CHECK(s.distance == doctest::Approx(0.1f));
+  CHECK(length(s.ns - Vec3{0, -1, 0}) < 1e-3f);  // towards where the ray comes from
   CHECK_FALSE(scene.intersect({4, 0, 2}, {0, 1, 0}, 0, INFINITY, false, s));
   CHECK_FALSE(scene.occluded({4, 0, 2}, {0, 0, 1}, 0, INFINITY));
   REQUIRE(scene.intersect({4, -3, 2}, {0, 1, 0}, 0, INFINITY, false, s));
