@@ -21,7 +21,9 @@ from .camera import camera_matrix
 from .instance_attributes import NO_LEVEL
 from .kept import identity
 from .mesh import sound_triangles
+from .particle_hair import hair_keys, hair_of
 from .report import Report
+from .strands import STRANDS, keys_now
 
 FrameSet = Callable[[int, float], None]
 """Takes Blender's scene, and the dependency graph that is exported, to a frame and a subframe."""
@@ -30,6 +32,8 @@ MOST_STEPS = 129
 CURVE_POINTS = 257
 ROLLING = "TOP"
 NOT_ROLLING = -1.0
+HAIR = -1
+"""Stands behind the key of an instance for the hair that grows on it."""
 
 
 @dataclass(slots=True)
@@ -122,7 +126,7 @@ def times_of(steps: int) -> list[float]:
 
 @dataclass(slots=True)
 class _Placed:
-    row: int
+    rows: list[int]
     steps: int
     vanishes: bool  # a particle is there as long as all steps know it
     matrices: dict[float, NDArray[np.float64]] = field(default_factory=dict)
@@ -140,6 +144,7 @@ class _Shape:
     corners: NDArray[np.int32] | None
     rows: list[int] = field(default_factory=list)
     known: bool = False
+    of_hair: bool = False  # keys of particles' hair; positions of strands have radii
     positions: dict[float, NDArray[np.float32]] = field(default_factory=dict)
     normals: dict[float, NDArray[np.float32]] = field(default_factory=dict)
 
@@ -171,8 +176,9 @@ class Moving:
             return
         key = key_of(instance)
         vanishes = instance.is_instance and instance.particle_system is not None
-        self._placed[key] = _Placed(row, steps, vanishes)
-        shape = self._shape(key, ob, parent, steps, mesh)
+        self._placed.setdefault(key, _Placed([], steps, vanishes)).rows.append(row)
+        of_hair = mesh.strands is not None and ob.type == "MESH"
+        shape = self._shape((*key, HAIR) if of_hair else key, ob, parent, steps, mesh)
         if shape is not None:
             shape.rows.append(row)
 
@@ -182,17 +188,21 @@ class Moving:
         asked = [getattr(one, "cycles", None) for one in (ob, parent) if one is not None]
         shape = None
         if all(getattr(one, "use_deform_motion", True) for one in asked):
-            velocity = _velocities(ob.data)
-            if velocity is not None and len(velocity) == len(mesh.positions):
+            of_hair = mesh.strands is not None and ob.type == "MESH"
+            velocity, places = None if of_hair else _velocities(ob.data), _places(mesh)
+            if velocity is not None and len(velocity) == len(places):
                 shape = _Shape(ob.name, 3, mesh, None, known=True)
-                way = velocity * np.float32(0.5 * self._blur.shutter * self._blur.frame_seconds)
-                shape.positions = {-1.0: mesh.positions - way, 1.0: mesh.positions + way}
+                way = np.zeros_like(places)
+                way[:, :3] = velocity * np.float32(
+                    0.5 * self._blur.shutter * self._blur.frame_seconds
+                )
+                shape.positions = {-1.0: places - way, 1.0: places + way}
             elif ob.is_deform_modified(self._scene, "RENDER"):
                 corners = None
                 if mesh.corner_normals is not None:
                     found = sound_triangles(ob.data, ob.name, Report())
                     corners = None if found is None else np.array(found.corners)
-                shape = _Shape(ob.name, steps, mesh, corners)
+                shape = _Shape(ob.name, steps, mesh, corners, of_hair=of_hair)
         self._shape_of[id(mesh)] = shape
         if shape is not None:
             self._shapes[key] = shape
@@ -211,15 +221,19 @@ class Moving:
         """Looks at the graph where it is at `time`. `camera`: the original."""
         for instance in depsgraph.object_instances:
             go_on()
-            if instance.object.type != "MESH":
+            if instance.object.type != "MESH" and instance.object.type not in STRANDS:
                 continue
             key = key_of(instance)
             placed = self._placed.get(key)
             if placed is None or time not in times_of(placed.steps):
                 continue
             placed.matrices[time] = np.array(instance.matrix_world, np.float64)
-            if key in self._shapes and not self._shapes[key].known:
-                self._see_shape(self._shapes[key], instance.object, time)
+            for shape in (self._shapes.get(key), self._shapes.get((*key, HAIR))):
+                if shape is not None and shape.mesh.strands is not None and not shape.known:
+                    rendered = depsgraph.mode == "RENDER"
+                    self._see_strands(shape, instance.object, time, rendered, go_on)
+                elif shape is not None and not shape.known:
+                    self._see_shape(shape, instance.object, time)
         if self._camera_steps and time in times_of(self._camera_steps):
             self._see_camera(time, camera.evaluated_get(depsgraph), Report())
 
@@ -240,6 +254,22 @@ class Moving:
             if not len(shape.corners) or int(np.max(shape.corners)) < len(normals):
                 shape.normals[time] = np.take(normals, shape.corners, axis=0)
 
+    def _see_strands(
+        self, shape: _Shape, ob: Any, time: float, rendered: bool, go_on: Callable[[], None]
+    ) -> None:
+        keys = (
+            hair_keys(ob, hair_of(ob, rendered), go_on)
+            if shape.of_hair
+            else keys_now(ob.data, ob.type)
+        )
+        if keys is None or len(keys) != len(_places(shape.mesh)) or not np.isfinite(keys).all():
+            self._report.warn(
+                "Motion blur: strands keep their shape, as their number of keys changes: {}",
+                ob.name,
+            )
+            return
+        shape.positions[time] = keys
+
     def _see_camera(self, time: float, ob: Any, report: Report) -> None:
         data = ob.data
         lens = float(data.lens) if data.type == "PERSP" else 1.0
@@ -249,28 +279,42 @@ class Moving:
 
     def move(self, scene: Scene, render: Any) -> None:
         """Tells `scene` what has moved, and its shutter if anything has."""
-        motion = {}
+        motion: dict[int, NDArray[np.float64]] = {}
         lost = []
         for placed in self._placed.values():
-            row, times = placed.row, times_of(placed.steps)
+            rows, times = placed.rows, times_of(placed.steps)
             if placed.vanishes and any(time and time not in placed.matrices for time in times):
-                lost.append(row)
+                lost += rows
                 continue
-            own = scene.instances.matrix[row]
+            own = scene.instances.matrix[rows[0]]
             steps = np.stack([placed.matrices.get(time, own) for time in times])
             if _differ(steps, own) and np.isfinite(steps).all():
-                motion[row] = steps
+                motion |= dict.fromkeys(rows, steps)
         scene.instances.motion = motion
         for shape in self._shapes.values():
             self._move_shape(scene, shape)
         self._move_camera(scene)
         _remove(scene, lost)
-        if scene.instances.motion or scene.camera.motion or any(m.motion for m in scene.meshes):
+        if (
+            scene.instances.motion
+            or scene.camera.motion
+            or any(
+                m.motion or (m.strands is not None and m.strands.motion is not None)
+                for m in scene.meshes
+            )
+        ):
             scene.shutter = Shutter(shutter_curve(render), self._blur.rolling)
 
     def _move_shape(self, scene: Scene, shape: _Shape) -> None:
         base, times = shape.mesh, times_of(shape.steps)
-        if not any(not np.array_equal(p, base.positions) for p in shape.positions.values()):
+        places = _places(base)
+        if not any(not np.array_equal(p, places) for p in shape.positions.values()):
+            return
+        if base.strands is not None:
+            steps = np.stack([shape.positions.get(time, places) for time in times])
+            moved = replace(base.strands, motion=steps)
+            for index in {int(scene.instances.mesh[row]) for row in shape.rows}:
+                scene.meshes[index] = replace(scene.meshes[index], strands=moved)
             return
         for index in {int(scene.instances.mesh[row]) for row in shape.rows}:
             mesh = scene.meshes[index]
@@ -300,6 +344,10 @@ class Moving:
         zoom = (self._camera[-1.0][1] / extent, self._camera[1.0][1] / extent)
         if _differ(matrices, own) or zoom != (1.0, 1.0):
             scene.camera.motion = CameraMotion(matrices, zoom)
+
+
+def _places(mesh: Mesh) -> NDArray[np.float32]:
+    return mesh.positions if mesh.strands is None else mesh.strands.keys
 
 
 def _velocities(mesh: Any) -> NDArray[np.float32] | None:

@@ -33,15 +33,15 @@ from .materials import Materials, Shading
 from .mesh import export_mesh, flattened
 from .motion import Moving
 from .nodes.node import Want, Wants
+from .particle_hair import export_hair, hair_of, hair_shading, known_as, made_of
 from .report import Report
+from .strands import STRANDS, export_strands, look_of, strand_shading, uv_layer
 from .visibility import FLAGS, Visibility, report_unsupported
 
 Value = TypeVar("Value")
 SEEING_RAYS = sum(FLAGS.values())
 UNSUPPORTED = {
-    "CURVES": "hair curves",
     "VOLUME": "volumes",
-    "POINTCLOUD": "point clouds",
     "GREASEPENCIL": "grease pencil objects",
 }
 
@@ -84,7 +84,8 @@ class Objects:
         self._terminator_offsets: list[float] = []
         self._light_group_of = {name: i for i, name in enumerate(light_groups)}
         self._matrices: list[NDArray[np.float64]] = []
-        self._row_of: dict[int, int] = {}  # by index in the graph's list of instances
+        self._rows_of: dict[int, range] = {}  # by index in the graph's list of instances
+        self._hair: set[int] = set()  # which meshes are hair of particles
         self._attributes: list[InstanceAttribute] = []
         self._displaced = Displaced(self.meshes, kept, self._report)
         # flattened meshes: which triangles are left
@@ -104,16 +105,14 @@ class Objects:
             kind = ob.type
             if visible is not None and not visible(instance):
                 continue
-            if kind == "MESH":
-                if instance.show_particles:
-                    self._report_particles(ob)
+            if kind == "MESH" or kind in STRANDS:
                 rays, holdout = visibility.of(instance)
-                if instance.show_self and rays & SEEING_RAYS and view_layer.use_solid:
-                    before = len(self._rows)
-                    self._add_mesh(ob, np.array(instance.matrix_world, np.float64), override)
-                    if len(self._rows) > before:
-                        self._row_of[place] = before
-                        self._add_moving(instance, before)
+                if rays & SEEING_RAYS:
+                    rows = self._add_rows(instance, depsgraph, override)
+                    if rows:
+                        self._rows_of[place] = rows
+                    for row in rows:
+                        self._add_moving(instance, row)
                         if self._labelled is not None:
                             self._labelled.add(ob)
                         self._groups.append(linking.group(instance))
@@ -167,21 +166,22 @@ class Objects:
         done: set[int] = set()
         of_nodes = InstanceAttributes(self._report)
         for place, instance in enumerate(depsgraph.object_instances):
-            row = self._row_of.get(place)
-            if row is None:
+            rows = self._rows_of.get(place)
+            if rows is None:
                 continue
             self._shading.around.watch.go_on()
-            index = self._rows[row][0]
-            if mesh_wants and index not in done:
+            for index in {self._rows[row][0] for row in rows} - done if mesh_wants else ():
                 done.add(index)
                 ob = instance.object
                 self.meshes[index] = replace(
                     self.meshes[index],
-                    shading=self._mesh_shading(ob, mesh_wants, self._flat.get(index)),
+                    shading=self._shading_of(ob, index, mesh_wants, depsgraph),
                 )
-                report_flat_uv_maps(ob, mesh_wants, askers, self._report)
+                if self.meshes[index].strands is None:
+                    report_flat_uv_maps(ob, mesh_wants, askers, self._report)
             for number, want in instance_wants.items():
-                values[number][row] = instance_value(instance, want, depsgraph, of_nodes)
+                found = instance_value(instance, want, depsgraph, of_nodes)
+                values[number][rows.start : rows.stop] = found
         self._attributes = [InstanceAttribute(number, found) for number, found in values.items()]
 
     def displace(self, camera: Camera) -> None:
@@ -199,6 +199,16 @@ class Objects:
         used, rows[:, 0] = np.unique(rows[:, 0], return_inverse=True)
         self.meshes = [self.meshes[i] for i in used]  # not those that stand nowhere undisplaced
         self._rows = [(int(mesh), int(materials)) for mesh, materials in rows]
+
+    def _shading_of(
+        self, ob: Any, index: int, wants: dict[int, Want], depsgraph: Any
+    ) -> MeshShading:
+        strands = self.meshes[index].strands
+        if strands is not None and index in self._hair:
+            return hair_shading(ob, hair_of(ob, depsgraph.mode == "RENDER"), strands, wants)
+        if strands is not None:
+            return strand_shading(ob.data, ob.type, ob.name, wants)
+        return self._mesh_shading(ob, wants, self._flat.get(index))
 
     def _mesh_shading(
         self, ob: Any, wants: dict[int, Want], left: NDArray[np.bool_] | None
@@ -237,6 +247,89 @@ class Objects:
             placed.terminator_offset = np.array(self._terminator_offsets, np.float32)
         return placed
 
+    def _add_rows(self, instance: Any, depsgraph: Any, override: Any) -> range:
+        """What an instance of the graph shows: its mesh, curves or points, and its hair."""
+        ob, before = instance.object, len(self._rows)
+        matrix = np.array(instance.matrix_world, np.float64)
+        view_layer = depsgraph.view_layer
+        strands_shown = view_layer.use_strand
+        if instance.show_self and ob.type == "MESH":
+            if view_layer.use_solid:
+                self._add_mesh(ob, matrix, override)
+        elif instance.show_self and (strands_shown or ob.type != "CURVES"):
+            self._add_strands(ob, matrix, depsgraph, override)
+        if instance.show_particles and strands_shown and ob.type == "MESH":
+            self._add_hair(ob, matrix, depsgraph, override)
+        return range(before, len(self._rows))
+
+    def _add_strands(
+        self, ob: Any, matrix: NDArray[np.float64], depsgraph: Any, override: Any
+    ) -> None:
+        data, look = ob.data, look_of(depsgraph.scene_eval)
+        pointer = data.as_pointer()
+        if pointer not in self._mesh_of:
+            positions = data.attributes.get("position")
+            known = (pointer, *_made_of(ob), look, 0 if positions is None else len(positions.data))
+            self._mesh_of[pointer] = self._append(
+                self._kept.get(
+                    ("strands", *known),
+                    _made_of(ob),
+                    self._report,
+                    lambda report: export_strands(data, ob.type, ob.name, look, report),
+                )
+            )
+        layer = uv_layer(data) if ob.type == "CURVES" else None
+        self._add_row(ob, self._mesh_of[pointer], matrix, layer and layer.name, override)
+
+    def _add_hair(
+        self, ob: Any, matrix: NDArray[np.float64], depsgraph: Any, override: Any
+    ) -> None:
+        systems = hair_of(ob, depsgraph.mode == "RENDER") if ob.particle_systems else []
+        if not systems:
+            return
+        look, key = look_of(depsgraph.scene_eval), -ob.data.as_pointer()
+        if key not in self._mesh_of:
+            known = ("hair", *_known_as(ob), look, *known_as(systems))
+            found = self._append(
+                self._kept.get(
+                    known,
+                    (*_made_of(ob), *made_of(systems)),
+                    self._report,
+                    lambda report: export_hair(
+                        ob, systems, look, report, self._shading.around.watch.go_on
+                    ),
+                )
+            )
+            self._mesh_of[key] = found
+            if found is not None:
+                self._hair.add(found)
+        self._add_row(ob, self._mesh_of[key], matrix, _uv_map(ob.data), override)
+
+    def _add_row(
+        self,
+        ob: Any,
+        index: int | None,
+        matrix: NDArray[np.float64],
+        uv_map: str | None,
+        override: Any,
+    ) -> None:
+        """Of strands."""
+        if index is None:
+            return
+        flat = self._is_flat(matrix, ob.name)
+        if flat:
+            self._report.warn(
+                "Strands left out, as their object's scale flattens them: {}", ob.name
+            )
+        if flat is not False:
+            return
+        key = (-1 - index, ob.original.as_pointer())
+        if key not in self._set_of:
+            self._set_of[key] = self._material_set(ob, index, uv_map, override)
+            report_unsupported(ob, self._report)
+        self._rows.append((index, self._set_of[key]))
+        self._matrices.append(matrix)
+
     def _add_mesh(self, ob: Any, matrix: NDArray[np.float64], override: Any) -> None:
         data = ob.data
         pointer = data.as_pointer()
@@ -256,7 +349,7 @@ class Objects:
             return
         key = (pointer, ob.original.as_pointer())
         if key not in self._set_of:
-            self._set_of[key] = self._material_set(ob, data, index, override)
+            self._set_of[key] = self._material_set(ob, index, _uv_map(data), override)
             report_unsupported(ob, self._report)
         slots = slots_of(
             self.meshes[index],
@@ -289,9 +382,11 @@ class Objects:
         if self._moving is None:
             return
         ob = instance.object
-        index = self._mesh_of[ob.data.as_pointer()]
+        own = self._rows[row][0]
+        strands = self.meshes[own].strands is not None
+        index = own if strands else self._mesh_of[ob.data.as_pointer()]
         assert index is not None
-        self._moving.add(instance, row, self.meshes[index], self._rows[row][0] in self._flat)
+        self._moving.add(instance, row, self.meshes[index], own in self._flat)
 
     def _append(self, mesh: Mesh | None) -> int | None:
         if mesh is None:
@@ -325,14 +420,14 @@ class Objects:
         self._report.warn("Objects left out, as their scale is zero: {}", name)
         return None
 
-    def _material_set(self, ob: Any, data: Any, mesh_index: int, override: Any) -> int:
+    def _material_set(self, ob: Any, mesh_index: int, uv_map: str | None, override: Any) -> int:
         """Index of the set for an object's slots, as long as the mesh's slots need: the last
         material serves those beyond.
         """
-        uv_map = next((layer.name for layer in data.uv_layers if layer.active_render), None)
         found = [override] if override else [slot.material for slot in ob.material_slots] or [None]
         indices = [self._materials.index(material, uv_map) for material in found]
-        slots = self.meshes[mesh_index].slots
+        mesh = self.meshes[mesh_index]
+        slots = mesh.slots if mesh.strands is None else mesh.strands.slots
         needed = 1 if slots is None else int(np.max(slots)) + 1
         indices += [indices[-1]] * (needed - len(indices))
         key = tuple(indices)
@@ -341,10 +436,9 @@ class Objects:
             self.material_sets.append(np.array(indices, np.int32))
         return self._sets[key]
 
-    def _report_particles(self, ob: Any) -> None:
-        for system in ob.particle_systems:
-            if system.settings.type == "HAIR" and system.settings.render_type == "PATH":
-                self._report.warn("Not supported yet and left out, hair of: {}", ob.name)
+
+def _uv_map(mesh: Any) -> str | None:
+    return next((layer.name for layer in mesh.uv_layers if layer.active_render), None)
 
 
 def _made_of(ob: Any) -> tuple[int, int]:

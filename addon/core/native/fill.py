@@ -22,6 +22,7 @@ from ..scene import (
     Mesh,
     Scene,
     Side,
+    Strands,
     Texture,
 )
 from ..scene.shading import Program
@@ -55,7 +56,9 @@ def _instance_boxes(scene: Scene) -> NDArray[np.float64]:
     out.
     """
     instances = scene.instances
-    filled = np.array([len(mesh.triangles) > 0 for mesh in scene.meshes], bool)
+    filled = np.array(
+        [len(mesh.triangles) > 0 or mesh.strands is not None for mesh in scene.meshes], bool
+    )
     corners = np.zeros((len(scene.meshes), 8, 3))
     for i in np.flatnonzero(filled):
         box = _box(scene.meshes[i])
@@ -75,6 +78,11 @@ def _box(mesh: Mesh) -> NDArray[np.float64]:
     """(2, 3) lower and upper corner of the triangles; vertices that none of them uses do not
     count.
     """
+    if mesh.strands is not None:
+        keys = mesh.strands.keys
+        return np.stack(
+            [(keys[:, :3] - keys[:, 3:]).min(axis=0), (keys[:, :3] + keys[:, 3:]).max(axis=0)]
+        ).astype(np.float64)
     axes = mesh.positions.T  # one at a time: numpy takes twenty times as long over axis 0
     ends = [int(at) for axis in axes for at in (axis.argmin(), axis.argmax())]
     if not all((mesh.triangles == end).any() for end in set(ends)):
@@ -122,6 +130,10 @@ def fill_renderer(renderer: Renderer, scene: Scene, settings: RenderSettings) ->
     _add_materials(renderer, scene)
     for index, mesh in enumerate(scene.meshes):
         with _naming(f"mesh '{mesh.name}'"):
+            if mesh.strands is not None:
+                _add_strands(renderer, index, mesh.strands)
+                add_mesh_shading(renderer, index, mesh)
+                continue
             renderer.add_mesh(
                 np.ascontiguousarray(mesh.positions, np.float32),
                 np.ascontiguousarray(mesh.triangles, np.uint32),
@@ -221,6 +233,19 @@ def _add_materials(renderer: Renderer, scene: Scene) -> None:
                 renderer.add_material(_side(material.front), _side(material.back))
             if material.volume != NO_PROGRAM:
                 renderer.set_volume(material.volume)
+
+
+def _add_strands(renderer: Renderer, index: int, strands: Strands) -> None:
+    renderer.add_strands(
+        np.ascontiguousarray(strands.keys, np.float32),
+        _contiguous(strands.first, np.uint32),
+        str(strands.shape),
+        strands.subdivisions,
+        _contiguous(strands.slots, np.uint16),
+        _contiguous(strands.uv, np.float32),
+    )
+    if strands.motion is not None:
+        renderer.set_strand_motion(index, np.ascontiguousarray(strands.motion, np.float32))
 
 
 def _add_lights(renderer: Renderer, scene: Scene) -> None:

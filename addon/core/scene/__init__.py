@@ -14,6 +14,7 @@ from .material import NO_PROGRAM, NO_TEXTURE, Extension, Interpolation, Material
 from .mesh import Instances, Mesh
 from .motion import CameraMotion, MeshMotion, Shutter
 from .scene import GEOMETRY, SHADING, VIEW, Scene, same, same_geometry, same_shading
+from .strands import Strands, StrandShape
 from .visibility import ALL_GROUPS, ALL_RAYS, GROUPS, NO_LIGHT_GROUP, TERMINATOR_OFFSET, Ray
 
 __all__ = [
@@ -48,6 +49,8 @@ __all__ = [
     "Scene",
     "Shutter",
     "Side",
+    "StrandShape",
+    "Strands",
     "SunDisc",
     "Texture",
     "WorldMap",

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from .motion import MeshMotion
 from .shading import InstanceAttribute, MeshShading
+from .strands import Strands
 
 
 @dataclass(slots=True)
@@ -25,6 +26,7 @@ class Mesh:
 
     shading         what shader programs read beyond that
     motion          how its shape changes while the shutter is open, or None
+    strands         curves or points instead of triangles, or None
 
     No NaN, no infinity, no triangle of zero area (the exporter drops those and says so).
     """
@@ -38,6 +40,7 @@ class Mesh:
     shading: MeshShading = field(default_factory=MeshShading)
     vertex_normals: NDArray[np.float32] | None = None
     motion: MeshMotion | None = None
+    strands: Strands | None = None
 
     def normals(self) -> NDArray[np.float32] | None:
         """(T, 3, 3) unit shading normals per corner, however they are kept, or None: flat
@@ -48,6 +51,10 @@ class Mesh:
             if self.vertex_normals is None
             else self.vertex_normals[self.triangles]
         )
+
+    @classmethod
+    def of_strands(cls, name: str, strands: Strands) -> Mesh:
+        return cls(name, np.zeros((0, 3), np.float32), np.zeros((0, 3), np.uint32), strands=strands)
 
 
 @dataclass(slots=True)

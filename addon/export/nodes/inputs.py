@@ -406,7 +406,24 @@ def vector_displacement(n: Node) -> Outputs:
     }
 
 
-def nothing_of_hair(n: Node) -> Outputs:
+def curves_info(n: Node) -> Outputs:
+    found = n.graph.add("CurvesInfo")
+    return {
+        "Is Strand": found["is_strand"],
+        "Intercept": found["intercept"],
+        "Length": found["length"],
+        "Thickness": found["thickness"],
+        "Tangent Normal": found["tangent_normal"],
+        "Random": found["random"],
+    }
+
+
+def point_info(n: Node) -> Outputs:
+    found = n.graph.add("PointInfo")
+    return {name: found[name.lower()] for name in ("Position", "Radius", "Random")}
+
+
+def nothing_of_volumes(n: Node) -> Outputs:
     return {
         socket.identifier: ORIGIN if socket.type in {"VECTOR", "RGBA"} else ZERO
         for socket in n.node.outputs

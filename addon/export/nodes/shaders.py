@@ -14,6 +14,7 @@ Made = tuple[list[Statement], Feature]
 SHARP_BELOW = 0.5
 BENDS_NOTHING = 1.0021
 """bends_nothing() of native/src/bsdf/fresnel.h, and a little for rounding."""
+OF_HAIR = Feature.REST | Feature.TRANSMITS
 
 
 def _roughness_features(*roughnesses: Value) -> Feature:
@@ -345,6 +346,46 @@ def principled(n: Node, weight: Value) -> Made:
     return [made], features
 
 
+def hair(n: Node, weight: Value) -> Made:
+    made = statement(
+        "Hair",
+        weight=weight,
+        color=n.color("Color"),
+        normal=n.closure_normal(),
+        tangent=n.values["Tangent"] if n.linked("Tangent") else ORIGIN,
+        offset=n.number("Offset"),
+        roughness_u=n.number("RoughnessU", 0.1),
+        roughness_v=n.number("RoughnessV", 1.0),
+        component=n.node.component,
+    )
+    return [made], OF_HAIR
+
+
+def hair_principled(n: Node, weight: Value) -> Made:
+    if getattr(n.node, "model", "CHIANG") != "CHIANG":
+        n.unsupported("with the model of Huang is not supported; taken as that of Chiang")
+    of_strand = n.graph.add("CurvesInfo")["random"]
+    made = statement(
+        "PrincipledHair",
+        weight=weight,
+        color=n.color("Color"),
+        melanin=n.number("Melanin", 0.8),
+        melanin_redness=n.number("Melanin Redness", 1.0),
+        tint=n.color("Tint", (1.0, 1.0, 1.0)),
+        absorption=n.vector("Absorption Coefficient"),
+        roughness=n.number("Roughness", 0.3),
+        radial_roughness=n.number("Radial Roughness", 0.3),
+        coat=n.number("Coat"),
+        ior=n.number("IOR", 1.55),
+        offset=n.number("Offset"),
+        random_color=n.number("Random Color"),
+        random_roughness=n.number("Random Roughness"),
+        random=n.values["Random"] if n.linked("Random") else of_strand,
+        parametrization=n.node.parametrization,
+    )
+    return [made], OF_HAIR
+
+
 def _matte(n: Node, weight: Value, emission_color: Value, emission_strength: Value) -> Made:
     """A Principled BSDF that has nothing but its diffuse layer and emission."""
     roughness = n.share("Diffuse Roughness")
@@ -376,8 +417,6 @@ def _as_diffuse(what: str, color: str) -> Callable[[Node, Value], Made]:
     return compile_diffuse
 
 
-hair = _as_diffuse("taken as diffuse with its colour", "Color")
-hair_principled = _as_diffuse("taken as diffuse with its colour", "Color")
 specular_workflow = _as_diffuse("taken as diffuse with its base colour", "Base Color")
 
 

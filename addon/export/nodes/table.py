@@ -61,9 +61,12 @@ NODES: dict[str, Entry] = {
     "BSDF_TOON": Entry("shader", "Toon BSDF", s.toon),
     "HOLDOUT": Entry("shader", "Holdout", s.holdout),
     "SUBSURFACE_SCATTERING": Entry("shader", "Subsurface Scattering", s.subsurface),
-    "BSDF_HAIR": Entry("shader", "Hair BSDF", s.hair, "taken as diffuse"),
+    "BSDF_HAIR": Entry("shader", "Hair BSDF", s.hair),
     "BSDF_HAIR_PRINCIPLED": Entry(
-        "shader", "Principled Hair BSDF", s.hair_principled, "taken as diffuse"
+        "shader",
+        "Principled Hair BSDF",
+        s.hair_principled,
+        "the model of Huang is taken as that of Chiang",
     ),
     "BSDF_RAY_PORTAL": Entry("shader", "Ray Portal BSDF", s.ray_portal, "taken as transparent"),
     "EEVEE_SPECULAR": Entry("shader", "Specular BSDF", s.specular_workflow, "taken as diffuse"),
@@ -115,9 +118,9 @@ NODES: dict[str, Entry] = {
     "TANGENT": Entry("input", "Tangent", i.tangent),
     "VALUE": Entry("input", "Value", c.value),
     "RGB": Entry("input", "RGB", c.rgb),
-    "HAIR_INFO": Entry("input", "Curves Info", i.nothing_of_hair),
-    "POINT_INFO": Entry("input", "Point Info", i.nothing_of_hair),
-    "VOLUME_INFO": Entry("input", "Volume Info", i.nothing_of_hair),
+    "HAIR_INFO": Entry("input", "Curves Info", i.curves_info),
+    "POINT_INFO": Entry("input", "Point Info", i.point_info),
+    "VOLUME_INFO": Entry("input", "Volume Info", i.nothing_of_volumes),
     "AMBIENT_OCCLUSION": Entry("input", "Ambient Occlusion", i.ambient_occlusion),
     "BEVEL": Entry("input", "Bevel", i.bevel),
     "MATERIAL_RAYCAST": Entry(

@@ -25,6 +25,8 @@ MOVED_WITH_HIT = {
     "TextureCoordinate",
     "UvMap",
     "Attribute",
+    "CurvesInfo",
+    "PointInfo",
     "CameraData",
     "Wireframe",
     "TangentUv",

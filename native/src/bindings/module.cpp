@@ -19,6 +19,7 @@ NB_MODULE(photon_splat_native, m) {
       "options), built, and asked for passes by render_pass(); film() tells what they made. Indices count from 0 in the\n"
       "order of adding. Stages raise Cancelled after cancel(), and may run for minutes with the GIL released.");
   bind_geometry(renderer);
+  bind_strands(renderer);
   bind_lights(m, renderer);
   bind_camera(renderer);
   bind_motion(renderer);

@@ -55,6 +55,7 @@ void set_mesh_motion(Renderer& r, uint32_t index, Array<float, nb::shape<-1, -1,
   if (index >= r.scene.meshes.size())
     throw std::invalid_argument("a motion names a mesh that does not exist");
   Mesh& mesh = r.scene.meshes[index];
+  if (mesh.strands) throw std::invalid_argument("a motion of a mesh names strands");
   const size_t steps = positions.shape(0), vertices = mesh.positions.size() - 1,
                triangles = mesh.triangles.size();
   check_steps(steps);

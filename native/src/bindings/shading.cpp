@@ -98,6 +98,12 @@ void add_mesh_attribute(
   } else {
     throw std::invalid_argument("unknown attribute domain '" + domain + "'");
   }
+  if (mesh.strands) {
+    if (attribute.domain == MeshAttribute::Domain::kCorner)
+      throw std::invalid_argument("strands have no corners");
+    elements = attribute.domain == MeshAttribute::Domain::kPoint ? mesh.strands->key_count()
+                                                                 : mesh.strands->count();
+  }
   if (values.shape(0) != elements || values.shape(1) < 1 || values.shape(1) > 4)
     throw std::invalid_argument("an attribute does not fit its mesh");
   attribute.components = static_cast<uint32_t>(values.shape(1));

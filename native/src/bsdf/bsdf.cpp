@@ -121,6 +121,33 @@ struct Below {
   }
 };
 
+struct Hair {
+  Rgb weight;
+  Vec3 normal;
+  HairInputs inputs;
+  void expand(const View& view, LobeList& out) const {
+    out.add([&] { return hair_lobe(view, weight, view.turned(normal), inputs); });
+  }
+};
+
+struct PrincipledHair {
+  Rgb weight;
+  Vec3 normal;
+  PrincipledHairInputs inputs;
+  void expand(const View& view, LobeList& out) const {
+    out.add([&] { return principled_hair_lobe(view, weight, view.turned(normal), inputs); });
+  }
+};
+
+// Of a frame that is of no use none is left.
+bool clean_frame(HairFrame& frame) {
+  const float len = length(frame.tangent);
+  if (!(len > 0 && std::isfinite(len))) return false;
+  frame.tangent = frame.tangent / len;
+  frame.across = clean(frame.across, -1, 1, 0);
+  return true;
+}
+
 FacetShape clean_shape(Distribution d, float roughness, float anisotropy, float rotation,
                        const Vec3& tangent) {
   FacetShape shape;
@@ -146,6 +173,7 @@ Rgb split_color(const Rgb& weight, const Rgb* color, Rgb* tint) {
 
 // On the wrong side of the surface proper, a lobe scatters nothing.
 bool right_side(const Lobe& lobe, const View& view, const Vec3& wi) {
+  if (lobe.of_hair()) return true;
   return (dot(wi, view.ng) > 0) == (dot(wi, lobe.n) > 0);
 }
 
@@ -154,6 +182,13 @@ Rgb gathered(const View& view, const Vec3& wi, const Rgb& same, const Rgb& throu
   const float cosine = dot(wi, view.ns);
   if (dot(wi, view.ng) > 0) return cosine > 0 ? same * (cosine / kPi) : Rgb{};
   return cosine < 0 ? through * (-cosine / kPi) : Rgb{};
+}
+
+// Light that comes from one direction meets a strand as wide as it is seen from there.
+float around_strand(const Vec3& tangent, const Vec3& out, const Vec3& in) {
+  const float seen_out = length(out - tangent * dot(tangent, out)),
+              seen_in = length(in - tangent * dot(tangent, in));
+  return seen_out / std::max(seen_in, 1e-4f);
 }
 
 void sum_gather(const LobeList& lobes, Rgb* same, Rgb* through) {
@@ -225,6 +260,24 @@ void Bsdf::add_toon(const Rgb& weight, const Vec3& normal, bool glossy, float si
   add(Toon{clean_color(weight), normal, clean(size, 0, 1, 0.5f), clean(smooth, 0, 1, 0), glossy});
 }
 
+void Bsdf::add_hair(const Rgb& weight, const Vec3& normal, HairInputs&& in) {
+  if (!clean_frame(in.frame)) return;
+  in.offset = clean(in.offset, -kPi / 2, kPi / 2, 0);
+  in.along = clean(in.along, 0.001f, 1, 0.1f);
+  in.around = clean(in.around, 0.001f, 1, 1);
+  add(Hair{clean_color(weight), normal, in});
+}
+void Bsdf::add_principled_hair(const Rgb& weight, const Vec3& normal, PrincipledHairInputs&& in) {
+  if (!clean_frame(in.frame)) return;
+  in.absorption = clean_color(in.absorption);
+  in.offset = clean(in.offset, -kPi / 2, kPi / 2, 0);
+  in.along = clean(in.along, 0.001f, 1, 0.3f);
+  in.around = clean(in.around, 0.001f, 1, 0.3f);
+  in.coat = clean(in.coat, 0, 1, 0);
+  in.ior = clean(in.ior, 1.0001f, 1e3f, 1.55f);
+  add(PrincipledHair{clean_color(weight), normal, in});
+}
+
 void Bsdf::add_glossy(const Rgb& weight, const Vec3& normal, Distribution d, float roughness,
                       float anisotropy, float rotation, const Vec3& tangent, const Rgb* color) {
   if (d == Distribution::kAshikhminShirley) {
@@ -287,12 +340,13 @@ void Bsdf::add_metallic(const Rgb& weight, const Vec3& normal, Distribution d, f
 
 void Bsdf::finish() {
   gather_ = gather_through_ = {};
-  sum_gather(lobes_, &gather_, &gather_through_);
+  if (gathers_) sum_gather(lobes_, &gather_, &gather_through_);
   rest_ = false;
   float total = 0, largest = 0;
   for (Lobe& lobe : lobes_) {
     const bool plain = lobe.kind == LobeKind::kLambert || lobe.kind == LobeKind::kTranslucent;
-    if (!is_black(lobe.weight) && !(plain && dot(lobe.n, view_.ns) > 1 - 1e-6f)) rest_ = true;
+    if (!is_black(lobe.weight) && !(gathers_ && plain && dot(lobe.n, view_.ns) > 1 - 1e-6f))
+      rest_ = true;
     largest = std::max(largest, lobe.albedo);
   }
   // A photon's lobes are weighed anew for the direction it leaves in: none that may count there is
@@ -314,6 +368,7 @@ void Bsdf::finish() {
 }
 
 void Bsdf::prefer_rest(float kept) {
+  if (!gathers_) return;
   float total = 0;
   for (Lobe& lobe : lobes_) {
     if (lobe.kind == LobeKind::kLambert || lobe.kind == LobeKind::kTranslucent)
@@ -345,7 +400,7 @@ void Bsdf::cover_hemispheres() {
   float same = 0, through = 0;
   for (Lobe& lobe : lobes_) {
     const float cosine = dot(lobe.n, view_.ng);
-    if (lobe.pick <= 0 || lobe.delta() || cosine > kStraight) continue;
+    if (lobe.pick <= 0 || lobe.delta() || lobe.of_hair() || cosine > kStraight) continue;
     if (lobe.diffuse()) {
       const Basis basis(view_.ng);
       lobe.n = view_.ng, lobe.t = basis.tangent, lobe.b = basis.bitangent;
@@ -379,7 +434,7 @@ void Bsdf::add_cover(const Vec3& n, float same, float through) {
 bool Bsdf::transmits() const {
   for (const Lobe& lobe : lobes_) {
     if (lobe.pick <= 0) continue;
-    if (lobe.kind == LobeKind::kTranslucent ||
+    if (lobe.kind == LobeKind::kTranslucent || lobe.of_hair() ||
         (lobe.kind == LobeKind::kFacets && max_component(lobe.fresnel.transmit_tint) > 0))
       return true;
   }
@@ -410,9 +465,10 @@ bool Bsdf::has_rest() const { return rest_; }
 Rgb Bsdf::albedo() const {
   Rgb sum = below_weight();
   for (const Lobe& lobe : lobes_)
-    sum += lobe.kind == LobeKind::kFacets ? lobe.scale * lobe.layer
-           : lobe.diffuse()               ? lobe.gather
-                                          : lobe.weight;
+    sum += lobe.kind == LobeKind::kFacets || lobe.kind == LobeKind::kPrincipledHair
+               ? lobe.scale * lobe.layer
+           : lobe.diffuse() ? lobe.gather
+                            : lobe.weight;
   return sum;
 }
 
@@ -424,7 +480,11 @@ Vec3 Bsdf::mean_normal() const {
   return len > 0 && std::isfinite(len) ? sum / len : view_.ns;
 }
 
-Rgb Bsdf::diffuse_albedo() const { return gather_ + gather_through_ + below_weight(); }
+Rgb Bsdf::diffuse_albedo() const {
+  Rgb same = gather_, through = gather_through_;
+  if (!gathers_) sum_gather(lobes_, &same, &through);
+  return same + through + below_weight();
+}
 
 // The radiance BSDF with the two directions exchanged: photons come from wo and leave along wi.
 // Densities on a surface are per area of the surface proper: Veach 1997, section 5.3.
@@ -436,13 +496,14 @@ Rgb Bsdf::adjoint(const Vec3& wi, Rgb* rest, Rgb* diffuse) const {
   expand(view, lobes);
   Rgb sum{}, soft{};
   for (const Lobe& lobe : lobes) {
-    const Rgb f = lobe.evaluate(view, view_.wo).f;
+    Rgb f = lobe.evaluate(view, view_.wo).f;
+    if (lobe.of_hair()) f *= around_strand(lobe.t, wi, view_.wo) / std::max(scale, 1e-20f);
     sum += f;
     if (lobe.diffuse()) soft += f;
   }
   if (rest) {
     Rgb same{}, through{};
-    sum_gather(lobes, &same, &through);
+    if (gathers_) sum_gather(lobes, &same, &through);
     *rest = (sum - gathered(view, view_.wo, same, through)) * scale;
   }
   if (diffuse) *diffuse = soft * scale;
@@ -450,25 +511,26 @@ Rgb Bsdf::adjoint(const Vec3& wi, Rgb* rest, Rgb* diffuse) const {
 }
 
 Rgb Bsdf::evaluate(const Vec3& wi, float* pdf, Rgb* rest, Rgb* diffuse, float* sharp) const {
-  return evaluate_as(view_, wi, pdf, rest, diffuse, sharp);
+  return evaluate_as(view_, wi, pdf, rest, diffuse, sharp, -1);
 }
 
 Rgb Bsdf::evaluate_smooth(const Vec3& wi, float* pdf, Rgb* diffuse, float* sharp) const {
   View view = view_;
   if (dot(wi, view.ng) < 0 && dot(wi, view.ns) > 0) view.ng = view.ns;
-  return evaluate_as(view, wi, pdf, nullptr, diffuse, sharp);
+  return evaluate_as(view, wi, pdf, nullptr, diffuse, sharp, -1);
 }
 
 Rgb Bsdf::evaluate_as(const View& view, const Vec3& wi, float* pdf, Rgb* rest, Rgb* diffuse,
-                      float* sharp) const {
+                      float* sharp, int sampled) const {
   const bool radiance = transport_ == Transport::kRadiance;
   Rgb sum{}, soft{};
   float density = 0, sharp_density = 0;
-  for (const Lobe& lobe : lobes_) {
+  for (int i = 0; i < lobes_.size(); ++i) {
+    const Lobe& lobe = lobes_[i];
     if (lobe.pick <= 0) continue;
-    const FacetValue value = lobe.evaluate(view, wi);
+    const FacetValue value = lobe.evaluate(view, wi, i == sampled);
     density += lobe.pick * value.pdf;
-    if (sharp && !lobe.diffuse())
+    if (sharp && gathers_ && !lobe.diffuse())
       sharp_density += lobe.pick * value.pdf * sharpness(lobe.roughness());
     if (!radiance) continue;
     sum += value.f;
@@ -504,6 +566,8 @@ std::optional<BsdfSample> Bsdf::finish_delta(int index, BsdfSample out) const {
     float scale =
         std::abs(dot(out.direction, view_.ng)) / std::max(std::abs(dot(view_.wo, view_.ng)), 1e-6f);
     if (out.transmitted) scale *= cosine / std::max(sqr(lobe.fresnel.ior) * cos_out, 1e-6f);
+    // Light goes out of a strand without another refraction, which would undo that
+    if (out.transmitted && !gathers_) scale = 1;
     if (index < lobes.size()) out.weight = share(lobes[index], cos_out) * (scale / chance);
   }
   out.rest = out.weight;
@@ -525,8 +589,8 @@ std::optional<BsdfSample> Bsdf::sample(float choice, const Vec2& u) const {
 std::optional<BsdfSample> Bsdf::sample_sharp(float choice, const Vec2& u) const {
   float total = 0;
   int index = -1;
-  const auto pick = [](const Lobe& lobe) {
-    return !lobe.diffuse() && sharpness(lobe.roughness()) > 0 ? lobe.pick : 0;
+  const auto pick = [this](const Lobe& lobe) {
+    return gathers_ && !lobe.diffuse() && sharpness(lobe.roughness()) > 0 ? lobe.pick : 0;
   };
   for (const Lobe& lobe : lobes_) total += pick(lobe);
   choice *= total;
@@ -548,12 +612,12 @@ std::optional<BsdfSample> Bsdf::sample_lobe(int index, float choice, const Vec2&
   BsdfSample out;
   if (!lobe.sample(view_, std::clamp(choice, 0.0f, 0.99999994f), u, &out.direction))
     return std::nullopt;
-  out.transmitted = dot(out.direction, lobe.n) < 0;
+  out.transmitted = lobe.of_hair() ? hair_transmits(lobe, choice) : dot(out.direction, lobe.n) < 0;
   out.diffuse = lobe.diffuse();
-  out.roughness = lobe.roughness();
+  out.roughness = gathers_ ? lobe.roughness() : 1;
   if (lobe.delta()) return finish_delta(index, out);
   if (!right_side(lobe, view_, out.direction)) return std::nullopt;
-  const Rgb f = evaluate(out.direction, &out.pdf, &out.rest);
+  const Rgb f = evaluate_as(view_, out.direction, &out.pdf, &out.rest, nullptr, nullptr, index);
   if (!(out.pdf > 0) || !std::isfinite(out.pdf)) return std::nullopt;
   out.weight = f / out.pdf;
   out.rest = out.rest / out.pdf;

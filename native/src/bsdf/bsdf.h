@@ -50,7 +50,7 @@ struct BsdfSample {
   Rgb weight;           // f |cos| / pdf of the whole BSDF (of the chosen lobe where it is a delta)
   Rgb rest;             // the same without what photons estimate at this vertex (see Bsdf::gather)
   float pdf = 0;        // solid angle, of the mixture over lobes; 0: delta
-  float roughness = 0;  // of the chosen lobe: 0 delta .. 1; diffuse lobes: 1
+  float roughness = 0;  // of the chosen lobe: 0 delta .. 1; diffuse lobes, strands: 1
   bool transmitted = false;
   bool diffuse = false;  // a diffuse-like lobe (diffuse, translucent, sheen) was chosen
 };
@@ -73,6 +73,10 @@ class Bsdf {
   // Which closures that scatter below the surface are kept as such, in below(); the others are
   // diffuse. Before any is added.
   void keep_subsurface(SubsurfaceUse use) { use_ = use; }
+
+  // Photons estimate nothing here, all is left to `rest`; and no lobe counts as one that focuses
+  // light, which caustic photons would have to be aimed at. Before finish().
+  void gather_nothing() { gathers_ = false; }
 
   // weight: the closure's colour times the mix factors above it (what Cycles calls the closure's
   // weight). Negative or non-finite weights and parameters are made harmless here: never a NaN out.
@@ -97,6 +101,8 @@ class Bsdf {
   void add_sheen(const Rgb& weight, const Vec3& normal, float roughness, bool ashikhmin);
   void add_toon(const Rgb& weight, const Vec3& normal, bool glossy, float size, float smooth);
   void add_subsurface(const Rgb& weight, SubsurfaceInputs&& inputs);  // which are changed
+  void add_hair(const Rgb& weight, const Vec3& normal, HairInputs&& inputs);
+  void add_principled_hair(const Rgb& weight, const Vec3& normal, PrincipledHairInputs&& inputs);
   void add_transparent(const Rgb& weight);
   void add_emission(const Rgb& weight);
   void add_holdout(float weight);
@@ -172,8 +178,9 @@ class Bsdf {
   void cover_gathered();
   void cover_hemispheres();
   void add_cover(const Vec3& n, float same, float through);
+  // sampled: the lobe that wi was drawn by, or -1
   Rgb evaluate_as(const View& view, const Vec3& wi, float* pdf, Rgb* rest, Rgb* diffuse,
-                  float* sharp) const;
+                  float* sharp, int sampled) const;
   Rgb adjoint(const Vec3& wi, Rgb* rest, Rgb* diffuse) const;
   std::optional<BsdfSample> sample_lobe(int index, float choice, const Vec2& u) const;
   std::optional<BsdfSample> finish_delta(int index, BsdfSample out) const;
@@ -183,7 +190,7 @@ class Bsdf {
   View view_;
   LobeList lobes_;
   Rgb gather_{}, gather_through_{};
-  bool rest_ = false;
+  bool rest_ = false, gathers_ = true;
   size_t tape_used_ = 0;
   alignas(16) std::byte tape_[kTapeBytes];  // flux only
 };

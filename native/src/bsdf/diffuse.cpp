@@ -132,7 +132,7 @@ Vec3 toon_axis(const Lobe& lobe, const Vec3& wo) {
 
 }  // namespace
 
-FacetValue Lobe::evaluate(const View& view, const Vec3& wi) const {
+FacetValue Lobe::evaluate(const View& view, const Vec3& wi, bool sampled) const {
   const float side = dot(view.ng, wi), cosine = dot(n, wi);
   switch (kind) {
     case LobeKind::kLambert:
@@ -189,6 +189,9 @@ FacetValue Lobe::evaluate(const View& view, const Vec3& wi) const {
       value.f *= weight;
       return value;
     }
+    case LobeKind::kHairReflection:
+    case LobeKind::kHairTransmission:
+    case LobeKind::kPrincipledHair: return evaluate_hair(*this, view.wo, wi, sampled);
   }
   return {};
 }
@@ -220,6 +223,9 @@ bool Lobe::sample(const View& view, float choice, const Vec2& u, Vec3* wi) const
     case LobeKind::kFacets:
       if (!sample_facets(facets, fresnel, from, choice, u, &w)) return false;
       break;
+    case LobeKind::kHairReflection:
+    case LobeKind::kHairTransmission:
+    case LobeKind::kPrincipledHair: return sample_hair(*this, view.wo, choice, u, wi);
   }
   *wi = normalize(to_world(w));
   return true;

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <new>
 
+#include "bsdf/hair.h"
 #include "bsdf/microfacet.h"
 #include "bsdf/subsurface.h"
 
@@ -19,7 +20,10 @@ enum class LobeKind : uint8_t {
   kSheen,
   kVelvet,
   kToonDiffuse,
-  kToonGlossy
+  kToonGlossy,
+  kHairReflection,
+  kHairTransmission,
+  kPrincipledHair
 };
 
 // Where a surface is looked at. `ng`, `ns` on the side of wo; back: that side is the geometric
@@ -27,11 +31,13 @@ enum class LobeKind : uint8_t {
 struct View {
   Vec3 wo, ng, ns;
   bool back;
-  Vec3 bent = ns;  // what all closures start from, where a displacement bends it; else ns
+  Vec3 bent = ns;            // what all closures start from, where a displacement bends it; else ns
+  bool towards_end = false;  // from where the light goes to, of what it met from elsewhere
 
   // The same point from the direction w, on either side.
   View towards(const Vec3& w) const {
-    return dot(w, ng) < 0 ? View{w, -ng, -ns, !back, -bent} : View{w, ng, ns, back, bent};
+    return dot(w, ng) < 0 ? View{w, -ng, -ns, !back, -bent, true}
+                          : View{w, ng, ns, back, bent, true};
   }
   // a closure's normal, given on the front side; `ns` if it is of no use
   Vec3 turned(const Vec3& normal) const;
@@ -51,22 +57,26 @@ struct Lobe {
   Vec3 from;         // kFacets: wo in the lobe's frame
   float masked = 0;  // kFacets: lambda of it
   // kOrenNayar: a, b, 1 - E(wo); kSheen: LTC a and b; kVelvet: 1/sigma^2; toon: size, smooth, pdf;
-  // kAshikhminShirley: exponents along t and b, roughness
+  // kAshikhminShirley: exponents along t and b, roughness; hair: roughness along and around, offset
   float p[3] = {};
-  Rgb multiple;  // kOrenNayar: factor of the energy-preserving term
-  Rgb gather;    // diffuse-like lobes: Lambertian albedo that photons estimate
+  Rgb multiple;    // kOrenNayar: factor of the energy-preserving term
+  Rgb gather;      // diffuse-like lobes: Lambertian albedo that photons estimate
+  HairShape hair;  // kPrincipledHair
 
   bool diffuse() const {
     return kind != LobeKind::kFacets && kind != LobeKind::kToonGlossy &&
-           kind != LobeKind::kAshikhminShirley;
+           kind != LobeKind::kAshikhminShirley && !of_hair();
   }
+  // Scatters about a strand (its tangent is t), not off a surface
+  bool of_hair() const { return kind >= LobeKind::kHairReflection; }
   bool delta() const { return kind == LobeKind::kFacets && facets.delta(); }
   float roughness() const;
   Vec3 to_local(const Vec3& v) const { return {dot(v, t), dot(v, b), dot(v, n)}; }
   Vec3 to_world(const Vec3& v) const { return t * v.x + b * v.y + n * v.z; }
 
-  // f |cos wi| and the density of sample(). Deltas: 0.
-  FacetValue evaluate(const View& view, const Vec3& wi) const;
+  // f |cos wi| and the density of sample(). Deltas: 0. sampled: wi is from there. Hair BSDF then
+  // scatters to whatever side, as in Cycles.
+  FacetValue evaluate(const View& view, const Vec3& wi, bool sampled = false) const;
   // False: no direction. The result may be on the wrong side of ng.
   bool sample(const View& view, float choice, const Vec2& u, Vec3* wi) const;
 };
@@ -142,6 +152,10 @@ Lobe facet_lobe(const View& view, const Rgb& weight, const Vec3& n, const FacetS
 // Under a roughness of 0.01 or so it is the mirror that facet_lobe() makes.
 Lobe ashikhmin_shirley_lobe(const View& view, const Rgb& weight, const Vec3& n,
                             const FacetShape& shape);
+FacetValue evaluate_hair(const Lobe& lobe, const Vec3& wo, const Vec3& wi, bool sampled);
+bool sample_hair(const Lobe& lobe, const Vec3& wo, float choice, const Vec2& u, Vec3* wi);
+// Whether what sample_hair() finds goes into the strand.
+bool hair_transmits(const Lobe& lobe, float choice);
 // In the lobe's frame, both above
 FacetValue evaluate_ashikhmin_shirley(const Lobe& lobe, const Vec3& wo, const Vec3& wi);
 // May lie below

@@ -132,6 +132,7 @@ bool CameraTracer::scatter_in_medium(Path& path, const Flight& flight, bool dire
 
 void CameraTracer::add_direct_in_medium(Path& path, const MediumPoint& point,
                                         const Receiver& receiver) const {
+  path.info.left = 0;
   const Vec2 choice = path.numbers(kChoicePair), place = path.numbers(kLightPair);
   if (const auto light = lights_.sample(receiver, choice.x, place))
     add_light_in_medium(path, point, receiver, *light);

@@ -91,7 +91,7 @@ void CameraTracer::follow(Path& path) const {
     path.tile.deep_rays += path.deep;
     const bool found =
         scene_.intersect(path.origin, path.direction, path.near, path.far, path.vertex == 0, hit,
-                         ray_bit(path.info.kind), path.info.time);
+                         ray_bit(path.info.kind), path.info.time, path.info.left);
     add_lamps(path, found ? hit.distance : path.far >= 1e30f ? INFINITY : path.far);
     if (found && path.vertex > 0 && path.info.transparent_depth == 0)
       see_world(path, path.from, path.direction, {}, true);
@@ -109,9 +109,10 @@ void CameraTracer::follow(Path& path) const {
     }
     const Vec3 wo = -path.direction;
     path.info.length = hit.distance;
+    path.info.left = hit.mark;
     path.info.footprint = camera_.footprint_at(path.ray, path.travelled + hit.distance);
     Bsdf bsdf(Transport::kRadiance, wo, hit.ng, hit.ns, hit.back);
-    if (bodies)
+    if (bodies && !hit.on_strand())
       bsdf.keep_subsurface(path.info.after_diffuse ? SubsurfaceUse::kWalks : SubsurfaceUse::kAll);
     scene_.shade(hit, wo, path.info, bsdf);
     const bool holdout = path.vertex == 0 && scene_.instances[hit.instance].holdout;
@@ -157,7 +158,8 @@ bool CameraTracer::meet(Path& path, const Surface& hit, Bsdf& bsdf) const {
                                                            : kDiffuseLeast);
   }
   add_direct(path, hit, bsdf, receiver);
-  if (gathers && (!continued || caustic_photons_)) leave_gather_points(path, hit, bsdf, continued);
+  if (gathers && !hit.on_strand() && (!continued || caustic_photons_))
+    leave_gather_points(path, hit, bsdf, continued);
   if (!scatter(path, hit, bsdf, receiver, continued)) return false;
   if (lights_.shadow_linked()) add_linked(path);
   return true;
@@ -262,10 +264,21 @@ void CameraTracer::add_world_by_ray(Path& path, const Rgb& light) const {
 
 void CameraTracer::add_emission(Path& path, const Surface& hit, const Rgb& emission) const {
   if (is_black(emission)) return;
+  if (hit.on_strand()) return add_strand_emission(path, hit, emission);
   const float weight = path.vertex == 0 ? 1 : lights_.surface_mis_weight(path.from, hit, path.pdf);
   if (weight > 0)
     add_met(path, emission * weight, path.pixel.emission,
             scene_.instances[hit.instance].light_group);
+}
+
+// No photons bring it, and no light samples.
+void CameraTracer::add_strand_emission(Path& path, const Surface& hit, const Rgb& emission) const {
+  const Instance& instance = scene_.instances[hit.instance];
+  if (path.vertex > 0 && !(instance.lit_groups & path.from.group)) return;
+  const Rgb kept = path.emission_throughput;
+  path.emission_throughput += path.withheld;
+  add_met(path, emission, path.pixel.emission, instance.light_group);
+  path.emission_throughput = kept;
 }
 
 // Transparency is no lobe: the path goes straight on, as if nothing had been hit, or it stays and
@@ -407,8 +420,10 @@ bool CameraTracer::passes_below(const Surface& hit, const Vec3& to_light) const 
 Rgb CameraTracer::light_through(const LightSample& light, const Surface& hit, Path& path) const {
   const float epsilon = ray_epsilon(hit.position, hit.distance);
   const bool below = passes_below(hit, light.direction);
-  const Vec3 origin = scene_.shadow_ray_origin(hit, light.direction, path.info.time) +
-                      hit.ng * (below ? -epsilon : epsilon);
+  const Vec3 origin = hit.on_strand()
+                          ? hit.position
+                          : scene_.shadow_ray_origin(hit, light.direction, path.info.time) +
+                                hit.ng * (below ? -epsilon : epsilon);
   if (light.exact >= 0 && lights_.blocked_exactly(static_cast<uint32_t>(light.exact), origin,
                                                   light.place, path.info.time))
     return {};
@@ -543,11 +558,9 @@ bool CameraTracer::scatter(Path& path, const Surface& hit, const Bsdf& bsdf,
   path.clear &=
       s->transmitted && !s->diffuse && s->roughness <= camera_.settings().transparent_glass;
   path.info = path.info.scattered(s->diffuse, s->transmitted, s->pdf <= 0);
-  const float side =
-      std::copysign(ray_epsilon(hit.position, hit.distance), dot(s->direction, hit.ng));
-  if (side < 0 && scene_.media()) scene_.media()->cross(path.media, hit);
+  if (dot(s->direction, hit.ng) < 0 && scene_.media()) scene_.media()->cross(path.media, hit);
   path.travelled += hit.distance;
-  path.origin = hit.position + hit.ng * side;
+  path.origin = leave(hit, s->direction);
   path.direction = s->direction;
   path.near = 0;
   path.far = INFINITY;

@@ -118,6 +118,7 @@ class CameraTracer {
   void add_world(Path& path) const;
   void add_world_by_ray(Path& path, const Rgb& light) const;
   void add_emission(Path& path, const Surface& hit, const Rgb& emission) const;
+  void add_strand_emission(Path& path, const Surface& hit, const Rgb& emission) const;
   void show_first(Path& path, const Surface& hit, float alpha) const;
   void pass_glass(Path& path, const Surface& hit) const;
   enum class Meeting { kNothing, kScattered, kAbsorbed };

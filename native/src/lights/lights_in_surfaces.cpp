@@ -30,7 +30,7 @@ bool Lights::lies_in_surface(const Lamp& lamp, uint32_t& instance) const {
     const float reach = std::max(kClear * ray_epsilon(place, 0), 2 * kSlack * scene_.near_radius());
     Surface s;
     if (!scene_.intersect(place - lamp.forward * reach, lamp.forward, 0, 2 * reach, false, s) ||
-        scene_.may_be_transparent(s))
+        scene_.may_be_transparent(s) || s.on_strand())
       continue;
     instance = s.instance;
     ++found;
@@ -54,7 +54,7 @@ bool Lights::lies_in_surface(const Emitter& mesh, uint32_t& instance) const {
       const Vec3 towards = p.triangle->normal * side;
       Surface s;
       if (!scene_.intersect(p.position - towards * reach, towards, 0, 2 * reach, false, s) ||
-          s.instance == mesh.instance || scene_.may_be_transparent(s))
+          s.instance == mesh.instance || scene_.may_be_transparent(s) || s.on_strand())
         continue;
       instance = s.instance;
       ++found;

@@ -82,6 +82,7 @@ int Media::add_region(uint32_t instance, int program, ThreadPool& pool, const Ca
 int Media::region_of(uint32_t instance, uint32_t triangle) const {
   const Instance& own = scene_.instances[instance];
   const Mesh& mesh = scene_.meshes[own.mesh];
+  if (mesh.strands) return -1;
   const uint32_t slot = mesh.slots.empty() ? 0 : mesh.slots[triangle];
   return of_slot_[own.first_material + std::min(slot, own.slot_count - 1)];
 }

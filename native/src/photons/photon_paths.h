@@ -23,7 +23,8 @@ struct alignas(64) PhotonPaths {
   uint32_t alone[kSpace];                          // 1: may not be bounced with others
   // In [0, 1): where they go after their first bounce, if none has gone yet or ended
   float first_u[kSpace], first_v[kSpace];
-  float time[kSpace];  // in the shutter's opening; not set where nothing moves
+  float time[kSpace];     // in the shutter's opening; not set where nothing moves
+  uint32_t left[kSpace];  // Surface::mark of where they start
 };
 
 struct BounceSettings {

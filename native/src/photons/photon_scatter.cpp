@@ -119,14 +119,14 @@ bool PhotonTracer::go_straight_on(Path& path, const Surface& hit, const Rgb& wei
   path.power *= 1 / survival;
   path.travelled += hit.distance;
   if (scene_.media()) scene_.media()->cross(path.media, hit);
-  origin = hit.position - hit.ng * ray_epsilon(hit.position, hit.distance);
+  origin = leave(hit, -hit.ng);
   return true;
 }
 
 // What lands after a bounce is indirect light, or caustic light, or a share of each.
 void PhotonTracer::store(const Path& path, const Surface& hit, const Vec3& direction,
                          const SurfaceFilter& visible, Photons& photons) const {
-  if (path.bounces == 0 || !visible.contains(hit.key)) return;
+  if (path.bounces == 0 || hit.on_strand() || !visible.contains(hit.key)) return;
   // What is stored stands for a diffuse ray from here
   if (path.guessed && path.kind != RayInfo::kDiffuse) return;
   const float share = stream_ == PhotonStream::kAll       ? 1
@@ -180,6 +180,7 @@ bool PhotonTracer::light_up_by_ray(Path& path, const PhotonStart& start, const R
 bool PhotonTracer::shade(Path& path, const Surface& hit, const PhotonStart& start,
                          const Draws& draws, const SurfaceFilter& visible, Vec3& origin,
                          Vec3& direction, Photons& photons) const {
+  path.left = hit.mark;
   if (path.bounces == 0 && path.travelled + hit.distance < start.soft_nearest)
     return pass_before_lamp(path, hit, direction, start, origin);
   if (hit.program)
@@ -210,7 +211,7 @@ bool PhotonTracer::shade(Path& path, const Surface& hit, const PhotonStart& star
   const float survival = std::min(1.0f, max_component(path.power) / path.reference);
   if (!(survival > 0) || path.random.next() >= survival) return false;
   path.power *= 1 / survival;
-  origin = hit.position + hit.ng * ray_epsilon(hit.position, hit.distance);
+  origin = leave(hit, hit.ng);
   direction = Basis(hit.ng).to_world(sample_cosine_hemisphere(draws.next(path)));
   ++path.bounces;
   path.caustic = 0;
@@ -243,7 +244,8 @@ bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const Phot
   ray.time = path.time;
   if (viewer_) ray.footprint = viewer_->footprint_from(hit.position);
   Bsdf bsdf(Transport::kFlux, -direction, hit.ng, hit.ns, hit.back);
-  if (hit.program->features & kProgramSubsurface) bsdf.keep_subsurface(SubsurfaceUse::kWalks);
+  if (hit.program->features & kProgramSubsurface && !hit.on_strand())
+    bsdf.keep_subsurface(SubsurfaceUse::kWalks);
   scene_.shade(hit, -direction, ray, bsdf);
   const bool blocking = blocks(path, hit, start);
   Rgb transparency = blocking ? bsdf.transparency() : Rgb{1, 1, 1};
@@ -336,8 +338,7 @@ bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const Phot
   path.kind = ray.kind;
   path.guessed = asked;
   if (scene_.media() && dot(s->direction, hit.ng) < 0) scene_.media()->cross(path.media, hit);
-  origin = hit.position + hit.ng * std::copysign(ray_epsilon(hit.position, hit.distance),
-                                                 dot(s->direction, hit.ng));
+  origin = leave(hit, s->direction);
   direction = s->direction;
   return true;
 }

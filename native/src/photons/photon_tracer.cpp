@@ -16,7 +16,7 @@ constexpr double kMorePhotons = 1.1;  // memory is kept for, than the last paths
 // Of unguided paths, from which on they are left unguided
 constexpr double kUsefulShare = 0.3;
 
-Scene::Rays rays_of(const PhotonPaths& paths, uint32_t first, bool moves) {
+Scene::Rays rays_of(const PhotonPaths& paths, uint32_t first, bool moves, bool strands) {
   return {paths.origin_x + first,
           paths.origin_y + first,
           paths.origin_z + first,
@@ -24,7 +24,8 @@ Scene::Rays rays_of(const PhotonPaths& paths, uint32_t first, bool moves) {
           paths.direction_y + first,
           paths.direction_z + first,
           nullptr,
-          moves ? paths.time + first : nullptr};
+          moves ? paths.time + first : nullptr,
+          strands ? paths.left + first : nullptr};
 }
 
 void log_rays(const Scene::Rays& r, uint32_t count, std::vector<float>& log) {
@@ -60,6 +61,7 @@ void PhotonTracer::Travellers::put(uint32_t i, const Path& path, const Vec3& ori
   paths.caustic[i] = path.caustic;
   paths.alone[i] = alone;
   paths.time[i] = path.time;
+  paths.left[i] = path.left;
   paths.origin_x[i] = origin.x, paths.origin_y[i] = origin.y, paths.origin_z[i] = origin.z;
   paths.direction_x[i] = direction.x, paths.direction_y[i] = direction.y,
   paths.direction_z[i] = direction.z;
@@ -139,6 +141,7 @@ void PhotonTracer::keep_bounced(Travellers& travellers, uint32_t from, uint32_t 
   paths.bounces[to] = paths.bounces[from] + 1;
   paths.alone[to] = 0;
   paths.time[to] = paths.time[from];
+  paths.left[to] = 0;
   travellers.rest[to] = travellers.rest[from];
 }
 
@@ -182,7 +185,7 @@ void PhotonTracer::trace_chunk(uint64_t first, uint64_t count, double total, uin
     for (uint32_t next = 0, turn = 0; next < alive + kBounceLanes;
          next += kBounceLanes, turn ^= 1) {
       if (next < alive) {
-        const Scene::Rays rays = rays_of(paths, next, moves);
+        const Scene::Rays rays = rays_of(paths, next, moves, scene_.has_strands());
         const uint32_t lanes = std::min(kBounceLanes, alive - next);
         if (ray_log) log_rays(rays, lanes, run.ray_log);
         hit[turn] = scene_.intersect(rays, lanes, found[turn]);

@@ -81,6 +81,7 @@ class PhotonTracer {
     bool unshadowed = false;  // passed what would have blocked the light of another lamp
     MediumStack media;        // around its present ray
     float time = kShutterCentre;
+    uint32_t left = 0;  // Surface::mark of where its present ray starts
   };
   // All of it.
   struct Path : Rest {

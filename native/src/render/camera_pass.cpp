@@ -58,11 +58,11 @@ void CameraPass::trace(uint32_t pass, const PhotonMaps& maps, PackedFilm& film) 
   const RenderOptions& options = context_.options;
   PhotonMap& indirect = *maps.front();
   const bool photons = indirect.first_pass_paths() > 0,
-             learns = !chosen_ && options.fallback && photons && !context_.scene.media();
+             learns = !chosen_ && options.fallback && photons && !context_.scene.needs_paths();
   const bool by_view = learns && !options.keeps_photons();
   tracer_.follow_motion(photons && options.fallback && context_.scene.moves());
-  // Photons bring caustics through media; all else that scatters in them comes by paths.
-  if (!strategy_ && context_.scene.media())
+  // Photons bring caustics alone then.
+  if (!strategy_ && context_.scene.needs_paths())
     strategy_.emplace(context_.scene, IndirectStrategy::Kind::kPathTraced);
   if (!strategy_ && options.gathers() && photons) {
     if (options.final_gather == FinalGather::kByTrial && by_view && try_paths(pass, maps, film))

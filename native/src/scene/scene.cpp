@@ -17,7 +17,7 @@ bool report_progress(void* cancel, double) {
   return !static_cast<const CancelFlag*>(cancel)->is_set();
 }
 
-RTCGeometry make_geometry(RTCDevice device, const Mesh& mesh) {
+RTCGeometry triangles_of(RTCDevice device, const Mesh& mesh) {
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
   const MeshMotion& motion = mesh.motion;
   const size_t steps = std::max<size_t>(motion.steps(), 1);
@@ -62,6 +62,22 @@ Vec3 transform_exactly(const std::array<double, 12>& m, const Vec3& p) {
                               m[4 * r + 3]);
   };
   return {row(0), row(1), row(2)};
+}
+
+// Strands hold no more than one radius: only then can they stand in the world themselves.
+bool scales_evenly(const Affine& a) {
+  const float x = length2(a.column(0)), y = length2(a.column(1)), z = length2(a.column(2));
+  const float most = 1e-5f * std::max({x, y, z});
+  const auto square = [&](int i, int k) { return std::abs(dot(a.column(i), a.column(k))) <= most; };
+  return std::abs(x - y) <= most && std::abs(x - z) <= most && square(0, 1) && square(0, 2) &&
+         square(1, 2);
+}
+
+// Its mesh is in the world's coordinates.
+void stand_still(Instance& instance) {
+  instance.to_world = instance.to_local = Affine{};
+  instance.mirrored = false;
+  instance.scale = 1;
 }
 
 template <class Change>
@@ -133,7 +149,12 @@ void Scene::throw_on_error(const CancelFlag& cancel) const {
     throw std::runtime_error(std::string("Embree failed: ") + rtcGetErrorString(error));
 }
 
+RTCGeometry Scene::make_geometry(const Mesh& mesh) const {
+  return mesh.strands ? mesh.strands->make_geometry(device_) : triangles_of(device_, mesh);
+}
+
 void Mesh::describe_surface(const CancelFlag& cancel) {
+  if (strands) return;
   topology = build_topology(positions, triangles, cancel);
   edge_tree = std::make_unique<EdgeTree>(topology.edges);
   surface_tree = std::make_unique<SurfaceTree>(positions, triangles, topology, cancel);
@@ -141,7 +162,9 @@ void Mesh::describe_surface(const CancelFlag& cancel) {
 
 void Scene::commit(RTCScene scene, const CancelFlag& cancel,
                    const std::function<void()>& meanwhile) {
-  rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
+  // Curves else take twice the memory
+  rtcSetSceneFlags(
+      scene, strands_ ? RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_COMPACT : RTC_SCENE_FLAG_ROBUST);
   rtcSetSceneProgressMonitorFunction(scene, report_progress, const_cast<CancelFlag*>(&cancel));
   pool_.run_on_all([&](int worker) {
     // One with Embree, the others with what can be done meanwhile
@@ -162,7 +185,14 @@ void Scene::build(const CancelFlag& cancel) {
   find_moving();
   for (Instance& instance : instances) {
     instance.shared = uses[instance.mesh] > 1 || instance.motion >= 0;
+    const auto& strands = meshes[instance.mesh].strands;
+    instance.shared |= strands && !scales_evenly(instance.to_world);
     if (instance.shared) continue;
+    if (strands) {
+      strands->transform(instance.exact, instance.scale);
+      stand_still(instance);
+      continue;
+    }
     Mesh& mesh = meshes[instance.mesh];
     cancel.check();
     const auto move = [&](Vec3& p) { p = transform_exactly(instance.exact, p); };
@@ -189,9 +219,7 @@ void Scene::build(const CancelFlag& cancel) {
           attribute.swap_corners(3 * t + 1, 3 * t + 2);
       }
     }
-    instance.to_world = instance.to_local = Affine{};
-    instance.mirrored = false;
-    instance.scale = 1;
+    stand_still(instance);
   }
 
   find_swept();
@@ -206,13 +234,13 @@ void Scene::build(const CancelFlag& cancel) {
       RTCScene& inner = mesh_scenes_[instance.mesh];
       if (!inner) {
         inner = rtcNewScene(device_);
-        RTCGeometry triangles = make_geometry(device_, mesh);
+        RTCGeometry own = make_geometry(mesh);
         if (limits_rays()) {
-          rtcSetGeometryMask(triangles, kAllRays);
-          rtcCommitGeometry(triangles);
+          rtcSetGeometryMask(own, kAllRays);
+          rtcCommitGeometry(own);
         }
-        rtcAttachGeometryByID(inner, triangles, 0);
-        rtcReleaseGeometry(triangles);
+        rtcAttachGeometryByID(inner, own, 0);
+        rtcReleaseGeometry(own);
         commit(inner, cancel);
       }
       geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_INSTANCE);
@@ -225,7 +253,7 @@ void Scene::build(const CancelFlag& cancel) {
       if (limits_rays()) rtcSetGeometryMask(geometry, mask_of(instance));
       rtcCommitGeometry(geometry);
     } else {
-      geometry = make_geometry(device_, mesh);
+      geometry = make_geometry(mesh);
       if (limits_rays()) {
         rtcSetGeometryMask(geometry, mask_of(instance));
         rtcCommitGeometry(geometry);
@@ -264,7 +292,7 @@ void Scene::update_own_scenes(const CancelFlag& cancel) {
   own_scenes_.resize(instances.size(), nullptr);
   for (uint32_t i = 0; i < instances.size(); ++i) {
     const Instance& instance = instances[i];
-    if (instance.shared || own_scenes_[i]) continue;
+    if (instance.shared || own_scenes_[i] || meshes[instance.mesh].strands) continue;
     bool any = false;
     for (uint32_t slot = 0; slot < instance.slot_count; ++slot) {
       const int program = materials[slot_materials[instance.first_material + slot]].program;
@@ -280,6 +308,7 @@ void Scene::update_own_scenes(const CancelFlag& cancel) {
 bool Scene::meets_itself(uint32_t index, const Vec3& origin, const Vec3& direction, float near,
                          float far, float time, OwnHit& found) const {
   const Instance& instance = instances[index];
+  if (meshes[instance.mesh].strands) return false;
   const RTCScene scene = instance.shared              ? mesh_scenes_[instance.mesh]
                          : index < own_scenes_.size() ? own_scenes_[index]
                                                       : nullptr;
@@ -305,7 +334,7 @@ bool Scene::meets_itself(uint32_t index, const Vec3& origin, const Vec3& directi
 void Scene::update_media(const CancelFlag& cancel) { media_ = Media::of(*this, pool_, cancel); }
 
 void Scene::see_limits() {
-  any_ray_ = moves_ ? 0 : kAllRays;
+  any_ray_ = moves_ || strands_ ? 0 : kAllRays;
   kinds_differ_ = first_kinds_differ_ = false;
   for (const Instance& instance : instances) {
     const RayMask seen_by = instance.seen_by, scattered = seen_by & kScatteredRays;
@@ -322,20 +351,34 @@ void Scene::see_limits() {
         "this Embree has no ray masks, which the visibility of objects to rays needs");
 }
 
+bool Scene::emits(const Instance& instance) const {
+  for (uint32_t slot = 0; slot < instance.slot_count; ++slot) {
+    const Material& m = materials[slot_materials[instance.first_material + slot]];
+    if (m.program < 0 ? !is_black(m.front.emission)
+                      : (programs[m.program].features & kProgramEmits) != 0)
+      return true;
+  }
+  return false;
+}
+
 void Scene::update_features() {
   features_ = 0;
   for (int32_t material : slot_materials) {
     const int program = materials[material].program;
     features_ |= program < 0 ? kProgramGathers | kProgramEmits : programs[program].features;
   }
+  strands_emit_ = false;
+  for (const Instance& instance : instances)
+    strands_emit_ |= meshes[instance.mesh].strands && emits(instance);
 }
 
 bool Scene::intersect(const Vec3& origin, const Vec3& direction, float near, float far,
-                      bool coherent, Surface& surface, RayMask kinds, float time) const {
+                      bool coherent, Surface& surface, RayMask kinds, float time,
+                      uint32_t left) const {
   RTCRayHit hit;
   hit.ray = {origin.x,    origin.y,         origin.z,    near,
              direction.x, direction.y,      direction.z, time,
-             far,         kinds | any_ray_, 0,           0};
+             far,         kinds | any_ray_, left,        0};
   hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   hit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
   RTCIntersectArguments arguments;
@@ -360,12 +403,13 @@ void Scene::make_lookups() {
   lookups_.clear();
   for (const Instance& instance : instances) {
     const Mesh& mesh = meshes[instance.mesh];
-    const bool flat = mesh.corner_normals.empty(), one_patch = mesh.topology.planar.size() == 1,
+    const bool flat = mesh.corner_normals.empty(), one_patch = mesh.topology.planar.size() <= 1,
                one_slot = mesh.slots.empty();
     lookups_.push_back({flat ? kNoNormals : mesh.corner_normals.data(),
                         one_patch ? &kOnePatch : mesh.topology.patch.data(),
                         one_slot ? &kOneSlot : mesh.slots.data(), flat ? 0 : ~0u,
-                        one_patch ? 0 : ~0u, one_slot ? 0 : ~0u, instance.seed, instance.shared});
+                        one_patch ? 0 : ~0u, one_slot ? 0 : ~0u, instance.seed, instance.shared,
+                        mesh.strands.get()});
   }
 }
 
@@ -421,7 +465,7 @@ void Scene::intersect_eight(const Rays& rays, uint32_t count, RayHits& hits, uin
                  rays.time ? rays.time[k] : kShutterCentre,
                  INFINITY,
                  rays.kinds ? rays.kinds[k] : kAllRays,
-                 0,
+                 rays.left ? rays.left[k] : 0,
                  0};
       hit.hit.geomID = hit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
       if (k < count) rtcIntersect1(top_, &hit, &arguments);
@@ -447,7 +491,8 @@ void Scene::intersect_eight(const Rays& rays, uint32_t count, RayHits& hits, uin
     hit.ray.time[k] = rays.time ? rays.time[place + k] : kShutterCentre;
     hit.ray.tfar[k] = INFINITY;
     hit.ray.mask[k] = rays.kinds ? rays.kinds[place + k] : kAllRays;
-    hit.ray.id[k] = hit.ray.flags[k] = 0;
+    hit.ray.id[k] = rays.left ? rays.left[place + k] : 0;
+    hit.ray.flags[k] = 0;
     hit.hit.geomID[k] = hit.hit.instID[0][k] = RTC_INVALID_GEOMETRY_ID;
     hit.hit.primID[k] = 0;
     hit.hit.u[k] = hit.hit.v[k] = 0;
@@ -499,7 +544,7 @@ unsigned Scene::plain_surfaces(const RayHits& hits, unsigned which, PlainSurface
     const uint32_t k = static_cast<uint32_t>(std::countr_zero(rest)), instance = hits.instance[k],
                    triangle = hits.triangle[k];
     const Material& material = material_of(instance, triangle);
-    if (material.program >= 0) continue;
+    if (material.program >= 0 || lookups_[instance].strands) continue;
     plain |= 1u << k;
     const MaterialSide& side = hits.back[k] ? material.back : material.front;
     const Vec3 n = smooth_normal(instance, triangle, hits.u[k], hits.v[k], kShutterCentre);
@@ -549,10 +594,10 @@ unsigned Scene::intersect_packet(const Vec3* origins, const Vec3* directions, ui
 }
 
 bool Scene::occluded(const Vec3& origin, const Vec3& direction, float near, float far,
-                     RayMask kinds, float time) const {
+                     RayMask kinds, float time, uint32_t left) const {
   RTCRay ray{origin.x,    origin.y,         origin.z,    near,
              direction.x, direction.y,      direction.z, time,
-             far,         kinds | any_ray_, 0,           0};
+             far,         kinds | any_ray_, left,        0};
   RTCOccludedArguments arguments;
   rtcInitOccludedArguments(&arguments);
   arguments.flags = RTC_RAY_QUERY_FLAG_INCOHERENT;
@@ -613,6 +658,8 @@ bool Scene::anything_within(const Vec3& x, float radius) const {
 }
 
 void Scene::fill_surface(const RawHit& hit, const Vec3& direction, Surface& s) const {
+  s.mark = 0;
+  if (lookups_[hit.instance].strands) return fill_strand(hit, direction, s);
   s.instance = hit.instance;
   s.triangle = hit.triangle;
   s.u = hit.u;
@@ -663,6 +710,7 @@ const Material& Scene::material_of(uint32_t instance_index, uint32_t triangle) c
 Vec2 Scene::uv_at(uint32_t instance, uint32_t triangle, float u, float v) const {
   const Mesh& mesh = meshes[instances[instance].mesh];
   if (mesh.uv.empty()) return {0, 0};
+  if (mesh.strands) return mesh.uv[mesh.strands->strand(triangle)];
   const Vec2* uv = &mesh.uv[3 * static_cast<size_t>(triangle)];
   const float w = 1 - u - v;
   return {uv[0].x * w + uv[1].x * u + uv[2].x * v, uv[0].y * w + uv[1].y * u + uv[2].y * v};

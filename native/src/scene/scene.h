@@ -12,6 +12,7 @@
 #include "scene/attributes.h"
 #include "scene/motion.h"
 #include "scene/ray_hits.h"
+#include "scene/strands.h"
 #include "scene/surface_tree.h"
 #include "scene/swept_boxes.h"
 #include "scene/texture.h"
@@ -37,7 +38,7 @@ struct Mesh {
   LargeArray<Vec3> positions;
   LargeArray<Triangle> triangles;
   LargeArray<Vec3> corner_normals;  // 3 per triangle, or empty: flat
-  LargeArray<Vec2> uv;              // 3 per triangle, or empty
+  LargeArray<Vec2> uv;              // 3 per triangle (1 per strand), or empty
   std::vector<uint16_t> slots;      // per triangle, or empty
   std::vector<MeshAttribute> attributes;
   GeneratedSpace generated;
@@ -45,6 +46,7 @@ struct Mesh {
   Topology topology;
   std::unique_ptr<EdgeTree> edge_tree;
   std::unique_ptr<SurfaceTree> surface_tree;
+  std::unique_ptr<Strands> strands;  // instead of triangles; slots are those of its segments
 
   // Makes the last three from the others. Throws Cancelled.
   void describe_surface(const CancelFlag& cancel);
@@ -97,8 +99,12 @@ struct Surface {
   bool back;
   float u, v;  // barycentric
   float distance;
+  uint32_t mark;  // of the strand that it is on, as Embree takes it; 0: of a mesh
   const MaterialSide* side;
   const Program* program;  // or null: then `side` says it all
+
+  // Of strands ng is ns, `back` never set and `triangle` a segment; photons are not stored there.
+  bool on_strand() const { return mark != 0; }
 };
 
 // Where an instance is at some time.
@@ -148,6 +154,13 @@ struct SunDisc {
 // A ray offset that clears the rounding error of a hit at `position` found `distance` away.
 inline float ray_epsilon(const Vec3& position, float distance) {
   return 4e-6f * std::max(max_abs(position), distance);
+}
+// Where a ray starts that leaves `s` that way. On strands no distance is far enough: rays that
+// leave one do not meet it (Surface::mark).
+inline Vec3 leave(const Surface& s, const Vec3& direction) {
+  if (s.on_strand()) return s.position;
+  return s.position +
+         s.ng * std::copysign(ray_epsilon(s.position, s.distance), dot(direction, s.ng));
 }
 // Where the ray goes on that found `s` and takes no notice of it.
 inline float past(const Surface& s) {
@@ -201,9 +214,10 @@ class Scene {
   void build(const CancelFlag& cancel);
 
   // True and fills `surface` when the ray hits something between `near` and `far` that rays of
-  // `kinds` see.
+  // `kinds` see. left: Surface::mark of where it starts.
   bool intersect(const Vec3& origin, const Vec3& direction, float near, float far, bool coherent,
-                 Surface& surface, RayMask kinds = kAllRays, float time = kShutterCentre) const;
+                 Surface& surface, RayMask kinds = kAllRays, float time = kShutterCentre,
+                 uint32_t left = 0) const;
   // Where a ray meets the surface of one instance, whose materials have subsurface closures or ask
   // for such rays: others are not there.
   struct OwnHit {
@@ -224,6 +238,7 @@ class Scene {
     const float *origin_x, *origin_y, *origin_z, *direction_x, *direction_y, *direction_z;
     const RayMask* kinds = nullptr;  // of each, if not all
     const float* time = nullptr;     // of each, if not the shutter's centre
+    const uint32_t* left = nullptr;  // Surface::mark of where each starts, if not 0
     Vec3 direction(uint32_t k) const { return {direction_x[k], direction_y[k], direction_z[k]}; }
   };
   unsigned intersect(const Rays& rays, uint32_t count, RayHits& hits) const;
@@ -237,7 +252,7 @@ class Scene {
   Surface surface_at(uint32_t instance, uint32_t triangle, float u, float v, bool back,
                      float time = kShutterCentre) const;
   bool occluded(const Vec3& origin, const Vec3& direction, float near, float far,
-                RayMask kinds = kAllRays, float time = kShutterCentre) const;
+                RayMask kinds = kAllRays, float time = kShutterCentre, uint32_t left = 0) const;
   // The same for `count` <= kPacket rays side by side, from 0 to `far`; bit k of the result is ray
   // k's.
   unsigned occluded_packet(const Vec3* origins, uint32_t count, const Vec3& direction, float far,
@@ -254,15 +269,20 @@ class Scene {
 
   // Whether anything moves while the shutter is open, the camera aside.
   bool moves() const { return moves_; }
+  bool has_strands() const { return strands_; }
+  // Whether photons do not bring all light: not what media scatter, nor what strands emit.
+  bool needs_paths() const { return media_ || strands_emit_; }
   bool moves(uint32_t instance) const { return moves_ && instances[instance].moves; }
   // Of the hits whose bits are set in `which` those on instances that do not.
   unsigned still(const RayHits& hits, unsigned which) const;
   // Whether something that moves comes so near to x that light there may change with the time by
   // much.
   bool moves_near(const Vec3& x) const { return moves_ && swept_->hold(x); }
-  // Rays that find what keeps photons off a surface of an instance all of the time.
+  // Rays that find what keeps photons off a surface of an instance all of the time. Strands are too
+  // thin.
   RayMask keeping_off(uint32_t instance) const {
-    return moves_ && !instances[instance].moves ? kStillRays : ray_bit(RayInfo::kDiffuse);
+    return (moves_ || strands_) && !instances[instance].moves ? kStillRays
+                                                              : ray_bit(RayInfo::kDiffuse);
   }
   Pose pose_at(uint32_t instance, float time) const;
   // Corners of a triangle in the world.
@@ -334,6 +354,8 @@ class Scene {
     float time = kShutterCentre;
   };
   void fill_surface(const RawHit& hit, const Vec3& direction, Surface& surface) const;
+  void fill_strand(const RawHit& hit, const Vec3& direction, Surface& surface) const;
+  RTCGeometry make_geometry(const Mesh& mesh) const;
   void intersect_eight(const Rays& rays, uint32_t count, RayHits& hits, uint32_t place) const;
   // Where an instance's mesh holds what is asked of every hit. What is the same for all triangles
   // lies at 0 of an array of its own, and its mask is 0 instead of ~0: so no branch asks which it
@@ -345,12 +367,14 @@ class Scene {
     uint32_t normals_mask, patches_mask, slots_mask;
     uint32_t seed;  // Instance::seed
     bool shared;    // Instance::shared
+    const Strands* strands;
 
     void fetch_ahead(uint32_t triangle) const;
     uint32_t key(uint32_t triangle, bool back) const;
   };
   void make_lookups();
   void see_limits();
+  bool emits(const Instance& instance) const;
   Vec3 smooth_normal(uint32_t instance, uint32_t triangle, float u, float v, float time) const;
   Surface moving_surface_at(uint32_t instance, uint32_t triangle, float u, float v, bool back,
                             float time) const;
@@ -375,7 +399,7 @@ class Scene {
   // Rays are of these kinds as well: all, where no instance's mask is set
   RayMask any_ray_ = kAllRays;
   bool kinds_differ_ = false, first_kinds_differ_ = false;
-  bool moves_ = false, is_built_ = false;
+  bool moves_ = false, strands_ = false, strands_emit_ = false, is_built_ = false;
   std::unique_ptr<SweptBoxes> swept_;  // where that is so
   bool packets_ = false;               // this Embree has code for packets of eight
   std::vector<RTCScene> mesh_scenes_;

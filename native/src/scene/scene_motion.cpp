@@ -21,6 +21,7 @@ constexpr float kNear = 1;        // radii of a moving thing: so near it changes
 
 // Of a mesh at all of its steps, in its own coordinates.
 Bounds bounds_of(const Mesh& mesh) {
+  if (mesh.strands) return mesh.strands->bounds();
   Bounds all;
   for (const Triangle& t : mesh.triangles)
     for (const uint32_t vertex : t) {
@@ -47,10 +48,13 @@ const Vec3* Mesh::normals(uint32_t triangle, float time, Vec3 moved[3]) const {
 }
 
 void Scene::find_moving() {
-  moves_ = false;
+  moves_ = strands_ = false;
   for (Instance& instance : instances) {
-    instance.moves = instance.motion >= 0 || meshes[instance.mesh].motion.steps() > 0;
+    const Mesh& mesh = meshes[instance.mesh];
+    instance.moves =
+        instance.motion >= 0 || mesh.motion.steps() > 0 || (mesh.strands && mesh.strands->moves());
     moves_ |= instance.moves;
+    strands_ |= mesh.strands != nullptr;
   }
 }
 
@@ -88,7 +92,8 @@ void Scene::find_swept() {
 }
 
 RayMask Scene::mask_of(const Instance& instance) const {
-  const bool still = !instance.moves && instance.seen_by & ray_bit(RayInfo::kDiffuse);
+  const bool still = !instance.moves && !meshes[instance.mesh].strands &&
+                     instance.seen_by & ray_bit(RayInfo::kDiffuse);
   return still ? instance.seen_by | kStillRays : instance.seen_by & ~kStillRays;
 }
 

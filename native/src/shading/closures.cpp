@@ -118,6 +118,65 @@ void principled(Frame& f, const uint32_t* w) {
   f.out.add_principled({weight, weight, weight}, std::move(p));
 }
 
+void hair(Frame& f, const Rgb& weight, const uint32_t* w) {
+  const Vec3 tangent = f.vector(w[3]);
+  HairInputs in;
+  in.frame = hair_frame(f, tangent);
+  in.frame.rounded &= w[2] & kConstant || length2(f.vector(w[2]) - f.normal()) < 1e-8f;
+  in.transmits = f.mode<HairComponent>(w[7]) == HairComponent::Transmission;
+  in.offset = f.strands() || length2(tangent) > 0 ? -f.number(w[4]) : 0;
+  in.along = f.number(w[5]);
+  in.around = f.number(w[6]);
+  f.out.add_hair(weight, front_normal(f, w[2]), std::move(in));
+}
+
+void principled_hair(Frame& f, const uint32_t* w) {
+  enum {
+    kWeight,
+    kColor,
+    kMelanin,
+    kRedness,
+    kTint,
+    kAbsorption,
+    kRoughness,
+    kRadialRoughness,
+    kCoat,
+    kIor,
+    kOffset,
+    kRandomColor,
+    kRandomRoughness,
+    kRandom,
+    kParametrization
+  };
+  const float weight = bounded(f.number(w[kWeight]), kMostScattered);
+  // From -1 to 1, of the strand
+  const float random = bounded(2 * f.number(w[kRandom]) - 1, 1);
+  const float random_color = 1 + random * clamp_unit(f.number(w[kRandomColor])),
+              random_roughness = 1 + random * clamp_unit(f.number(w[kRandomRoughness]));
+  PrincipledHairInputs in;
+  in.frame = hair_frame(f, {});
+  in.along = f.number(w[kRoughness]) * random_roughness;
+  in.around = f.number(w[kRadialRoughness]) * random_roughness;
+  in.coat = f.number(w[kCoat]);
+  in.ior = f.number(w[kIor]);
+  in.offset = f.number(w[kOffset]);
+  switch (f.mode<HairColoring>(w[kParametrization])) {
+    case HairColoring::ABSORPTION:
+      in.absorption = bounded(f.vector(w[kAbsorption]), kMostScattered);
+      break;
+    case HairColoring::MELANIN:
+      in.absorption = absorption_of_melanin(f.number(w[kMelanin]) * random_color,
+                                            clamp_unit(f.number(w[kRedness]))) +
+                      absorption_of_color(f.vector(w[kTint]), in.around);
+      break;
+    case HairColoring::COLOR:
+      in.absorption = absorption_of_color(f.vector(w[kColor]), in.around);
+      break;
+  }
+  f.out.add_principled_hair({weight, weight, weight}, f.point.back ? -f.normal() : f.normal(),
+                            std::move(in));
+}
+
 }  // namespace
 
 void bent_normal(Frame& f, const uint32_t* w) {
@@ -189,6 +248,8 @@ void closure(Frame& f, Op op, const uint32_t* w) {
       f.out.add_subsurface(colored(), std::move(in));
       break;
     }
+    case Op::Hair: hair(f, colored(), w); break;
+    case Op::PrincipledHair: principled_hair(f, w); break;
     case Op::Principled: principled(f, w); break;
     default: break;
   }

@@ -83,6 +83,7 @@ struct Frame {
   Vec3 undisplaced(const MeshAttribute& positions, const Vec2& at) const;
   Vec3 generated();
   const Mesh& mesh() const { return scene.meshes[scene.instances[point.instance].mesh]; }
+  const Strands* strands() const { return is_on_surface() ? mesh().strands.get() : nullptr; }
   std::optional<Pose> pose_now() const;
   const Affine& world_to_object() const;  // from coordinates relative to the scene's origin
   Affine object_to_world() const;         // to coordinates relative to the scene's origin
@@ -95,6 +96,12 @@ struct Frame {
   const OffsetAxes& offset_axes();
   Vec2 uv_there();  // barycentric coordinates of the shifted point
 };
+
+// strands.cpp: of the strand that the point is on, if any
+HairFrame hair_frame(const Frame& f, const Vec3& tangent);  // tangent 0: its own
+Vec3 strand_tangent(const Frame& f);                        // of any length; 0: none
+void curves_info(Frame& f, const uint32_t* w);
+void point_info(Frame& f, const uint32_t* w);
 
 // surface.cpp
 void geometry(Frame& f, const uint32_t* w);

@@ -7,7 +7,9 @@ namespace {
 // Where u grows on the triangle, in object coordinates, and on which side of it v does; no
 // direction: 0.
 Vec3 tangent_of_triangle(const Frame& f, uint32_t uv, float& sign) {
+  sign = 1;
   const Mesh& mesh = f.mesh();
+  if (mesh.strands) return {};
   const Triangle& t = mesh.triangles[f.point.triangle];
   std::array<float, 4> at[3]{};
   for (int k = 0; k < 3; ++k) {
@@ -85,7 +87,8 @@ Vec2 Frame::uv_there() {
   if (knows_uv) return shifted_uv;
   knows_uv = true;
   shifted_uv = {point.u, point.v};
-  if (!is_on_surface() || (shift.x == 0 && shift.y == 0 && shift.z == 0)) return shifted_uv;
+  if (!is_on_surface() || strands() || (shift.x == 0 && shift.y == 0 && shift.z == 0))
+    return shifted_uv;
   Vec3 corner[3];
   corners(corner);
   const Vec3 e1 = corner[1] - corner[0], e2 = corner[2] - corner[0];

@@ -59,6 +59,7 @@ struct RayInfo {
   // Width of a camera sample where it meets something, m: how far apart Bump looks; 0: not known
   float footprint = 0;
   float time = kShutterCentre;  // of all of its path
+  uint32_t left = 0;            // Surface::mark of where it starts
   uint16_t depth = 0, diffuse_depth = 0, glossy_depth = 0, transmission_depth = 0,
            transparent_depth = 0;
 
@@ -80,6 +81,7 @@ struct RayInfo {
     out.kind = kVolume;
     out.through = out.singular = false;
     out.from = 0;
+    out.left = 0;
     ++out.depth;
     return out;
   }

@@ -158,9 +158,16 @@ Vec3 Frame::normal_from_object(const Vec3& n) const {
 bool Frame::attribute(uint32_t id, std::array<float, 4>& value, uint32_t& components) {
   const MeshAttribute* found = id == kNone || !is_on_surface() ? nullptr : mesh().attribute(id);
   if (!found) return false;
+  components = found->components;
+  if (const Strands* own = strands()) {
+    const uint32_t key = own->first_key(point.triangle);
+    const bool curves = own->are_curves();
+    value = found->at({key, curves ? key + 1 : key, key}, own->strand(point.triangle),
+                      curves ? point.u : 0, 0);
+    return true;
+  }
   const Vec2 at = uv_there();
   value = found->at(mesh().triangles[point.triangle], point.triangle, at.x, at.y);
-  components = found->components;
   return true;
 }
 
@@ -198,8 +205,16 @@ void geometry(Frame& f, const uint32_t* w) {
   switch (f.mode<GeometryVector>(w[1])) {
     case GeometryVector::POSITION: v = f.position(); break;
     case GeometryVector::NORMAL: v = f.normal(); break;
-    case GeometryVector::TANGENT: v = f.point.lamp ? Vec3{} : tangent_around_z(f); break;
-    case GeometryVector::TRUE_NORMAL: v = f.is_background() ? f.point.wo : f.point.ng; break;
+    case GeometryVector::TANGENT:
+      v = f.strands()    ? safe_normalize(strand_tangent(f))
+          : f.point.lamp ? Vec3{}
+                         : tangent_around_z(f);
+      break;
+    case GeometryVector::TRUE_NORMAL: {
+      const bool facing = f.strands() && f.strands()->shape() == StrandShape::kRibbon;
+      v = f.is_background() || facing ? f.point.wo : f.point.ng;
+      break;
+    }
     case GeometryVector::INCOMING: v = f.point.wo; break;
     case GeometryVector::PARAMETRIC: {
       const Vec2 at = f.uv_there();
@@ -296,7 +311,7 @@ void light_falloff(Frame& f, const uint32_t* w) {
 }
 
 void wireframe(Frame& f, const uint32_t* w) {
-  if (!f.is_on_surface()) return f.set(w[0], 0.0f);
+  if (!f.is_on_surface() || f.strands()) return f.set(w[0], 0.0f);
   Vec3 corner[3];
   f.corners(corner);
   float width = 0.5f * f.number(w[1]);

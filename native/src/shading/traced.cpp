@@ -19,6 +19,7 @@ Random random_at(const Frame& f, uint32_t node) {
 }
 
 Vec3 start(const Frame& f, const Vec3& direction) {
+  if (f.strands()) return f.point.position;
   const float epsilon = ray_epsilon(f.point.position, f.point.ray.length);
   return f.point.position + f.point.ng * (dot(direction, f.point.ng) > 0 ? epsilon : -epsilon);
 }
@@ -124,7 +125,7 @@ void bevel(Frame& f, const uint32_t* w) {
   const float radius = f.number(w[1]);
   const uint32_t samples = w[3];
   const Vec3 given = f.vector(w[2]);
-  if (!can_trace(f) || !(radius > 0) || !std::isfinite(radius) || !samples ||
+  if (!can_trace(f) || f.strands() || !(radius > 0) || !std::isfinite(radius) || !samples ||
       !looks_closely(f.point.ray))
     return f.set(w[0], given);
   const Basis basis(f.point.ng);

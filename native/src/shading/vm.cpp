@@ -99,6 +99,8 @@ void execute(Frame& f) {
       case Op::Attribute: mesh_attribute(f, w); break;
       case Op::InstanceAttribute: instance_attribute(f, w); break;
       case Op::ObjectLocation: object_location(f, w); break;
+      case Op::CurvesInfo: curves_info(f, w); break;
+      case Op::PointInfo: point_info(f, w); break;
       case Op::CameraData: camera_data(f, w); break;
       case Op::LightPath: light_path(f, w); break;
       case Op::Wireframe: wireframe(f, w); break;
@@ -142,6 +144,8 @@ void execute(Frame& f) {
       case Op::Sheen:
       case Op::Toon:
       case Op::Subsurface:
+      case Op::Hair:
+      case Op::PrincipledHair:
       case Op::Principled: closure(f, op, w); break;
       case Op::VolumeAbsorption:
       case Op::VolumeScatter:

@@ -16,6 +16,7 @@ from tests.reference.cycles.film import FILM
 from tests.reference.cycles.lamp_trees import LAMP_TREES
 from tests.reference.cycles.motion import MOTION
 from tests.reference.cycles.specs import Spec, node
+from tests.reference.cycles.strands import STRANDS
 from tests.reference.cycles.subsurface import SUBSURFACE
 from tests.reference.cycles.terminator import TERMINATOR
 from tests.reference.cycles.visibility import VISIBILITY
@@ -423,6 +424,7 @@ ALL: tuple[Case, ...] = (
     + TERMINATOR
     + MOTION
     + SUBSURFACE
+    + STRANDS
     + GALLERY
 )
 BY_NAME = {case.name: case for case in ALL}

@@ -33,6 +33,7 @@ def build(case: Case) -> bpy.types.Scene:
         gallery_stage,
         media_stage,
         motion_stage,
+        strands_stage,
         subsurface_stage,
         terminator_stage,
         visibility_stage,
@@ -46,6 +47,7 @@ def build(case: Case) -> bpy.types.Scene:
         | vars(displacement_stage)
         | vars(terminator_stage)
         | vars(motion_stage)
+        | vars(strands_stage)
         | vars(subsurface_stage)
         | {"material_case": gallery_stage.material_case, "caustic_view": pictures.open_view}
     )
