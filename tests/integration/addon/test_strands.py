@@ -231,3 +231,34 @@ def test_points_with_velocities_are_blurred() -> None:
     assert strands.motion[:, 0, 0] == pytest.approx([-0.25, 0, 0.25])
     assert strands.motion[:, 1, :3].tolist() == [[1, 0, 0]] * 3
     assert strands.motion[:, :, 3] == pytest.approx(0.2)
+
+
+@in_blender
+@pytest.mark.parametrize(
+    "material", ["ShaderNodeBsdfHairPrincipled", "ShaderNodeBsdfHair", "glass"]
+)
+def test_strands_of_all_kinds_are_rendered(material: str) -> None:
+    """While they move, denoised, with some that hardly are."""
+    import bpy
+
+    made = stage.room()
+    kind = "ShaderNodeBsdfGlass" if material == "glass" else material
+    coat = stage.material("Coat", (0.6, 0.4, 0.2), kind)
+    ob = haired(material=2, count=200)
+    ob.location.z = 0.3
+    lines = curves([LINE, [(1, 0, 0)] * 3, [(1, 1, 0), (1, 1, 1e-30)]], radius=0.05)
+    nothing = curves([LINE], radius=0.0, name="Thin")
+    balls = points([(0.5, 0, 1), (0.5, 0, 1), (-0.5, 0, 1)], radius=0.3)
+    for one in (ob, lines, nothing, balls):
+        one.data.materials.append(coat)
+        for frame, x in ((0, 0.0), (2, 0.5)):
+            one.location.x = x
+            one.keyframe_insert("location", frame=frame)
+    made.render.use_motion_blur, made.photon_splat.denoise = True, True
+    made.frame_set(1)
+    with stage.watched() as results:
+        bpy.ops.render.render()
+    combined = results[0].passes["Combined"]
+    assert np.isfinite(combined).all()
+    assert combined[..., :3].max() > 0.0
+    assert results[0].statistics["warnings"] == []
