@@ -131,6 +131,35 @@ def test_materials_fill_passes_of_their_own() -> None:
 
 
 @in_blender
+def test_blenders_cryptomatte_node_picks_an_object(tmp_path: str) -> None:
+    import bpy
+    import OpenImageIO as oiio
+
+    if bpy.app.version < (5, 0, 0):
+        return  # the compositor has another interface there
+    made = _board()
+    tree = bpy.data.node_groups.new("Compositing", "CompositorNodeTree")
+    made.compositing_node_group, made.render.use_compositing = tree, True
+    tree.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
+    end, pick = (
+        tree.nodes.new("NodeGroupOutput"),
+        tree.nodes.new("CompositorNodeCryptomatteV2"),
+    )
+    pick.source, pick.scene = "RENDER", made
+    pick.layer_name = f"{made.view_layers[0].name}.CryptoObject"
+    pick.matte_id = "Behind"
+    tree.links.new(pick.outputs["Matte"], end.inputs[0])
+    image = made.render.image_settings
+    image.media_type, image.file_format, image.color_depth = "IMAGE", "OPEN_EXR", "32"
+    made.render.filepath = f"{tmp_path}/matte.exr"
+    with stage.watched() as results:
+        bpy.ops.render.render(write_still=True)
+    matte = oiio.ImageBuf(made.render.filepath).get_pixels(oiio.FLOAT)[::-1, :, 0]
+    assert matte.max() > 0.7
+    assert matte == pytest.approx(_coverage(results[0].passes, "CryptoObject", "Behind"), abs=1e-4)
+
+
+@in_blender
 def test_the_manifest_is_in_the_file(tmp_path: str) -> None:
     import bpy
     import OpenImageIO as oiio
