@@ -43,7 +43,7 @@ class PhotonSplatSettings(bpy.types.PropertyGroup):
         name="Error Threshold",
         description="Stop when the estimated relative error (RMS error over mean brightness) of "
         "the picture before denoising is this small; 0 = off. Left at its default it does not end "
-        "a render that has a time limit",
+        "a render for which passes or a time limit have been set",
         default=CLICK.error_threshold,
         min=0.0,
         soft_max=0.2,
@@ -232,9 +232,10 @@ def render_settings(scene: Any) -> RenderSettings:
 
 
 def _threshold(group: PhotonSplatSettings) -> float:
-    """Who sets a time limit wants the best picture in that time."""
+    """Who sets another limit, and not this one, wants the best picture within that."""
+    others = group.time_limit or group.is_property_set("passes")
     given = group.is_property_set("error_threshold")
-    return round(float(group.error_threshold), 7) if given or not group.time_limit else 0.0
+    return round(float(group.error_threshold), 7) if given or not others else 0.0
 
 
 def viewport_settings(scene: Any) -> RenderSettings:

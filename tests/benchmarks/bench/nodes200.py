@@ -90,7 +90,13 @@ def seconds(engine: str, samples: int) -> float:
         )
     else:
         observer.settings = lambda plain: replace(
-            plain, integrator=Integrator.REFERENCE, passes=samples, time_limit=0.0, max_bounces=0
+            plain,
+            integrator=Integrator.REFERENCE,
+            passes=samples,
+            time_limit=0.0,
+            error_threshold=0.0,
+            denoise=False,
+            max_bounces=0,
         )
     began = time.process_time()
     bpy.ops.render.render()

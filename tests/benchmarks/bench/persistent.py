@@ -96,6 +96,7 @@ def open_scene(path: Path, passes: int, size: tuple[int, ...]) -> Any:
         100,
     )
     scene.photon_splat.passes, scene.photon_splat.time_limit = passes, 0.0
+    scene.photon_splat.error_threshold, scene.photon_splat.denoise = 0.0, False
     return scene
 
 

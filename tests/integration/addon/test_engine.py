@@ -589,6 +589,7 @@ def test_settings_of_the_scene_reach_the_session() -> None:
     scene = stage.scene()
     click = RenderSettings(passes=4096, error_threshold=0.05, denoise=True)
     assert render_settings(scene) == click
+    assert scene.photon_splat.passes == 4096
     values = {
         "time_limit": 2.5,
         "passes": 7,
@@ -609,12 +610,15 @@ def test_settings_of_the_scene_reach_the_session() -> None:
 
 
 @in_blender
-def test_an_error_threshold_ends_a_render_with_a_time_limit_only_where_somebody_set_it() -> None:
+def test_an_error_threshold_that_nobody_has_set_ends_no_render_with_another_limit() -> None:
     from photon_splat.blender.properties import render_settings
 
     group = stage.scene().photon_splat
     assert render_settings(stage.scene()).error_threshold == pytest.approx(0.05)
     group.time_limit = 3.0
+    assert render_settings(stage.scene()).error_threshold == 0.0
+    group.time_limit = 0.0
+    group.passes = 4096
     assert render_settings(stage.scene()).error_threshold == 0.0
     group.error_threshold = 0.05
     assert render_settings(stage.scene()).error_threshold == pytest.approx(0.05)

@@ -89,7 +89,9 @@ def _finite_pictures(**settings: Any) -> list[np.ndarray]:
     observer.on_result = lambda result, _: results.append(result)
     stage.scene().render.engine = "PHOTON_SPLAT"
     for integrator in Integrator:
-        observer.settings = lambda plain, by=integrator: replace(plain, integrator=by, **settings)
+        observer.settings = lambda plain, by=integrator: replace(
+            plain, integrator=by, **{"denoise": False} | settings
+        )
         bpy.ops.render.render()
     for result in results:
         for name, values in result.passes.items():

@@ -131,7 +131,10 @@ def _render(
     observer.on_result, observer.on_error = keep, errors.append
     for seed in seeds:
         observer.settings = lambda plain, seed=seed: replace(
-            plain, integrator=Integrator(integrator), seed=seed, **settings
+            plain,
+            integrator=Integrator(integrator),
+            seed=seed,
+            **{"error_threshold": 0.0, "denoise": False} | settings,
         )
         bpy.ops.render.render()
     if errors:

@@ -86,7 +86,7 @@ def test_shadows_of_contacts_are_not_blurred() -> None:
     [
         ({}, False),
         ({"denoise": True}, True),
-        ({"denoise": True, "error_threshold": 0.02}, False),
+        ({"denoise": True, "error_threshold": 0.02}, True),
         ({"denoise": True, "caustics": False}, False),
         ({"denoise": True, "final_gather": FinalGather.OFF}, False),
         ({"final_gather": ON}, True),
