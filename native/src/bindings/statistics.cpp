@@ -33,6 +33,10 @@ nb::dict photons_of(const RenderStatistics& s) {
     part["guided"] = map.guided;
     out[map.stream == PhotonStream::kCaustic ? "caustic" : "indirect"] = part;
   }
+  nb::dict beams;
+  beams["traced"] = s.beams.traced;
+  beams["stored"] = s.beams.stored;
+  out["beams"] = beams;
   out["traced"] = traced;
   out["stored"] = stored;
   out["pilot"] = pilot;

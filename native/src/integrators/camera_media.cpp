@@ -7,6 +7,7 @@ namespace photon_splat {
 // A path's way to what its ray has found, `hit` (or nothing), through the media around it.
 CameraTracer::Meeting CameraTracer::pass_media(Path& path, const Surface* hit, float far) const {
   const Rgb throughput = path.throughput + path.world_throughput;
+  add_beams(path, far);
   const bool single = add_single_scattering(path, far);
   const Flight flight = scene_.media()->fly(
       path.media, path.origin, path.direction, path.near, far, throughput,
@@ -99,6 +100,7 @@ bool CameraTracer::scatter_in_medium(Path& path, const Flight& flight, bool dire
             world_before = path.world_throughput;
   const bool last = path.vertex >= path.max_bounces;
   path.emission_throughput = before * weight;
+  if (sees_beams(path)) path.covered = before * weight;
   path.throughput = last ? Rgb{} : before * weight;
   path.world_emission = world_before * weight;
   path.world_throughput = last ? Rgb{} : world_before * weight;

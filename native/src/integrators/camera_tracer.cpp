@@ -293,8 +293,8 @@ CameraTracer::Passing CameraTracer::pass_through(Path& path, const Surface& hit,
   const bool passes = scattered == 0 || path.random.next() < passing;
   path.scale(passes ? transparency / passing : Rgb{1, 1, 1} / (1 - passing));
   if (!passes) return Passing::kStays;
-  const float survival =
-      std::min(1.0f, max_abs(path.emission_throughput + path.world_emission) * kRoulette);
+  const Rgb emission = path.emission_throughput + path.withheld + path.world_emission;
+  const float survival = std::min(1.0f, max_abs(emission) * kRoulette);
   if (++path.info.transparent_depth > kMaxTransparent || path.random.next() >= survival)
     return Passing::kAbsorbed;
   path.scale(Rgb{1, 1, 1} / survival);

@@ -16,6 +16,8 @@ namespace photon_splat {
 // Pixels along the side of a tile, which one thread traces
 inline constexpr int kTileSize = PackedFilm::kSide;
 
+class BeamTree;
+
 class CameraTracer {
  public:
   CameraTracer(Scene& scene, const Lights& lights, const Camera& camera, uint32_t seed)
@@ -48,6 +50,9 @@ class CameraTracer {
     caustic_photons_ = caustics;
     radius_factor_ = radius_factor;
   }
+
+  // From now on photons bring caustics in media by these (nullptr: paths find them by chance).
+  void set_beams(const BeamTree* beams) { beams_ = beams; }
 
   // Whether paths go on for the indirect light, where photons bring it, beside what moves: the
   // light there when it is seen may not be that of all times.
@@ -123,6 +128,8 @@ class CameraTracer {
   void pass_glass(Path& path, const Surface& hit) const;
   enum class Meeting { kNothing, kScattered, kAbsorbed };
   Meeting pass_media(Path& path, const Surface* hit, float far) const;
+  bool sees_beams(const Path& path) const;
+  void add_beams(Path& path, float far) const;
   bool add_single_scattering(Path& path, float far) const;
   bool scatter_in_medium(Path& path, const Flight& flight, bool direct) const;
   void add_direct_in_medium(Path& path, const MediumPoint& point, const Receiver& receiver) const;
@@ -159,6 +166,7 @@ class CameraTracer {
   uint64_t rays_ = 0, last_rays_ = 0, bad_samples_ = 0, places_ = 0, continued_ = 0,
            last_continued_ = 0;
   const IndirectStrategy* strategy_ = nullptr;
+  const BeamTree* beams_ = nullptr;
   bool caustic_photons_ = false, keeps_trial_ = false, follows_motion_ = false;
   float radius_factor_ = 1;
 };

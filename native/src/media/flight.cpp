@@ -103,6 +103,49 @@ Rgb Media::transmittance(const MediumStack& stack, const Vec3& origin, const Vec
   return through;
 }
 
+Rgb Fading::at(float distance) const {
+  const auto after = std::upper_bound(steps.begin(), steps.end(), distance,
+                                      [](float t, const Step& step) { return t < step.from; });
+  const Rgb left = after == steps.begin() ? Rgb{1, 1, 1} : std::prev(after)->left;
+  return left * attenuation(extinction, distance - near);
+}
+
+Fading Media::fading(const MediumStack& stack, const Vec3& origin, const Vec3& direction,
+                     float near, float far, const RayInfo& ray, Random& random) const {
+  Fading out;
+  out.near = near;
+  std::vector<Fading::Step> factors;
+  for (const uint16_t r : stack) {
+    const Region& region = regions_[r];
+    if (region.homogeneous) {
+      out.extinction += region.point.extinction();
+      continue;
+    }
+    Walk walk(region, origin, direction, near, far);
+    Rgb own{1, 1, 1};
+    for (int i = 0; max_abs(own) > 0; ++i) {
+      const float t = walk.next(random);
+      if (!(t < far)) break;
+      const Rgb extinction = run(region, origin + direction * t, -direction, ray).extinction();
+      Rgb factor = Rgb{1, 1, 1} - extinction / walk.bound();
+      if (i == kMostCollisions) factor = {};
+      if (max_abs(own * factor) < kFaint) factor *= random.next() < 0.5f ? 2.0f : 0.0f;
+      own *= factor;
+      factors.push_back({t, factor});
+    }
+  }
+  std::sort(factors.begin(), factors.end(),
+            [](const Fading::Step& a, const Fading::Step& b) { return a.from < b.from; });
+  Rgb left{1, 1, 1};
+  out.steps.push_back({near, left});
+  for (const Fading::Step& step : factors) {
+    left *= step.left;
+    out.steps.push_back({step.from, left});
+    if (!(max_abs(left) > 0)) break;
+  }
+  return out;
+}
+
 // One distance for all of a medium that is the same everywhere: of one channel, chosen by what the
 // path may carry there, weighted as drawn by any of them.
 Flight Media::fly_straight(const MediumPoint& medium, float near, float far, const Rgb& scattered,

@@ -71,8 +71,10 @@ int Media::add_region(uint32_t instance, int program, ThreadPool& pool, const Ca
   if (region.homogeneous) {
     region.point = run(region, {}, {0, 0, 1}, {});
     emits_ |= !is_black(region.point.emission);
+    scatters_ |= !is_black(region.point.scattering);
   } else {
     emits_ |= (scene_.programs[program].features & kProgramEmits) != 0;
+    scatters_ = true;
     bound(region, pool, cancel);
   }
   regions_.push_back(std::move(region));

@@ -25,6 +25,22 @@ struct Flight {
   MediumPoint point;  // where it scatters
 };
 
+// What is left of light along a way through media, at each of its points: unbiased there.
+class Fading {
+ public:
+  struct Step {
+    float from;  // as far as the next one
+    Rgb left;
+  };
+
+  Rgb at(float distance) const;
+  // Of media that are the same everywhere, on the whole way, 1/m.
+  Rgb extinction{};
+  // Of the others; the first one is where the way begins.
+  std::vector<Step> steps;
+  float near = 0;
+};
+
 class Media {
  public:
   // Nothing if no material and no world of the scene has a volume. Throws Cancelled.
@@ -38,6 +54,7 @@ class Media {
   // Which media a point lies in, as a ray upwards tells.
   MediumStack around(const Vec3& x, float time = kShutterCentre) const;
   bool emits() const { return emits_; }
+  bool scatters() const { return scatters_; }
 
   // All that media of the stack do there.
   MediumPoint at(const MediumStack& stack, const Vec3& x, const Vec3& wo, const RayInfo& ray) const;
@@ -46,6 +63,9 @@ class Media {
   // Unbiased. `far` may be infinite.
   Rgb transmittance(const MediumStack& stack, const Vec3& origin, const Vec3& direction, float near,
                     float far, const RayInfo& ray, Random& random) const;
+  // The same for all distances up to `far` at once.
+  Fading fading(const MediumStack& stack, const Vec3& origin, const Vec3& direction, float near,
+                float far, const RayInfo& ray, Random& random) const;
   // `scattered`, `passing`: throughput of what scatters on the way and of what comes to its end, by
   // which channels and collisions are chosen.
   Flight fly(const MediumStack& stack, const Vec3& origin, const Vec3& direction, float near,
@@ -81,7 +101,7 @@ class Media {
   std::vector<Region> regions_;
   std::vector<int16_t> of_slot_;  // of Scene::slot_materials, -1: none
   int world_ = -1;
-  bool in_meshes_ = false, emits_ = false;
+  bool in_meshes_ = false, emits_ = false, scatters_ = false;
 };
 
 }  // namespace photon_splat

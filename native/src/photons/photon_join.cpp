@@ -20,6 +20,7 @@ float power_dispersion(const Photons& photons) {
 void PhotonJoin::clear() {
   photons_.clear();
   groups_.clear();
+  beams_.clear();
   ray_log_.clear();
   runs_.clear();
   rays_ = shaded_ = next_ = 0;
@@ -45,6 +46,7 @@ std::unique_ptr<PhotonRun> PhotonJoin::take() {
 void PhotonJoin::count(const PhotonRun& run) {
   photons_.resize(photons_.size() + run.photons.size());
   if (with_groups_) groups_.resize(photons_.size());
+  beams_.insert(beams_.end(), run.beams.begin(), run.beams.end());
   rays_ += run.rays;
   shaded_ += run.shaded;
   ray_log_.insert(ray_log_.end(), run.ray_log.begin(), run.ray_log.end());

@@ -5,6 +5,7 @@
 #include <mutex>
 
 #include "photons/photon.h"
+#include "photons/photon_beam.h"
 #include "util/parallel.h"
 
 namespace photon_splat {
@@ -16,11 +17,13 @@ float power_dispersion(const Photons& photons);
 struct PhotonRun {
   Photons photons;
   std::vector<int16_t> groups;  // light groups of the photons, or empty
+  std::vector<PhotonBeam> beams;
   uint64_t rays = 0, shaded = 0;
   std::vector<float> ray_log;
 
   void clear() {
     photons.clear();
+    beams.clear();
     groups.clear();
     rays = shaded = 0;
     ray_log.clear();
@@ -42,6 +45,7 @@ class PhotonJoin {
 
   const Photons& photons() const { return photons_; }
   const std::vector<int16_t>& groups() const { return groups_; }
+  const std::vector<PhotonBeam>& beams() const { return beams_; }
   uint64_t rays() const { return rays_; }
   uint64_t shaded() const { return shaded_; }
   const std::vector<float>& ray_log() const { return ray_log_; }
@@ -52,6 +56,7 @@ class PhotonJoin {
 
   Photons photons_;
   std::vector<int16_t> groups_;
+  std::vector<PhotonBeam> beams_;
   bool with_groups_ = false;
   uint64_t rays_ = 0, shaded_ = 0;
   std::vector<float> ray_log_;

@@ -128,7 +128,7 @@ void PhotonTracer::store(const Path& path, const Surface& hit, const Vec3& direc
                          const SurfaceFilter& visible, Photons& photons) const {
   if (path.bounces == 0 || hit.on_strand() || !visible.contains(hit.key)) return;
   // What is stored stands for a diffuse ray from here
-  if (path.guessed && path.kind != RayInfo::kDiffuse) return;
+  if (path.guessed && path.kind != receiver_kind_) return;
   const float share = stream_ == PhotonStream::kAll       ? 1
                       : stream_ == PhotonStream::kCaustic ? path.caustic
                                                           : 1 - path.caustic;
@@ -237,8 +237,8 @@ bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const Phot
   const bool direct = path.bounces == 0, asked = hit.program->asks_kind || scene_.kinds_differ();
   float chance = 1;
   RayInfo ray;
-  ray.kind = asked ? guess_kind(path.random, RayInfo::kDiffuse, &chance) : RayInfo::kDiffuse;
-  ray.singular = ray.kind != RayInfo::kDiffuse;
+  ray.kind = asked ? guess_kind(path.random, receiver_kind_, &chance) : receiver_kind_;
+  ray.singular = ray.kind != receiver_kind_;
   ray.depth = path.bounces;
   ray.transparent_depth = path.passed;
   ray.time = path.time;
@@ -257,7 +257,7 @@ bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const Phot
     passing_ray.kind = path.kind;
     if (!path.guessed)
       passing_ray.kind =
-          guess_kind(path.random, direct ? RayInfo::kShadow : RayInfo::kDiffuse, &passing_chance);
+          guess_kind(path.random, direct ? RayInfo::kShadow : receiver_kind_, &passing_chance);
     Bsdf seen(Transport::kRadiance, -direction, hit.ng, hit.ns, hit.back);
     scene_.shade(hit, -direction, passing_ray, seen);
     transparency = seen.transparency();

@@ -160,6 +160,38 @@ float PhotonTracer::use_of(const Photon& photon, const PhotonStart& start, doubl
   return std::isfinite(share) ? share * share : 0;
 }
 
+// Of a beam: the square of what a medium scatters of its path's power.
+float PhotonTracer::use_of(const PhotonBeam& beam, const PhotonStart& start, double total) const {
+  const float own = luminance(start.power) * static_cast<float>(1 / total);
+  float share = own > 0 ? luminance(beam.power) / own : 0;
+  if (const auto medium = scene_.media()->homogeneous(beam.media))
+    share *= -std::expm1(-average(medium->scattering) * beam.length);
+  return std::isfinite(share) ? share * share : 0;
+}
+
+// The flight of path i through media to the next surface, if there is one.
+void PhotonTracer::leave_beam(const Travellers& travellers, uint32_t i, const Surface* hit,
+                              double total, float* useful, std::vector<PhotonBeam>& beams) const {
+  const PhotonPaths& paths = travellers.paths;
+  const Rest& rest = travellers.rest[i];
+  if (paths.bounces[i] == 0 || rest.media.empty()) return;
+  if (rest.guessed && rest.kind != receiver_kind_) return;
+  const Rgb power = Rgb{paths.red[i], paths.green[i], paths.blue[i]} * paths.caustic[i];
+  if (!(max_abs(power) > 0) || !is_finite(power)) return;
+  const Vec3 direction{paths.direction_x[i], paths.direction_y[i], paths.direction_z[i]};
+  const PhotonStart& start = travellers.starts[rest.place];
+  beams.push_back({{paths.origin_x[i], paths.origin_y[i], paths.origin_z[i]},
+                   direction,
+                   hit ? hit->distance : INFINITY,
+                   power,
+                   rest.media,
+                   rest.left_normal,
+                   encode_direction(hit ? hit->ng : -direction),
+                   start.light_group,
+                   rest.time});
+  if (useful) useful[rest.place] += use_of(beams.back(), start, total);
+}
+
 // All paths of a chunk advance by one ray at a time.
 void PhotonTracer::trace_chunk(uint64_t first, uint64_t count, double total, uint32_t seed,
                                const SurfaceFilter& visible, const Usefulness* filter,
@@ -204,6 +236,10 @@ void PhotonTracer::trace_chunk(uint64_t first, uint64_t count, double total, uin
       together = scene_.plain_surfaces(hits, together, surfaces);
       if (together) bounce_(paths, begin, hits, surfaces, settings, bounced);
       if (stream_ == PhotonStream::kCaustic) bounced.goes_on = 0;
+      if (leaves_beams_)  // of light that meets nothing more
+        for (uint32_t k = 0; k < std::min(kBounceLanes, alive - begin); ++k)
+          if (!(hit[turn ^ 1] >> k & 1) && paths.bounces[begin + k] > 0)
+            leave_beam(travellers, begin + k, nullptr, total, useful, run.beams);
       for (unsigned rest = hit[turn ^ 1]; rest; rest &= rest - 1) {
         const uint32_t k = static_cast<uint32_t>(std::countr_zero(rest)), i = begin + k,
                        place = travellers.rest[i].place;
@@ -225,13 +261,16 @@ void PhotonTracer::trace_chunk(uint64_t first, uint64_t count, double total, uin
           Vec3 origin{paths.origin_x[i], paths.origin_y[i], paths.origin_z[i]};
           const Surface surface = scene_.surface_of(hits, k, direction, path.time);
           run.shaded += surface.program != nullptr;
+          if (leaves_beams_) leave_beam(travellers, i, &surface, total, useful, run.beams);
           if (scene_.media() && !pass_media(path, surface, origin, direction)) continue;
           const Draws draws{first_bounce, static_cast<uint32_t>(first + place)};
           if (shade(path, surface, travellers.starts[place], draws, visible, origin, direction,
-                    run.photons))
+                    run.photons)) {
+            if (leaves_beams_) path.left_normal = encode_direction(surface.ng);
             travellers.put(
                 kept++, path, origin, direction,
                 path.bounces == 0 || path.guessed || ~travellers.starts[place].max_bounces);
+          }
         }
         if (useful)
           for (size_t p = stored; p < run.photons.size(); ++p)
@@ -278,7 +317,8 @@ const Photons& PhotonTracer::trace(uint64_t first, uint64_t count, double total,
     throw;
   }
   if (ray_log) ray_log->insert(ray_log->end(), join_.ray_log().begin(), join_.ray_log().end());
-  last_counts_ = {count, join_.photons().size(), join_.rays(), join_.shaded()};
+  last_counts_ = {count, leaves_beams_ ? join_.beams().size() : join_.photons().size(),
+                  join_.rays(), join_.shaded()};
   counts_ = {counts_.traced + count, counts_.stored + last_counts_.stored,
              counts_.rays + last_counts_.rays, counts_.shaded + last_counts_.shaded};
   return join_.photons();

@@ -48,6 +48,14 @@ class PhotonTracer {
   // came from; else it is empty.
   void keep_light_groups() { keeps_groups_ = true; }
   const std::vector<int16_t>& light_groups() const { return join_.groups(); }
+  // From now on photons leave beams in media instead of themselves on surfaces: caustic light that
+  // camera paths meet which scatter in a medium.
+  void leave_beams() {
+    leaves_beams_ = true;
+    receiver_kind_ = RayInfo::kVolume;
+  }
+  // What the paths traced last have left, in their order.
+  const std::vector<PhotonBeam>& beams() const { return join_.beams(); }
   const PhotonCounts& counts() const { return counts_; }
   const PhotonCounts& last_counts() const { return last_counts_; }  // of the last trace()
 
@@ -78,8 +86,9 @@ class PhotonTracer {
     // scatter_by_program.
     RayInfo::Kind kind = RayInfo::kDiffuse;
     bool guessed = false;
-    bool unshadowed = false;  // passed what would have blocked the light of another lamp
-    MediumStack media;        // around its present ray
+    bool unshadowed = false;   // passed what would have blocked the light of another lamp
+    MediumStack media;         // around its present ray
+    uint16_t left_normal = 0;  // of the surface where that began, encoded, for beams
     float time = kShutterCentre;
     uint32_t left = 0;  // Surface::mark of where its present ray starts
   };
@@ -127,6 +136,9 @@ class PhotonTracer {
                    const SurfaceFilter& visible, const Usefulness* filter, float* useful,
                    Travellers& travellers, PhotonRun& run) const;
   float use_of(const Photon& photon, const PhotonStart& start, double total) const;
+  float use_of(const PhotonBeam& beam, const PhotonStart& start, double total) const;
+  void leave_beam(const Travellers& travellers, uint32_t i, const Surface* hit, double total,
+                  float* useful, std::vector<PhotonBeam>& beams) const;
   PhotonStart start(uint64_t index, uint32_t seed) const;
   void start(uint64_t first, uint32_t count, uint32_t seed, PhotonStart* starts) const;
   bool scatters_for(const PhotonStart& start, const Path& path, RayInfo::Kind kind) const {
@@ -174,7 +186,9 @@ class PhotonTracer {
   std::optional<EmissionTargets> targets_;
   std::vector<Travellers> travellers_;  // by worker
   PhotonJoin join_;
-  bool keeps_groups_ = false;
+  bool keeps_groups_ = false, leaves_beams_ = false;
+  // Of the camera path's ray from where photons are stored
+  RayInfo::Kind receiver_kind_ = RayInfo::kDiffuse;
   PhotonCounts counts_, last_counts_;
 };
 

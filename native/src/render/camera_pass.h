@@ -25,6 +25,8 @@ class CameraPass {
   void trace_gather_points(uint32_t pass, const PhotonMaps& maps, PackedFilm& film,
                            CameraTracer::Tiles tiles = CameraTracer::Tiles::kAll);
   void trace_reference(uint32_t sample, PackedFilm& film);
+  // From now on photons bring caustics in media by these; nullptr: they bring none.
+  void set_beams(const BeamTree* beams) { tracer_.set_beams(beams); }
   // Has a pilot teach the map about the surfaces on which the gather points want its photons.
   void teach(PhotonMap& map);
   // After a pass: where things stand in the discs of bent surfaces paths will bring the light.

@@ -111,6 +111,14 @@ void Renderer::make_maps() {
   add(caustics ? PhotonStream::kIndirect : PhotonStream::kAll);
   if (caustics) add(PhotonStream::kCaustic);
   current_ = maps_.front().get();
+  make_beams();
+}
+
+// Caustics in media, where there may be any.
+void Renderer::make_beams() {
+  beams_.reset();
+  if (maps_.size() > 1 && options.photons_per_pass && scene.media() && scene.media()->scatters())
+    beams_ = std::make_unique<BeamMap>(context(), *lights_, *camera_);
 }
 
 void Renderer::check_light_groups() const {
@@ -127,6 +135,7 @@ void Renderer::reset_film() {
   film_.reset(camera_settings.region_width, camera_settings.region_height, scene.light_groups);
   bad_light_ = 0;
   camera_pass_->reset_view(film_.sum(), maps_);
+  if (beams_) beams_->begin_again();
   for (const auto& map : maps_) map->reset_view(film_.sum().width, film_.sum().height);
 }
 
@@ -147,6 +156,8 @@ void Renderer::limit_pass(const PassSize& most) {
 
 void Renderer::trace_camera(uint32_t pass) {
   map();
+  if (beams_) beams_->trace_pass();
+  camera_pass_->set_beams(beams_ ? &beams_->tree() : nullptr);
   camera_pass_->trace(pass, maps_, film_.begin_pass());
 }
 
@@ -251,6 +262,10 @@ RenderStatistics Renderer::statistics() {
   for (const auto& map : maps_) {
     out.maps.push_back(map->statistics());
     out.rays += map->rays();
+  }
+  if (beams_) {
+    out.beams = beams_->counts();
+    out.rays += out.beams.rays;
   }
   out.kept_photon_bytes = kept_bytes_;
   out.bad_samples += camera.bad_samples();

@@ -5,6 +5,7 @@
 
 #include "film/render_film.h"
 #include "integrators/data_passes.h"
+#include "render/beam_map.h"
 #include "render/camera_pass.h"
 #include "render/external_splatter.h"
 #include "render/photon_budget.h"
@@ -97,6 +98,7 @@ class Renderer {
   void make_lights();
   void make_camera_pass();
   void make_maps();
+  void make_beams();
   void check_light_groups() const;
   void reset_film();
   void finish_pass();
@@ -110,6 +112,7 @@ class Renderer {
   std::unique_ptr<Camera> camera_;
   std::unique_ptr<CameraPass> camera_pass_;
   PhotonMaps maps_;
+  std::unique_ptr<BeamMap> beams_;  // or null: there are none
   PhotonMap* current_ = nullptr;
   const VisiblePoints no_points_{};
   const Photons no_photons_{};

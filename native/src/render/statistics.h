@@ -49,6 +49,7 @@ struct PhotonMapStatistics {
 struct RenderStatistics {
   StageSeconds seconds;
   std::vector<PhotonMapStatistics> maps;  // indirect light, then caustics if they have their own
+  PhotonCounts beams{};                   // caustic photons in media: paths, beams
   size_t kept_photon_bytes = 0;           // of all maps: photons that other renders find again
   uint64_t rays = 0;                      // of the camera and of photons
   int threads = 0, threads_wanted = 0;    // working; asked for

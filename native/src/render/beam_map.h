@@ -1,0 +1,36 @@
+// Caustic photons in media: beams of each pass, traced before its camera paths, which see them on
+// their way.
+#pragma once
+
+#include "density/beam_tree.h"
+#include "photons/photon_tracer.h"
+#include "render/context.h"
+
+namespace photon_splat {
+
+class BeamMap {
+ public:
+  BeamMap(const RenderContext& context, const Lights& lights, const Camera& viewer);
+
+  // Another view or another render of the same scene: passes begin anew.
+  void begin_again();
+  // The beams of the next pass; the first time a pilot chooses radii.
+  void trace_pass();
+  const BeamTree& tree() const { return tree_; }
+  // In this render, without the pilot.
+  PhotonCounts counts() const { return since(before_, tracer_.counts()); }
+
+ private:
+  void learn();
+
+  const RenderContext context_;
+  const Camera& viewer_;
+  PhotonTracer tracer_;
+  BeamTree tree_;
+  uint32_t seed_;
+  uint64_t paths_;  // of a pass
+  uint64_t passes_ = 0;
+  PhotonCounts before_{};
+};
+
+}  // namespace photon_splat
