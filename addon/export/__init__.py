@@ -128,6 +128,7 @@ def export_contents(
     from .labels import Labelled, aovs, wanted
     from .materials import Materials, Shading
     from .objects import Objects
+    from .visibility import report_culling
     from .world import export_world
 
     kept, watch = kept or Kept(), watch or Watch()
@@ -155,6 +156,7 @@ def export_contents(
         textures.list,
         shading.programs,
     )
+    report_culling(scene, report)
     if labelled is not None:
         exported.labels = labelled.labels(
             view_layer, scene.world, materials.list, materials.aov_programs_of_all()

@@ -105,6 +105,11 @@ class Materials:
         )
         self.list[index].pass_index = int(material.pass_index)
         self._fill_aovs(index, material, owner)
+        kept = getattr(material.original, "cycles", None)
+        if not getattr(kept, "use_bump_map_correction", True):
+            self._shading.around.report.warn(
+                "Bump Map Correction cannot be switched off; it is on in: {}", material.name
+            )
         if not owner.asked_uv_map:
             self._any_uv_map[pointer] = index
         return index

@@ -89,6 +89,15 @@ def report_unsupported(ob: Any, report: Report) -> None:
         report.warn("Shadow Terminator's Shading Offset is not supported; ignored: {}", ob.name)
 
 
+def report_culling(scene: Any, report: Report) -> None:
+    """Of Simplify."""
+    cycles = getattr(scene, "cycles", None)
+    if cycles is None or not scene.render.use_simplify:
+        return
+    if cycles.use_camera_cull or cycles.use_distance_cull:
+        report.warn("Culling (Simplify) is not supported; everything is rendered")
+
+
 def _own(ob: Any) -> int:
     mask = ALL_RAYS
     for name, ray in FLAGS.items():

@@ -46,6 +46,9 @@ def export_world(world: Any, shading: Shading, scene: Scene) -> None:
     else:
         scene.world = _radiance(np.asarray(world.color, np.float64), owner, report)
     scene.world_seen_by = world_seen_by(world)
+    kept = getattr(world.original, "cycles", None)
+    if not getattr(world, "use_shadows", getattr(kept, "use_shadows", True)):
+        report.warn(f"{owner}: light without shadows is not supported; it casts them")
 
 
 class _World:

@@ -214,6 +214,27 @@ def test_the_sky_of_hosek_and_wilkie_is_brighter_towards_the_sun_and_over_snow()
 
 
 @in_blender
+def test_what_is_not_read_is_named() -> None:
+    import bpy
+
+    made = stage.room()
+    made.render.use_simplify = made.cycles.use_distance_cull = True
+    bpy.data.objects["Plane"].shadow_terminator_shading_offset = 0.5
+    bpy.data.objects["Plane"].data.materials[0].cycles.use_bump_map_correction = False
+    _tree()
+    expected = {
+        "Culling (Simplify) is not supported; everything is rendered",
+        "Shadow Terminator's Shading Offset is not supported; ignored: 'Plane'",
+        "Bump Map Correction cannot be switched off; it is on in: 'Grey'",
+    }
+    kept = bpy.context.scene.world.cycles
+    if hasattr(kept, "use_shadows"):
+        kept.use_shadows = False
+        expected.add("World 'Sky': light without shadows is not supported; it casts them")
+    assert set(stage.exported().warnings) == expected
+
+
+@in_blender
 def test_a_sun_past_the_zenith_comes_down_on_the_other_side() -> None:
     from photon_splat.export.sky import _wrapped
 
