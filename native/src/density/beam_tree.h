@@ -48,6 +48,7 @@ class BeamTree {
     float reach = 1;            // half an edge of the whole, m
     double beams_per_disc = 1;  // wanted from one pass through a disc of the radius
     double more_beams = 1;      // of a pass than of the pilot
+    uint32_t looks = 16;        // about so many beams a ray looks at in a cell
     // Width of what is seen as one at a place, m: cells and radii are no finer
     std::function<float(const Vec3&)> footprint;
   };
@@ -65,10 +66,11 @@ class BeamTree {
   // Number of a stack of media, whatever its order; -1: no beam is in such a one.
   int stack_of(const MediumStack& stack) const;
 
-  // Calls see(const BeamCrossing&) for all that a ray in these media meets.
+  // Calls see(const BeamCrossing&) for what a ray in these media meets, or for some of it with
+  // kernels that stand for the rest.
   template <class See>
   void each(int stack, const Vec3& origin, const Vec3& direction, float near, float far,
-            See&& see) const;
+            Random& random, See&& see) const;
 
  private:
   struct Cell {
@@ -130,7 +132,7 @@ inline Range within(const Vec3& origin, const Vec3& inverse, const Vec3& lower, 
 
 template <class See>
 void BeamTree::each(int stack, const Vec3& origin, const Vec3& direction, float near, float far,
-                    See&& see) const {
+                    Random& random, See&& see) const {
   if (stack < 0 || refs_.empty()) return;
   const Vec3 extent{root_.edge, root_.edge, root_.edge}, inverse = beams::inverse(direction);
   const auto [begin, end] =
@@ -156,7 +158,11 @@ void BeamTree::each(int stack, const Vec3& origin, const Vec3& direction, float 
     const float next = std::max({out, t + least, std::nextafter(t, INFINITY)});
     const Cell& leaf = cells_[cell];
     const float radius = leaf.radius * factor_, most = 1.01f * radius * radius;
-    for (uint32_t r = leaf.first; r < leaf.first + leaf.count; ++r) {
+    // Of many beams some at random, each for as many
+    const uint32_t step = std::max(1u, leaf.count / settings_.looks);
+    const uint32_t skipped =
+        step > 1 ? static_cast<uint32_t>(random.next() * static_cast<float>(step)) : 0;
+    for (uint32_t r = leaf.first + skipped; r < leaf.first + leaf.count; r += step) {
       const Line& line = lines_[refs_[r]];
       const float d = dot(direction, line.moment) + dot(moment, line.direction),
                   cosine = dot(direction, line.direction);
@@ -168,7 +174,8 @@ void BeamTree::each(int stack, const Vec3& origin, const Vec3& direction, float 
         continue;
       if (!(distance >= t && distance < next && distance < end)) continue;
       // Epanechnikov's
-      const float x2 = between * between / (radius * radius), scale = 0.75f / (radius * sine);
+      const float x2 = between * between / (radius * radius),
+                  scale = 0.75f * static_cast<float>(step) / (radius * sine);
       if (!(x2 < 1)) continue;
       see(BeamCrossing{piece, distance, along, scale * (1 - x2),
                        x2 < 0.5f ? scale * 1.41421356f * (1 - 2 * x2) : 0});

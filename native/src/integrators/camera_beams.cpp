@@ -41,12 +41,13 @@ void CameraTracer::add_beams(Path& path, float far) const {
   };
   if (medium) {
     const Rgb extinction = medium->extinction();
-    beams_->each(stack, path.origin, path.direction, path.near, far, [&](const BeamCrossing& at) {
-      float pdf;
-      add(brought(at) * medium->evaluate(path.direction, -at.piece.direction, &pdf) *
-              attenuation(extinction, at.distance - path.near),
-          at);
-    });
+    beams_->each(stack, path.origin, path.direction, path.near, far, path.random,
+                 [&](const BeamCrossing& at) {
+                   float pdf;
+                   add(brought(at) * medium->evaluate(path.direction, -at.piece.direction, &pdf) *
+                           attenuation(extinction, at.distance - path.near),
+                       at);
+                 });
   } else {
     struct Seen {
       BeamCrossing at;
@@ -56,14 +57,15 @@ void CameraTracer::add_beams(Path& path, float far) const {
     std::vector<Seen> seen;
     float all = 0;
     std::optional<Fading> fading;
-    beams_->each(stack, path.origin, path.direction, path.near, far, [&](const BeamCrossing& at) {
-      if (!fading)
-        fading = media.fading(path.media, path.origin, path.direction, path.near, far, path.info,
-                              path.random);
-      const Rgb own = brought(at) * fading->at(at.distance);
-      const float strength = max_abs(path.throughput * own);
-      if (strength > 0) seen.push_back({at, own, all += strength});
-    });
+    beams_->each(stack, path.origin, path.direction, path.near, far, path.random,
+                 [&](const BeamCrossing& at) {
+                   if (!fading)
+                     fading = media.fading(path.media, path.origin, path.direction, path.near, far,
+                                           path.info, path.random);
+                   const Rgb own = brought(at) * fading->at(at.distance);
+                   const float strength = max_abs(path.throughput * own);
+                   if (strength > 0) seen.push_back({at, own, all += strength});
+                 });
     const float first = path.random.next();
     for (int i = 0; i < kPlaces && !seen.empty(); ++i) {
       const float target = all * (static_cast<float>(i) + first) * (1.0f / kPlaces);

@@ -60,12 +60,13 @@ std::vector<PhotonBeam> sheet(const Scene& scene, uint32_t count, const Vec3& di
 }
 
 BeamTree tree_of(Scene& scene, const std::vector<PhotonBeam>& pilot,
-                 const std::vector<PhotonBeam>& beams, float factor = 1) {
+                 const std::vector<PhotonBeam>& beams, float factor = 1, uint32_t looks = 1 << 20) {
   BeamTree tree;
   BeamTree::Settings s;
   s.middle = {0.5f, 0.5f, 0.5f};
   s.reach = 0.6f;
   s.beams_per_disc = 2;
+  s.looks = looks;
   s.footprint = [](const Vec3&) { return 2e-3f; };
   s.more_beams = double(beams.size()) / double(pilot.size());
   tree.learn(pilot, s);
@@ -77,8 +78,9 @@ BeamTree tree_of(Scene& scene, const std::vector<PhotonBeam>& pilot,
 Rgb seen(const BeamTree& tree, const Scene& scene, const Vec3& origin, const Vec3& direction,
          float far) {
   Rgb sum{};
+  Random random(1, 1);
   tree.each(tree.stack_of(scene.media()->around({0.5f, 0.5f, 0.5f})), origin, direction, 0, far,
-            [&](const BeamCrossing& at) {
+            random, [&](const BeamCrossing& at) {
               sum += at.piece.power * attenuation(at.piece.extinction, at.along) * at.kernel;
             });
   return sum;
@@ -142,6 +144,30 @@ TEST_CASE("a beam fades as its medium says where that is not the same everywhere
     CHECK(seen(tree, scene, {x, 0.1f, 0.5f}, {0, 1, 0}, 0.8f).x ==
           doctest::Approx(0.8 * std::exp(-2 * double(x * x))).epsilon(0.06));
   }
+}
+
+TEST_CASE("rays that look at some of the beams see as much light in the mean") {
+  Scene scene(1);
+  fill(scene, 0);
+  const auto pilot = sheet(scene, 1 << 12, {1, 0, 0}, 1),
+             beams = sheet(scene, 1 << 13, {1, 0, 0}, 2);
+  const BeamTree all = tree_of(scene, pilot, beams), some = tree_of(scene, pilot, beams, 1, 4);
+  double by_all = 0, by_some = 0;
+  uint64_t hits = 0, few = 0;
+  Random random(1, 1);
+  for (int i = 0; i < 40000; ++i) {
+    const Vec3 origin{random.next(), 0.1f, 0.3f + 0.4f * random.next()};
+    const auto add = [&](const BeamTree& tree, double& sum, uint64_t& count) {
+      tree.each(0, origin, {0, 1, 0}, 0, 0.8f, random, [&](const BeamCrossing& at) {
+        sum += double(at.piece.power.x * at.kernel);
+        ++count;
+      });
+    };
+    add(all, by_all, hits);
+    add(some, by_some, few);
+  }
+  CHECK(by_some == doctest::Approx(by_all).epsilon(0.01));
+  CHECK(few < hits / 4);
 }
 
 TEST_CASE("what is faint of a beam is broken off by chance") {
