@@ -8,7 +8,9 @@ from blend_scenes.scripts import (
     caustic_glass,
     caustic_pool,
     caustic_ring,
+    cloudy_pool,
     cornell_box,
+    fog_lens,
     instances,
     interior,
     kitchen,
@@ -28,5 +30,5 @@ light_types.make()
 many_lights.make()
 for textured in (kitchen, perfume, street):
     textured.make()
-for caustics in (caustic_glass, caustic_ring, caustic_pool, small_glass):
+for caustics in (caustic_glass, caustic_ring, caustic_pool, small_glass, fog_lens, cloudy_pool):
     caustics.make()

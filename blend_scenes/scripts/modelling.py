@@ -135,6 +135,27 @@ def glass(name: str, ior: float) -> bpy.types.Material:
     return material
 
 
+def in_medium(
+    material: bpy.types.Material, density: float, color: Point, anisotropy: float = 0.0
+) -> bpy.types.Material:
+    """Fill what it encloses with a medium that scatters and, in other colours, absorbs."""
+    tree = material.node_tree
+    node = tree.nodes.new("ShaderNodeVolumePrincipled")
+    node.inputs["Color"].default_value = (*color, 1.0)
+    node.inputs["Density"].default_value = density
+    node.inputs["Anisotropy"].default_value = anisotropy
+    output = next(n for n in tree.nodes if n.type == "OUTPUT_MATERIAL")
+    tree.links.new(node.outputs[0], output.inputs["Volume"])
+    return material
+
+
+def medium(
+    name: str, density: float, color: Point = (1.0, 1.0, 1.0), anisotropy: float = 0.0
+) -> bpy.types.Material:
+    """A medium without a surface."""
+    return in_medium(_node_material(name)[0], density, color, anisotropy)
+
+
 def polished_metal(name: str, color: Point) -> bpy.types.Material:
     """A smooth Glossy BSDF: reflects `color` at every angle."""
     material, tree, output = _node_material(name)
