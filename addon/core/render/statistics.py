@@ -43,10 +43,20 @@ class MapCounts(TypedDict):
     """Whether emission is guided to where photons end in view."""
 
 
+class Beams(TypedDict):
+    """Photons on their way through media, of caustic light; not in the sums of photons."""
+
+    traced: int
+    """Paths."""
+    stored: int
+    """Ways."""
+
+
 class Photons(TypedDict):
     indirect: NotRequired[MapCounts]
     caustic: NotRequired[MapCounts]
     """Each where the scene has such a photon map; both are in the sums below."""
+    beams: Beams
     traced: int
     stored: int
     pilot: int
