@@ -90,9 +90,9 @@ def render_view_layer(engine: Any, depsgraph: Any) -> None:
     finally:
         engine.end_result(blender_result or engine.begin_result(0, 0, 1, 1), cancel=failed)
     if result is not None and result.labels is not None:
-        layer = f"{depsgraph.view_layer_eval.name}."
+        layer, whole = f"{depsgraph.view_layer_eval.name}.", engine.get_result()
         for key, value in manifests(result.labels, layer).items():
-            engine.get_result().stamp_data_add_field(key, value)
+            whole.stamp_data_add_field(key, value)
 
 
 def _render(

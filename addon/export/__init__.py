@@ -65,6 +65,7 @@ def _export_still(
         light_groups=light_groups,
         watch=watch,
         moving=moving,
+        with_labels=True,
     )
 
 
@@ -113,6 +114,7 @@ def export_contents(
     light_groups: Sequence[str] = (),
     watch: Watch | None = None,
     moving: Moving | None = None,
+    with_labels: bool = False,
 ) -> Scene:
     """What `depsgraph` holds, for a camera that need not be Blender's.
 
@@ -121,6 +123,7 @@ def export_contents(
     light_groups  names of those whose light is to be kept apart
     watch    raises Cancelled, through this, where the export is to stop; None: it goes on
     moving   is told of all instances
+    with_labels  if the view layer asks for passes of data
     """
     from .cancelled import Watch
     from .images import Textures
@@ -137,8 +140,8 @@ def export_contents(
     exported = Scene(camera, frame, light_groups=list(light_groups))
     textures = Textures(report, kept, watch)
     shading = Shading(textures, report, depsgraph, watch)
-    materials = Materials(shading, aovs(view_layer))
-    labelled = Labelled() if wanted(view_layer) else None
+    labelled = Labelled() if with_labels and wanted(view_layer) else None
+    materials = Materials(shading, aovs(view_layer) if labelled else ())
     objects = Objects(materials, shading, kept, exported.light_groups, moving, labelled)
     objects.collect(depsgraph, visible)
     objects.collect_shading(depsgraph, shading.around.wants, *shading.wanted)
@@ -159,7 +162,7 @@ def export_contents(
     report_culling(scene, report)
     if labelled is not None:
         exported.labels = labelled.labels(
-            view_layer, scene.world, materials.list, materials.aov_programs_of_all()
+            view_layer, scene.world, materials.list, materials.aov_programs()
         )
     exported.warnings = report.messages()
     return exported

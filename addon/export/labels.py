@@ -31,7 +31,7 @@ def wanted(view_layer: Any) -> list[Any]:
     infos = [info for info in DATA_PASSES if getattr(view_layer, SWITCHES[info.name])]
     for name, switch in MATTES.items():
         if getattr(view_layer, switch):
-            infos += [matte_pass(name, i) for i in range(math.ceil(levels(view_layer) / 2))]
+            infos += [matte_pass(name, i) for i in range(passes_of_matte(view_layer))]
     return infos + [aov_pass(name, is_color) for name, is_color in aovs(view_layer)]
 
 
@@ -40,8 +40,9 @@ def aovs(view_layer: Any) -> list[tuple[str, bool]]:
     return [(aov.name, aov.type == "COLOR") for aov in view_layer.aovs if aov.is_valid]
 
 
-def levels(view_layer: Any) -> int:
-    return int(view_layer.pass_cryptomatte_depth)
+def passes_of_matte(view_layer: Any) -> int:
+    """Each holds two ids of a pixel."""
+    return math.ceil(view_layer.pass_cryptomatte_depth / 2)
 
 
 class Labelled:
@@ -67,10 +68,11 @@ class Labelled:
         if world is not None:
             given = world.mist_settings
             mist = (float(given.start), float(given.depth), POWERS[given.falloff])
-        infos = wanted(view_layer)
         return Labels(
-            [info.name for info in infos],
-            2 * math.ceil(levels(view_layer) / 2) if any("Crypto" in i.name for i in infos) else 0,
+            [info.name for info in wanted(view_layer)],
+            2 * passes_of_matte(view_layer)
+            if any(getattr(view_layer, switch) for switch in MATTES.values())
+            else 0,
             np.array(self._indices, np.int32),
             self._objects,
             self._assets,

@@ -77,8 +77,8 @@ class Materials:
 
     def __init__(self, shading: Shading, aovs: Sequence[tuple[str, bool]] = ()) -> None:
         self.list: list[Material] = []
-        self.aov_programs: list[list[int]] = []  # by pass, of each material
         self._aovs = aovs
+        self._aov_programs: dict[tuple[int, int], int] = {}  # by pass and material
         self.displacements: dict[int, Displacement] = {}  # of those that move the surface
         self._shading = shading
         self._known: dict[tuple[int, str | None], int] = {}
@@ -117,23 +117,19 @@ class Materials:
     def _fill_aovs(self, index: int, material: Any, owner: Owner) -> None:
         """What the material's own outputs give the passes that the view layer names."""
         for k, (name, is_color) in enumerate(self._aovs):
-            if k == len(self.aov_programs):
-                self.aov_programs.append([])
-            programs = self.aov_programs[k]
-            programs += [NO_PROGRAM] * (len(self.list) - len(programs))
-            if programs[index] == NO_PROGRAM and uses_nodes(material):
-                for node in material.node_tree.nodes:
-                    if node.bl_idname == "ShaderNodeOutputAOV" and node.aov_name == name:
-                        programs[index] = self._shading.add(
-                            self._shading.pass_value(owner, node, is_color).program(
-                                f"{material.name} ({name})"
-                            )
-                        )
+            if (k, index) in self._aov_programs or not uses_nodes(material):
+                continue
+            for node in material.node_tree.nodes:
+                if node.bl_idname == "ShaderNodeOutputAOV" and node.aov_name == name:
+                    value = self._shading.pass_value(owner, node, is_color)
+                    program = self._shading.add(value.program(f"{material.name} ({name})"))
+                    self._aov_programs[k, index] = program
 
-    def aov_programs_of_all(self) -> list[list[int]]:
+    def aov_programs(self) -> list[list[int]]:
+        """By pass, of each material."""
         return [
-            programs + [NO_PROGRAM] * (len(self.list) - len(programs))
-            for programs in self.aov_programs or [[] for _ in self._aovs]
+            [self._aov_programs.get((k, i), NO_PROGRAM) for i in range(len(self.list))]
+            for k in range(len(self._aovs))
         ]
 
     def _remember(self, key: tuple[int, str | None], make: Callable[[], Material]) -> int:

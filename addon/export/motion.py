@@ -295,14 +295,7 @@ class Moving:
             self._move_shape(scene, shape)
         self._move_camera(scene)
         _remove(scene, lost)
-        if (
-            scene.instances.motion
-            or scene.camera.motion
-            or any(
-                m.motion or (m.strands is not None and m.strands.motion is not None)
-                for m in scene.meshes
-            )
-        ):
+        if scene.instances.motion or scene.camera.motion or any(m.moves for m in scene.meshes):
             scene.shutter = Shutter(shutter_curve(render), self._blur.rolling)
 
     def _move_shape(self, scene: Scene, shape: _Shape) -> None:

@@ -46,20 +46,7 @@ class PHOTON_SPLAT_PT_aovs(RenderPanel, bpy.types.Panel):
     bl_parent_id = "PHOTON_SPLAT_PT_passes"
 
     def draw(self, context: Any) -> None:
-        view_layer = context.view_layer
-        row = split_layout(self).row()
-        row.template_list(
-            "VIEWLAYER_UL_aov",
-            "aovs",
-            view_layer,
-            "aovs",
-            view_layer,
-            "active_aov_index",
-            rows=3,
-        )
-        buttons = row.column(align=True)
-        buttons.operator("scene.view_layer_add_aov", icon="ADD", text="")
-        buttons.operator("scene.view_layer_remove_aov", icon="REMOVE", text="")
+        _draw_list(split_layout(self), context.view_layer, "aov", "VIEWLAYER_UL_aov")
 
 
 class PHOTON_SPLAT_PT_light_groups(RenderPanel, bpy.types.Panel):
@@ -68,22 +55,20 @@ class PHOTON_SPLAT_PT_light_groups(RenderPanel, bpy.types.Panel):
     bl_parent_id = "PHOTON_SPLAT_PT_passes"
 
     def draw(self, context: Any) -> None:
-        view_layer = context.view_layer
-        row = split_layout(self).row()
-        row.template_list(
-            "UI_UL_list",
-            "lightgroups",
-            view_layer,
-            "lightgroups",
-            view_layer,
-            "active_lightgroup_index",
-            rows=3,
-        )
-        buttons = row.column(align=True)
-        buttons.operator("scene.view_layer_add_lightgroup", icon="ADD", text="")
-        buttons.operator("scene.view_layer_remove_lightgroup", icon="REMOVE", text="")
+        buttons = _draw_list(split_layout(self), context.view_layer, "lightgroup", "UI_UL_list")
         buttons.separator()
         buttons.operator("scene.view_layer_add_used_lightgroups", icon="FILE_REFRESH", text="")
+
+
+def _draw_list(layout: Any, view_layer: Any, what: str, list_type: str) -> Any:
+    """The view layer's list of `what`, and a column of buttons, which is returned."""
+    row, name = layout.row(), f"{what}s"
+    active = f"active_{what}_index"
+    row.template_list(list_type, name, view_layer, name, view_layer, active, rows=3)
+    buttons = row.column(align=True)
+    buttons.operator(f"scene.view_layer_add_{what}", icon="ADD", text="")
+    buttons.operator(f"scene.view_layer_remove_{what}", icon="REMOVE", text="")
+    return buttons
 
 
 def _draw_light_group(panel: Any, owner: Any, view_layer: Any) -> None:

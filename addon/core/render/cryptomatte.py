@@ -33,9 +33,18 @@ def _mixed(k: int) -> int:
     return (_turned((k * _C1) & _WORD, 15) * _C2) & _WORD
 
 
+def _bytes(name: str) -> bytes:
+    """As Blender keeps it: names of old files need not be UTF-8."""
+    return name.encode("utf-8", "surrogateescape")
+
+
+def _text(name: str) -> str:
+    return _bytes(name).decode("utf-8", "replace")
+
+
 def id_bits(name: str) -> int:
     """The hash of a name, its exponent moved to where it is that of an ordinary float."""
-    h = murmur3(name.encode("utf-8", "surrogateescape"))
+    h = murmur3(_bytes(name))
     exponent = min(max((h >> 23) & 255, 1), 254)
     return (h & 0x807FFFFF) | exponent << 23
 
@@ -46,13 +55,10 @@ def id_of(name: str) -> float:
 
 def metadata(layer: str, names: Iterable[str]) -> dict[str, str]:
     """What a file says of the mattes of `layer`, whose things have these names."""
-    key = f"cryptomatte/{murmur3(layer.encode()):08x}"[: len("cryptomatte/") + 7]
-    manifest = {
-        name.encode("utf-8", "surrogateescape").decode("utf-8", "replace"): f"{id_bits(name):08x}"
-        for name in dict.fromkeys(names)
-    }
+    key = "cryptomatte/" + f"{murmur3(_bytes(layer)):08x}"[:7]
+    manifest = {_text(name): f"{id_bits(name):08x}" for name in dict.fromkeys(names)}
     return {
-        f"{key}/name": layer,
+        f"{key}/name": _text(layer),
         f"{key}/hash": "MurmurHash3_32",
         f"{key}/conversion": "uint32_to_float32",
         f"{key}/manifest": json.dumps(manifest, ensure_ascii=False, separators=(",", ":")),

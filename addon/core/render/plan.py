@@ -118,10 +118,7 @@ def make_plan(scene: Scene, settings: RenderSettings) -> Plan:
 def _moving(scene: Scene) -> str:
     """What is blurred, as the end of a sentence."""
     instances = len(scene.instances.motion)
-    shapes = sum(
-        mesh.motion is not None or (mesh.strands is not None and mesh.strands.motion is not None)
-        for mesh in scene.meshes
-    )
+    shapes = sum(mesh.moves for mesh in scene.meshes)
     said = []
     if instances:
         said.append("1 instance moves" if instances == 1 else f"{instances:,} instances move")

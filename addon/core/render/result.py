@@ -127,22 +127,21 @@ def aov_pass(name: str, is_color: bool) -> PassInfo:
 
 def infos_of(passes: Passes) -> list[PassInfo]:
     """All passes; those of light groups and of data come last."""
-    known = {info.name: info for info in DATA_PASSES}
-    known |= {name: PassInfo(name, MATTE_CHANNELS) for name in passes if name.startswith("Crypto")}
     film = {info.name for info in PASSES}
-    known |= {
-        name: aov_pass(name, pixels.shape[2] == 4)
-        for name, pixels in passes.items()
-        if pixels.shape[2] != len(LIGHT_GROUP_CHANNELS) and name not in known
-    }
-    return [
-        *PASSES,
-        *(
-            known.get(name, PassInfo(name, LIGHT_GROUP_CHANNELS))
-            for name in passes
-            if name not in film
-        ),
-    ]
+    more = (_info_of(name, pixels.shape[2]) for name, pixels in passes.items() if name not in film)
+    return [*PASSES, *more]
+
+
+def _info_of(name: str, channels: int) -> PassInfo:
+    """Of a pass that is none of PASSES."""
+    for info in DATA_PASSES:
+        if info.name == name:
+            return info
+    if name.startswith(tuple(CRYPTOMATTES)):
+        return PassInfo(name, MATTE_CHANNELS)
+    if channels == len(LIGHT_GROUP_CHANNELS):
+        return PassInfo(name, LIGHT_GROUP_CHANNELS)
+    return aov_pass(name, is_color=channels > 1)
 
 
 def film_arrays(wanted: Collection[str] | None = None) -> list[str]:

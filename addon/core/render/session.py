@@ -151,7 +151,6 @@ class _Worker(threading.Thread):
         started: float,
         want_interim: bool,
         wanted: Collection[str] | None,
-        frame_size: tuple[int, int],
         scene: Scene,
     ) -> None:
         super().__init__(name="Photon Splat", daemon=True)
@@ -177,9 +176,8 @@ class _Worker(threading.Thread):
         self.finished = False
         self.warnings: list[str] = []
         self.splatter: Splatter = CpuSplatter(self.renderer)
-        self.ending = Ending(*frame_size)
+        self.ending = Ending(*scene.frame.region[2:])
         self.scene = scene
-        self.labels = scene.labels
         self.data: Passes = {}
         self.film_bytes = 0
 
@@ -211,9 +209,9 @@ class _Worker(threading.Thread):
         self.renderer.keep_film(arrays)
         self.prepare()
         self.prepared = True
-        if self.labels is not None:
+        if self.scene.labels is not None:
             self.stage = "Passes of data"
-            self.data = data_passes(self.renderer, self.scene, self.labels)
+            self.data = data_passes(self.renderer, self.scene, self.scene.labels)
         if settings.time_limit and settings.denoise:
             self.stage = "Trying the denoiser"
             self.ending.try_denoiser(settings.threads)
@@ -398,15 +396,7 @@ def render(
     if release_textures and persistent is None:
         for texture in scene.textures:
             texture.pixels = np.empty((0, 0, 4), texture.pixels.dtype)
-    worker = _Worker(
-        start,
-        settings,
-        started,
-        want_interim,
-        wanted,
-        (width, height),
-        scene,
-    )
+    worker = _Worker(start, settings, started, want_interim, wanted, scene)
     if should_cancel is not None and should_cancel():  # a small scene is done before it is asked
         worker.cancel()
     worker.start()

@@ -52,6 +52,13 @@ class Mesh:
             else self.vertex_normals[self.triangles]
         )
 
+    @property
+    def moves(self) -> bool:
+        """Whether its shape changes while the shutter is open."""
+        return self.motion is not None or (
+            self.strands is not None and self.strands.motion is not None
+        )
+
     @classmethod
     def of_strands(cls, name: str, strands: Strands) -> Mesh:
         return cls(name, np.zeros((0, 3), np.float32), np.zeros((0, 3), np.uint32), strands=strands)
