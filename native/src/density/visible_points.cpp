@@ -34,11 +34,6 @@ size_t chunks_of(size_t count) { return (count + kChunk - 1) / kChunk; }
 // Radii come in steps of 2^(1/4), so that neighbours share cells.
 float quantized(float h) { return std::exp2(std::round(std::log2(h) * 4) / 4); }
 
-uint32_t seed_of(const Vec3& x) {
-  return hash_combine(std::bit_cast<uint32_t>(x.x),
-                      hash_combine(std::bit_cast<uint32_t>(x.y), std::bit_cast<uint32_t>(x.z)));
-}
-
 // What of the kernel lies on the surface, less what is hidden there. Returns whether an edge cuts
 // the disc.
 bool divide_by_mass(PointBlock& block, uint32_t lane, KernelMass m, const DiscOcclusion& inside) {
@@ -197,7 +192,7 @@ void VisiblePoints::pick_points(Scene& scene, const CancelFlag& cancel) {
 }
 
 VisiblePoints::Look VisiblePoints::look(Scene& scene, const GatherPoint& r, float h) const {
-  const uint32_t seed = seed_of(r.position);
+  const uint32_t seed = hash_of(r.position);
   Look look;
   look.region = ClearRegions::region(r.key, r.position, h);
   look.done = clear_regions_.to_look_at(look.region, hash32(seed));
@@ -347,7 +342,7 @@ void VisiblePoints::correct_boundaries(Scene& scene, const CancelFlag& cancel) {
         continue;
       }
       if (inside.clear < h) {
-        const uint32_t seed = seed_of(x), key = block.key[lane];
+        const uint32_t seed = hash_of(x), key = block.key[lane];
         float least = kLeastOfWalledRadius * h;
         if (kClearOfWall * inside.clear >= least) {
           h = kClearOfWall * inside.clear;

@@ -28,6 +28,36 @@ enum Dimension : uint32_t {
   kTimePair = 65
 };
 
+// The camera rays of a pixel's samples. Its place in the whole frame seeds them, so that a border
+// renders the same pixels.
+class PixelRays {
+ public:
+  PixelRays(const Scene& scene, const Camera& camera, int x, int y, uint32_t seed)
+      : camera_(camera), shutter_(scene.shutter), x_(x), y_(y) {
+    const CameraSettings& c = camera.settings();
+    const uint32_t column = static_cast<uint32_t>(x + c.x0), row = static_cast<uint32_t>(y + c.y0);
+    seed_ = hash_combine(seed, row * c.width + column);
+    down_ = 1 - static_cast<float>(row) / static_cast<float>(c.height);
+  }
+  uint32_t seed() const { return seed_; }
+  float time(uint32_t sample) const {
+    return shutter_.blurs() ? shutter_.time(sobol_2d(sample, kTimePair, seed_).x, down_)
+                            : kShutterCentre;
+  }
+  // None outside the lens' image
+  std::optional<CameraRay> ray(uint32_t sample, float time) const {
+    return camera_.ray(x_, y_, sobol_2d(sample, kFilterPair, seed_),
+                       sobol_2d(sample, kLensPair, seed_), time);
+  }
+
+ private:
+  const Camera& camera_;
+  const Shutter& shutter_;
+  int x_, y_;
+  uint32_t seed_;
+  float down_;  // share of the picture's height above the pixel
+};
+
 inline void add_finite(Rgb& sum, const Rgb& value, uint64_t& bad) {
   if (can_be_added(value))
     sum += value;

@@ -35,15 +35,10 @@ void CameraTracer::trace_pixel(const Job& job, int x, int y, PackedFilm& film, P
                                Tile& tile) const {
   const uint32_t index = static_cast<uint32_t>(y) * film.width + x;
   Rgb* const groups = film.groups_of(index);
-  const CameraSettings& c = camera_.settings();
-  // The place in the whole frame seeds a pixel, so that a border renders the same pixels.
-  const uint32_t frame_index = static_cast<uint32_t>(y + c.y0) * c.width + (x + c.x0);
-  const uint32_t seed = hash_combine(seed_, frame_index);
-  const bool learns = job.learns && hash_combine(seed, job.pass) % job.learning_share == 0;
+  const PixelRays rays(scene_, camera_, x, y, seed_);
+  const bool learns = job.learns && hash_combine(rays.seed(), job.pass) % job.learning_share == 0;
   const uint32_t first = job.choice ? job.choice->first(index, job.pass) : job.pass;
   const uint32_t count = job.choice ? job.choice->count(index) : 1;
-  const bool blurs = scene_.shutter.blurs();
-  const float down = 1 - static_cast<float>(y + c.y0) / static_cast<float>(c.height);
   float depth = kBackgroundDepth, surface_id = 0;
   pixel = {};
   std::fill_n(groups, film.light_groups, Rgb{});
@@ -51,12 +46,10 @@ void CameraTracer::trace_pixel(const Job& job, int x, int y, PackedFilm& film, P
   for (uint32_t sample = first; sample < first + count; ++sample) {
     pixel.depth = kBackgroundDepth;
     pixel.surface_id = 0;
-    const float time =
-        blurs ? scene_.shutter.time(sobol_2d(sample, kTimePair, seed).x, down) : kShutterCentre;
-    const auto ray = camera_.ray(x, y, sobol_2d(sample, kFilterPair, seed),
-                                 sobol_2d(sample, kLensPair, seed), time);
+    const float time = rays.time(sample);
+    const auto ray = rays.ray(sample, time);
     if (ray) {
-      Path path(*ray, pixel, tile, index, sample, seed, time);
+      Path path(*ray, pixel, tile, index, sample, rays.seed(), time);
       path.max_bounces = job.max_bounces;
       path.leaves_gather_points = job.leaves_gather_points;
       path.learns = learns;

@@ -40,19 +40,13 @@ struct Looker {
   DataPasses& out;
 
   void look_at_pixel(int x, int y, size_t index, std::array<Matte, 3>& mattes) const {
-    const CameraSettings& c = camera.settings();
-    const uint32_t frame_index = static_cast<uint32_t>(y + c.y0) * c.width + (x + c.x0);
-    const uint32_t seed = hash_combine(settings.seed, frame_index);
-    const float down = 1 - static_cast<float>(y + c.y0) / static_cast<float>(c.height);
+    const PixelRays rays(scene, camera, x, y, settings.seed);
     const float share = 1.0f / static_cast<float>(settings.samples);
     float seen = 0;
     for (uint32_t sample = 0; sample < settings.samples; ++sample) {
-      const float time = scene.shutter.blurs()
-                             ? scene.shutter.time(sobol_2d(sample, kTimePair, seed).x, down)
-                             : kShutterCentre;
-      const auto ray = camera.ray(x, y, sobol_2d(sample, kFilterPair, seed),
-                                  sobol_2d(sample, kLensPair, seed), time);
-      if (ray) seen += follow(*ray, time, index, sample == 0, mattes);
+      const float time = rays.time(sample);
+      if (const auto ray = rays.ray(sample, time))
+        seen += follow(*ray, time, index, sample == 0, mattes);
     }
     out.mist[index] = 1 - seen * share;
     for (int i = 0; i < 3; ++i) {

@@ -27,6 +27,10 @@ inline uint32_t hash32(
 inline uint32_t hash_combine(uint32_t a, uint32_t b) {
   return hash32(a ^ (b + 0x9e3779b9u + (a << 6) + (a >> 2)));
 }
+inline uint32_t hash_of(const Vec3& x) {
+  return hash_combine(std::bit_cast<uint32_t>(x.x),
+                      hash_combine(std::bit_cast<uint32_t>(x.y), std::bit_cast<uint32_t>(x.z)));
+}
 inline uint64_t hash64(uint64_t x) {  // SplitMix64 finalizer (Steele et al. 2014)
   x ^= x >> 30;
   x *= 0xbf58476d1ce4e5b9ull;

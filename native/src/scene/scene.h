@@ -354,6 +354,8 @@ class Scene {
     float time = kShutterCentre;
   };
   void fill_surface(const RawHit& hit, const Vec3& direction, Surface& surface) const;
+  // What is of triangles, and of strands, alone
+  void fill_triangle(const RawHit& hit, const Vec3& direction, Surface& surface) const;
   void fill_strand(const RawHit& hit, const Vec3& direction, Surface& surface) const;
   RTCGeometry make_geometry(const Mesh& mesh) const;
   void intersect_eight(const Rays& rays, uint32_t count, RayHits& hits, uint32_t place) const;

@@ -8,12 +8,6 @@ namespace photon_splat {
 void Scene::fill_strand(const RawHit& hit, const Vec3& direction, Surface& s) const {
   const Lookup& lookup = lookups_[hit.instance];
   const Strands& strands = *lookup.strands;
-  s.instance = hit.instance;
-  s.triangle = hit.triangle;
-  s.u = hit.u;
-  s.v = hit.v;
-  s.distance = hit.distance;
-  s.position = hit.position;
   s.back = false;
   Vec3 normal = hit.normal;
   if (strands.shape() == StrandShape::kRibbon) {
@@ -36,9 +30,6 @@ void Scene::fill_strand(const RawHit& hit, const Vec3& direction, Surface& s) co
   s.ng = s.ns = is_finite(normal) ? normal : -direction;  // of what has no extent
   s.key = lookup.seed << 1;
   s.mark = Strands::mark(hit.instance, strands.strand(hit.triangle));
-  const Material& material = material_of(hit.instance, hit.triangle);
-  s.side = &material.front;
-  s.program = material.program < 0 ? nullptr : &programs[material.program];
 }
 
 }  // namespace photon_splat

@@ -1,6 +1,4 @@
 // Nodes that trace rays from the hit: Ambient Occlusion, Bevel, Raycast.
-#include <bit>
-
 #include "shading/frame.h"
 
 namespace photon_splat::nodes {
@@ -11,11 +9,9 @@ constexpr RayMask kBlocking = ray_bit(RayInfo::kShadow);
 bool can_trace(const Frame& f) { return f.is_on_surface() && f.scene.is_built(); }
 
 // Of the place alone: a hit that is shaded twice looks the same.
-Random random_at(const Frame& f, uint32_t node) {
-  uint32_t key = f.point.triangle ^ (f.point.instance << 16);
-  for (const float x : {f.point.position.x, f.point.position.y, f.point.position.z, f.point.u})
-    key = hash_combine(key, std::bit_cast<uint32_t>(x));
-  return Random(node, key);
+uint32_t seed_at(const Frame& f, uint32_t node) {
+  const uint32_t there = hash_combine(f.point.triangle, f.point.instance);
+  return hash_combine(hash_combine(node, there), hash_of(f.point.position));
 }
 
 Vec3 start(const Frame& f, const Vec3& direction) {
@@ -58,12 +54,9 @@ float sample_offset(float radius, float u) {
   return x * radius;
 }
 
-// On the front, whatever the mirroring of the instance.
-Vec3 smooth_normal(const Frame& f, const Scene::OwnHit& hit, const Vec3& direction) {
+Surface surface_met(const Frame& f, const Scene::OwnHit& hit, const Vec3& direction) {
   const bool back = dot(hit.normal, direction) > 0;
-  const Surface s =
-      f.scene.surface_at(f.point.instance, hit.triangle, hit.u, hit.v, back, f.point.ray.time);
-  return back ? -s.ns : s.ns;
+  return f.scene.surface_at(f.point.instance, hit.triangle, hit.u, hit.v, back, f.point.ray.time);
 }
 
 // Sum of the normals that a ray through a disc meets, by distance and by the chance that a ray
@@ -90,7 +83,8 @@ Vec3 normals_met(const Frame& f, const Disc* discs, const Disc& disc, float radi
     const float own = disc.chance * std::abs(dot(disc.across, hit.normal));
     const float weight = own / squares * offset_density(radius, length(place - f.point.position)) /
                          offset_density(radius, r);
-    if (std::isfinite(weight)) sum += smooth_normal(f, hit, -disc.across) * weight;
+    const Surface met = surface_met(f, hit, -disc.across);
+    if (std::isfinite(weight)) sum += (met.back ? -met.ns : met.ns) * weight;
     near = std::nextafter(hit.distance + ray_epsilon(place, hit.distance), INFINITY);
   }
   return sum;
@@ -111,8 +105,7 @@ void ambient_occlusion(Frame& f, const uint32_t* w) {
   Vec3 normal = safe_normalize(f.vector(w[2]));
   if (f.on(w[4])) normal = -normal;
   const Basis basis(normal);
-  Random random = random_at(f, w[0]);
-  const uint32_t seed = static_cast<uint32_t>(random.next() * 4294967296.0);
+  const uint32_t seed = seed_at(f, w[0]);
   uint32_t open = 0;
   for (uint32_t i = 0; i < samples; ++i) {
     const Vec3 direction = basis.to_world(sample_cosine_hemisphere(sobol_2d(i, 0, seed)));
@@ -131,8 +124,7 @@ void bevel(Frame& f, const uint32_t* w) {
   const Basis basis(f.point.ng);
   const Vec3 n = f.point.ng, s = basis.to_world({1, 0, 0}), t = basis.to_world({0, 1, 0});
   const Disc discs[3] = {{n, s, t, 0.5f}, {s, n, t, 0.25f}, {t, s, n, 0.25f}};
-  Random random = random_at(f, w[0]);
-  const uint32_t seed = static_cast<uint32_t>(random.next() * 4294967296.0);
+  const uint32_t seed = seed_at(f, w[0]);
   Vec3 sum{};
   for (uint32_t i = 0; i < samples; ++i) {
     Vec2 u = sobol_2d(i, 0, seed);
@@ -170,10 +162,7 @@ void raycast(Frame& f, const uint32_t* w) {
       if (f.scene.intersect(from, direction, 0, far, false, s, kAllRays, time))
         found(s.distance, s.instance, s.ns);
     } else if (f.scene.meets_itself(f.point.instance, from, direction, 0, far, time, itself)) {
-      const bool back = dot(itself.normal, direction) > 0;
-      found(
-          itself.distance, f.point.instance,
-          f.scene.surface_at(f.point.instance, itself.triangle, itself.u, itself.v, back, time).ns);
+      found(itself.distance, f.point.instance, surface_met(f, itself, direction).ns);
     }
   }
   f.set(w[0], hits);
