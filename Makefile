@@ -195,6 +195,9 @@ chart: setup ## error against time, ours, Cycles' and rivals': tests/benchmarks/
 defaults: setup ## what a click on Render gives, beside Cycles with its defaults: tests/benchmarks/chart/defaults.csv
 	$(PY) -m tests.benchmarks.chart.defaults
 
+equal-time: setup ## any .blend files beside Cycles at equal time (FILES=..., EQUAL_TIME_OPTIONS: see python -m tests.benchmarks.chart.equal_time --help)
+	$(PY) -m tests.benchmarks.chart.equal_time $(EQUAL_TIME_OPTIONS) $(FILES)
+
 stability: setup ## the product and plain photon maps on the known failures: tests/benchmarks/stability/methods.md and .png
 	$(PY) -m tests.benchmarks.stability.run
 

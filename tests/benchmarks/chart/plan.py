@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
+from pathlib import Path
+
+from tests.support.paths import ROOT
 
 BUDGETS = (1.0, 3.0, 10.0, 30.0)
 """Seconds of the render call that each method is given."""
@@ -57,6 +60,11 @@ class Case:
     kind: str
     reference: str = "paths"
     reference_seconds: float = 75.0  # of each half
+    file: Path | None = None  # elsewhere than in blend_scenes
+
+    @property
+    def blend(self) -> Path:
+        return self.file or ROOT / "blend_scenes" / f"{self.scene}.blend"
 
 
 CASES = (

@@ -55,7 +55,7 @@ def path_of(case: Case, method: Method | str, seconds: float, seed: int) -> Path
             pickle.dumps(driver.description(case, str(method))),
         )
     else:
-        made_by, asked = version(str(method)), _blend(case).read_bytes()
+        made_by, asked = version(str(method)), case.blend.read_bytes()
     scene = hashlib.sha256(asked).hexdigest()
     what = f"{method}|{made_by}|{scene}|{case.width}x{case.height}|{seconds:g}|{seed}"
     return CACHE / f"{case.scene}_{hashlib.sha256(what.encode()).hexdigest()[:20]}.npz"
@@ -68,10 +68,6 @@ def shot(case: Case, method: Method | str, seconds: float, seed: int) -> Shot:
         _render(str(method), case, seconds, seed, path)
     with np.load(path) as data:
         return Shot(data["picture"], float(data["seconds"]))
-
-
-def _blend(case: Case) -> Path:
-    return ROOT / "blend_scenes" / f"{case.scene}.blend"
 
 
 def _render(method: str, case: Case, seconds: float, seed: int, path: Path) -> None:
@@ -88,7 +84,7 @@ def _render(method: str, case: Case, seconds: float, seed: int, path: Path) -> N
                 "-m",
                 "tests.benchmarks.chart.shot",
                 method,
-                str(_blend(case)),
+                str(case.blend),
                 *size,
                 str(seconds),
                 str(seed),
