@@ -576,14 +576,16 @@ std::optional<BsdfSample> Bsdf::finish_delta(int index, BsdfSample out) const {
 
 std::optional<BsdfSample> Bsdf::sample(float choice, const Vec2& u) const {
   int index = -1;
+  float along = u.x;
   for (int i = 0; i < lobes_.size(); ++i) {
     const float pick = lobes_[i].pick;
     if (pick <= 0) continue;
     index = i;
-    if (choice < pick) break;
-    choice -= pick;
+    if (along < pick) break;
+    along -= pick;
   }
-  return index < 0 ? std::nullopt : sample_lobe(index, choice / lobes_[index].pick, u);
+  if (index < 0) return std::nullopt;
+  return sample_lobe(index, choice, {std::clamp(along / lobes_[index].pick, 0.0f, kBelowOne), u.y});
 }
 
 std::optional<BsdfSample> Bsdf::sample_sharp(float choice, const Vec2& u) const {

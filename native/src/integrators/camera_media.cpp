@@ -5,7 +5,7 @@
 namespace photon_splat {
 
 // A path's way to what its ray has found, `hit` (or nothing), through the media around it.
-CameraTracer::Meeting CameraTracer::pass_media(Path& path, const Surface* hit, float far) const {
+CameraTracer::InMedium CameraTracer::pass_media(Path& path, const Surface* hit, float far) const {
   const Rgb throughput = path.throughput + path.world_throughput;
   add_beams(path, far);
   const bool single = add_single_scattering(path, far);
@@ -22,14 +22,14 @@ CameraTracer::Meeting CameraTracer::pass_media(Path& path, const Surface* hit, f
   if (!is_finite(path.throughput) || !is_finite(path.emission_throughput) ||
       !is_finite(path.world_throughput) || !is_finite(path.world_emission)) {
     ++path.tile.bad_samples;
-    return Meeting::kAbsorbed;
+    return InMedium::kAbsorbed;
   }
   const bool first = path.vertex == 0 && !path.through_glass;
   if (!flight.scatters) {
     if (max_abs(path.emission_throughput + path.withheld + path.world_emission) > 0)
-      return Meeting::kNothing;
+      return InMedium::kNothing;
     if (first) path.pixel.alpha += 1;
-    return Meeting::kAbsorbed;
+    return InMedium::kAbsorbed;
   }
   if (first) {
     path.pixel.alpha += 1;
@@ -39,7 +39,7 @@ CameraTracer::Meeting CameraTracer::pass_media(Path& path, const Surface* hit, f
     }
   }
   if (path.vertex == 0) path.pixel.albedo += path.throughput * flight.point.scattering;
-  return scatter_in_medium(path, flight, !single) ? Meeting::kScattered : Meeting::kAbsorbed;
+  return scatter_in_medium(path, flight, !single) ? InMedium::kScattered : InMedium::kAbsorbed;
 }
 
 // Light samples of a medium that is the same everywhere: scattered at a place of its own on each

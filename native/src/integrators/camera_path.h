@@ -17,7 +17,6 @@ enum Dimension : uint32_t {
   kBsdfPair,
   kLobePair,
   kSkyPair,
-  kSkyChoicePair,
   kMediumPair,
   kMediumPlacePair,
   kBelowPair,

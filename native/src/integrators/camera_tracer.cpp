@@ -89,9 +89,9 @@ void CameraTracer::follow(Path& path) const {
     if (found && path.vertex > 0 && path.info.transparent_depth == 0)
       see_world(path, path.from, path.direction, {}, true);
     if (media && !path.media.empty()) {
-      const Meeting met = pass_media(path, found ? &hit : nullptr, found ? hit.distance : INFINITY);
-      if (met == Meeting::kAbsorbed) return;
-      if (met == Meeting::kScattered) {
+      const InMedium met = pass_media(path, found ? &hit : nullptr, found ? hit.distance : INFINITY);
+      if (met == InMedium::kAbsorbed) return;
+      if (met == InMedium::kScattered) {
         if (lights_.shadow_linked()) add_linked(path);
         continue;
       }
@@ -112,25 +112,41 @@ void CameraTracer::follow(Path& path) const {
     if (!holdout) add_emission(path, hit, bsdf.emission());
     if (path.vertex == 0 && path.info.transparent_depth == 0)
       path.pixel.normal += bsdf.mean_normal();
+    const bool scatters = !holdout && bsdf.scatters() &&
+                          max_abs(path.throughput + path.world_throughput) > 0;
+    if (path.vertex == 0 && !holdout) {
+      path.pixel.diffuse_color += bsdf.diffuse_albedo() * path.throughput;
+      path.pixel.albedo += bsdf.albedo() * path.throughput;
+    }
+    // Light is gathered whether the path then stays or not: it has no part in that choice
+    const bool body = bsdf.below_count() > 0;
+    const bool badly_served = path.badly_served;
+    std::optional<Meeting> meeting;
+    if (scatters && !body) meeting = light(path, hit, bsdf);
     const Passing passing = pass_through(path, hit, bsdf);
-    if (passing == Passing::kPasses) continue;
+    if (passing == Passing::kPasses) {
+      path.badly_served = badly_served;
+      continue;
+    }
     if (passing == Passing::kAbsorbed) {
       if (path.vertex == 0 && !path.through_glass) path.pixel.alpha += 1;
       return;
     }
-    if (holdout) return;
-    if (path.vertex == 0) {
-      if (!path.through_glass) show_first(path, hit, 1 - bsdf.holdout());
-      path.pixel.diffuse_color += bsdf.diffuse_albedo() * path.throughput;
-      path.pixel.albedo += bsdf.albedo() * path.throughput;
-    }
-    if (!bsdf.scatters() || !(max_abs(path.throughput + path.world_throughput) > 0)) return;
-    if (!(bsdf.below_count() > 0 ? meet_body(path, hit, bsdf) : meet(path, hit, bsdf))) return;
+    if (path.vertex == 0 && !holdout && !path.through_glass)
+      show_first(path, hit, 1 - bsdf.holdout());
+    if (!scatters || !(body ? meet_body(path, hit, bsdf) : go_on(path, hit, bsdf, *meeting)))
+      return;
   }
 }
 
 // Light at a surface, and the path's next way; false where it ends.
 bool CameraTracer::meet(Path& path, const Surface& hit, Bsdf& bsdf) const {
+  const Meeting meeting = light(path, hit, bsdf);
+  return go_on(path, hit, bsdf, meeting);
+}
+
+// What lights and photons bring to a surface.
+CameraTracer::Meeting CameraTracer::light(Path& path, const Surface& hit, Bsdf& bsdf) const {
   Receiver receiver{hit.position, bsdf.transmits() ? Vec3{} : hit.ng, bsdf.has_rest(),
                     scene_.instances[hit.instance].group};
   if (!brings_all()) receiver.guide = lights_.guide_at(receiver.x, receiver.n);
@@ -153,7 +169,13 @@ bool CameraTracer::meet(Path& path, const Surface& hit, Bsdf& bsdf) const {
   add_direct(path, hit, bsdf, receiver);
   if (gathers && !hit.on_strand() && (!continued || caustic_photons_))
     leave_gather_points(path, hit, bsdf, continued);
-  if (!scatter(path, hit, bsdf, receiver, continued)) return false;
+  return {receiver, continued};
+}
+
+// The path's next way from there; false where it ends.
+bool CameraTracer::go_on(Path& path, const Surface& hit, const Bsdf& bsdf,
+                         const Meeting& meeting) const {
+  if (!scatter(path, hit, bsdf, meeting.receiver, meeting.continued)) return false;
   if (lights_.shadow_linked()) add_linked(path);
   return true;
 }
@@ -283,7 +305,10 @@ CameraTracer::Passing CameraTracer::pass_through(Path& path, const Surface& hit,
   if (!(mean > 0)) return Passing::kStays;
   const float scattered = bsdf.scatters() ? std::max(average(bsdf.albedo()), 0.05f) : 0;
   const float passing = mean / (mean + scattered);
-  const bool passes = scattered == 0 || path.random.next() < passing;
+  // The first choice of a path has a number of its own in the sequence
+  const bool first = path.vertex == 0 && path.info.transparent_depth == 0;
+  const bool passes =
+      scattered == 0 || (first ? path.numbers(kLobePair).y : path.random.next()) < passing;
   path.scale(passes ? transparency / passing : Rgb{1, 1, 1} / (1 - passing));
   if (!passes) return Passing::kStays;
   const Rgb emission = path.emission_throughput + path.withheld + path.world_emission;
@@ -318,9 +343,9 @@ void CameraTracer::add_direct(Path& path, const Surface& hit, const Bsdf& bsdf,
   if (bsdf.only_delta()) return;
   if (const auto light = lights_.sample(receiver, choice.x, place))
     add_light(path, hit, bsdf, receiver, *light, false);
-  const Vec2 sky_choice = path.numbers(kSkyChoicePair), sky_place = path.numbers(kSkyPair);
+  const Vec2 sky = path.numbers(kSkyPair);
   for (uint32_t i = 0; i < receiver.world_samples; ++i)
-    if (const auto world = lights_.sample_world(receiver, i, sky_choice.x, sky_place))
+    if (const auto world = lights_.sample_world(receiver, i, sky))
       add_light(path, hit, bsdf, receiver, *world, true);
 }
 

@@ -112,7 +112,14 @@ class CameraTracer {
   void trace_pixel(const Job& job, int x, int y, PackedFilm& film, Pixel& pixel, Tile& tile) const;
   void trace_path(Path& path) const;
   void follow(Path& path) const;
+  // A surface whose light has been gathered, for the path's next way from there.
+  struct Meeting {
+    Receiver receiver;
+    bool continued;  // the path goes on for light that photons were to bring
+  };
   bool meet(Path& path, const Surface& hit, Bsdf& bsdf) const;
+  Meeting light(Path& path, const Surface& hit, Bsdf& bsdf) const;
+  bool go_on(Path& path, const Surface& hit, const Bsdf& bsdf, const Meeting& meeting) const;
   bool meet_body(Path& path, const Surface& hit, Bsdf& bsdf) const;
   bool go_below(Path& path, const Surface& hit, const Bsdf& bsdf) const;
   Vec3 exit_normal(const Path& path, const Surface& exit, const Vec3& wo) const;
@@ -126,8 +133,8 @@ class CameraTracer {
   void add_strand_emission(Path& path, const Surface& hit, const Rgb& emission) const;
   void show_first(Path& path, const Surface& hit, float alpha) const;
   void pass_glass(Path& path, const Surface& hit) const;
-  enum class Meeting { kNothing, kScattered, kAbsorbed };
-  Meeting pass_media(Path& path, const Surface* hit, float far) const;
+  enum class InMedium { kNothing, kScattered, kAbsorbed };
+  InMedium pass_media(Path& path, const Surface* hit, float far) const;
   bool sees_beams(const Path& path) const;
   void add_beams(Path& path, float far) const;
   bool add_single_scattering(Path& path, float far) const;

@@ -11,6 +11,12 @@ constexpr float kGuided = 0.85f;  // of the world's samples, where there is a gu
 // On the circle of circumference 1.
 float shifted(float u, float by) { return std::min(u + by - std::floor(u + by), kBelowOne); }
 
+// Where u lies in [begin, begin + share), 0 to 1. Whoever chooses by a number of a pair and places
+// by what is left of it keeps the order of low-discrepancy points within each choice.
+float left_of(float u, float begin, float share) {
+  return std::clamp((u - begin) / share, 0.0f, kBelowOne);
+}
+
 float power_heuristic(float a, float b) {
   if (!(a < 1e18f)) return 1;  // a delta
   return a * a / (a * a + b * b);
@@ -124,17 +130,17 @@ float Lights::guided_pdf(const EnvironmentGuide::Cell& cell,
   return kGuided * cell.pdf(environment_, density) + (1 - kGuided) * environment_.pdf(density);
 }
 
-std::optional<LightSample> Lights::sample_world(const Receiver& to, uint32_t i, float choice,
+std::optional<LightSample> Lights::sample_world(const Receiver& to, uint32_t i,
                                                 const Vec2& all) const {
   if (environment_.black() || !to.guide) return std::nullopt;
   // Parts of the world are drawn by u.x: each sample takes its share of them, and the others of
   // what else there is to draw.
   const float count = static_cast<float>(to.world_samples), n = static_cast<float>(i);
   const Vec2 u{std::min((all.x + n) / count, kBelowOne), shifted(all.y, n * kGolden)};
-  choice = shifted(choice, n / count);
   LightSample out{};
   const Environment::Sample s =
-      choice < kGuided ? to.guide->sample(environment_, u) : environment_.sample(u);
+      u.x < kGuided ? to.guide->sample(environment_, {left_of(u.x, 0, kGuided), u.y})
+                    : environment_.sample({left_of(u.x, kGuided, 1 - kGuided), u.y});
   out.direction = s.direction;
   out.distance = INFINITY;
   out.pdf = count * guided_pdf(*to.guide, s.density);
@@ -155,7 +161,7 @@ std::optional<LightSample> Lights::sample(const Receiver& to, float choice, cons
   return out;
 }
 
-bool Lights::sample(const Receiver& to, float choice, const Vec2& u, LightSample& out) const {
+bool Lights::sample(const Receiver& to, float choice, Vec2 u, LightSample& out) const {
   float weight[kFewEmitters], sum = 0;
   const bool few = emitters_.size() <= kFewEmitters;
   if (few)
@@ -164,8 +170,8 @@ bool Lights::sample(const Receiver& to, float choice, const Vec2& u, LightSample
   else
     sum = emitters_weight(to);
   const float world = world_probability(to, sum);
-  if (choice < world) {
-    const Environment::Sample s = environment_.sample(u);
+  if (u.x < world) {
+    const Environment::Sample s = environment_.sample({left_of(u.x, 0, world), u.y});
     if (!(s.pdf > 0)) return false;
     out.direction = s.direction;
     out.distance = INFINITY;
@@ -178,14 +184,15 @@ bool Lights::sample(const Receiver& to, float choice, const Vec2& u, LightSample
     return !is_black(out.weight);
   }
   if (!(sum > 0)) return false;
-  choice = std::min((choice - world) / (1 - world), kBelowOne);
+  u.x = left_of(u.x, world, 1 - world);
   size_t chosen = 0;
   float probability = 1 - world;
   if (few) {
-    float target = choice * sum;
+    float target = u.x * sum;
     for (chosen = 0; chosen + 1 < emitters_.size() && target >= weight[chosen]; ++chosen)
       target -= weight[chosen];
     if (!(weight[chosen] > 0)) return false;
+    u.x = left_of(target, 0, weight[chosen]);
     probability *= weight[chosen] / sum;
   } else {
     const auto pick = pick_of_many(to, sum, choice);

@@ -74,8 +74,7 @@ class Lights {
 
   // Sample `i` of to.world_samples, of one world altogether, where the guide has learnt how to see
   // it from there; `sample` then leaves the world out. The numbers are those of all of them.
-  std::optional<LightSample> sample_world(const Receiver& to, uint32_t i, float choice,
-                                          const Vec2& u) const;
+  std::optional<LightSample> sample_world(const Receiver& to, uint32_t i, const Vec2& u) const;
   // Lives as long as it is used here; none at first.
   void set_guide(const EnvironmentGuide* guide) { guide_ = guide; }
   const EnvironmentGuide::Cell* guide_at(const Vec3& x, const Vec3& n) const {
@@ -162,7 +161,7 @@ class Lights {
   float world_probability(const Receiver& to, float emitters_weight) const;
   float guided_pdf(const EnvironmentGuide::Cell& cell, const Environment::Density& density) const;
   float mean_of_program(const Lamp& lamp) const;
-  bool sample(const Receiver& to, float choice, const Vec2& u, LightSample& out) const;
+  bool sample(const Receiver& to, float choice, Vec2 u, LightSample& out) const;
   // `by_cosine`: in proportion to the receiver's cosine.
   bool sample_lamp(const Emitter& e, const Receiver& receiver, const Vec2& u, LightSample& out,
                    bool& by_cosine) const;

@@ -38,7 +38,7 @@ def main(arguments: list[str]) -> None:
         int(height),
         100,
     )
-    scene.render.use_border = False
+    scene.render.use_border = scene.render.use_compositing = False
     if method.startswith(("Photon Splat", "reference")):
         found = _photon_splat(method, float(seconds), int(seed))
     else:
