@@ -9,9 +9,12 @@ namespace {
 constexpr int kReach = 2;         // pixels around one that tell after one sample
 constexpr float kFurther = 0.1f;  // weight of those that are not next to it
 constexpr double kMost = 256;     // samples of a pixel in one pass
-constexpr double kMostMean = 3;   // of all pixels: passes stay short
+constexpr double kMostMean = 8;   // of all pixels: passes stay short
 constexpr double kOutlier = 100;  // times the mean deviation: more counts as that much
 constexpr double kLeastWork = 0.05;
+// Errors count beside the light around them; where there is less than this part of the picture's
+// mean, beside about that.
+constexpr float kDark = 0.2f;
 // Times the variance of photons is their squared error, where radii balance the two: see
 // AdaptiveRadius
 constexpr double kWithBlur = 1.5;
@@ -42,9 +45,12 @@ float AdaptiveSampler::Moments::variance(size_t i, float samples, float passes) 
   return std::max(0.0f, squares[i] - sum[i] * sum[i] / samples) / (passes - 1);
 }
 
-double PhotonSet::variance(double limit) const {
+double PhotonSet::variance(const std::vector<float>& weights, double limit) const {
   double sum = 0;
-  for (const float n : noise) sum += std::pow(n < limit ? n : limit, 2);
+  for (size_t i = 0; i < noise.size(); ++i) {
+    const double n = static_cast<double>(noise[i]) * weights[i];
+    sum += std::pow(n < limit ? n : limit, 2);
+  }
   return sum * last;
 }
 
@@ -132,7 +138,7 @@ void AdaptiveSampler::limit(double mean, double photons, ThreadPool& pool) {
 }
 
 void AdaptiveSampler::begin_pass(ThreadPool& pool) {
-  if (to_choose_) choose(passes_ > 1 ? deviations(pool) : first_deviations(pool));
+  if (to_choose_) choose(passes_ > 1 ? deviations(pool) : first_deviations(pool), weights(pool));
   to_choose_ = false;
 }
 
@@ -213,18 +219,47 @@ std::vector<float> AdaptiveSampler::first_deviations(ThreadPool& pool) const {
   return result;
 }
 
-void AdaptiveSampler::choose(const std::vector<float>& deviations) {
+// What an error counts for in each pixel, by the light of those around it: its own samples have no
+// say here either.
+std::vector<float> AdaptiveSampler::weights(ThreadPool& pool) const {
+  std::vector<float> light(samples_.size()), result(samples_.size());
+  double all = 0;
+  for (size_t i = 0; i < light.size(); ++i)
+    all += light[i] = std::max(known(all_.sum[i] / std::max(samples_[i], 1.0f)), 0.0f);
+  const float mean =
+      static_cast<float>(all / std::max<double>(static_cast<double>(light.size()), 1));
+  if (!(mean > 0)) return std::vector<float>(light.size(), 1.0f);
+  const CancelFlag never;
+  pool.for_each(static_cast<size_t>(height_), never, [&](size_t row, int) {
+    const int y = static_cast<int>(row);
+    const int top = std::max(y - kReach, 0), bottom = std::min(y + kReach, height_ - 1);
+    for (int x = 0; x < width_; ++x) {
+      const int left = std::max(x - kReach, 0), right = std::min(x + kReach, width_ - 1);
+      float sum = -light[row * width_ + x];
+      for (int at = top; at <= bottom; ++at)
+        for (int along = left; along <= right; ++along)
+          sum += light[static_cast<size_t>(at) * width_ + along];
+      const int count = (bottom - top + 1) * (right - left + 1) - 1;
+      const float around = count ? std::max(sum, 0.0f) / static_cast<float>(count) : mean;
+      result[row * width_ + x] = mean / std::hypot(around, kDark * mean);
+    }
+  });
+  return result;
+}
+
+void AdaptiveSampler::choose(std::vector<float> deviations, const std::vector<float>& weights) {
   const double pixels = static_cast<double>(deviations.size());
   double all = 0, wanted = 0, photons = 0, photon_work = work_.fixed;
   for (size_t i = 0; i < deviations.size(); ++i) {
     float variance = deviations[i] * deviations[i];
     for (const PhotonSet& set : photons_) variance += set.noise[i] * set.noise[i];
-    all += std::sqrt(known(variance));
+    all += weights[i] * std::sqrt(known(variance));
+    deviations[i] *= weights[i];
   }
   const double limit = kOutlier * all / std::max(pixels, 1.0);
   for (const float d : deviations) wanted += std::min<double>(d, limit);
   for (const PhotonSet& set : photons_) {
-    photons += set.variance(limit);
+    photons += set.variance(weights, limit);
     photon_work += set.unit_work();
   }
   const double relative_work = photon_work > 0 ? work_.samples / photon_work : 1;
@@ -238,17 +273,19 @@ void AdaptiveSampler::choose(const std::vector<float>& deviations) {
     count_[i] = static_cast<uint16_t>(unit > 0 ? rounded(d / unit, least) : 1);
     remaining += d * d / count_[i];
   }
-  choose_photons(limit, remaining * gain_of_order(deviations, limit));
+  choose_photons(weights, limit, remaining * gain_of_order(deviations, weights, limit));
 }
 
 // By how much the mean of low-discrepancy samples varies less than that of random ones with the
 // same deviations, as the passes since the last choice differ from those before it.
-double AdaptiveSampler::gain_of_order(const std::vector<float>& deviations, double limit) {
+double AdaptiveSampler::gain_of_order(const std::vector<float>& deviations,
+                                      const std::vector<float>& weights, double limit) {
   double found = 0, random = 0;
   if (passes_ > 1)
     for (size_t i = 0; i < samples_.size(); ++i) {
       const float before = samples_then_[i], since = samples_[i] - before;
-      const double difference = known(then_[i] / before - (camera_.sum[i] - then_[i]) / since);
+      const double difference =
+          weights[i] * known(then_[i] / before - (camera_.sum[i] - then_[i]) / since);
       const double of_one = 1 / before + 1 / since;
       found += std::min(difference * difference, limit * limit * of_one);
       random += std::pow(std::min<double>(deviations[i], limit), 2) * of_one;
@@ -258,10 +295,11 @@ double AdaptiveSampler::gain_of_order(const std::vector<float>& deviations, doub
   return random > 0 ? std::clamp(found / random, kBestOrder, 1.0) : kUsualOrder;
 }
 
-void AdaptiveSampler::choose_photons(double limit, double camera_variance) {
+void AdaptiveSampler::choose_photons(const std::vector<float>& weights, double limit,
+                                     double camera_variance) {
   const double others = work_.fixed + work_.samples * mean_count();
   for (PhotonSet& set : photons_) {
-    const double variance = set.variance(limit);
+    const double variance = set.variance(weights, limit);
     if (!(set.work > 0)) continue;
     const double wanted =
         variance > 0

@@ -19,8 +19,9 @@ struct PhotonSet {
   double last = 1, count = 1;      // in the last pass and in the next, over those of the first
   double fewest = 0.25, most = 8;  // bounds of that; both 1 where all passes have to have as many
 
-  // Of all pixels, of as many as the first pass has; noise taken for `limit` where it is more
-  double variance(double limit) const;
+  // Of all pixels, each error times its weight, of as many as the first pass has; noise taken for
+  // `limit` where it is more
+  double variance(const std::vector<float>& weights, double limit) const;
   double unit_work() const { return work / last; }
 };
 
@@ -30,16 +31,16 @@ struct PassWork {
   double fixed = 0;
 };
 
-// A sum of squared errors falls fastest, for equal work, where samples go as the standard deviation
-// of one of them over the root of its work (Neyman allocation). With s_i that of a pixel's camera
-// samples, S the variance that photons add, summed over pixels, and r the work of one camera sample
-// in each of n pixels over that of a pass' photons and what is fixed, n_i = s_i sqrt(n / (r S))
-// camera samples are for the photons of a first pass. But a pixel has one at the least, and some
-// work is fixed: then more photons pay, as (g sum s_i^2/n_i + S/m) (C + m w), with C the work of
-// all but photons and w that of those, is least for m^2 = S C / (w g sum s_i^2/n_i). g:
-// low-discrepancy samples of the camera err less than their deviations say. Choices are made from
-// pass 1, 2, 4, 8, ..., when another begins, and are for the passes that follow: samples never
-// judge themselves.
+// A sum of squared errors, each over the light around it, falls fastest, for equal work, where
+// samples go as the standard deviation of one of them over the root of its work (Neyman
+// allocation). With s_i that of a pixel's camera samples, S the variance that photons add, summed
+// over pixels, and r the work of one camera sample in each of n pixels over that of a pass' photons
+// and what is fixed, n_i = s_i sqrt(n / (r S)) camera samples are for the photons of a first pass.
+// But a pixel has one at the least, and some work is fixed: then more photons pay, as (g sum
+// s_i^2/n_i + S/m) (C + m w), with C the work of all but photons and w that of those, is least for
+// m^2 = S C / (w g sum s_i^2/n_i). g: low-discrepancy samples of the camera err less than their
+// deviations say. Choices are made from pass 1, 2, 4, 8, ..., when another begins, and are for the
+// passes that follow: samples never judge themselves.
 //
 // A denoiser brings every pixel's error to the root of what it was, and dark places count as much
 // as bright ones: then all pixels have `least` samples, if photons leave so many worth their work,
@@ -80,9 +81,11 @@ class AdaptiveSampler {
   void see(const PackedFilm& pass, Moments& moments, ThreadPool& pool) const;
   std::vector<float> deviations(ThreadPool& pool) const;
   std::vector<float> first_deviations(ThreadPool& pool) const;
-  void choose(const std::vector<float>& deviations);
-  double gain_of_order(const std::vector<float>& deviations, double limit);
-  void choose_photons(double limit, double camera_variance);
+  std::vector<float> weights(ThreadPool& pool) const;
+  void choose(std::vector<float> deviations, const std::vector<float>& weights);
+  double gain_of_order(const std::vector<float>& deviations, const std::vector<float>& weights,
+                       double limit);
+  void choose_photons(const std::vector<float>& weights, double limit, double camera_variance);
 
   int width_ = 0, height_ = 0;
   uint32_t passes_ = 0, least_ = 1;

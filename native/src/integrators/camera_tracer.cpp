@@ -89,7 +89,8 @@ void CameraTracer::follow(Path& path) const {
     if (found && path.vertex > 0 && path.info.transparent_depth == 0)
       see_world(path, path.from, path.direction, {}, true);
     if (media && !path.media.empty()) {
-      const InMedium met = pass_media(path, found ? &hit : nullptr, found ? hit.distance : INFINITY);
+      const InMedium met =
+          pass_media(path, found ? &hit : nullptr, found ? hit.distance : INFINITY);
       if (met == InMedium::kAbsorbed) return;
       if (met == InMedium::kScattered) {
         if (lights_.shadow_linked()) add_linked(path);
@@ -112,8 +113,8 @@ void CameraTracer::follow(Path& path) const {
     if (!holdout) add_emission(path, hit, bsdf.emission());
     if (path.vertex == 0 && path.info.transparent_depth == 0)
       path.pixel.normal += bsdf.mean_normal();
-    const bool scatters = !holdout && bsdf.scatters() &&
-                          max_abs(path.throughput + path.world_throughput) > 0;
+    const bool scatters =
+        !holdout && bsdf.scatters() && max_abs(path.throughput + path.world_throughput) > 0;
     if (path.vertex == 0 && !holdout) {
       path.pixel.diffuse_color += bsdf.diffuse_albedo() * path.throughput;
       path.pixel.albedo += bsdf.albedo() * path.throughput;
