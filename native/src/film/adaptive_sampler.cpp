@@ -6,11 +6,12 @@
 namespace photon_splat {
 namespace {
 
-constexpr int kReach = 2;         // pixels around one that tell after one sample
-constexpr float kFurther = 0.1f;  // weight of those that are not next to it
-constexpr double kMost = 256;     // samples of a pixel in one pass
-constexpr double kMostMean = 8;   // of all pixels: passes stay short
-constexpr double kOutlier = 100;  // times the mean deviation: more counts as that much
+constexpr int kReach = 2;            // pixels around one that tell after one sample
+constexpr float kSecondRing = 0.5f;  // weight of pixels two away
+constexpr float kFurther = 0.1f;     // weight of those that are not next to it
+constexpr double kMost = 256;        // samples of a pixel in one pass
+constexpr double kMostMean = 8;      // of all pixels: passes stay short
+constexpr double kOutlier = 100;     // times the mean deviation: more counts as that much
 constexpr double kLeastWork = 0.05;
 // Errors count beside the light around them; where there is less than this part of the picture's
 // mean, beside about that.
@@ -142,11 +143,11 @@ void AdaptiveSampler::begin_pass(ThreadPool& pool) {
   to_choose_ = false;
 }
 
-// Of one sample, as the eight pixels around tell. The pixel's own samples have no say: what is
-// bright by chance would get more company than what is dark by chance, and the mean come out too
-// dark. What edges do to the light of photons counts as well.
+// Of one sample, as the pixels around tell. The pixel's own samples have no say: what is bright by
+// chance would get more company than what is dark by chance, and the mean come out too dark. What
+// edges do to the light of photons counts as well.
 std::vector<float> AdaptiveSampler::deviations(ThreadPool& pool) const {
-  std::vector<float> own(samples_.size()), result(samples_.size());
+  std::vector<float> own(samples_.size());
   const CancelFlag never;
   pool.for_each(static_cast<size_t>(height_), never, [&](size_t row, int) {
     for (size_t i = row * width_; i < (row + 1) * width_; ++i) {
@@ -156,18 +157,31 @@ std::vector<float> AdaptiveSampler::deviations(ThreadPool& pool) const {
       own[i] = std::max(camera, all - known(by_photons_[i] / passes));
     }
   });
+  std::vector<float> result = mean_around(own, 0, pool);
+  for (float& deviation : result) deviation = std::sqrt(deviation);
+  return result;
+}
+
+// Of the pixels up to kReach away, the pixel itself left out.
+std::vector<float> AdaptiveSampler::mean_around(const std::vector<float>& values, float of_none,
+                                                ThreadPool& pool) const {
+  std::vector<float> result(values.size());
+  const CancelFlag never;
   pool.for_each(static_cast<size_t>(height_), never, [&](size_t row, int) {
-    const int top = std::max(static_cast<int>(row) - 1, 0),
-              bottom = std::min(static_cast<int>(row) + 1, height_ - 1);
+    const int y = static_cast<int>(row);
+    const int top = std::max(y - kReach, 0), bottom = std::min(y + kReach, height_ - 1);
     for (int x = 0; x < width_; ++x) {
-      const int left = std::max(x - 1, 0), right = std::min(x + 1, width_ - 1);
-      float sum = 0;
-      for (int y = top; y <= bottom; ++y)
-        for (int at = left; at <= right; ++at)
-          if (at != x || y != static_cast<int>(row))
-            sum += own[static_cast<size_t>(y) * width_ + at];
-      const int count = (bottom - top + 1) * (right - left + 1) - 1;
-      result[row * width_ + x] = count ? std::sqrt(sum / static_cast<float>(count)) : 0;
+      const int left = std::max(x - kReach, 0), right = std::min(x + kReach, width_ - 1);
+      float sum = 0, weights = 0;
+      for (int at = top; at <= bottom; ++at)
+        for (int along = left; along <= right; ++along) {
+          if (at == y && along == x) continue;
+          const float weight =
+              std::max(std::abs(at - y), std::abs(along - x)) > 1 ? kSecondRing : 1.0f;
+          sum += weight * values[static_cast<size_t>(at) * width_ + along];
+          weights += weight;
+        }
+      result[row * width_ + x] = weights > 0 ? sum / weights : of_none;
     }
   });
   return result;
@@ -222,28 +236,15 @@ std::vector<float> AdaptiveSampler::first_deviations(ThreadPool& pool) const {
 // What an error counts for in each pixel, by the light of those around it: its own samples have no
 // say here either.
 std::vector<float> AdaptiveSampler::weights(ThreadPool& pool) const {
-  std::vector<float> light(samples_.size()), result(samples_.size());
+  std::vector<float> light(samples_.size());
   double all = 0;
   for (size_t i = 0; i < light.size(); ++i)
     all += light[i] = std::max(known(all_.sum[i] / std::max(samples_[i], 1.0f)), 0.0f);
   const float mean =
       static_cast<float>(all / std::max<double>(static_cast<double>(light.size()), 1));
   if (!(mean > 0)) return std::vector<float>(light.size(), 1.0f);
-  const CancelFlag never;
-  pool.for_each(static_cast<size_t>(height_), never, [&](size_t row, int) {
-    const int y = static_cast<int>(row);
-    const int top = std::max(y - kReach, 0), bottom = std::min(y + kReach, height_ - 1);
-    for (int x = 0; x < width_; ++x) {
-      const int left = std::max(x - kReach, 0), right = std::min(x + kReach, width_ - 1);
-      float sum = -light[row * width_ + x];
-      for (int at = top; at <= bottom; ++at)
-        for (int along = left; along <= right; ++along)
-          sum += light[static_cast<size_t>(at) * width_ + along];
-      const int count = (bottom - top + 1) * (right - left + 1) - 1;
-      const float around = count ? std::max(sum, 0.0f) / static_cast<float>(count) : mean;
-      result[row * width_ + x] = mean / std::hypot(around, kDark * mean);
-    }
-  });
+  std::vector<float> result = mean_around(light, mean, pool);
+  for (float& weight : result) weight = mean / std::hypot(weight, kDark * mean);
   return result;
 }
 
