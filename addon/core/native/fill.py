@@ -185,6 +185,12 @@ def set_options(renderer: Renderer, settings: RenderSettings) -> None:
         options.final_gather = native.FinalGather.BY_TRIAL
     else:
         options.final_gather = native.FinalGather.OFF
+    options.tries_paths = (
+        settings.final_gather == FinalGather.AUTO
+        and not settings.denoise
+        and "photons" not in settings.force
+        and bool(settings.time_limit or settings.error_threshold)
+    )
 
 
 def replace_shading(renderer: Renderer, scene: Scene) -> None:

@@ -23,7 +23,10 @@ class Plan:
     def applied_to(self, settings: RenderSettings) -> RenderSettings:
         """`settings` without what the plan leaves out."""
         photons = settings.photons_per_pass if self.flags["photons"] else 0
-        gather = settings.final_gather if self.flags["final_gather"] else FinalGather.OFF
+        by_trial = settings.final_gather == FinalGather.AUTO and not settings.denoise
+        gather = (
+            settings.final_gather if self.flags["final_gather"] or by_trial else FinalGather.OFF
+        )
         return replace(
             settings,
             photons_per_pass=photons,

@@ -71,6 +71,8 @@ void bind_options(nb::module_& m) {
       .def_rw("max_bounces", &RenderOptions::max_bounces,
               "Surface bounces between light and camera.")
       .def_rw("radius_scale", &RenderOptions::radius_scale, "On all kernel radii.")
+      .def_rw("tries_paths", &RenderOptions::tries_paths,
+              "Without final gathering a trial may leave all photons out but those of caustics.")
       .def_rw("point_spacing", &RenderOptions::point_spacing,
               "Of visible points, in kernel radii; 0: one for each gather point.")
       .def_rw("boundary_correction", &RenderOptions::boundary_correction,

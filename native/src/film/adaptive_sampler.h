@@ -49,6 +49,8 @@ class AdaptiveSampler {
  public:
   void reset(int width, int height, uint32_t least, std::vector<PhotonSet> photons);
   void set_least(uint32_t least) { least_ = least; }
+  // Of each pixel in the first pass
+  void begin_with(uint32_t count) { count_.assign(count_.size(), static_cast<uint16_t>(count)); }
 
   // Before the samples of a pass are asked for; again does no harm.
   void begin_pass(ThreadPool& pool);

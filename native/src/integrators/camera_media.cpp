@@ -127,7 +127,7 @@ bool CameraTracer::scatter_in_medium(Path& path, const Flight& flight, bool dire
   path.from = receiver;
   path.from.ray = static_cast<uint8_t>(ray_bit(RayInfo::kVolume));
   path.pdf = pdf;
-  path.deep = path.gather_bounces > 1;
+  path.deep = path.is_beyond();
   ++path.vertex;
   return true;
 }
@@ -148,7 +148,7 @@ void CameraTracer::add_light_in_medium(Path& path, const MediumPoint& point,
   scattered *= light.from_world ? path.throughput + path.world_throughput : path.throughput;
   if (!(max_abs(scattered) > 0)) return;
   ++path.tile.rays;
-  path.tile.deep_rays += path.gather_bounces > 1;
+  path.tile.deep_rays += path.is_beyond();
   if (light.exact >= 0 && lights_.blocked_exactly(static_cast<uint32_t>(light.exact), receiver.x,
                                                   light.place, receiver.time))
     return;
@@ -162,7 +162,7 @@ void CameraTracer::add_light_in_medium(Path& path, const MediumPoint& point,
   if (light.use_mis) arriving *= light.pdf * light.pdf / (light.pdf * light.pdf + pdf * pdf);
   if (light.from_world && lights_.environment().asks_ray())
     arriving *= lights_.environment().share(light.direction, path.info.scattered_in_medium());
-  if (path.gather_bounces > 1) see_deep(path, arriving * scattered);
+  if (path.is_beyond()) see_deep(path, arriving * scattered);
   if (path.groups) GroupLight{path.groups, scattered}.add(arriving, light.light_group);
   add_finite(path.vertex == 0 ? direct_of(path.pixel, LobeCategory::kTransmission)
                               : indirect_of(path.pixel, path.category),

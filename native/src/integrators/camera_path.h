@@ -91,11 +91,13 @@ struct CameraTracer::Path {
   uint32_t first_pair = 0;  // of the numbers of vertex 0
   size_t place = 0;         // of the pixel in its tile
   int max_bounces = 0;
-  Rgb* groups = nullptr;      // the pixel's light by group, if wanted
-  bool learns = false;        // what it sees of the world is noted
-  int gather_bounces = 0;     // times that it went on for light that photons were to bring
-  bool deep = false;          // the ray on its way does so from beyond the first place where it did
-  bool badly_served = false;  // because they would bring it badly
+  Rgb* groups = nullptr;       // the pixel's light by group, if wanted
+  bool learns = false;         // what it sees of the world is noted
+  int gather_bounces = 0;      // times that it went on for light that photons were to bring
+  int diffuse_bounces = 0;     // those of them by a diffuse lobe
+  bool tries_density = false;  // see CameraTracer::Trial
+  bool deep = false;           // the ray on its way brings light that photons would bring
+  bool badly_served = false;   // because they would bring it badly
   // Photons bring the diffuse part of the light; else the path goes on for it
   bool leaves_gather_points = false;
 
@@ -128,6 +130,8 @@ struct CameraTracer::Path {
   float pdf = INFINITY;  // of the direction, by its BSDF
   Random random;
 
+  // Whether photons would bring the light from where it is now.
+  bool is_beyond() const { return tries_density ? diffuse_bounces > 0 : gather_bounces > 1; }
   void scale(const Rgb& factor) {
     throughput *= factor;
     emission_throughput *= factor;

@@ -72,7 +72,8 @@ void CameraTracer::trace_tile(const Job& job, size_t t, PackedFilm& film) {
             y_begin = static_cast<int>(t / across) * kTileSize;
   const int x_end = std::min(x_begin + kTileSize, film.width),
             y_end = std::min(y_begin + kTileSize, film.height);
-  if (keeps_trial_) tile.deep.assign(kTileSize * kTileSize, 0.0f);
+  tile.variances.clear();
+  if (trial_ != Trial::kNone) tile.deep.assign(kTileSize * kTileSize, 0.0f);
   PackedFilm::Tile pixels;
   if (tile.again)
     film.get(t, pixels);
@@ -95,7 +96,7 @@ void CameraTracer::trace_tile(const Job& job, size_t t, PackedFilm& film) {
                   pixels[static_cast<size_t>(y - y_begin) * kTileSize + (x - x_begin)], tile);
     }
   film.put(t, pixels);
-  if (keeps_trial_) see_trial(tile, pixels, x_end - x_begin, y_end - y_begin);
+  if (trial_ != Trial::kNone) see_trial(tile, pixels, x_end - x_begin, y_end - y_begin);
   tile.kept = std::vector<GatherPoint>();  // once in a render: not worth keeping the memory
   tile.changed = std::vector<uint8_t>();
 }
@@ -110,7 +111,11 @@ void CameraTracer::see_trial(Tile& tile, const PackedFilm::Tile& pixels, int wid
   const auto deep = [&](int x, int y) {
     return tile.deep[static_cast<size_t>(y) * kTileSize + x] * pixel(x, y).share();
   };
-  double paths = 0;
+  double paths = 0, all = 0;
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) all += light(x, y);
+  tile.trial.begin_tile(all / (static_cast<double>(width) * height));
+  for (const auto& [variance, shallow] : tile.variances) tile.trial.add_pixel(variance, shallow);
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       paths += pixel(x, y).samples;

@@ -15,6 +15,15 @@ constexpr int kFirstLights = 2;
 constexpr float kBrightest = 20;       // times the world's mean: a sighting counts at most as much
 constexpr int kMaxTransparent = 4096;  // layers that let a path through before it is given up
 
+struct Moments {
+  double sum = 0, squares = 0;
+  void add(double x) { sum += x, squares += x * x; }
+  float variance(uint32_t count) const {
+    if (count < 2) return 0;
+    return static_cast<float>(std::max(squares - sum * sum / count, 0.0) / (count - 1));
+  }
+};
+
 // Leaves of what lobes scatter that of those whose rays see the light.
 void keep_seen(const LightSample& light, const Surface& hit, Rgb& scattered, Rgb& diffuse,
                float& sharp) {
@@ -43,7 +52,13 @@ void CameraTracer::trace_pixel(const Job& job, int x, int y, PackedFilm& film, P
   pixel = {};
   std::fill_n(groups, film.light_groups, Rgb{});
   pixel.samples = static_cast<float>(count);
+  Moments all, shallow;  // of a trial
+  const bool tries = trial_ == Trial::kDensity;
+  const size_t place =
+      static_cast<size_t>(y % kTileSize) * kTileSize + static_cast<size_t>(x % kTileSize);
   for (uint32_t sample = first; sample < first + count; ++sample) {
+    const float light_before = tries ? luminance(pixel.combined()) : 0,
+                deep_before = tries ? tile.deep[place] : 0;
     pixel.depth = kBackgroundDepth;
     pixel.surface_id = 0;
     const float time = rays.time(sample);
@@ -53,8 +68,8 @@ void CameraTracer::trace_pixel(const Job& job, int x, int y, PackedFilm& film, P
       path.max_bounces = job.max_bounces;
       path.leaves_gather_points = job.leaves_gather_points;
       path.learns = learns;
-      path.place =
-          static_cast<size_t>(y % kTileSize) * kTileSize + static_cast<size_t>(x % kTileSize);
+      path.tries_density = trial_ == Trial::kDensity;
+      path.place = place;
       path.groups = groups;
       trace_path(path);
     } else {  // outside the lens' image: black, not transparent
@@ -64,7 +79,13 @@ void CameraTracer::trace_pixel(const Job& job, int x, int y, PackedFilm& film, P
       depth = pixel.depth;
       surface_id = pixel.surface_id;
     }
+    if (tries) {
+      const float light = luminance(pixel.combined()) - light_before;
+      all.add(light);
+      shallow.add(light - (tile.deep[place] - deep_before));
+    }
   }
+  if (tries) tile.variances.emplace_back(all.variance(count), shallow.variance(count));
   pixel.depth = depth;
   pixel.surface_id = surface_id;
 }
@@ -395,7 +416,7 @@ void CameraTracer::add_light(Path& path, const Surface& hit, const Bsdf& bsdf,
       light.from_world ? path.throughput + path.world_throughput : path.throughput;
   if (!(max_abs(throughput * scattered) > 0)) return;
   ++path.tile.rays;
-  path.tile.deep_rays += path.gather_bounces > 1;
+  path.tile.deep_rays += path.is_beyond();
   Rgb arriving = light.weight * light_through(light, hit, path);
   if (light.use_mis) arriving *= light.pdf * light.pdf / (light.pdf * light.pdf + pdf * pdf);
   if (world) {
@@ -416,7 +437,7 @@ void CameraTracer::add_light(Path& path, const Surface& hit, const Bsdf& bsdf,
   } else {
     arriving *= throughput - path.covered * sharp;
   }
-  if (path.gather_bounces > 1) see_deep(path, arriving * scattered);
+  if (path.is_beyond()) see_deep(path, arriving * scattered);
   if (path.groups) GroupLight{path.groups, scattered}.add(arriving, light.light_group);
   if (path.vertex == 0) {
     const bool through = passes_below(hit, light.direction);
@@ -554,8 +575,9 @@ bool CameraTracer::scatter(Path& path, const Surface& hit, const Bsdf& bsdf,
   path.world_throughput = last || !lights_.world_by_paths()
                               ? Rgb{}
                               : (before + world_before) * s->weight - path.throughput;
-  path.deep = path.gather_bounces > 1;
+  path.deep = path.is_beyond();
   path.gather_bounces += continued;
+  path.diffuse_bounces += continued && s->diffuse;
   if (continued && caustic_photons_) path.covered += before * (s->weight - s->rest);
   path.diffuse_emission = before * diffuse;
   if (!is_finite(path.emission_throughput) || !is_finite(path.throughput) ||

@@ -36,8 +36,10 @@ class CameraTracer {
                             int max_bounces, PackedFilm& film, const CancelFlag& cancel,
                             Tiles tiles = Tiles::kAll);
   // What the paths of the last call have found for it, if they brought all of the indirect light
-  // (IndirectStrategy::Kind::kPathTraced) and were asked to.
-  void keep_trial(bool on) { keeps_trial_ = on; }
+  // (IndirectStrategy::Kind::kPathTraced) and were asked to: of photons that light what paths meet
+  // first, or after one more bounce.
+  enum class Trial { kNone, kDensity, kGather };
+  void keep_trial(Trial trial) { trial_ = trial; }
   GatherTrial trial() const;
   // Whether scouts are less than all.
   static bool sends_scouts(const PackedFilm& film);
@@ -88,8 +90,10 @@ class CameraTracer {
     std::vector<uint8_t> changed;   // for the first of each pixel, whether that is among them
     bool again = false;             // whether that is so
     GatherTrial trial;
-    // Of the trial: luminance of each pixel from beyond the first place that its paths went on from
+    // Of the trial: luminance of each pixel that photons would have brought
     std::vector<float> deep;
+    // Variances of one sample of each pixel: of all light, and without that
+    std::vector<std::pair<float, float>> variances;
     uint64_t deep_rays = 0;
     RadiusMap::Memory near;  // what `strategy_` was asked last
     void clear();
@@ -174,7 +178,8 @@ class CameraTracer {
            last_continued_ = 0;
   const IndirectStrategy* strategy_ = nullptr;
   const BeamTree* beams_ = nullptr;
-  bool caustic_photons_ = false, keeps_trial_ = false, follows_motion_ = false;
+  bool caustic_photons_ = false, follows_motion_ = false;
+  Trial trial_ = Trial::kNone;
   float radius_factor_ = 1;
 };
 

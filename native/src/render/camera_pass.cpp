@@ -11,6 +11,7 @@ namespace {
 constexpr size_t kUnscouted = 16;
 // Samples of a pixel in a pass where photons light what paths meet: theirs is most of the noise
 constexpr uint32_t kGatheredSamples = 4;
+constexpr uint32_t kTrialSamples = 4;  // of a pixel, to tell their variance
 constexpr uint32_t kPathSamples = 16;  // the same where paths bring all of the indirect light
 constexpr double kServedWell = 0.5;    // share of places
 constexpr size_t kLaterLooks = 16;     // one gather point in so many, in each pass but the first
@@ -64,6 +65,9 @@ void CameraPass::trace(uint32_t pass, const PhotonMaps& maps, PackedFilm& film) 
   // Photons bring caustics alone then.
   if (!strategy_ && context_.scene.needs_paths())
     strategy_.emplace(context_.scene, IndirectStrategy::Kind::kPathTraced);
+  if (!strategy_ && !options.gathers() && options.tries_paths && by_view &&
+      try_paths(pass, maps, film))
+    return;
   if (!strategy_ && options.gathers() && photons) {
     if (options.final_gather == FinalGather::kByTrial && by_view && try_paths(pass, maps, film))
       return;
@@ -87,21 +91,26 @@ void CameraPass::trace(uint32_t pass, const PhotonMaps& maps, PackedFilm& film) 
 // Before any photon is traced: whether paths had better bring all of the indirect light in this
 // view. Then the pass is done.
 bool CameraPass::try_paths(uint32_t pass, const PhotonMaps& maps, PackedFilm& film) {
+  const bool gathers = context_.options.gathers();
   strategy_.emplace(context_.scene, IndirectStrategy::Kind::kPathTraced);
-  tracer_.keep_trial(true);
-  const bool scouts = CameraTracer::sends_scouts(film);
+  tracer_.keep_trial(gathers ? CameraTracer::Trial::kGather : CameraTracer::Trial::kDensity);
+  const bool scouts = CameraTracer::sends_scouts(film) || !gathers;
+  if (!gathers) context_.sampler.begin_with(kTrialSamples);
   trace_gather_points(pass, maps, film,
                       scouts ? CameraTracer::Tiles::kScouts : CameraTracer::Tiles::kAll);
-  tracer_.keep_trial(false);
+  tracer_.keep_trial(CameraTracer::Trial::kNone);
   double photon_paths = 0;
   for (const auto& map : maps) photon_paths += static_cast<double>(map->first_pass_paths());
   const double camera_paths = static_cast<double>(film.size()) * kGatheredSamples;
-  if (!tracer_.trial().paths_pay(photon_paths / camera_paths)) {
+  const bool pays = gathers ? tracer_.trial().paths_pay(photon_paths / camera_paths)
+                            : tracer_.trial().paths_beat_density();
+  if (!pays) {
+    context_.sampler.begin_with(1);
     strategy_.reset();
     return false;
   }
   if (scouts) trace_more(pass, CameraTracer::Tiles::kRest, maps, film);
-  context_.sampler.set_least(kPathSamples);
+  context_.sampler.set_least(gathers ? kPathSamples : 1);
   chosen_ = true;
   return true;
 }

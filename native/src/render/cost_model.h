@@ -14,6 +14,8 @@ inline constexpr double kPointBoundary = 8;   // a visible point with the bounda
 // Of a trial between final gathering and path tracing: measured on street and kitchen.
 inline constexpr double kGatherRay =
     1.5;  // one of a path that ends at photons, gather point included
+inline constexpr double kGatherPointRay =
+    1.25;  // one of a path that leaves gather points at its first diffuse surface
 inline constexpr double kPhotonPath = 4.5;  // a photon path, with its part of boundaries
 
 // Of the smallest pass that there may be, beside the first: what photons pay against.

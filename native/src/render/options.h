@@ -25,6 +25,9 @@ struct RenderOptions {
   bool occlusion = true;  // inside of discs; part of the boundary correction
   bool fallback = true;   // camera paths go on for indirect light where photons serve badly
   FinalGather final_gather = FinalGather::kOff;
+  // Without final gathering: paths bring all of the indirect light, caustics excepted, where a
+  // trial finds that photons take little off their noise
+  bool tries_paths = false;
   uint32_t seed = 0;
   std::string kernel{};  // of the splatter; empty: the fastest
   // Of photons that renders of other views find again (begin_again). 0: none, and photons are aimed

@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <initializer_list>
 
 using namespace photon_splat;
 
@@ -41,4 +42,29 @@ TEST_CASE("trials add up, specks and what is not finite say little") {
   sum.add_pair(1e6f, 1e6f, 1, 0);
   CHECK(sum.paths_pay(0.2) == before);
   CHECK_FALSE(GatherTrial().paths_pay(1));
+}
+
+TEST_CASE(
+    "photons are worth their blur where they take most of the noise, beside the light of tiles") {
+  const auto beats = [](double all, double shallow, uint64_t rays, uint64_t deep) {
+    GatherTrial t;
+    for (const double light : {1.0, 100.0}) {
+      t.begin_tile(light);
+      for (int i = 0; i < 50; ++i) t.add_pixel(all * light * light, shallow * light * light);
+    }
+    t.add_rays(100, rays, deep);
+    return t.paths_beat_density();
+  };
+  CHECK(beats(1, 0.9, 400, 20));
+  CHECK_FALSE(beats(1, 0.1, 400, 20));
+  CHECK_FALSE(beats(1, 0.6, 800, 500));  // nor for three times the rays
+  CHECK_FALSE(GatherTrial().paths_beat_density());
+  GatherTrial t;  // what is not finite says nothing
+  t.begin_tile(INFINITY);
+  t.add_pixel(1, 0);
+  t.begin_tile(1);
+  t.add_pixel(NAN, 0);
+  t.add_pixel(1, 1);
+  t.add_rays(1, 4, 0);
+  CHECK(t.paths_beat_density());
 }
