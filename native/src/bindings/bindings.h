@@ -58,6 +58,8 @@ using RendererClass = nanobind::class_<Renderer>;
 // Textures, materials, meshes, instances.
 void bind_geometry(RendererClass& renderer);
 void bind_strands(RendererClass& renderer);
+// Volume grids.
+void bind_grids(RendererClass& renderer);
 // Lamps, light groups, world, skies and suns.
 void bind_lights(nanobind::module_& m, RendererClass& renderer);
 void bind_camera(RendererClass& renderer);

@@ -20,6 +20,7 @@ NB_MODULE(photon_splat_native, m) {
       "order of adding. Stages raise Cancelled after cancel(), and may run for minutes with the GIL released.");
   bind_geometry(renderer);
   bind_strands(renderer);
+  bind_grids(renderer);
   bind_lights(m, renderer);
   bind_camera(renderer);
   bind_motion(renderer);

@@ -12,12 +12,19 @@ constexpr float kFaint = 0.02f;         // transmittance below which ways are br
 // The tentative collisions of one region along a ray, in the order of their distance.
 class Media::Walk {
  public:
-  Walk(const Region& region, const Vec3& origin, const Vec3& direction, float near, float far)
-      : grid_(region.grid), origin_(origin), direction_(direction), at_(near), far_(far) {
+  Walk(const Scene& scene, const Region& region, const Vec3& origin, const Vec3& direction,
+       float near, float far, float time)
+      : grid_(region.grid.get()),
+        origin_(origin),
+        direction_(direction),
+        density_(region.density),
+        at_(near),
+        far_(far) {
     if (region.homogeneous) {
       bound_ = max_component(region.point.extinction());
       end_ = far;
     } else {
+      if (grid_->from_object) place(scene, region.instance, time);
       enter_cell();
     }
     homogeneous_ = region.homogeneous;
@@ -38,21 +45,30 @@ class Media::Walk {
   }
 
  private:
+  // Into the coordinates of the grid; distances stay those along the ray.
+  void place(const Scene& scene, uint32_t instance, float time) {
+    const bool moves = scene.moves(instance) && scene.instances[instance].motion >= 0;
+    const Affine to_object =
+        moves ? scene.pose_at(instance, time).to_local : scene.world_to_object[instance];
+    origin_ = grid_->from_object->point(to_object.point(origin_));
+    direction_ = grid_->from_object->vector(to_object.vector(direction_));
+  }
+
   // Where the ray is: a cell of the grid, or what lies before or behind it.
   void enter_cell() {
-    const Vec3 p = origin_ + direction_ * at_, cell = grid_.cell();
-    const float lower[3] = {grid_.bounds.lower.x, grid_.bounds.lower.y, grid_.bounds.lower.z};
+    const Vec3 p = origin_ + direction_ * at_, cell = grid_->cell();
+    const float lower[3] = {grid_->bounds.lower.x, grid_->bounds.lower.y, grid_->bounds.lower.z};
     const float size[3] = {cell.x, cell.y, cell.z}, place[3] = {p.x, p.y, p.z},
                 way[3] = {direction_.x, direction_.y, direction_.z};
     int i[3];
     bool outside = false;
     float end = INFINITY, until = INFINITY;
     for (int a = 0; a < 3; ++a) {
-      const float high = lower[a] + size[a] * static_cast<float>(grid_.size[a]);
+      const float high = lower[a] + size[a] * static_cast<float>(grid_->size[a]);
       const float x = size[a] > 0 ? (place[a] - lower[a]) / size[a] : 0;
       // On the border between two cells it is in the one it goes to.
       i[a] = static_cast<int>(std::floor(x + (way[a] > 0 ? 1e-4f : -1e-4f)));
-      if (i[a] < 0 || i[a] >= grid_.size[a]) outside = true;
+      if (i[a] < 0 || i[a] >= grid_->size[a]) outside = true;
       if (way[a] == 0) continue;
       const float border = way[a] > 0 ? lower[a] + size[a] * static_cast<float>(i[a] + 1)
                                       : lower[a] + size[a] * static_cast<float>(i[a]);
@@ -63,17 +79,18 @@ class Media::Walk {
         if (t > at_) until = std::min(until, t);
       }
     }
-    bound_ =
-        outside
-            ? grid_.outside
-            : grid_.most[(static_cast<size_t>(i[2]) * grid_.size[1] + i[1]) * grid_.size[0] + i[0]];
+    const float most =
+        outside ? grid_->outside
+                : grid_->most[(static_cast<size_t>(i[2]) * grid_->size[1] + i[1]) * grid_->size[0] +
+                              i[0]];
+    bound_ = most * density_;
     const float least = std::nextafter(at_ + 1e-6f * std::abs(at_), INFINITY);
     end_ = std::min(std::max(outside ? until : end, least), far_);
   }
 
-  const Grid& grid_;
+  const Grid* grid_;
   Vec3 origin_, direction_;
-  float at_, far_, end_ = 0, bound_ = 0;
+  float density_, at_, far_, end_ = 0, bound_ = 0;
   bool homogeneous_ = false;
 };
 
@@ -87,7 +104,7 @@ Rgb Media::transmittance(const MediumStack& stack, const Vec3& origin, const Vec
       through *= attenuation(region.point.extinction(), far - near);
       continue;
     }
-    Walk walk(region, origin, direction, near, far);
+    Walk walk(scene_, region, origin, direction, near, far, ray.time);
     for (int i = 0;; ++i) {
       const float t = walk.next(random);
       if (!(t < far)) break;
@@ -121,7 +138,7 @@ Fading Media::fading(const MediumStack& stack, const Vec3& origin, const Vec3& d
       out.extinction += region.point.extinction();
       continue;
     }
-    Walk walk(region, origin, direction, near, far);
+    Walk walk(scene_, region, origin, direction, near, far, ray.time);
     Rgb own{1, 1, 1};
     for (int i = 0; max_abs(own) > 0; ++i) {
       const float t = walk.next(random);
@@ -208,7 +225,7 @@ Flight Media::fly(const MediumStack& stack, const Vec3& origin, const Vec3& dire
   size_t count = 0;
   const uint16_t* const regions = stack.begin();
   for (const uint16_t r : stack) {
-    walks[count].emplace(regions_[r], origin, direction, near, far);
+    walks[count].emplace(scene_, regions_[r], origin, direction, near, far, ray.time);
     next[count] = walks[count]->next(random);
     ++count;
   }

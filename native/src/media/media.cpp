@@ -6,13 +6,8 @@ namespace photon_splat {
 namespace {
 
 constexpr size_t kMostRegions = 32767;
-constexpr int kFewestCells = 12, kMostCells = 32;  // along each side of a grid
-constexpr int kLooks = 2;                          // in a cell, along each axis
-constexpr float kMargin = 1.25f;                   // bounds above what has been seen in a cell
-constexpr float kLeastOfMost = 0.01f;              // bounds of empty cells, of the largest one
-constexpr float kEmittedTracks = 8;                // least collisions across a medium that shines
-constexpr int kMostCrossings = 1024;               // surfaces that a look upwards goes through
-constexpr float kMostCoefficient = 1e8f;           // 1/m: no light gets further than its rounding
+constexpr int kMostCrossings = 1024;      // surfaces that a look upwards goes through
+constexpr float kMostCoefficient = 1e8f;  // 1/m: no light gets further than its rounding
 
 // Whether a program computes nothing: closures of constants.
 bool is_constant(const Program& program) {
@@ -67,6 +62,7 @@ int Media::add_region(uint32_t instance, int program, ThreadPool& pool, const Ca
   Region region;
   region.instance = instance;
   region.program = program;
+  if (instance != ShadingPoint::kNoInstance) region.density = scene_.instances[instance].density;
   region.homogeneous = is_constant(scene_.programs[program]);
   if (region.homogeneous) {
     region.point = run(region, {}, {0, 0, 1}, {});
@@ -105,71 +101,8 @@ MediumPoint Media::run(const Region& region, const Vec3& x, const Vec3& wo,
   };
   out.emission += emission.emission();
   bounded(out.absorption);
+  if (region.density != 1) out.scale(region.density);
   return out;
-}
-
-// Looks at the extinction all over the region's object (or the whole scene).
-void Media::bound(Region& region, ThreadPool& pool, const CancelFlag& cancel) const {
-  Grid& grid = region.grid;
-  if (region.instance == ShadingPoint::kNoInstance) {
-    grid.bounds = scene_.bounds();
-  } else {
-    const Instance& instance = scene_.instances[region.instance];
-    for (const Vec3& p : scene_.meshes[instance.mesh].positions)
-      grid.bounds.add(instance.shared ? instance.to_world.point(p) : p);
-  }
-  if (grid.bounds.empty()) grid.bounds.add(Vec3{});
-  const Vec3 extent = grid.bounds.upper - grid.bounds.lower;
-  const float longest = std::max(max_component(extent), 1e-12f);
-  for (int a = 0; a < 3; ++a)
-    grid.size[a] = std::clamp(static_cast<int>(std::ceil(extent[a] / longest * kMostCells)),
-                              kFewestCells, kMostCells);
-  const int nx = grid.size[0], ny = grid.size[1], nz = grid.size[2];
-  std::vector<float> seen(static_cast<size_t>(nx) * ny * nz);
-  const Vec3 cell = grid.cell();
-  const float shines = kEmittedTracks / std::max(length(extent), 1e-12f);
-  pool.for_each(static_cast<size_t>(nz), cancel, [&](size_t z, int) {
-    for (int y = 0; y < ny; ++y)
-      for (int x = 0; x < nx; ++x) {
-        float& most = seen[(z * ny + y) * nx + x];
-        Random random((z * ny + y) * nx + x, 0x6d656469u);
-        for (int look = 0; look < kLooks * kLooks * kLooks; ++look) {
-          const Vec3 in{static_cast<float>(look % kLooks),
-                        static_cast<float>(look / kLooks % kLooks),
-                        static_cast<float>(look / kLooks / kLooks)};
-          const Vec3 at =
-              (in + Vec3{random.next(), random.next(), random.next()}) * (1.0f / kLooks) +
-              Vec3{static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)};
-          const MediumPoint found = run(region, grid.bounds.lower + at * cell, {0, 0, 1}, {});
-          most = std::max(most, max_component(found.extinction()));
-          if (!is_black(found.emission)) most = std::max(most, shines);
-        }
-      }
-  });
-  // What a cell's neighbours hold it may hold as well.
-  grid.most.assign(seen.size(), 0);
-  float largest = 0;
-  for (float s : seen) largest = std::max(largest, s);
-  for (int z = 0; z < nz; ++z)
-    for (int y = 0; y < ny; ++y)
-      for (int x = 0; x < nx; ++x) {
-        float most = kLeastOfMost * largest;
-        for (int dz = -1; dz <= 1; ++dz)
-          for (int dy = -1; dy <= 1; ++dy)
-            for (int dx = -1; dx <= 1; ++dx) {
-              const int i = x + dx, j = y + dy, k = z + dz;
-              if (i < 0 || j < 0 || k < 0 || i >= nx || j >= ny || k >= nz) continue;
-              most = std::max(most, seen[(static_cast<size_t>(k) * ny + j) * nx + i]);
-            }
-        grid.most[(static_cast<size_t>(z) * ny + y) * nx + x] = most * kMargin;
-      }
-  grid.outside = largest * kMargin;
-}
-
-Vec3 Media::Grid::cell() const {
-  const Vec3 extent = bounds.upper - bounds.lower;
-  return {extent.x / static_cast<float>(size[0]), extent.y / static_cast<float>(size[1]),
-          extent.z / static_cast<float>(size[2])};
 }
 
 MediumStack Media::around(const Vec3& x, float time) const {

@@ -73,32 +73,47 @@ class Media {
              Random& random) const;
 
  private:
-  // Bounds of a heterogeneous medium's extinction in the cells of a grid, 1/m.
+  // Bounds of a heterogeneous medium's extinction in the cells of a grid, 1/m at a density of 1.
   struct Grid {
+    // From the coordinates of the object to those of the grid, if they are not the world's
+    std::optional<Affine> from_object;
     Bounds bounds;
     int size[3] = {1, 1, 1};
     std::vector<float> most;
     float outside = 0;  // beyond the bounds
     Vec3 cell() const;
+    float spread(const std::vector<float>& seen);
   };
   struct Region {
     uint32_t instance = ShadingPoint::kNoInstance;  // that: the world
     int program = -1;
+    float density = 1;  // coefficients over what the program says
     bool homogeneous = false;
-    MediumPoint point;  // where that is so
-    Grid grid;          // else
+    MediumPoint point;                 // where that is so
+    std::shared_ptr<const Grid> grid;  // else
+  };
+  // Of a mesh with volume grids and a program that nothing else changes: the same for all
+  // instances.
+  struct Shared {
+    uint32_t mesh;
+    int program;
+    std::shared_ptr<const Grid> grid;
   };
   class Walk;
 
   explicit Media(const Scene& scene) : scene_(scene) {}
   int add_region(uint32_t instance, int program, ThreadPool& pool, const CancelFlag& cancel);
   MediumPoint run(const Region& region, const Vec3& x, const Vec3& wo, const RayInfo& ray) const;
-  void bound(Region& region, ThreadPool& pool, const CancelFlag& cancel) const;
+  void bound(Region& region, ThreadPool& pool, const CancelFlag& cancel);
+  Grid look_around(const Region& region, ThreadPool& pool, const CancelFlag& cancel) const;
+  Grid look_at_grids(const Region& region, bool alone, ThreadPool& pool,
+                     const CancelFlag& cancel) const;
   Flight fly_straight(const MediumPoint& medium, float near, float far, const Rgb& scattered,
                       Random& random) const;
 
   const Scene& scene_;
   std::vector<Region> regions_;
+  std::vector<Shared> shared_;
   std::vector<int16_t> of_slot_;  // of Scene::slot_materials, -1: none
   int world_ = -1;
   bool in_meshes_ = false, emits_ = false, scatters_ = false;

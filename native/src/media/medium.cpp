@@ -20,6 +20,13 @@ void MediumPoint::add(const MediumPoint& other) {
     add_scattering(other.parts_[i].coefficient, other.parts_[i].phase);
 }
 
+void MediumPoint::scale(float factor) {
+  absorption *= factor;
+  scattering *= factor;
+  emission *= factor;
+  for (int i = 0; i < count_; ++i) parts_[i].coefficient *= factor;
+}
+
 Rgb MediumPoint::evaluate(const Vec3& before, const Vec3& after, float* pdf) const {
   const float cosine = std::clamp(dot(before, after), -1.0f, 1.0f), all = average(scattering);
   Rgb sum{};

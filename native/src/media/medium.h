@@ -19,6 +19,7 @@ class MediumPoint {
   // What is beyond kMostPhases goes where the last one sends it.
   void add_scattering(const Rgb& coefficient, const Phase& phase);
   void add(const MediumPoint& other);
+  void scale(float factor);  // all of it
 
   // Scattering coefficient times phase, 1/m/sr, from `before` to `after` (ways of light or of
   // paths); *pdf: density with which sample() draws that way.

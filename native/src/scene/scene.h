@@ -16,6 +16,7 @@
 #include "scene/surface_tree.h"
 #include "scene/swept_boxes.h"
 #include "scene/texture.h"
+#include "scene/volume_grid.h"
 #include "shading/program.h"
 #include "util/large_pages.h"
 #include "util/parallel.h"
@@ -34,6 +35,12 @@ struct Material {
   int volume = -1;   // the same of the medium behind the surface; -1: none
 };
 
+// Volume grids that programs read by the id of an attribute.
+struct MeshGrid {
+  uint32_t id = 0;
+  std::shared_ptr<const VolumeGrid> grid;
+};
+
 struct Mesh {
   LargeArray<Vec3> positions;
   LargeArray<Triangle> triangles;
@@ -41,6 +48,7 @@ struct Mesh {
   LargeArray<Vec2> uv;              // 3 per triangle (1 per strand), or empty
   std::vector<uint16_t> slots;      // per triangle, or empty
   std::vector<MeshAttribute> attributes;
+  std::vector<MeshGrid> grids;  // of a volume object, whose bounds the triangles are
   GeneratedSpace generated;
   MeshMotion motion;
   Topology topology;
@@ -86,6 +94,8 @@ struct Instance {
   // Cosine below which shadow rays start off the surface that smooth normals promise
   float terminator_offset = 0.1f;
   float scale = 1;  // largest stretch of to_world
+  // Of its medium: coefficients over what programs say
+  float density = 1;
   Affine to_world, to_local;
   std::array<double, 12> exact{};  // to_world before rounding
 };
@@ -183,6 +193,7 @@ class Scene {
   std::vector<int32_t> slot_materials;
   std::vector<Material> materials;
   std::vector<Texture> textures;
+  std::vector<std::shared_ptr<const VolumeGrid>> grids;  // those that meshes may share
   std::vector<TransformMotion> motions;
   Shutter shutter;
   std::vector<Program> programs;

@@ -174,7 +174,8 @@ void white_noise_texture(Frame& f, const uint32_t* w);
 // closures.cpp: BentNormal, and Emission to Principled
 void bent_normal(Frame& f, const uint32_t* w);
 void closure(Frame& f, Op op, const uint32_t* w);
-// media.cpp: VolumeAbsorption to PrincipledVolume
+// media.cpp: GridValue; VolumeAbsorption to PrincipledVolume
+void grid_value(Frame& f, const uint32_t* w);
 void medium_closure(Frame& f, Op op, const uint32_t* w);
 
 // Helpers of several of these.

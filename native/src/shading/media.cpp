@@ -1,5 +1,6 @@
 // Closures of media, with coefficients as Blender's nodes mean them (1/m at a density of 1).
 #include "media/medium.h"
+#include "scene/volume_grid.h"
 
 #include "shading/frame.h"
 
@@ -28,7 +29,37 @@ void scatter(MediumPoint& out, const Rgb& coefficient, PhaseFunction function, f
   }
 }
 
+const VolumeGrid* grid_of(const Frame& f, uint32_t id) {
+  if (!f.is_on_mesh() || !f.point.medium) return nullptr;
+  for (const MeshGrid& own : f.mesh().grids)
+    if (own.id == id) return own.grid.get();
+  return nullptr;
+}
+
 }  // namespace
+
+void grid_value(Frame& f, const uint32_t* w) {
+  const VolumeGrid* const grid = grid_of(f, w[4]);
+  if (!grid) {
+    const Vec3 absent = f.vector(w[3]);
+    f.set(w[0], absent);
+    f.set(w[1], absent.x);
+    f.set(w[2], 1.0f);
+    return;
+  }
+  static_assert(static_cast<int>(GridInterpolation::VOXEL) ==
+                static_cast<int>(photon_splat::GridInterpolation::kVoxel));
+  const VolumeGrid::Value v =
+      grid->at(f.object_position(), f.mode<photon_splat::GridInterpolation>(w[5]));
+  const uint32_t components = grid->components();
+  Vec3 color = components == 1 ? Vec3{v[0], v[0], v[0]} : Vec3{v[0], v[1], v[2]};
+  f.set(w[1], components == 1 ? v[0] : average(color));
+  // Colours with an alpha are multiplied by it
+  const float alpha = components == 4 ? v[3] : 1.0f;
+  if (alpha > 1e-6f && alpha != 1) color = color / alpha;
+  f.set(w[0], color);
+  f.set(w[2], alpha);
+}
 
 void medium_closure(Frame& f, Op op, const uint32_t* w) {
   const float weight = positive(f.number(w[0]));

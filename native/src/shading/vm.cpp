@@ -97,6 +97,7 @@ void execute(Frame& f) {
       case Op::TextureCoordinate: texture_coordinate(f, w); break;
       case Op::UvMap: uv_map(f, w); break;
       case Op::Attribute: mesh_attribute(f, w); break;
+      case Op::GridValue: grid_value(f, w); break;
       case Op::InstanceAttribute: instance_attribute(f, w); break;
       case Op::ObjectLocation: object_location(f, w); break;
       case Op::CurvesInfo: curves_info(f, w); break;
