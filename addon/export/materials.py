@@ -24,6 +24,7 @@ from .nodes.values import ONE, ORIGIN, ZERO, Folding, Graph, number, vector
 from .report import Report
 
 DEFAULT_NAME = "(default)"
+Key = tuple[int, str | None, bool]
 BLACK = Side((0.0, 0.0, 0.0))
 
 
@@ -81,27 +82,28 @@ class Materials:
         self._aov_programs: dict[tuple[int, int], int] = {}  # by pass and material
         self.displacements: dict[int, Displacement] = {}  # of those that move the surface
         self._shading = shading
-        self._known: dict[tuple[int, str | None], int] = {}
+        self._known: dict[Key, int] = {}
         # materials that are the same for every render-active UV map
-        self._any_uv_map: dict[int, int] = {}
+        self._any_uv_map: dict[tuple[int, bool], int] = {}
 
-    def index(self, material: Any, uv_map: str | None = None) -> int:
+    def index(self, material: Any, uv_map: str | None = None, grids: bool = False) -> int:
         """Index of a bpy.types.Material (None: Blender's default) on an object whose render-active
-        UV map is `uv_map`.
+        UV map is `uv_map`. `grids`: the object stands for volume grids.
         """
         if material is None:
-            return self._remember((0, None), lambda: default_material(self._shading))
+            return self._remember((0, None, False), lambda: default_material(self._shading))
         pointer = material.as_pointer()
-        if pointer in self._any_uv_map:
-            return self._any_uv_map[pointer]
+        if (pointer, grids) in self._any_uv_map:
+            return self._any_uv_map[pointer, grids]
         opaque = not getattr(material, "use_transparent_shadow", True)
         owner = Owner(f"Material '{material.name}'", material, uv_map=uv_map, opaque_shadow=opaque)
-        if (pointer, uv_map) not in self._known:
+        if not grids and (pointer, uv_map, grids) not in self._known:
             displacement = true_displacement(material, owner, self._shading)
             if displacement is not None:
                 self.displacements[len(self.list)] = displacement
         index = self._remember(
-            (pointer, uv_map), lambda: export_material(material, owner, self._shading)
+            (pointer, uv_map, grids),
+            lambda: export_material(material, owner, self._shading, grids),
         )
         self.list[index].pass_index = int(material.pass_index)
         self._fill_aovs(index, material, owner)
@@ -111,7 +113,7 @@ class Materials:
                 "Bump Map Correction cannot be switched off; it is on in: {}", material.name
             )
         if not owner.asked_uv_map:
-            self._any_uv_map[pointer] = index
+            self._any_uv_map[pointer, grids] = index
         return index
 
     def _fill_aovs(self, index: int, material: Any, owner: Owner) -> None:
@@ -132,7 +134,7 @@ class Materials:
             for k in range(len(self._aovs))
         ]
 
-    def _remember(self, key: tuple[int, str | None], make: Callable[[], Material]) -> int:
+    def _remember(self, key: Key, make: Callable[[], Material]) -> int:
         if key not in self._known:
             self.list.append(make())
             self._known[key] = len(self.list) - 1
@@ -207,8 +209,10 @@ def true_displacement(material: Any, owner: Owner, shading: Shading) -> Displace
     return Displacement(program, bumps=method == "BOTH")
 
 
-def export_material(material: Any, owner: Owner, shading: Shading) -> Material:
-    """Without nodes its viewport colour is what Cycles takes, with an empty tree it is black."""
+def export_material(material: Any, owner: Owner, shading: Shading, grids: bool = False) -> Material:
+    """Without nodes its viewport colour is what Cycles takes, with an empty tree it is black.
+    `grids`: of an object that stands for volume grids.
+    """
     report = shading.around.report
     if not uses_nodes(material):
         r, g, b, _ = material.diffuse_color
@@ -226,7 +230,13 @@ def export_material(material: Any, owner: Owner, shading: Shading) -> Material:
         )
     volume = shading.around.trees.feed(output.inputs["Volume"], ())
     medium = export_volume(
-        Owner(owner.name, material, uv_map=owner.uv_map, of_volume=True),
+        Owner(
+            owner.name,
+            material,
+            uv_map=owner.uv_map,
+            of_volume=True,
+            grids=grid_interpolation(material) if grids else None,
+        ),
         material.name,
         output,
         shading,
@@ -246,6 +256,11 @@ def export_material(material: Any, owner: Owner, shading: Shading) -> Material:
         return Material(material.name, *sides, volume=medium)
     program = shading.add(compiled.program(material.name))
     return Material(material.name, program=program, volume=medium)
+
+
+def grid_interpolation(material: Any) -> str:
+    kept = getattr(material.original, "cycles", None)
+    return "CUBIC" if getattr(kept, "volume_interpolation", "") == "CUBIC" else "LINEAR"
 
 
 def export_volume(owner: Owner, name: str, output: Any, shading: Shading) -> int:

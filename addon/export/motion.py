@@ -187,7 +187,7 @@ class Moving:
             return self._shape_of[id(mesh)]
         asked = [getattr(one, "cycles", None) for one in (ob, parent) if one is not None]
         shape = None
-        if all(getattr(one, "use_deform_motion", True) for one in asked):
+        if not mesh.shading.grids and all(getattr(one, "use_deform_motion", True) for one in asked):
             of_hair = mesh.strands is not None and ob.type == "MESH"
             velocity, places = None if of_hair else _velocities(ob.data), _places(mesh)
             if velocity is not None and len(velocity) == len(places):
@@ -221,7 +221,7 @@ class Moving:
         """Looks at the graph where it is at `time`. `camera`: the original."""
         for instance in depsgraph.object_instances:
             go_on()
-            if instance.object.type != "MESH" and instance.object.type not in STRANDS:
+            if instance.object.type not in {"MESH", "VOLUME", *STRANDS}:
                 continue
             key = key_of(instance)
             placed = self._placed.get(key)

@@ -13,6 +13,7 @@ from ..core.scene import (
     ALL_GROUPS,
     ALL_RAYS,
     NO_LIGHT_GROUP,
+    NO_PROGRAM,
     TERMINATOR_OFFSET,
     Camera,
     Instances,
@@ -29,7 +30,7 @@ from .kept import Kept, identity
 from .labels import Labelled
 from .lights import export_light
 from .linking import Linking
-from .materials import Materials, Shading
+from .materials import Materials, Shading, grid_interpolation
 from .mesh import export_mesh, flattened
 from .motion import Moving
 from .nodes.node import Want, Wants
@@ -37,11 +38,11 @@ from .particle_hair import export_hair, hair_of, hair_shading, known_as, made_of
 from .report import Report
 from .strands import STRANDS, export_strands, look_of, strand_shading, uv_layer
 from .visibility import FLAGS, Visibility, report_unsupported
+from .volumes import density_of, is_volume, known_volume, volume_mesh
 
 Value = TypeVar("Value")
 SEEING_RAYS = sum(FLAGS.values())
 UNSUPPORTED = {
-    "VOLUME": "volumes",
     "GREASEPENCIL": "grease pencil objects",
 }
 
@@ -82,9 +83,11 @@ class Objects:
         self._seen_by: list[int] = []
         self._holdouts: list[bool] = []
         self._terminator_offsets: list[float] = []
+        self._densities: dict[int, float] = {}  # of media, by row
         self._light_group_of = {name: i for i, name in enumerate(light_groups)}
         self._matrices: list[NDArray[np.float64]] = []
         self._rows_of: dict[int, range] = {}  # by index in the graph's list of instances
+        self._volumes: dict[tuple[Any, ...], int | None] = {}
         self._hair: set[int] = set()  # which meshes are hair of particles
         self._attributes: list[InstanceAttribute] = []
         self._displaced = Displaced(self.meshes, kept, self._report)
@@ -105,7 +108,7 @@ class Objects:
             kind = ob.type
             if visible is not None and not visible(instance):
                 continue
-            if kind == "MESH" or kind in STRANDS:
+            if kind in {"MESH", "VOLUME"} or kind in STRANDS:
                 rays, holdout = visibility.of(instance)
                 if rays & SEEING_RAYS:
                     rows = self._add_rows(instance, depsgraph, override)
@@ -177,7 +180,7 @@ class Objects:
                     self.meshes[index],
                     shading=self._shading_of(ob, index, mesh_wants, depsgraph),
                 )
-                if self.meshes[index].strands is None:
+                if self.meshes[index].strands is None and not self.meshes[index].shading.grids:
                     report_flat_uv_maps(ob, mesh_wants, askers, self._report)
             for number, want in instance_wants.items():
                 found = instance_value(instance, want, depsgraph, of_nodes)
@@ -204,6 +207,8 @@ class Objects:
         self, ob: Any, index: int, wants: dict[int, Want], depsgraph: Any
     ) -> MeshShading:
         strands = self.meshes[index].strands
+        if self.meshes[index].shading.grids:
+            return self.meshes[index].shading
         if strands is not None and index in self._hair:
             return hair_shading(ob, hair_of(ob, depsgraph.mode == "RENDER"), strands, wants)
         if strands is not None:
@@ -245,6 +250,9 @@ class Objects:
             placed.holdout = np.array(self._holdouts, np.bool_)
         if any(offset != TERMINATOR_OFFSET for offset in self._terminator_offsets):
             placed.terminator_offset = np.array(self._terminator_offsets, np.float32)
+        if any(density != 1.0 for density in self._densities.values()):
+            placed.density = np.ones(len(rows), np.float32)
+            placed.density[list(self._densities)] = list(self._densities.values())
         return placed
 
     def _add_rows(self, instance: Any, depsgraph: Any, override: Any) -> range:
@@ -253,7 +261,10 @@ class Objects:
         matrix = np.array(instance.matrix_world, np.float64)
         view_layer = depsgraph.view_layer
         strands_shown = view_layer.use_strand
-        if instance.show_self and ob.type == "MESH":
+        if instance.show_self and is_volume(ob):
+            if getattr(view_layer, "use_volumes", True):
+                self._add_volume(ob, matrix, depsgraph, override)
+        elif instance.show_self and ob.type == "MESH":
             if view_layer.use_solid:
                 self._add_mesh(ob, matrix, override)
         elif instance.show_self and (strands_shown or ob.type != "CURVES"):
@@ -304,6 +315,48 @@ class Objects:
             if found is not None:
                 self._hair.add(found)
         self._add_row(ob, self._mesh_of[key], matrix, _uv_map(ob.data), override)
+
+    def _add_volume(
+        self, ob: Any, matrix: NDArray[np.float64], depsgraph: Any, override: Any
+    ) -> None:
+        """The box around its grids, with the first of its materials that has a volume."""
+        found = [override] if override else [slot.material for slot in ob.material_slots]
+        for material in filter(None, found):
+            own = self._materials.index(material, grids=True)
+            volume = self._materials.list[own].volume
+            if volume != NO_PROGRAM:
+                break
+        else:
+            return
+        wants = self._shading.programs[volume].wants
+        names = {
+            number: want.name
+            for want, number in self._shading.around.wants.ids.items()
+            if number in wants and want.kind == "attribute"
+        }
+        padding = 2 if grid_interpolation(material) == "CUBIC" else 1
+        frame = int(depsgraph.scene_eval.frame_current)
+        key = ("volume", *known_volume(ob, frame), padding, *names.items())
+        if key not in self._volumes:
+            self._volumes[key] = self._append(
+                self._kept.get(
+                    key,
+                    _made_of(ob),
+                    self._report,
+                    lambda report: volume_mesh(ob, names, padding, frame, report),
+                )
+            )
+        index = self._volumes[key]
+        if index is None or self._is_flat(matrix, ob.name) is not False:
+            return
+        materials = (own,)
+        if materials not in self._sets:
+            self._sets[materials] = len(self.material_sets)
+            self.material_sets.append(np.array(materials, np.int32))
+        report_unsupported(ob, self._report)
+        self._densities[len(self._rows)] = density_of(ob, matrix)
+        self._rows.append((index, self._sets[materials]))
+        self._matrices.append(matrix)
 
     def _add_row(
         self,
@@ -383,7 +436,7 @@ class Objects:
             return
         ob = instance.object
         own = self._rows[row][0]
-        strands = self.meshes[own].strands is not None
+        strands = self.meshes[own].strands is not None or bool(self.meshes[own].shading.grids)
         index = own if strands else self._mesh_of[ob.data.as_pointer()]
         assert index is not None
         self._moving.add(instance, row, self.meshes[index], own in self._flat)

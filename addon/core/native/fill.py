@@ -128,6 +128,7 @@ def fill_renderer(renderer: Renderer, scene: Scene, settings: RenderSettings) ->
             np.ascontiguousarray(scene.shutter.curve, np.float32), scene.shutter.rolling
         )
     _add_materials(renderer, scene)
+    grids: dict[int, int] = {}
     for index, mesh in enumerate(scene.meshes):
         with _naming(f"mesh '{mesh.name}'"):
             if mesh.strands is not None:
@@ -143,6 +144,7 @@ def fill_renderer(renderer: Renderer, scene: Scene, settings: RenderSettings) ->
                 _contiguous(mesh.vertex_normals, np.float32),
             )
             add_mesh_shading(renderer, index, mesh)
+            _add_grids(renderer, index, mesh, grids)
             if mesh.motion is not None:
                 renderer.set_mesh_motion(
                     index,
@@ -369,6 +371,8 @@ def _add_instances(renderer: Renderer, scene: Scene) -> None:
             holdout[i],
             offset[i],
         )
+        if instances.density is not None and instances.density[i] != 1.0:
+            renderer.set_density(float(instances.density[i]))
         if int(i) in instances.motion:
             renderer.set_motion(np.ascontiguousarray(instances.motion[int(i)], np.float64))
     for attribute in instances.attributes:
@@ -438,6 +442,22 @@ def add_mesh_shading(renderer: Renderer, index: int, mesh: Mesh) -> None:
         renderer.set_generated(
             index, list(mesh.shading.generated.scale), list(mesh.shading.generated.offset)
         )
+
+
+def _add_grids(renderer: Renderer, index: int, mesh: Mesh, known: dict[int, int]) -> None:
+    """`known`: which grids the renderer has, by their ids in Python."""
+    for own in mesh.shading.grids:
+        grid = own.grid
+        if id(grid) not in known:
+            background = [*grid.background.tolist(), 0.0, 0.0, 0.0][:4]
+            known[id(grid)] = renderer.add_grid(
+                np.ascontiguousarray(grid.to_index, np.float64),
+                [int(c) for c in grid.lower],
+                np.ascontiguousarray(grid.table, np.int32),
+                np.ascontiguousarray(grid.values, np.float32),
+                background,
+            )
+        renderer.add_mesh_grid(index, own.id, known[id(grid)])
 
 
 @contextmanager

@@ -80,6 +80,7 @@ class Instances:
     holdout       (I,) bool, a hole in the picture where the camera sees it; None: nowhere
     terminator_offset  (I,) float32, cosine below which shadow rays start off the surface that
                   smooth normals promise (0: nowhere); None: 0.1 everywhere
+    density       (I,) float32, coefficients of media over what programs say; None: all 1
     motion        (S, 4, 4) matrices at steps of the shutter's opening, of those that move
     """
 
@@ -94,6 +95,7 @@ class Instances:
     seen_by: NDArray[np.uint32] | None = None
     holdout: NDArray[np.bool_] | None = None
     terminator_offset: NDArray[np.float32] | None = None
+    density: NDArray[np.float32] | None = None
     motion: dict[int, NDArray[np.float64]] = field(default_factory=dict)
 
     @classmethod

@@ -10,6 +10,8 @@ from enum import IntFlag, StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
+from .grids import MeshGrid
+
 # The id of the attribute that holds Generated coordinates where they are no linear function of the
 # position.
 GENERATED = 0
@@ -84,7 +86,10 @@ class GeneratedSpace:
 
 @dataclass(slots=True)
 class MeshShading:
-    """What programs read from one mesh beyond its geometry; `generated` None: nobody asks."""
+    """What programs read from one mesh beyond its geometry; `generated` None: nobody asks. `grids`:
+    of volumes, whose bounds the mesh is.
+    """
 
     attributes: list[MeshAttribute] = field(default_factory=list)
     generated: GeneratedSpace | None = None
+    grids: list[MeshGrid] = field(default_factory=list)

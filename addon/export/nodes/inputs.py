@@ -6,6 +6,7 @@ from typing import Any
 
 import bpy
 
+from .media import grid_value
 from .node import Node
 from .random_numbers import name_random
 from .values import NONE, ONE, ORIGIN, ZERO, Value, number, vector
@@ -30,6 +31,7 @@ LIGHT_PATH = (
     ),
     *("Transparent Depth", "Transmission Depth"),
 )
+OF_VOLUMES = ("Density", "Flame", "Temperature")
 DEPTHS = ("Ray Depth", "Diffuse Depth", "Glossy Depth", "Transparent Depth", "Transmission Depth")
 
 
@@ -135,7 +137,9 @@ def attribute(n: Node) -> Outputs:
     name, kind = node.attribute_name, node.attribute_type
     if kind == "VIEW_LAYER":
         return _from_view_layer(n, name)
-    if kind == "GEOMETRY":
+    if kind == "GEOMETRY" and n.owner.grids:
+        found = grid_value(n, name)
+    elif kind == "GEOMETRY":
         found = n.graph.add(
             "Attribute", attribute=n.around.wants.id("attribute", name) if name else NONE
         )
@@ -423,7 +427,11 @@ def point_info(n: Node) -> Outputs:
     return {name: found[name.lower()] for name in ("Position", "Radius", "Random")}
 
 
-def nothing_of_volumes(n: Node) -> Outputs:
+def volume_info(n: Node) -> Outputs:
+    """Of the grids that go by these names; elsewhere nothing."""
+    if n.owner.grids:
+        found = {name: grid_value(n, name.lower())["factor"] for name in OF_VOLUMES}
+        return found | {"Color": grid_value(n, "color")["vector"]}
     return {
         socket.identifier: ORIGIN if socket.type in {"VECTOR", "RGBA"} else ZERO
         for socket in n.node.outputs

@@ -9,7 +9,7 @@ from ...core.scene.shading import Feature
 from .assemble import statement
 from .node import Node
 from .shaders import Made, emitted
-from .values import ONE, ZERO, Value, number
+from .values import NONE, ONE, ZERO, Value, number, vector
 
 OF_VOLUMES = {
     "VOLUME_ABSORPTION",
@@ -61,11 +61,20 @@ def coefficients(n: Node, weight: Value) -> Made:
 
 def principled(n: Node, weight: Value) -> Made:
     """With emission by colour and by black body, as Cycles adds them: of density's none."""
+    color, density = n.color("Color", (0.5, 0.5, 0.5)), n.number("Density", 1.0)
+    name = _grid_name(n, "Density Attribute")
+    if name:
+        held = grid_value(n, name, absent=1.0)["factor"]
+        density = n.graph.multiply(_positive(n.graph, density), held)
+    name = _grid_name(n, "Color Attribute")
+    if name:
+        held = grid_value(n, name, absent=1.0)["vector"]
+        color = n.graph.one("MultiplyVector", a=color, b=held)
     made = statement(
         "PrincipledVolume",
         weight=weight,
-        color=n.color("Color", (0.5, 0.5, 0.5)),
-        density=n.number("Density", 1.0),
+        color=color,
+        density=density,
         anisotropy=n.number("Anisotropy"),
         absorption_color=n.color("Absorption Color"),
     )
@@ -84,6 +93,10 @@ def _black_body(n: Node, weight: Value, glow: Value) -> Made:
     """
     graph = n.graph
     temperature = n.number("Temperature", 1000.0)
+    name = _grid_name(n, "Temperature Attribute")
+    if name:  # Cycles asks one voxel: what shines is interpolated, not its temperature
+        held = grid_value(n, name, absent=1.0, one_voxel=True)["factor"]
+        temperature = graph.multiply(temperature, _positive(graph, held))
     hot = _math(graph, "POWER", temperature, number(4.0))
     share = graph.one("ClampUnit", a=glow)
     mixed = graph.one("MixFloat", factor=share, a=ONE, b=hot, clamp_factor=False)
@@ -91,6 +104,29 @@ def _black_body(n: Node, weight: Value, glow: Value) -> Made:
     color = graph.one("Blackbody", temperature=temperature)
     tinted = graph.one("MultiplyVector", a=color, b=n.color("Blackbody Tint", (1.0, 1.0, 1.0)))
     return emitted(n, graph.multiply(weight, intensity), tinted)
+
+
+def grid_value(
+    n: Node, name: str, absent: float = 0.0, one_voxel: bool = False
+) -> dict[str, Value]:
+    """vector, factor and alpha of a volume grid; `absent` where an object has none of that name."""
+    how = n.owner.grids or "LINEAR"
+    return n.graph.add(
+        "GridValue",
+        absent=vector((absent, absent, absent)),
+        attribute=n.around.wants.id("attribute", name) if name else NONE,
+        interpolation="VOXEL" if one_voxel and how == "LINEAR" else how,
+    )
+
+
+def _grid_name(n: Node, identifier: str) -> str:
+    """Of the grid that an input names, in trees of objects with grids."""
+    socket = n.socket(identifier) if n.owner.grids else None
+    return "" if socket is None else str(socket.default_value)
+
+
+def _positive(graph: Any, value: Value) -> Value:
+    return _math(graph, "MAXIMUM", value, ZERO)
 
 
 def _math(graph: Any, operation: str, a: Value, b: Value) -> Value:

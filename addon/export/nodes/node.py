@@ -74,6 +74,7 @@ class Owner:
     asked_uv_map: bool = False
     of_world: bool = False
     of_volume: bool = False  # the tree describes a medium
+    grids: str | None = None  # of an object with volume grids: how they are interpolated
     opaque_shadow: bool = False  # its transparency does not count for shadow rays
     lamp: Any = None  # the object, where the tree is a light's
     normal: Value | None = None  # in place of the shading normal, where a displacement bends it

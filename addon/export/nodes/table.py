@@ -73,9 +73,7 @@ NODES: dict[str, Entry] = {
     "VOLUME_ABSORPTION": Entry("shader", "Volume Absorption", m.absorption),
     "VOLUME_SCATTER": Entry("shader", "Volume Scatter", m.scatter, m.NO_FOURNIER),
     "VOLUME_COEFFICIENTS": Entry("shader", "Volume Coefficients", m.coefficients, m.NO_FOURNIER),
-    "PRINCIPLED_VOLUME": Entry(
-        "shader", "Principled Volume", m.principled, "attributes of volume grids are not there"
-    ),
+    "PRINCIPLED_VOLUME": Entry("shader", "Principled Volume", m.principled),
     # --- textures ---
     "TEX_IMAGE": Entry("texture", "Image Texture", t.image, "of movies one frame"),
     "TEX_ENVIRONMENT": Entry("texture", "Environment Texture", t.environment),
@@ -120,7 +118,7 @@ NODES: dict[str, Entry] = {
     "RGB": Entry("input", "RGB", c.rgb),
     "HAIR_INFO": Entry("input", "Curves Info", i.curves_info),
     "POINT_INFO": Entry("input", "Point Info", i.point_info),
-    "VOLUME_INFO": Entry("input", "Volume Info", i.nothing_of_volumes),
+    "VOLUME_INFO": Entry("input", "Volume Info", i.volume_info),
     "AMBIENT_OCCLUSION": Entry("input", "Ambient Occlusion", i.ambient_occlusion),
     "BEVEL": Entry("input", "Bevel", i.bevel),
     "MATERIAL_RAYCAST": Entry(

@@ -42,6 +42,7 @@ OF_THE_HIT = MOVED_WITH_HIT | {
         "VectorTransform",
         "Backfacing",
         "InstanceAttribute",
+        "GridValue",
         "ObjectLocation",
     ),
     *("AmbientOcclusion", "Bevel", "Raycast"),
