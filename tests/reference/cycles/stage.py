@@ -31,6 +31,7 @@ def build(case: Case) -> bpy.types.Scene:
         displacement_stage,
         film_stage,
         gallery_stage,
+        grids_stage,
         media_stage,
         motion_stage,
         strands_stage,
@@ -44,6 +45,7 @@ def build(case: Case) -> bpy.types.Scene:
         | vars(visibility_stage)
         | vars(film_stage)
         | vars(media_stage)
+        | vars(grids_stage)
         | vars(displacement_stage)
         | vars(terminator_stage)
         | vars(motion_stage)
