@@ -172,6 +172,8 @@ CASES: tuple[Case, ...] = (
     _fog("fog_in_instances", "fog_in_instances"),
     # Volume grids
     _fog("grid_cloud", "grid_cloud"),
+    _fog("grid_cloud_sun", "grid_cloud", lamp="sun", Density=20.0, Anisotropy=0.5),
+    _fog("grid_cloud_fine", "grid_cloud", count=100),
     _fog(
         "grid_cloud_turned",
         "grid_cloud",
@@ -179,10 +181,12 @@ CASES: tuple[Case, ...] = (
     ),
     _fog("grid_cloud_world", "grid_cloud", space="WORLD", placed={"scale": (1.5, 1.2, 0.6)}),
     _fog("grid_cloud_cubic", "grid_cloud", interpolation="CUBIC", count=10),
+    _fog("grid_cloud_coarse", "grid_cloud", count=10),
     _fog("grid_color", "grid_color"),
     _fog("grid_fire", "grid_fire"),
     _fog("grid_attribute", "grid_attribute"),
     _fog("grid_info", "grid_info"),
+    _fog("grid_bounds", "grid_bounds"),
     _fog("grid_camera_inside", "grid_camera_inside"),
     _fog("grid_instances", "grid_instances"),
     _fog("grid_in_fog", "grid_in_fog"),
