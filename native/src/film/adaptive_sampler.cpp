@@ -30,6 +30,11 @@ uint32_t rounded(double samples, double least) {
   return std::bit_floor(static_cast<uint32_t>(std::clamp(samples, least, kMost) * std::sqrt(2.0)));
 }
 
+// Steps of a quarter octave: how one splatter or another rounds its sums changes no photon count.
+double stepped(double count) {
+  return count > 0 ? std::exp2(std::round(4 * std::log2(count)) / 4) : 0;
+}
+
 }  // namespace
 
 void AdaptiveSampler::Moments::reset(size_t pixels) {
@@ -306,7 +311,7 @@ void AdaptiveSampler::choose_photons(const std::vector<float>& weights, double l
         variance > 0
             ? std::sqrt(kWithBlur * variance / camera_variance * (others / set.unit_work()))
             : 0;
-    set.count = std::clamp(wanted, set.fewest, set.most);
+    set.count = std::clamp(stepped(wanted), set.fewest, set.most);
   }
 }
 
