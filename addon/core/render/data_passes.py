@@ -13,6 +13,8 @@ from .result import CRYPTOMATTES, DATA_ARRAYS, Passes, matte_pass
 
 SAMPLES = 64
 """Of each pixel: coverage is known to 1/64, Cycles' of a render of that many samples."""
+OF_ONE_SAMPLE = {"Position", "Object Index", "Material Index"}
+"""Passes that hold what the first sample meets; the others are means."""
 
 
 def data_passes(renderer: Any, scene: Scene, labels: Labels) -> Passes:
@@ -23,6 +25,7 @@ def data_passes(renderer: Any, scene: Scene, labels: Labels) -> Passes:
         known = {name: id_of(name) for name in dict.fromkeys(names)}
         return np.array([known[name] for name in names], np.float32)
 
+    means = labels.aovs or any(name not in OF_ONE_SAMPLE for name in labels.passes)
     arrays = renderer.data_passes(
         object_index=np.ascontiguousarray(labels.object_index[order], np.int32),
         object_id=ids(labels.objects)[order],
@@ -33,7 +36,7 @@ def data_passes(renderer: Any, scene: Scene, labels: Labels) -> Passes:
         mist=list(labels.mist),
         alpha_threshold=labels.alpha_threshold,
         programs=labels.aov_programs,
-        samples=SAMPLES,
+        samples=SAMPLES if means else 1,
     )
     found = {name: arrays[array] for name, array in DATA_ARRAYS.items() if name in labels.passes}
     for name, array in CRYPTOMATTES.items():
