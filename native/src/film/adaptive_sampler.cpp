@@ -6,12 +6,11 @@
 namespace photon_splat {
 namespace {
 
-constexpr int kReach = 2;            // pixels around one that tell after one sample
-constexpr float kSecondRing = 0.5f;  // weight of pixels two away
-constexpr float kFurther = 0.1f;     // weight of those that are not next to it
-constexpr double kMost = 256;        // samples of a pixel in one pass
-constexpr double kMostMean = 8;      // of all pixels: passes stay short
-constexpr double kOutlier = 100;     // times the mean deviation: more counts as that much
+constexpr int kReach = 2;         // pixels around one that tell after one sample
+constexpr float kFurther = 0.1f;  // weight of those that are not next to it
+constexpr double kMost = 256;     // samples of a pixel in one pass
+constexpr double kMostMean = 8;   // of all pixels: passes stay short
+constexpr double kOutlier = 100;  // times the mean deviation: more counts as that much
 constexpr double kLeastWork = 0.05;
 // Errors count beside the light around them; where there is less than this part of the picture's
 // mean, beside about that.
@@ -144,14 +143,17 @@ void AdaptiveSampler::limit(double mean, double photons, ThreadPool& pool) {
 }
 
 void AdaptiveSampler::begin_pass(ThreadPool& pool) {
-  if (to_choose_) choose(passes_ > 1 ? deviations(pool) : first_deviations(pool), weights(pool));
+  if (to_choose_) {
+    const std::vector<float> weights = this->weights(pool);
+    choose(passes_ > 1 ? deviations(weights, pool) : first_deviations(pool), weights);
+  }
   to_choose_ = false;
 }
 
 // Of one sample, as the pixels around tell. The pixel's own samples have no say: what is bright by
 // chance would get more company than what is dark by chance, and the mean come out too dark. What
 // edges do to the light of photons counts as well.
-std::vector<float> AdaptiveSampler::deviations(ThreadPool& pool) const {
+AdaptiveSampler::Rings AdaptiveSampler::variances(ThreadPool& pool) const {
   std::vector<float> own(samples_.size());
   const CancelFlag never;
   pool.for_each(static_cast<size_t>(height_), never, [&](size_t row, int) {
@@ -162,34 +164,66 @@ std::vector<float> AdaptiveSampler::deviations(ThreadPool& pool) const {
       own[i] = std::max(camera, all - known(by_photons_[i] / passes));
     }
   });
-  std::vector<float> result = mean_around(own, 0, pool);
-  for (float& deviation : result) deviation = std::sqrt(deviation);
+  return rings(own, 0, pool);
+}
+
+// Where a few bright samples are most of the noise, what is found around a pixel is chance: as far
+// as pixels next to it and those two away do not agree, the deviation is taken for that of the
+// picture (Spearman and Brown's share of two halves that agree so much).
+std::vector<float> AdaptiveSampler::deviations(const std::vector<float>& weights,
+                                               ThreadPool& pool) const {
+  Rings around = variances(pool);
+  const size_t pixels = weights.size();
+  double limit = 0;
+  for (size_t i = 0; i < pixels; ++i) limit += weights[i] * std::sqrt(around.near[i]);
+  limit *= kOutlier / static_cast<double>(std::max<size_t>(pixels, 1));
+  double mean = 0, near2 = 0, far2 = 0, both = 0, mean_near = 0, mean_far = 0;
+  for (size_t i = 0; i < pixels; ++i) {
+    const double near = std::min(limit, double{weights[i]} * std::sqrt(around.near[i])),
+                 far = std::min(limit, double{weights[i]} * std::sqrt(around.far[i]));
+    mean_near += near, mean_far += far;
+    near2 += near * near, far2 += far * far, both += near * far;
+    mean += std::min(limit, weights[i] * std::sqrt(0.5 * (around.near[i] + around.far[i])));
+  }
+  const double n = static_cast<double>(std::max<size_t>(pixels, 1));
+  const double covariance = both / n - mean_near / n * mean_far / n,
+               variances = std::sqrt(std::max(near2 / n - std::pow(mean_near / n, 2), 0.0) *
+                                     std::max(far2 / n - std::pow(mean_far / n, 2), 0.0));
+  const double alike = variances > 0 ? std::clamp(covariance / variances, 0.0, 1.0) : 1;
+  const double believed = 2 * alike / (1 + alike);
+  std::vector<float> result(pixels);
+  for (size_t i = 0; i < pixels; ++i) {
+    const double found = weights[i] * std::sqrt(0.5 * (around.near[i] + around.far[i]));
+    result[i] = static_cast<float>((mean / n + believed * (found - mean / n)) / weights[i]);
+  }
   return result;
 }
 
-// Of the pixels up to kReach away, the pixel itself left out.
-std::vector<float> AdaptiveSampler::mean_around(const std::vector<float>& values, float of_none,
-                                                ThreadPool& pool) const {
-  std::vector<float> result(values.size());
+// Of the pixels next to each, and of those two away; the pixel itself left out.
+AdaptiveSampler::Rings AdaptiveSampler::rings(const std::vector<float>& values, float of_none,
+                                              ThreadPool& pool) const {
+  Rings found{std::vector<float>(values.size()), std::vector<float>(values.size())};
   const CancelFlag never;
   pool.for_each(static_cast<size_t>(height_), never, [&](size_t row, int) {
     const int y = static_cast<int>(row);
     const int top = std::max(y - kReach, 0), bottom = std::min(y + kReach, height_ - 1);
     for (int x = 0; x < width_; ++x) {
       const int left = std::max(x - kReach, 0), right = std::min(x + kReach, width_ - 1);
-      float sum = 0, weights = 0;
+      float near = 0, far = 0;
+      int near_count = 0, far_count = 0;
       for (int at = top; at <= bottom; ++at)
         for (int along = left; along <= right; ++along) {
-          if (at == y && along == x) continue;
-          const float weight =
-              std::max(std::abs(at - y), std::abs(along - x)) > 1 ? kSecondRing : 1.0f;
-          sum += weight * values[static_cast<size_t>(at) * width_ + along];
-          weights += weight;
+          const float value = values[static_cast<size_t>(at) * width_ + along];
+          const int away = std::max(std::abs(at - y), std::abs(along - x));
+          if (away == 1) near += value, ++near_count;
+          if (away == 2) far += value, ++far_count;
         }
-      result[row * width_ + x] = weights > 0 ? sum / weights : of_none;
+      const size_t i = row * width_ + x;
+      found.near[i] = near_count ? near / static_cast<float>(near_count) : of_none;
+      found.far[i] = far_count ? far / static_cast<float>(far_count) : found.near[i];
     }
   });
-  return result;
+  return found;
 }
 
 // The same after one sample of each pixel: as those next to each other differ, at most two pixels
@@ -248,8 +282,10 @@ std::vector<float> AdaptiveSampler::weights(ThreadPool& pool) const {
   const float mean =
       static_cast<float>(all / std::max<double>(static_cast<double>(light.size()), 1));
   if (!(mean > 0)) return std::vector<float>(light.size(), 1.0f);
-  std::vector<float> result = mean_around(light, mean, pool);
-  for (float& weight : result) weight = mean / std::hypot(weight, kDark * mean);
+  Rings around = rings(light, mean, pool);
+  std::vector<float>& result = around.near;
+  for (size_t i = 0; i < result.size(); ++i)
+    result[i] = mean / std::hypot(0.5f * (result[i] + around.far[i]), kDark * mean);
   return result;
 }
 

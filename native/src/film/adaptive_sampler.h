@@ -81,10 +81,13 @@ class AdaptiveSampler {
     float variance(size_t i, float samples, float passes) const;  // of one sample
   };
   void see(const PackedFilm& pass, Moments& moments, ThreadPool& pool) const;
-  std::vector<float> deviations(ThreadPool& pool) const;
+  struct Rings {
+    std::vector<float> near, far;
+  };
+  Rings rings(const std::vector<float>& values, float of_none, ThreadPool& pool) const;
+  Rings variances(ThreadPool& pool) const;
+  std::vector<float> deviations(const std::vector<float>& weights, ThreadPool& pool) const;
   std::vector<float> first_deviations(ThreadPool& pool) const;
-  std::vector<float> mean_around(const std::vector<float>& values, float of_none,
-                                 ThreadPool& pool) const;
   std::vector<float> weights(ThreadPool& pool) const;
   void choose(std::vector<float> deviations, const std::vector<float>& weights);
   double gain_of_order(const std::vector<float>& deviations, const std::vector<float>& weights,
