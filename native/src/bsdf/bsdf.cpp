@@ -585,7 +585,9 @@ std::optional<BsdfSample> Bsdf::sample(float choice, const Vec2& u) const {
     along -= pick;
   }
   if (index < 0) return std::nullopt;
-  return sample_lobe(index, choice, {std::clamp(along / lobes_[index].pick, 0.0f, kBelowOne), u.y});
+  const Lobe& lobe = lobes_[index];
+  const Vec2 left{std::clamp(along / lobe.pick, 0.0f, kBelowOne), u.y};
+  return sample_lobe(index, lobe.delta() ? left.x : choice, left);  // a delta needs no place
 }
 
 std::optional<BsdfSample> Bsdf::sample_sharp(float choice, const Vec2& u) const {

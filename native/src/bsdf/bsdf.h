@@ -155,7 +155,8 @@ class Bsdf {
   // normals are smooth such light may pass the surface that they promise.
   Rgb evaluate_smooth(const Vec3& wi, float* pdf, Rgb* diffuse, float* sharp) const;
 
-  // Draws a direction in proportion to the lobes. Transparency and emission are not lobes. nullopt:
+  // Draws a direction in proportion to the lobes: u chooses the lobe, and the side of a delta, and
+  // places; `choice` chooses the side of others. Transparency and emission are not lobes. nullopt:
   // absorbed.
   std::optional<BsdfSample> sample(float choice, const Vec2& u) const;
   // For who has no use for samples of lobes that are not sharp: draws others only, whose weights

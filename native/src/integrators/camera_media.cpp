@@ -91,7 +91,7 @@ bool CameraTracer::scatter_in_medium(Path& path, const Flight& flight, bool dire
   path.covered = path.withheld = path.diffuse_emission = {};
   if (direct) add_direct_in_medium(path, point, receiver);
 
-  const Vec2 choice = path.numbers(kLobePair), way = path.numbers(kBsdfPair);
+  const Vec2 choice = path.numbers(kLobePair), way = path.way();
   const Vec3 direction = point.sample(path.direction, choice.x, way);
   float pdf;
   const Rgb scattered = point.evaluate(path.direction, direction, &pdf);

@@ -7,6 +7,8 @@ namespace photon_splat {
 
 // Paths of little throughput go on with a probability of this times their throughput.
 inline constexpr float kRoulette = 8;
+// The same from the first vertex: what a dark surface mirrors is most of what is seen there
+inline constexpr float kFirstRoulette = 100;
 inline constexpr int kSureBounces = 3;  // from here on at most with the throughput itself
 
 // Dimensions of the camera's low-discrepancy sequence, in pairs.
@@ -26,6 +28,9 @@ enum Dimension : uint32_t {
   kLensPair = 64,
   kTimePair = 65
 };
+
+// Of a number that choices have used up to this share no more is told apart
+inline constexpr float kNarrowest = 1 / 4096.0f;
 
 // The camera rays of a pixel's samples. Its place in the whole frame seeds them, so that a border
 // renders the same pixels.
@@ -88,8 +93,9 @@ struct CameraTracer::Path {
   Pixel& pixel;
   Tile& tile;
   uint32_t pixel_index, sample, seed;
-  uint32_t first_pair = 0;  // of the numbers of vertex 0
-  size_t place = 0;         // of the pixel in its tile
+  uint32_t first_pair = 0;             // of the numbers of vertex 0
+  size_t place = 0;                    // of the pixel in its tile
+  float way_begin = 0, way_share = 1;  // what is left of the first of the numbers of way()
   int max_bounces = 0;
   Rgb* groups = nullptr;       // the pixel's light by group, if wanted
   bool learns = false;         // what it sees of the world is noted
@@ -144,6 +150,22 @@ struct CameraTracer::Path {
   // Numbers for the next vertex: the low-discrepancy sequence at the first one.
   Vec2 numbers(Dimension pair) {
     return vertex == 0 ? sobol_2d(sample, first_pair + pair, seed) : random.next2();
+  }
+  // Those that place the direction of the next ray. Before the first vertex the choices whether
+  // surfaces let the path through are of them too, so that paths that stay, or pass, are spread as
+  // well as all of them are.
+  Vec2 way() {
+    const Vec2 u = numbers(kBsdfPair);
+    if (vertex > 0) return u;
+    return {std::clamp((u.x - way_begin) / way_share, 0.0f, kBelowOne), u.y};
+  }
+  bool passes(float probability) {
+    if (vertex > 0 || way_share < kNarrowest) return random.next() < probability;
+    const float stays = 1 - probability;
+    const bool yes = way().x >= stays;
+    if (yes) way_begin += way_share * stays;
+    way_share *= yes ? probability : stays;
+    return yes;
   }
 };
 

@@ -327,10 +327,7 @@ CameraTracer::Passing CameraTracer::pass_through(Path& path, const Surface& hit,
   if (!(mean > 0)) return Passing::kStays;
   const float scattered = bsdf.scatters() ? std::max(average(bsdf.albedo()), 0.05f) : 0;
   const float passing = mean / (mean + scattered);
-  // The first choice of a path has a number of its own in the sequence
-  const bool first = path.vertex == 0 && path.info.transparent_depth == 0;
-  const bool passes =
-      scattered == 0 || (first ? path.numbers(kLobePair).y : path.random.next()) < passing;
+  const bool passes = scattered == 0 || path.passes(passing);
   path.scale(passes ? transparency / passing : Rgb{1, 1, 1} / (1 - passing));
   if (!passes) return Passing::kStays;
   const Rgb emission = path.emission_throughput + path.withheld + path.world_emission;
@@ -546,7 +543,7 @@ bool CameraTracer::scatter(Path& path, const Surface& hit, const Bsdf& bsdf,
              whole = !path.leaves_gather_points || continued;
   const bool goes_on = !last && (whole || bsdf.has_rest());
   if (!goes_on && !bsdf.has_rest() && !lights_.wants_bsdf_ray(receiver)) return false;
-  const Vec2 lobe = path.numbers(kLobePair), way = path.numbers(kBsdfPair);
+  const Vec2 lobe = path.numbers(kLobePair), way = path.way();
   const auto s = bsdf.sample(lobe.x, way);
   if (!s) return false;
   Rgb diffuse = s->diffuse ? s->weight : Rgb{};
@@ -588,7 +585,10 @@ bool CameraTracer::scatter(Path& path, const Surface& hit, const Bsdf& bsdf,
   }
   const float strength = std::max(max_abs(path.throughput + path.world_throughput),
                                   max_abs(path.emission_throughput + path.world_emission));
-  const float survival = std::min(1.0f, strength * (path.vertex < kSureBounces ? kRoulette : 1.2f));
+  const float worth = path.vertex == 0             ? kFirstRoulette
+                      : path.vertex < kSureBounces ? kRoulette
+                                                   : 1.2f;
+  const float survival = std::min(1.0f, strength * worth);
   if (path.random.next() >= survival) return false;
   path.scale(Rgb{1, 1, 1} / survival);
 

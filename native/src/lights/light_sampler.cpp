@@ -17,6 +17,15 @@ float left_of(float u, float begin, float share) {
   return std::clamp((u - begin) / share, 0.0f, kBelowOne);
 }
 
+// At least, of a share of light that is known for the middle of an emitter alone
+constexpr float kLeastShare = 0.1f;
+
+// About the mean cosine to what reaches `radius` around a middle that far away.
+float mean_cosine(float along, float distance, float radius) {
+  const float reach = 0.5f * radius;
+  return std::clamp((along + reach) / (distance + reach), kLeastShare, 1.0f);
+}
+
 float power_heuristic(float a, float b) {
   if (!(a < 1e18f)) return 1;  // a delta
   return a * a / (a * a + b * b);
@@ -26,17 +35,28 @@ float power_heuristic(float a, float b) {
 
 float Lights::emitter_weight(const Emitter& e, const Receiver& to) const {
   if (!(e.lit_groups & to.group)) return 0;
-  if (e.lamp >= 0 && lamps_[e.lamp].s.kind == LampKind::kSun) {
-    const Lamp& lamp = lamps_[e.lamp];
-    return dot(to.horizon(), -lamp.forward) + std::sqrt(2 * lamp.one_minus_cos) < 0 ? 0
-                                                                                    : e.importance;
+  const Lamp* const lamp = e.lamp >= 0 ? &lamps_[e.lamp] : nullptr;
+  const Vec3 horizon = to.horizon();
+  const bool cosine = !to.sharp && !is_black(horizon);
+  if (lamp && lamp->s.kind == LampKind::kSun) {
+    const float height = dot(horizon, -lamp->forward), reach = std::sqrt(2 * lamp->one_minus_cos);
+    if (height + reach < 0) return 0;
+    return e.importance * (cosine ? mean_cosine(height, 1, reach) : 1);
   }
   const Vec3 to_center = e.center - to.x;
-  if (dot(to.horizon(), to_center) < -e.radius) return 0;  // wholly below the horizon
-  if (e.lamp >= 0 && lamps_[e.lamp].s.kind == LampKind::kArea &&
-      dot(lamps_[e.lamp].forward, to_center) >= 0)
-    return 0;
-  return e.importance / std::max({length2(to_center), e.radius * e.radius, 1e-30f});
+  const float height = dot(horizon, to_center);
+  if (height < -e.radius) return 0;  // wholly below the horizon
+  const float distance2 = length2(to_center), distance = std::sqrt(distance2);
+  float weight = e.importance / std::max({distance2, e.radius * e.radius, 1e-30f});
+  if (cosine) weight *= mean_cosine(height, distance, e.radius);
+  if (lamp && lamp->s.kind == LampKind::kArea) {
+    const float before = -dot(lamp->forward, to_center);
+    if (before <= 0) return 0;
+    weight *= mean_cosine(before, distance, e.radius);
+  } else if (lamp && lamp->s.kind == LampKind::kSpot && distance > e.radius) {
+    weight *= std::max(spot_attenuation(*lamp, to_center / -distance), kLeastShare);
+  }
+  return weight;
 }
 
 bool Lights::see_close(const Emitter& e, const Receiver& to, CloseLight& out) const {

@@ -92,7 +92,7 @@ TEST_CASE("a mirror, a smooth boundary: directions, weights, and their adjoints"
         double reflected = 0, refracted = 0;
         constexpr int count = 4096;
         for (int i = 0; i < count; ++i) {
-          const auto s = glass.sample((float(i) + 0.5f) / count, {0.5f, 0.5f});
+          const auto s = glass.sample(0.5f, {(float(i) + 0.5f) / count, 0.5f});
           REQUIRE(s);
           (s->transmitted ? refracted : reflected) += double(s->weight.x) / count;
           if (s->transmitted) CHECK(-s->direction.x * eta == doctest::Approx(from.x).epsilon(1e-4));
