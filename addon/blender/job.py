@@ -104,7 +104,7 @@ def _render(
     held: Held | None,
 ) -> RenderResult:
     engine.update_stats("", "Exporting scene")
-    settings = observer.settings(render_settings(depsgraph.scene_eval))
+    settings = observer.settings(render_settings(depsgraph.scene_eval, depsgraph.view_layer))
     if engine.is_preview:
         settings = replace(settings, **PREVIEW)
     began = time.monotonic()

@@ -207,14 +207,16 @@ class PhotonSplatViewLayerSettings(bpy.types.PropertyGroup):
 CLASSES = (PhotonSplatSettings, PhotonSplatViewLayerSettings)
 
 
-def render_settings(scene: Any) -> RenderSettings:
-    """The settings of a bpy.types.Scene; raises ValueError if they do not make sense."""
+def render_settings(scene: Any, view_layer: Any = None) -> RenderSettings:
+    """The settings of a bpy.types.Scene, with what one of its view layers overrides; raises
+    ValueError if they do not make sense.
+    """
     group, render = scene.photon_splat, scene.render
     spacing = group.point_spacing
     return RenderSettings(
-        passes=group.passes,
+        passes=_passes(scene, view_layer),
         time_limit=group.time_limit,
-        error_threshold=_threshold(group),
+        error_threshold=_threshold(group, bool(_layer_samples(scene, view_layer))),
         photons_per_pass=group.photons_per_pass,
         max_bounces=group.max_bounces,
         radius_scale=group.radius_scale,
@@ -231,9 +233,23 @@ def render_settings(scene: Any) -> RenderSettings:
     )
 
 
-def _threshold(group: PhotonSplatSettings) -> float:
+def _layer_samples(scene: Any, view_layer: Any) -> int:
+    """Samples that a view layer overrides the scene's with, 0 for none. Cycles' setting, where it
+    is there, may tell that they do not count.
+    """
+    use = getattr(getattr(scene, "cycles", None), "use_layer_samples", "USE")
+    return 0 if view_layer is None or use == "IGNORE" else int(view_layer.samples)
+
+
+def _passes(scene: Any, view_layer: Any) -> int:
+    passes, samples = int(scene.photon_splat.passes), _layer_samples(scene, view_layer)
+    bounded = getattr(getattr(scene, "cycles", None), "use_layer_samples", "USE") == "BOUNDED"
+    return min(samples, passes) if samples and bounded else samples or passes
+
+
+def _threshold(group: PhotonSplatSettings, has_samples: bool) -> float:
     """Who sets another limit, and not this one, wants the best picture within that."""
-    others = group.time_limit or group.is_property_set("passes")
+    others = group.time_limit or has_samples or group.is_property_set("passes")
     given = group.is_property_set("error_threshold")
     return round(float(group.error_threshold), 7) if given or not others else 0.0
 

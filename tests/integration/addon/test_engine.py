@@ -610,6 +610,29 @@ def test_settings_of_the_scene_reach_the_session() -> None:
 
 
 @in_blender
+def test_a_view_layer_overrides_the_number_of_passes() -> None:
+    import bpy
+    from photon_splat.blender.properties import render_settings
+
+    made = stage.room(passes=6)
+    del made.photon_splat["error_threshold"]
+    layer, use = made.view_layers[0], {"IGNORE": 6, "BOUNDED": 6, "USE": 9}
+    assert render_settings(made, layer).passes == 6
+    layer.samples = 9
+    for how, passes in use.items():
+        made.cycles.use_layer_samples = how
+        assert render_settings(made, layer).passes == passes
+    layer.samples = 3
+    other = made.view_layers.new("Other")
+    with stage.watched() as results:
+        bpy.ops.render.render()
+    assert [result.statistics["passes"] for result in results] == [3, 6]
+    made.photon_splat.property_unset("passes")
+    assert render_settings(made, layer).error_threshold == 0.0
+    assert render_settings(made, other).error_threshold > 0.0
+
+
+@in_blender
 def test_an_error_threshold_that_nobody_has_set_ends_no_render_with_another_limit() -> None:
     from photon_splat.blender.properties import render_settings
 
