@@ -23,6 +23,11 @@ SWITCHES = {
     "Emission": "use_pass_emit",
 }
 """Blender's own switches, properties of a view layer."""
+CYCLES_SWITCHES = {
+    "Volume Direct": "use_pass_volume_direct",
+    "Volume Indirect": "use_pass_volume_indirect",
+}
+"""Those of Cycles, properties of a view layer's `cycles`."""
 OWN_SWITCHES = {
     "Photon Density": "use_pass_photon_density",
     "Surface ID": "use_pass_surface_id",
@@ -35,20 +40,28 @@ def wanted_passes(view_layer: Any) -> Iterator[PassInfo]:
     """The passes that a bpy.types.ViewLayer asks for; Combined and those of its light groups
     always.
     """
-    own = getattr(view_layer, "photon_splat", None)
     for info in PASSES:
-        if info.name in OWN_SWITCHES:
-            if getattr(own, OWN_SWITCHES[info.name], False):
-                yield info
-        elif info.name not in SWITCHES or getattr(view_layer, SWITCHES[info.name]):
+        switch = switch_of(view_layer, info.name)
+        if switch is None or getattr(*switch, False):
             yield info
     yield from data_passes(view_layer)
     for group in getattr(view_layer, "lightgroups", ()):
         yield light_group_pass(group.name)
 
 
+def switch_of(view_layer: Any, name: str) -> tuple[Any, str] | None:
+    """What switches a pass of the film on, and the name of its property there; None: nothing does.
+    The first may be missing.
+    """
+    if name in OWN_SWITCHES:
+        return getattr(view_layer, "photon_splat", None), OWN_SWITCHES[name]
+    if name in CYCLES_SWITCHES:
+        return getattr(view_layer, "cycles", None), CYCLES_SWITCHES[name]
+    return (view_layer, SWITCHES[name]) if name in SWITCHES else None
+
+
 def kind(info: PassInfo) -> str:
     """Blender's type of a pass."""
-    return {1: "VALUE", 4: "COLOR"}.get(
-        len(info.channels), "VECTOR" if info.channels in {"XYZ", "UVA"} else "COLOR"
-    )
+    if info.channels in {"XYZ", "UVA", "XYZW"}:
+        return "VECTOR"
+    return "VALUE" if len(info.channels) == 1 else "COLOR"

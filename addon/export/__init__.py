@@ -28,7 +28,7 @@ def export_scene(
 ) -> Scene:
     """Export what `depsgraph` (evaluated) holds, seen through `camera` (default: the scene's);
     `kept` and `watch` as in export_contents. `frame_set` takes the graph to other frames, for
-    motion blur; None: everything stands still.
+    motion blur and motion vectors; None: everything stands still.
 
     Raises ValueError with one sentence if there is nothing to look through; whatever else cannot be
     rendered is named in the result's `warnings`.
@@ -99,7 +99,10 @@ def _export_moving(
             watch.go_on()
             go(blur.centre + 0.5 * blur.shutter * time)
             moving.see(depsgraph, eye, time, watch.go_on)
-    moving.move(scene, depsgraph.scene.render)
+    if blur.vectors and scene.labels is not None:
+        scene.labels.neighbours = moving.neighbours(scene)
+    elif not blur.vectors:
+        moving.move(scene, depsgraph.scene.render)
     scene.warnings = report.messages()
     return scene
 
@@ -162,7 +165,7 @@ def export_contents(
     report_culling(scene, report)
     if labelled is not None:
         exported.labels = labelled.labels(
-            view_layer, scene.world, materials.list, materials.aov_programs()
+            view_layer, scene, materials.list, materials.aov_programs()
         )
     exported.warnings = report.messages()
     return exported

@@ -16,6 +16,8 @@ SWITCHES = {
     "Mist": "use_pass_mist",
     "Object Index": "use_pass_object_index",
     "Material Index": "use_pass_material_index",
+    "Vector": "use_pass_vector",
+    "Ambient Occlusion": "use_pass_ambient_occlusion",
 }
 MATTES = {
     "CryptoObject": "use_pass_cryptomatte_object",
@@ -62,12 +64,18 @@ class Labelled:
         self._indices.append(int(ob.original.pass_index))
 
     def labels(
-        self, view_layer: Any, world: Any, materials: list[Material], programs: list[list[int]]
+        self,
+        view_layer: Any,
+        scene: Any,
+        materials: list[Material],
+        programs: list[list[int]],
     ) -> Labels:
         mist = (0.0, 100.0, 1.0)
-        if world is not None:
-            given = world.mist_settings
+        if scene.world is not None:
+            given = scene.world.mist_settings
             mist = (float(given.start), float(given.depth), POWERS[given.falloff])
+        world = getattr(view_layer, "world_override", None) or scene.world
+        distance = math.inf if world is None else float(world.light_settings.distance)
         return Labels(
             [info.name for info in wanted(view_layer)],
             2 * passes_of_matte(view_layer)
@@ -81,5 +89,6 @@ class Labelled:
             aovs(view_layer),
             programs,
             float(view_layer.pass_alpha_threshold),
-            mist,
+            distance,
+            mist=mist,
         )

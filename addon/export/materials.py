@@ -14,12 +14,13 @@ from ..core.scene.displacement import UNDISPLACED_NORMALS, Displacement
 from ..core.scene.shading import Feature, Program
 from .cancelled import Watch
 from .images import Textures
+from .nodes.aovs import AovOutputs
 from .nodes.assemble import statement
 from .nodes.compiler import Compiled, Compiler
 from .nodes.links import hollow_groups, label, output_node, report_foreign_output, uses_nodes
 from .nodes.node import Owner, Surroundings, Wants
 from .nodes.reduce import lambertian
-from .nodes.trees import Trees
+from .nodes.trees import Groups, Trees
 from .nodes.values import ONE, ORIGIN, ZERO, Folding, Graph, number, vector
 from .report import Report
 
@@ -53,10 +54,11 @@ class Shading:
     def displacement(self, owner: Owner, socket: Any) -> Compiled | None:
         return Compiler(owner, self.around, self.folding).displacement(socket)
 
-    def pass_value(self, owner: Owner, node: Any, is_color: bool) -> Compiled:
-        """What an AOV Output gives."""
-        socket = node.inputs["Color" if is_color else "Value"]
-        return Compiler(owner, self.around, self.folding).pass_value(socket, is_color)
+    def pass_value(
+        self, owner: Owner, outputs: Sequence[tuple[Any, Groups]], is_color: bool
+    ) -> Compiled:
+        """What AOV Outputs give together, each with the groups that it is in."""
+        return Compiler(owner, self.around, self.folding).pass_value(outputs, is_color)
 
     @property
     def wanted(self) -> tuple[frozenset[int], frozenset[int]]:
@@ -79,6 +81,7 @@ class Materials:
     def __init__(self, shading: Shading, aovs: Sequence[tuple[str, bool]] = ()) -> None:
         self.list: list[Material] = []
         self._aovs = aovs
+        self._aov_outputs = AovOutputs()
         self._aov_programs: dict[tuple[int, int], int] = {}  # by pass and material
         self.displacements: dict[int, Displacement] = {}  # of those that move the surface
         self._shading = shading
@@ -121,11 +124,11 @@ class Materials:
         for k, (name, is_color) in enumerate(self._aovs):
             if (k, index) in self._aov_programs or not uses_nodes(material):
                 continue
-            for node in material.node_tree.nodes:
-                if node.bl_idname == "ShaderNodeOutputAOV" and node.aov_name == name:
-                    value = self._shading.pass_value(owner, node, is_color)
-                    program = self._shading.add(value.program(f"{material.name} ({name})"))
-                    self._aov_programs[k, index] = program
+            outputs = self._aov_outputs.found(material.node_tree).get(name)
+            if outputs:
+                value = self._shading.pass_value(owner, outputs, is_color)
+                program = self._shading.add(value.program(f"{material.name} ({name})"))
+                self._aov_programs[k, index] = program
 
     def aov_programs(self) -> list[list[int]]:
         """By pass, of each material."""

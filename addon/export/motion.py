@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.scene import Mesh, Scene
+from ..core.scene import Mesh, Neighbours, Scene
 from ..core.scene.motion import CameraMotion, MeshMotion, Shutter
 from .arrays import read
 from .camera import camera_matrix
@@ -38,22 +38,26 @@ HAIR = -1
 
 @dataclass(slots=True)
 class Blur:
-    """The settings of a scene, times in frames: `centre` of the opening after the frame itself."""
+    """The settings of a scene, times in frames: `centre` of the opening after the frame itself.
+    `vectors`: nothing is blurred, a pass asks for the frames before and after, of all things.
+    """
 
     shutter: float
     centre: float
     rolling: float
     frame_seconds: float
+    vectors: bool = False
 
 
 def blur_of(depsgraph: Any) -> Blur | None:
-    """None: nothing is blurred."""
+    """None: nothing is blurred, and no pass asks for motion."""
     scene = depsgraph.scene_eval
     render, cycles = scene.render, getattr(scene, "cycles", None)
-    if not render.use_motion_blur or not getattr(
-        depsgraph.view_layer_eval, "use_motion_blur", True
-    ):
-        return None
+    seconds = float(render.fps_base) / max(float(render.fps), 1e-6)
+    layer = depsgraph.view_layer_eval
+    if not render.use_motion_blur or not getattr(layer, "use_motion_blur", True):
+        wanted = layer.use_pass_vector
+        return Blur(2.0, 0.0, NOT_ROLLING, seconds, vectors=True) if wanted else None
     shutter = max(float(render.motion_blur_shutter), 0.0)
     # before Blender 4.2 a property of Cycles
     position = getattr(
@@ -63,7 +67,7 @@ def blur_of(depsgraph: Any) -> Blur | None:
     rolling = NOT_ROLLING
     if cycles is not None and cycles.rolling_shutter_type == ROLLING:
         rolling = float(cycles.rolling_shutter_duration)
-    return Blur(shutter, centre, rolling, float(render.fps_base) / max(float(render.fps), 1e-6))
+    return Blur(shutter, centre, rolling, seconds)
 
 
 def shutter_curve(render: Any) -> NDArray[np.float32]:
@@ -119,6 +123,9 @@ def steps_of(ob: Any, parent: Any = None) -> int:
     return min((2 << (most - 1)) + 1, MOST_STEPS)
 
 
+VECTOR_STEPS = 3
+
+
 def times_of(steps: int) -> list[float]:
     """-1 where the shutter opens, 1 where it closes."""
     return [2.0 * step / (steps - 1) - 1.0 for step in range(steps)]
@@ -161,17 +168,21 @@ class Moving:
         self._shape_of: dict[int, _Shape | None] = {}
         self._camera: dict[float, tuple[NDArray[np.float64], float]] = {}
         self._camera_steps = 0
+        self._about = "Vector pass" if blur.vectors else "Motion blur"
+
+    def _steps_of(self, ob: Any, parent: Any = None) -> int:
+        return VECTOR_STEPS if self._blur.vectors else steps_of(ob, parent)
 
     def add(self, instance: Any, row: int, mesh: Mesh, flat: bool) -> None:
         """An instance that has become `row`; `mesh` as it is before displacement."""
         ob = instance.object
         parent = instance.parent if instance.is_instance else None
-        steps = steps_of(ob, parent)
+        steps = self._steps_of(ob, parent)
         if not steps:
             return
         if flat:
             self._report.warn(
-                "Motion blur: objects that their scale flattens stand still: {}", ob.name
+                f"{self._about}: objects that their scale flattens stand still: {{}}", ob.name
             )
             return
         key = key_of(instance)
@@ -187,7 +198,10 @@ class Moving:
             return self._shape_of[id(mesh)]
         asked = [getattr(one, "cycles", None) for one in (ob, parent) if one is not None]
         shape = None
-        if not mesh.shading.grids and all(getattr(one, "use_deform_motion", True) for one in asked):
+        may_change = self._blur.vectors or all(
+            getattr(one, "use_deform_motion", True) for one in asked
+        )
+        if not mesh.shading.grids and may_change:
             of_hair = mesh.strands is not None and ob.type == "MESH"
             velocity, places = None if of_hair else _velocities(ob.data), _places(mesh)
             if velocity is not None and len(velocity) == len(places):
@@ -209,7 +223,7 @@ class Moving:
         return shape
 
     def add_camera(self, ob: Any, report: Report) -> None:
-        self._camera_steps = steps_of(ob)
+        self._camera_steps = self._steps_of(ob)
         self._see_camera(0.0, ob, report)
 
     def times(self) -> list[float]:
@@ -242,7 +256,8 @@ class Moving:
         positions = read(mesh.vertices, "co", np.float32, 3)
         if len(positions) != len(shape.mesh.positions) or not np.isfinite(positions).all():
             self._report.warn(
-                "Motion blur: meshes keep their shape, as their number of vertices changes: {}",
+                f"{self._about}: meshes keep their shape, as their number of vertices changes: "
+                "{}",
                 ob.name,
             )
             return
@@ -264,7 +279,7 @@ class Moving:
         )
         if keys is None or len(keys) != len(_places(shape.mesh)) or not np.isfinite(keys).all():
             self._report.warn(
-                "Motion blur: strands keep their shape, as their number of keys changes: {}",
+                f"{self._about}: strands keep their shape, as their number of keys changes: {{}}",
                 ob.name,
             )
             return
@@ -297,6 +312,26 @@ class Moving:
         _remove(scene, lost)
         if scene.instances.motion or scene.camera.motion or any(m.moves for m in scene.meshes):
             scene.shutter = Shutter(shutter_curve(render), self._blur.rolling)
+
+    def neighbours(self, scene: Scene) -> Neighbours:
+        """Where all that moves is in the frames before and after."""
+        times = (-1.0, 1.0)
+        moves: dict[int, NDArray[np.float64]] = {}
+        for placed in self._placed.values():
+            own = scene.instances.matrix[placed.rows[0]]
+            steps = np.stack([placed.matrices.get(time, own) for time in times])
+            if _differ(steps, own) and np.isfinite(steps).all() and np.linalg.det(own) != 0.0:
+                moves |= dict.fromkeys(placed.rows, steps @ np.linalg.inv(own))
+        shapes: dict[int, NDArray[np.float32]] = {}
+        for shape in self._shapes.values():
+            places = _places(shape.mesh)
+            by = np.stack([(shape.positions.get(t, places) - places)[:, :3] for t in times])
+            if by.any():
+                shapes |= {int(scene.instances.mesh[row]): by for row in shape.rows}
+        own, extent = self._camera[0.0]
+        seen = [self._camera.get(time, (own, extent)) for time in times]
+        zoom = (seen[0][1] / extent, seen[1][1] / extent)
+        return Neighbours(moves, shapes, np.stack([matrix for matrix, _ in seen]), zoom)
 
     def _move_shape(self, scene: Scene, shape: _Shape) -> None:
         base, times = shape.mesh, times_of(shape.steps)

@@ -197,7 +197,8 @@ def save_pictures(folder: Path, name: str, ours: Array, reference: Array) -> Non
 
 
 def _to_png(image_module: object, picture: Array) -> object:
-    pixels = (np.nan_to_num(picture[::-1, :, :3]) * 255 + 0.5).astype(np.uint8)
+    colors = np.broadcast_to(picture[::-1, :, :3], (*picture.shape[:2], 3))
+    pixels = (np.nan_to_num(colors) * 255 + 0.5).astype(np.uint8)
     image = image_module.fromarray(pixels)  # type: ignore[attr-defined]
     factor = max(1, 256 // max(pixels.shape[:2]))
     return image.resize((image.width * factor, image.height * factor), 0)

@@ -10,7 +10,7 @@ from photon_splat.core.render.settings import RenderSettings
 
 from tests.robustness.test_degenerate import room
 
-LIGHT = ("diffuse", "glossy", "transmission")
+LIGHT = ("diffuse", "glossy", "transmission", "volume")
 
 
 def test_arrays_by_name_are_those_of_the_whole_film() -> None:

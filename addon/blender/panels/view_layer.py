@@ -9,12 +9,15 @@ import bpy
 from ...core.render.result import PASSES
 from ...export.labels import MATTES
 from ...export.labels import SWITCHES as DATA_SWITCHES
-from ..passes import OWN_SWITCHES, SWITCHES
+from ..passes import switch_of
 from ..registration import register_classes, unregister_classes
 from .base import RenderPanel, split_layout
 
 DATA = ("Depth", "Normal", "Surface ID", "Photon Density", "Error")
 """Passes that are no light."""
+
+LIGHT = ("Ambient Occlusion",)
+"""Of those that are made where they are wanted, what stands with light."""
 
 
 class PHOTON_SPLAT_PT_passes(RenderPanel, bpy.types.Panel):
@@ -26,12 +29,11 @@ class PHOTON_SPLAT_PT_passes(RenderPanel, bpy.types.Panel):
         data, light = layout.column(heading="Data"), layout.column(heading="Light")
         for info in PASSES:
             column = data if info.name in DATA else light
-            if info.name in OWN_SWITCHES:
-                column.prop(view_layer.photon_splat, OWN_SWITCHES[info.name])
-            elif info.name in SWITCHES:
-                column.prop(view_layer, SWITCHES[info.name], text=info.name)
+            found = switch_of(view_layer, info.name)
+            if found is not None and found[0] is not None:
+                column.prop(*found, text=info.name)
         for name, switch in DATA_SWITCHES.items():
-            data.prop(view_layer, switch, text=name)
+            (light if name in LIGHT else data).prop(view_layer, switch, text=name)
         mattes = layout.column(heading="Cryptomatte")
         for name, switch in MATTES.items():
             mattes.prop(view_layer, switch, text=name.removeprefix("Crypto"))

@@ -7,14 +7,24 @@ from typing import Any
 import numpy as np
 
 from ..native.fill import instance_order
-from ..scene import Labels, Scene
+from ..scene import Labels, Neighbours, Scene
 from .cryptomatte import id_of, metadata
-from .result import CRYPTOMATTES, DATA_ARRAYS, Passes, matte_pass
+from .result import CRYPTOMATTES, DATA_ARRAYS, WANTED_ARRAYS, Passes, matte_pass
 
 SAMPLES = 64
 """Of each pixel: coverage is known to 1/64, Cycles' of a render of that many samples."""
 OF_ONE_SAMPLE = {"Position", "Object Index", "Material Index"}
 """Passes that hold what the first sample meets; the others are means."""
+
+
+def asks_ambient(labels: Labels) -> bool:
+    """Whether the film is to tell how open it is above what is seen."""
+    return "Ambient Occlusion" in labels.passes
+
+
+def asks_rays(labels: Labels) -> bool:
+    """Whether any pass is wanted that data_passes() makes."""
+    return not WANTED_ARRAYS.keys() >= set(labels.passes)
 
 
 def data_passes(renderer: Any, scene: Scene, labels: Labels) -> Passes:
@@ -25,7 +35,11 @@ def data_passes(renderer: Any, scene: Scene, labels: Labels) -> Passes:
         known = {name: id_of(name) for name in dict.fromkeys(names)}
         return np.array([known[name] for name in names], np.float32)
 
-    means = labels.aovs or any(name not in OF_ONE_SAMPLE for name in labels.passes)
+    means = labels.aovs or any(
+        name not in OF_ONE_SAMPLE and name not in WANTED_ARRAYS for name in labels.passes
+    )
+    if labels.neighbours is not None:
+        _set_frames(renderer, order, labels.neighbours)
     arrays = renderer.data_passes(
         object_index=np.ascontiguousarray(labels.object_index[order], np.int32),
         object_id=ids(labels.objects)[order],
@@ -45,13 +59,21 @@ def data_passes(renderer: Any, scene: Scene, labels: Labels) -> Passes:
             if info.name in labels.passes:
                 found[info.name] = np.ascontiguousarray(arrays[array][..., 2 * rank : 2 * rank + 4])
     for (name, is_color), values in zip(labels.aovs, arrays["values"], strict=True):
-        alpha = np.ones((*values.shape[:2], 1), np.float32)
-        found[name] = (
-            np.concatenate([values, alpha], 2)
-            if is_color
-            else np.ascontiguousarray(values[..., :1])
-        )
+        found[name] = values if is_color else np.ascontiguousarray(values[..., :1])
     return found
+
+
+def _set_frames(renderer: Any, order: np.ndarray, frames: Neighbours) -> None:
+    """`order`: rows of the scene's instances as the renderer has them."""
+    place = {int(row): i for i, row in enumerate(order)}
+    moves = {place[row]: matrices for row, matrices in frames.moves.items() if row in place}
+    renderer.set_frames(
+        np.fromiter(moves, np.int32, len(moves)),
+        np.array(list(moves.values()), np.float64).reshape(-1, 2, 4, 4),
+        [(mesh, np.ascontiguousarray(by, np.float32)) for mesh, by in frames.shapes.items()],
+        np.ascontiguousarray(frames.camera, np.float64),
+        [float(zoom) for zoom in frames.zoom],
+    )
 
 
 def manifests(labels: Labels, layer: str = "") -> dict[str, str]:

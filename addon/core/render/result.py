@@ -33,6 +33,8 @@ PASSES = (
     PassInfo("Glossy Indirect", "RGB"),
     PassInfo("Transmission Direct", "RGB"),
     PassInfo("Transmission Indirect", "RGB"),
+    PassInfo("Volume Direct", "RGB"),
+    PassInfo("Volume Indirect", "RGB"),
     PassInfo("Emission", "RGB"),
     PassInfo("Photon Density", "X"),
     PassInfo("Surface ID", "X"),
@@ -45,14 +47,20 @@ DATA_PASSES = (
     PassInfo("Mist", "Z"),
     PassInfo("Object Index", "X"),
     PassInfo("Material Index", "X"),
+    PassInfo("Vector", "XYZW"),
+    PassInfo("Ambient Occlusion", "RGB"),
 )
-"""What is seen, instead of its light (data_passes.py). They are there where they are wanted."""
+"""What is seen, instead of its light. They are there where they are wanted; data_passes.py makes
+all but those of WANTED_ARRAYS, which are the film's.
+"""
+WANTED_ARRAYS = {"Ambient Occlusion": "ambient_occlusion"}
 DATA_ARRAYS = {
     "Position": "position",
     "UV": "uv",
     "Mist": "mist",
     "Object Index": "object_index",
     "Material Index": "material_index",
+    "Vector": "vector",
 }
 CRYPTOMATTES = {
     "CryptoObject": "object_matte",
@@ -74,6 +82,8 @@ FILM_ARRAYS = {
     "Glossy Indirect": "glossy_indirect",
     "Transmission Direct": "transmission_direct",
     "Transmission Indirect": "transmission_indirect",
+    "Volume Direct": "volume_direct",
+    "Volume Indirect": "volume_indirect",
     "Emission": "emission",
     "Photon Density": "photon_density",
     "Surface ID": "surface_id",
@@ -144,11 +154,13 @@ def _info_of(name: str, channels: int) -> PassInfo:
     return aov_pass(name, is_color=channels > 1)
 
 
-def film_arrays(wanted: Collection[str] | None = None) -> list[str]:
-    """Names of the film arrays for the passes `wanted` (None: all) and for light groups."""
-    return [array for name, array in FILM_ARRAYS.items() if wanted is None or name in wanted] + [
-        "light_groups"
-    ]
+def film_arrays(wanted: Collection[str] | None = None, labels: Labels | None = None) -> list[str]:
+    """Names of the film arrays for the passes `wanted` (None: all), of those of WANTED_ARRAYS for
+    such as `labels` names, and for light groups.
+    """
+    named = labels.passes if labels is not None else ()
+    arrays = [array for name, array in FILM_ARRAYS.items() if wanted is None or name in wanted]
+    return [*arrays, *(a for name, a in WANTED_ARRAYS.items() if name in named), "light_groups"]
 
 
 def channels_of_arrays(arrays: Collection[str]) -> int:
@@ -159,7 +171,8 @@ def channels_of_arrays(arrays: Collection[str]) -> int:
 
 def passes_from_film(film: dict[str, Any], light_groups: Sequence[str] = ()) -> Passes:
     """The passes whose arrays are in `film`. light_groups: names of the film's light groups."""
-    return {name: film[array] for name, array in FILM_ARRAYS.items() if array in film} | {
+    arrays = FILM_ARRAYS | WANTED_ARRAYS
+    return {name: film[array] for name, array in arrays.items() if array in film} | {
         light_group_pass(name).name: film["light_groups"][i] for i, name in enumerate(light_groups)
     }
 

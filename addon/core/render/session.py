@@ -15,8 +15,8 @@ from ..gpu import context as gpu_context
 from ..gpu.choice import choose_splatter
 from ..native.fill import lights_in_surfaces
 from ..native.library import load
-from ..scene import Scene
-from .data_passes import data_passes
+from ..scene import Labels, Scene
+from .data_passes import asks_ambient, asks_rays, data_passes
 from .denoise import DenoiserMissing, blend, denoise
 from .ending import Ending, denoising_runs
 from .memory import check_picture_fits, peak_memory_bytes
@@ -205,13 +205,17 @@ class _Worker(threading.Thread):
             self.splatter = self._choose_splatter()
         elif settings.backend == Backend.GPU:
             self.warnings.append("The reference integrator has been used: it runs on the CPU only.")
-        arrays = final_arrays(self.wanted, settings)
+        labels = self.scene.labels
+        arrays = final_arrays(self.wanted, settings, labels)
         self.renderer.keep_film(arrays)
+        self.renderer.options.ambient_distance = (
+            labels.ambient_distance if labels is not None and asks_ambient(labels) else 0.0
+        )
         self.prepare()
         self.prepared = True
-        if self.scene.labels is not None:
+        if labels is not None and asks_rays(labels):
             self.stage = "Passes of data"
-            self.data = data_passes(self.renderer, self.scene, self.scene.labels)
+            self.data = data_passes(self.renderer, self.scene, labels)
         if settings.time_limit and settings.denoise:
             self.stage = "Trying the denoiser"
             self.ending.try_denoiser(settings.threads)
@@ -240,7 +244,7 @@ class _Worker(threading.Thread):
                 and self.passes_done < self.settings.passes
             ):
                 self.interim = passes_from_film(
-                    self.renderer.film(film_arrays(self.wanted)), self.light_groups
+                    self.renderer.film(film_arrays(self.wanted, labels)), self.light_groups
                 )
             self.pass_finished.set()
             if converged:
@@ -357,9 +361,11 @@ class _Worker(threading.Thread):
         return Progress(self.fraction, message, done, interim)
 
 
-def final_arrays(wanted: Collection[str] | None, settings: RenderSettings) -> list[str]:
+def final_arrays(
+    wanted: Collection[str] | None, settings: RenderSettings, labels: Labels | None = None
+) -> list[str]:
     """Names of the film arrays that the result is made of."""
-    return [*film_arrays(wanted), *(FOR_DENOISING if settings.denoise else ())]
+    return [*film_arrays(wanted, labels), *(FOR_DENOISING if settings.denoise else ())]
 
 
 def render(
@@ -421,7 +427,8 @@ def render(
     if worker.passes_done:
         renderer.end_passes()
         renderer.make_error_estimate()
-    film = renderer.film(final_arrays(wanted, settings)) if worker.passes_done else None
+    arrays = final_arrays(wanted, settings, scene.labels)
+    film = renderer.film(arrays) if worker.passes_done else None
     passes = (
         passes_from_film(film, scene.light_groups)
         if film

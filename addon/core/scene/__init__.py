@@ -8,7 +8,7 @@ Blender.
 from __future__ import annotations
 
 from .camera import Aperture, Camera, Frame, Panorama, PanoramaKind, PixelFilter
-from .labels import Labels
+from .labels import Labels, Neighbours
 from .lights import Light, LightKind, SunDisc, WorldMap
 from .material import NO_PROGRAM, NO_TEXTURE, Extension, Interpolation, Material, Rgb, Side, Texture
 from .mesh import Instances, Mesh
@@ -41,6 +41,7 @@ __all__ = [
     "Material",
     "Mesh",
     "MeshMotion",
+    "Neighbours",
     "Panorama",
     "PanoramaKind",
     "PixelFilter",

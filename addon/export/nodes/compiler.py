@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -14,7 +14,7 @@ from .node import Node, Owner, Surroundings, label
 from .shaders import MOST_LOBES, from_value, lobe_count, unknown
 from .table import NODES
 from .trees import Feed, Groups
-from .values import ONE, UNMOVED, ZERO, BumpOffset, Folding, Graph, Value, number, vector
+from .values import ONE, ORIGIN, UNMOVED, ZERO, BumpOffset, Folding, Graph, Value, number
 
 Key = tuple[int, tuple[int, ...], BumpOffset]
 ShaderKey = tuple[int, tuple[int, ...]]
@@ -216,19 +216,22 @@ class Compiler:
         moved = self._result(feed, "VECTOR", UNMOVED)
         return Compiled(self.graph, [statement("Displace", weight=ONE, offset=moved)], Feature(0))
 
-    def pass_value(self, socket: Any, is_color: bool) -> Compiled:
-        """The value of a socket of an AOV output, as a vector."""
-        feed = self.around.trees.feed(socket, ())
-        kind = "RGBA" if is_color else "VALUE"
-        if feed is not None and feed.node is not None and self._gives(feed):
+    def pass_value(self, outputs: Sequence[tuple[Any, Groups]], is_color: bool) -> Compiled:
+        """The sum of what AOV outputs give, as a vector; each with the groups that it is in."""
+        total = ORIGIN
+        for node, groups in outputs:
+            socket = node.inputs["Color" if is_color else "Value"]
+            feed = self.around.trees.feed(socket, groups)
+            if feed is None:
+                self._report_loop(node)
+            if feed is None or (feed.node is not None and not self._gives(feed)):
+                feed = Feed(None, socket, groups)
             self._evaluate(feed, UNMOVED)
-            found = self._result(feed, kind, UNMOVED)
-        else:
-            given = socket.default_value
-            found = vector(tuple(given)[:3]) if is_color else number(float(given))
-        if not is_color:
-            found = self.graph.one("Spread", value=found)
-        return Compiled(self.graph, [statement("Displace", weight=ONE, offset=found)], Feature(0))
+            found = self._result(feed, socket.type, UNMOVED)
+            if not is_color:
+                found = self.graph.one("Spread", value=found)
+            total = found if total == ORIGIN else self.graph.one("AddVector", a=total, b=found)
+        return Compiled(self.graph, [statement("Displace", weight=ONE, offset=total)], Feature(0))
 
     def _bent_normal(self, socket: Any, displaced: bool) -> Value | None:
         """The shading normal bent by a displacement taken as bump; None where there is no

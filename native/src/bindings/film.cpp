@@ -72,9 +72,9 @@ void fill_combined(const Run& run, float* to) {
     const Pixel& p = *at;
     const float share = p.share();
     Rgb sum;
-    for (const Rgb& light :
-         {p.diffuse_direct, p.diffuse_indirect, p.glossy_direct, p.glossy_indirect,
-          p.transmission_direct, p.transmission_indirect, p.emission, p.environment})
+    for (const Rgb& light : {p.diffuse_direct, p.diffuse_indirect, p.glossy_direct,
+                             p.glossy_indirect, p.transmission_direct, p.transmission_indirect,
+                             p.emission, p.environment, p.volume_direct, p.volume_indirect})
       sum += light * share;
     to[0] = sum.x;
     to[1] = sum.y;
@@ -117,7 +117,10 @@ const Source kSources[] = {
     light_of<&Pixel::glossy_indirect>("glossy_indirect"),
     light_of<&Pixel::transmission_direct>("transmission_direct"),
     light_of<&Pixel::transmission_indirect>("transmission_indirect"),
+    light_of<&Pixel::volume_direct>("volume_direct"),
+    light_of<&Pixel::volume_indirect>("volume_indirect"),
     mean_of<&Pixel::diffuse_color>("diffuse_color"),
+    mean_of<&Pixel::ambient_occlusion>("ambient_occlusion"),
     mean_of<&Pixel::albedo>("albedo"),
     light_of<&Pixel::emission>("emission"),
     light_of<&Pixel::environment>("environment"),
@@ -212,43 +215,6 @@ nb::dict film_arrays(Renderer& r, const std::optional<std::vector<std::string>>&
   return out;
 }
 
-nb::dict data_passes(Renderer& r, Array<int32_t, nb::shape<-1>> object_index,
-                     Array<float, nb::shape<-1>> object_id, Array<float, nb::shape<-1>> asset_id,
-                     Array<int32_t, nb::shape<-1>> material_index,
-                     Array<float, nb::shape<-1>> material_id, uint32_t levels,
-                     std::array<float, 3> mist, float alpha_threshold,
-                     std::vector<std::vector<int32_t>> programs, uint32_t samples) {
-  const auto all = [](const auto& array) { return std::span(array.data(), array.size()); };
-  const DataLabels labels{std::move(programs), all(object_index), all(material_index),
-                          all(object_id),      all(asset_id),     all(material_id)};
-  if (levels > 32) throw std::invalid_argument("a matte has at most 32 levels");
-  DataPasses passes;
-  {
-    nb::gil_scoped_release release;
-    passes =
-        r.data_passes(labels, {samples, levels, 0, alpha_threshold, {mist[0], mist[1], mist[2]}});
-  }
-  const size_t width = r.camera_settings.region_width, height = r.camera_settings.region_height;
-  nb::dict out;
-  const auto put = [&](const char* name, std::vector<float>& values, size_t channels) {
-    out[name] = to_numpy(std::move(values), {height, width, channels});
-  };
-  put("position", passes.position, 3);
-  put("uv", passes.uv, 3);
-  put("mist", passes.mist, 1);
-  put("object_index", passes.object_index, 1);
-  put("material_index", passes.material_index, 1);
-  nb::list values;
-  for (auto& one : passes.values) values.append(to_numpy(std::move(one), {height, width, 3}));
-  out["values"] = values;
-  if (levels) {
-    put("object_matte", passes.mattes[0], 2 * levels);
-    put("asset_matte", passes.mattes[1], 2 * levels);
-    put("material_matte", passes.mattes[2], 2 * levels);
-  }
-  return out;
-}
-
 }  // namespace
 
 void bind_film(RendererClass& renderer) {
@@ -262,15 +228,6 @@ void bind_film(RendererClass& renderer) {
       },
       "names"_a,
       "Of which arrays film() is to be able to tell; all if this is not called. Before build(), set_view() or begin_again().");
-  renderer.def(
-      "data_passes", &data_passes, "object_index"_a, "object_id"_a, "asset_id"_a,
-      "material_index"_a, "material_id"_a, "levels"_a, "mist"_a, "alpha_threshold"_a, "programs"_a,
-      "samples"_a,
-      "(height, width, channels) float32 by name, row 0 at the bottom, of camera rays of their own: position, uv, mist,\n"
-      "object_index, material_index, and where levels is not 0 object_matte, asset_matte and material_matte, pairs of id and\n"
-      "coverage; values: a list, of each of `programs`, (height, width, 3). Labels by instance and by material; programs: of\n"
-      "each pass of that kind indices of programs by material, or -1; mist: start and depth, m, and power; what is less\n"
-      "opaque than alpha_threshold is no first surface. After build(). ValueError where labels are missing.");
   renderer.def(
       "film", &film_arrays, "names"_a = nb::none(),
       "(height, width, channels) float32 by name: means over the film's samples, row 0 at the bottom; 0 before the first pass.\n"

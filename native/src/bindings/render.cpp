@@ -91,6 +91,8 @@ void bind_options(nb::module_& m) {
               "Camera paths go on for indirect light where photons serve badly.")
       .def_rw("final_gather", &RenderOptions::final_gather,
               "Camera paths take one more bounce before photons light them.")
+      .def_rw("ambient_distance", &RenderOptions::ambient_distance,
+              "How far the Ambient Occlusion pass looks, m; 0: there is none.")
       .def_rw("seed", &RenderOptions::seed, "Of all random numbers, 32 bits.")
       .def_rw("kernel", &RenderOptions::kernel,
               "Of the splatter: 'generic', 'sse42', 'avx2', 'avx512'; '': the fastest.")

@@ -11,6 +11,11 @@ constexpr float kOrenNayarRest = 0.3f;  // about the share of it that no Lambert
 constexpr float kStraight = 1 - 1e-6f;  // cosine from which on a normal is taken for not bent
 constexpr float kLeastCover = 0.05f;    // of a bent glossy lobe's samples
 
+Vec3 unit_or(const Vec3& sum, const Vec3& otherwise) {
+  const float len = length(sum);
+  return len > 0 && std::isfinite(len) ? sum / len : otherwise;
+}
+
 // Closures with clean inputs. expand() adds their lobes as seen from `view`; as many whatever the
 // view.
 
@@ -476,8 +481,14 @@ Vec3 Bsdf::mean_normal() const {
   Vec3 sum{};
   for (const Lobe& lobe : lobes_) sum += lobe.n * lobe.albedo;
   for (int i = 0; i < below_count(); ++i) sum += below(i).n * average(below(i).weight);
-  const float len = length(sum);
-  return len > 0 && std::isfinite(len) ? sum / len : view_.ns;
+  return unit_or(sum, view_.ns);
+}
+
+Vec3 Bsdf::mean_diffuse_normal() const {
+  Vec3 sum{};
+  for (const Lobe& lobe : lobes_)
+    if (lobe.diffuse()) sum += lobe.n * average(lobe.weight);
+  return unit_or(sum, view_.ns);
 }
 
 Rgb Bsdf::diffuse_albedo() const {

@@ -142,6 +142,8 @@ class Bsdf {
   // Unit, of the lobes by what they scatter, on wo's side; ns where nothing scatters. Blender's
   // Normal pass
   Vec3 mean_normal() const;
+  // The same of diffuse-like lobes alone, by their weights
+  Vec3 mean_diffuse_normal() const;
   Rgb diffuse_albedo() const;  // of diffuse-like lobes: Blender's Diffuse Color pass
 
   // f |cos(wi)| of everything but deltas; `pdf` of sample() for wi; `rest` (optional) without what

@@ -13,8 +13,9 @@ namespace photon_splat {
 struct Pixel {
   // Light by the lobe that sent it to the camera; its colour included.
   Rgb diffuse_direct, diffuse_indirect, glossy_direct, glossy_indirect, transmission_direct,
-      transmission_indirect;
+      transmission_indirect, volume_direct, volume_indirect;
   Rgb diffuse_color, emission, environment, normal;
+  Rgb ambient_occlusion;  // what is open of the hemisphere above what is seen, if it is wanted
   Rgb albedo;  // of all lobes, for a denoiser: what diffuse_color calls black may be copper
   float alpha = 0, photon_density = 0;
   float samples = 0;                // camera samples in the sums
@@ -26,18 +27,21 @@ struct Pixel {
   // All of the light.
   Rgb combined() const {
     return diffuse_direct + diffuse_indirect + glossy_direct + glossy_indirect +
-           transmission_direct + transmission_indirect + emission + environment;
+           transmission_direct + transmission_indirect + emission + environment + volume_direct +
+           volume_indirect;
   }
 };
 
 inline Rgb& direct_of(Pixel& pixel, LobeCategory category) {
   return category == LobeCategory::kDiffuse  ? pixel.diffuse_direct
          : category == LobeCategory::kGlossy ? pixel.glossy_direct
+         : category == LobeCategory::kVolume ? pixel.volume_direct
                                              : pixel.transmission_direct;
 }
 inline Rgb& indirect_of(Pixel& pixel, LobeCategory category) {
   return category == LobeCategory::kDiffuse  ? pixel.diffuse_indirect
          : category == LobeCategory::kGlossy ? pixel.glossy_indirect
+         : category == LobeCategory::kVolume ? pixel.volume_indirect
                                              : pixel.transmission_indirect;
 }
 

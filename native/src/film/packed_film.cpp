@@ -45,7 +45,8 @@ class Reader {
 ChannelMask channels_of_passes() {
   return channels_of(&Pixel::diffuse_direct, &Pixel::diffuse_indirect, &Pixel::glossy_direct,
                      &Pixel::glossy_indirect, &Pixel::transmission_direct,
-                     &Pixel::transmission_indirect, &Pixel::emission, &Pixel::environment) |
+                     &Pixel::transmission_indirect, &Pixel::emission, &Pixel::environment,
+                     &Pixel::volume_direct, &Pixel::volume_indirect) |
          channels_of(&Pixel::alpha, &Pixel::samples, &Pixel::detail);
 }
 
@@ -138,7 +139,8 @@ void PackedFilm::see(size_t t, Sums& sums) const {
        {channel_of(&Pixel::diffuse_direct), channel_of(&Pixel::diffuse_indirect),
         channel_of(&Pixel::glossy_direct), channel_of(&Pixel::glossy_indirect),
         channel_of(&Pixel::transmission_direct), channel_of(&Pixel::transmission_indirect),
-        channel_of(&Pixel::emission), channel_of(&Pixel::environment)}) {
+        channel_of(&Pixel::emission), channel_of(&Pixel::environment),
+        channel_of(&Pixel::volume_direct), channel_of(&Pixel::volume_indirect)}) {
     const Reader::Channel r = channels[c], g = channels[c + 1], b = channels[c + 2];
     if (begun && !r.step && !g.step && !b.step && r[0] == 0 && g[0] == 0 && b[0] == 0) continue;
     for (size_t i = 0; i < kPixels; ++i) {

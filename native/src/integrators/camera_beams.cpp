@@ -82,9 +82,8 @@ void CameraTracer::add_beams(Path& path, float far) const {
   }
   if (is_black(sum)) return;
   const Rgb brings = path.throughput * sum * weight;
-  add_finite(
-      indirect_of(path.pixel, path.vertex == 0 ? LobeCategory::kTransmission : path.category),
-      brings, path.tile.bad_samples);
+  add_finite(indirect_of(path.pixel, path.vertex == 0 ? LobeCategory::kVolume : path.category),
+             brings, path.tile.bad_samples);
   if (can_be_added(brings)) path.pixel.detail += detail * weight;
 }
 

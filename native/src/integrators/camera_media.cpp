@@ -112,7 +112,7 @@ bool CameraTracer::scatter_in_medium(Path& path, const Flight& flight, bool dire
   }
   if (!(path.random.next() < survival)) return false;
   path.scale(Rgb{1, 1, 1} / survival);
-  if (path.vertex == 0) path.category = LobeCategory::kTransmission;
+  if (path.vertex == 0) path.category = LobeCategory::kVolume;
   if (lights_.environment().asks_ray()) {
     path.before = path.info;
     path.diffuse_share = {};
@@ -164,7 +164,7 @@ void CameraTracer::add_light_in_medium(Path& path, const MediumPoint& point,
     arriving *= lights_.environment().share(light.direction, path.info.scattered_in_medium());
   if (path.is_beyond()) see_deep(path, arriving * scattered);
   if (path.groups) GroupLight{path.groups, scattered}.add(arriving, light.light_group);
-  add_finite(path.vertex == 0 ? direct_of(path.pixel, LobeCategory::kTransmission)
+  add_finite(path.vertex == 0 ? direct_of(path.pixel, LobeCategory::kVolume)
                               : indirect_of(path.pixel, path.category),
              arriving * scattered, path.tile.bad_samples);
 }

@@ -22,6 +22,7 @@ enum Dimension : uint32_t {
   kMediumPair,
   kMediumPlacePair,
   kBelowPair,
+  kAmbientPair,
   kExitPairs = 16,  // from here on those of the vertex where a path leaves from below
   kWalkPairs = 32,  // of a walk
   kWalkEnd = 48,

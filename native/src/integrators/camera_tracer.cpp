@@ -140,6 +140,8 @@ void CameraTracer::follow(Path& path) const {
       path.pixel.diffuse_color += bsdf.diffuse_albedo() * path.throughput;
       path.pixel.albedo += bsdf.albedo() * path.throughput;
     }
+    if (ambient_distance_ > 0 && path.vertex == 0 && !holdout && !path.through_glass)
+      add_ambient_occlusion(path, hit, bsdf);
     // Light is gathered whether the path then stays or not: it has no part in that choice
     const bool body = bsdf.below_count() > 0;
     const bool badly_served = path.badly_served;
@@ -206,6 +208,22 @@ void CameraTracer::show_first(Path& path, const Surface& hit, float alpha) const
   path.pixel.alpha += alpha;
   path.pixel.depth = hit.distance * path.ray.cosine;
   path.pixel.surface_id = static_cast<float>(hit.key & 0xffffff);
+}
+
+// Where diffuse lobes look, as a ray of the shadows sees it; of what the surface does not let
+// through.
+void CameraTracer::add_ambient_occlusion(Path& path, const Surface& hit, const Bsdf& bsdf) const {
+  if (bsdf.holdout() >= 1) return;
+  const Vec3 direction = Basis(bsdf.mean_diffuse_normal())
+                             .to_world(sample_cosine_hemisphere(path.numbers(kAmbientPair)));
+  MediumStack media = path.media;
+  if (scene_.media() && passes_below(hit, direction)) scene_.media()->cross(media, hit);
+  Random random = path.random;  // the path goes on as if nobody had looked
+  const Rgb stays = Rgb{1, 1, 1} - (bsdf.transparency() - bsdf.straight());
+  const Rgb open = transmittance(shadow_origin(hit, direction, path), direction, ambient_distance_,
+                                 path.info, ~uint64_t{0}, media, random);
+  ++path.tile.rays;
+  add_finite(path.pixel.ambient_occlusion, path.throughput * stays * open, path.tile.bad_samples);
 }
 
 // Light that the ray met: emitted, or sent on by the last vertex as direct light, or further on its
@@ -452,15 +470,20 @@ bool CameraTracer::passes_below(const Surface& hit, const Vec3& to_light) const 
   return !(scene_.bent(hit) && dot(to_light, hit.ns) > 0);
 }
 
+Vec3 CameraTracer::shadow_origin(const Surface& hit, const Vec3& direction,
+                                 const Path& path) const {
+  if (hit.on_strand()) return hit.position;
+  const float epsilon = ray_epsilon(hit.position, hit.distance);
+  return scene_.shadow_ray_origin(hit, direction, path.info.time) +
+         hit.ng * (passes_below(hit, direction) ? -epsilon : epsilon);
+}
+
 // The ray starts off the surface, so it is aimed anew; before an emissive surface it stops as far
 // off that one.
 Rgb CameraTracer::light_through(const LightSample& light, const Surface& hit, Path& path) const {
   const float epsilon = ray_epsilon(hit.position, hit.distance);
   const bool below = passes_below(hit, light.direction);
-  const Vec3 origin = hit.on_strand()
-                          ? hit.position
-                          : scene_.shadow_ray_origin(hit, light.direction, path.info.time) +
-                                hit.ng * (below ? -epsilon : epsilon);
+  const Vec3 origin = shadow_origin(hit, light.direction, path);
   if (light.exact >= 0 && lights_.blocked_exactly(static_cast<uint32_t>(light.exact), origin,
                                                   light.place, path.info.time))
     return {};

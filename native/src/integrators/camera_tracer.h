@@ -61,6 +61,10 @@ class CameraTracer {
   void follow_motion(bool on) { follows_motion_ = on; }
   bool follows_motion() const { return follows_motion_; }
 
+  // From now on pixels tell how open it is above what they show, up to this distance; 0: they do
+  // not.
+  void look_around(float distance) { ambient_distance_ = distance; }
+
   // One sample per pixel of the unbiased path tracer, indirect light included; leaves no gather
   // points.
   void trace_reference(uint32_t sample, int max_bounces, PackedFilm& film,
@@ -136,6 +140,7 @@ class CameraTracer {
   void add_emission(Path& path, const Surface& hit, const Rgb& emission) const;
   void add_strand_emission(Path& path, const Surface& hit, const Rgb& emission) const;
   void show_first(Path& path, const Surface& hit, float alpha) const;
+  void add_ambient_occlusion(Path& path, const Surface& hit, const Bsdf& bsdf) const;
   void pass_glass(Path& path, const Surface& hit) const;
   enum class InMedium { kNothing, kScattered, kAbsorbed };
   InMedium pass_media(Path& path, const Surface* hit, float far) const;
@@ -155,6 +160,7 @@ class CameraTracer {
   void see_world(Path& path, const Receiver& from, const Vec3& direction, const Rgb& light,
                  bool ray) const;
   bool passes_below(const Surface& hit, const Vec3& to_light) const;
+  Vec3 shadow_origin(const Surface& hit, const Vec3& direction, const Path& path) const;
   Rgb light_through(const LightSample& light, const Surface& hit, Path& path) const;
   Rgb transmittance(const Vec3& origin, const Vec3& direction, float far, const RayInfo& ray,
                     uint64_t blockers, const MediumStack& media, Random& random) const;
@@ -180,7 +186,7 @@ class CameraTracer {
   const BeamTree* beams_ = nullptr;
   bool caustic_photons_ = false, follows_motion_ = false;
   Trial trial_ = Trial::kNone;
-  float radius_factor_ = 1;
+  float radius_factor_ = 1, ambient_distance_ = 0;
 };
 
 }  // namespace photon_splat

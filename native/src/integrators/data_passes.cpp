@@ -32,35 +32,50 @@ class Matte {
   std::vector<std::pair<float, float>> found_;
 };
 
+// Of one pixel.
+struct Scratch {
+  std::array<Matte, 3> mattes;
+  std::array<double, 4> vector{};
+  uint32_t vectors = 0;  // in that sum
+};
+
 struct Looker {
   Scene& scene;
   const Camera& camera;
   const DataLabels& labels;
   const DataSettings& settings;
   DataPasses& out;
+  const std::optional<MotionVectors>& motion;
 
-  void look_at_pixel(int x, int y, size_t index, std::array<Matte, 3>& mattes) const {
+  void look_at_pixel(int x, int y, size_t index, Scratch& scratch) const {
     const PixelRays rays(scene, camera, x, y, settings.seed);
     const float share = 1.0f / static_cast<float>(settings.samples);
     float seen = 0;
     for (uint32_t sample = 0; sample < settings.samples; ++sample) {
       const float time = rays.time(sample);
       if (const auto ray = rays.ray(sample, time))
-        seen += follow(*ray, time, index, sample == 0, mattes);
+        seen += follow(*ray, time, index, sample == 0, scratch);
     }
     out.mist[index] = 1 - seen * share;
     for (int i = 0; i < 3; ++i) {
       out.uv[3 * index + i] *= share;
-      for (auto& values : out.values) values[3 * index + i] *= share;
     }
+    for (int i = 0; i < 4; ++i) {
+      for (auto& values : out.values) values[4 * index + i] *= share;
+      if (scratch.vectors)
+        out.vector[4 * index + i] = static_cast<float>(scratch.vector[i] / scratch.vectors);
+    }
+    scratch.vector = {};
+    scratch.vectors = 0;
     for (int k = 0; k < 3 && settings.levels; ++k)
-      mattes[k].put(share, settings.levels, &out.mattes[k][2 * settings.levels * index]);
+      scratch.mattes[k].put(share, settings.levels, &out.mattes[k][2 * settings.levels * index]);
   }
 
   // Through what lets light pass. Returns how much of it is not lost in mist.
-  float follow(const CameraRay& ray, float time, size_t index, bool first,
-               std::array<Matte, 3>& mattes) const {
+  float follow(const CameraRay& ray, float time, size_t index, bool first, Scratch& scratch) const {
     float left = 1, clear = 0, near = ray.near;
+    // Of the samples that get there with a path of Cycles, which passes a layer or is scattered
+    float reach = 1;
     bool solid = false;
     std::vector<float> registers;
     RayInfo info;
@@ -74,17 +89,20 @@ struct Looker {
       float through = 0;
       info.length = hit.distance;
       info.footprint = camera.footprint_at(ray, hit.distance);
-      if (!solid) add_values(hit, -ray.direction, info, left, index, registers);
+      if (!solid) add_values(hit, -ray.direction, info, reach, index, registers);
       if (scene.may_be_transparent(hit)) {
         Bsdf bsdf(Transport::kRadiance, -ray.direction, hit.ng, hit.ns, hit.back);
         scene.shade(hit, -ray.direction, info, bsdf);
         through = std::clamp(average(bsdf.transparency()), 0.0f, 1.0f);
+        const float scattered = bsdf.scatters() ? average(bsdf.albedo()) : 0;
+        reach *= through > 0 ? through / (through + scattered) : 0;
         ++info.transparent_depth;
       }
       const float stays = left * (1 - through);
       if (!solid && 1 - through >= settings.alpha_threshold) {
         solid = true;
         if (first) describe(hit, index);
+        if (motion) add_vector(motion->at(hit), scratch);
         if (!scene.meshes[scene.instances[hit.instance].mesh].uv.empty()) {
           const Vec2 uv = scene.uv_at(hit.instance, hit.triangle, hit.u, hit.v);
           out.uv[3 * index] += uv.x;
@@ -94,13 +112,14 @@ struct Looker {
       }
       clear += stays * (1 - mist_at(hit.distance));
       if (settings.levels) {
-        mattes[0].add(labels.object_id[hit.instance], stays);
-        mattes[1].add(labels.asset_id[hit.instance], stays);
-        mattes[2].add(labels.material_id[material_of(hit)], stays);
+        scratch.mattes[0].add(labels.object_id[hit.instance], stays);
+        scratch.mattes[1].add(labels.asset_id[hit.instance], stays);
+        scratch.mattes[2].add(labels.material_id[material_of(hit)], stays);
       }
       left -= stays;
       near = past(hit);
     }
+    if (motion && !solid) add_vector(motion->beyond(ray.direction), scratch);
     return clear;
   }
 
@@ -111,11 +130,19 @@ struct Looker {
       if (program < 0) continue;
       const Vec3 value = scene.value_at(scene.programs[program], hit, wo, info, registers) * weight;
       if (!is_finite(value)) continue;
-      float* const to = &out.values[k][3 * index];
+      float* const to = &out.values[k][4 * index];
       to[0] += value.x;
       to[1] += value.y;
       to[2] += value.z;
+      to[3] += weight;
     }
+  }
+
+  static void add_vector(const std::array<float, 4>& vector, Scratch& scratch) {
+    for (const float part : vector)
+      if (!std::isfinite(part)) return;
+    for (int i = 0; i < 4; ++i) scratch.vector[i] += vector[i];
+    ++scratch.vectors;
   }
 
   void describe(const Surface& hit, size_t index) const {
@@ -153,19 +180,23 @@ DataPasses trace_data_passes(Scene& scene, const Camera& camera, const DataLabel
       if (program >= static_cast<int32_t>(scene.programs.size()))
         throw std::invalid_argument("a pass asks for a program that is not there");
   }
+  if (labels.frames) labels.frames->check(scene);
   if (!settings.samples) throw std::invalid_argument("a pixel has one sample at the least");
   const int width = camera.settings().region_width, height = camera.settings().region_height;
   const size_t pixels = static_cast<size_t>(width) * height;
   DataPasses out;
   for (auto* three : {&out.position, &out.uv}) three->assign(3 * pixels, 0);
   for (auto* one : {&out.object_index, &out.material_index, &out.mist}) one->assign(pixels, 0);
-  out.values.assign(labels.programs.size(), std::vector<float>(3 * pixels, 0.0f));
+  out.values.assign(labels.programs.size(), std::vector<float>(4 * pixels, 0.0f));
+  out.vector.assign(4 * pixels, 0);
   for (auto& matte : out.mattes) matte.assign(2 * settings.levels * pixels, 0);
-  const Looker looker{scene, camera, labels, settings, out};
+  std::optional<MotionVectors> motion;
+  if (labels.frames) motion.emplace(scene, camera.settings(), *labels.frames);
+  const Looker looker{scene, camera, labels, settings, out, motion};
   scene.pool().for_each(static_cast<size_t>(height), cancel, [&](size_t y, int) {
-    std::array<Matte, 3> mattes;
+    Scratch scratch;
     for (int x = 0; x < width; ++x)
-      looker.look_at_pixel(x, static_cast<int>(y), y * width + x, mattes);
+      looker.look_at_pixel(x, static_cast<int>(y), y * width + x, scratch);
   });
   return out;
 }

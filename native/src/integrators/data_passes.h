@@ -5,6 +5,7 @@
 #include <array>
 #include <span>
 
+#include "integrators/motion_vectors.h"
 #include "math/random_streams.h"
 #include "scene/camera.h"
 #include "scene/scene.h"
@@ -18,6 +19,7 @@ struct DataLabels {
   std::vector<std::vector<int32_t>> programs;
   std::span<const int32_t> object_index, material_index;    // by instance, by material
   std::span<const float> object_id, asset_id, material_id;  // the same
+  const NeighbouringFrames* frames = nullptr;               // or null: nothing tells of motion
 };
 
 struct Mist {
@@ -37,9 +39,12 @@ struct DataPasses {
   // Of the first surface of the first sample, as Cycles has them
   std::vector<float> position, object_index, material_index;
   // Means over the samples: of first surfaces, of all that is seen, and of what programs find up to
-  // the first surface
+  // the first surface, with how much of the pixel has such
   std::vector<float> uv, mist;
   std::vector<std::vector<float>> values;
+  // Mean over the samples that see anything, the world too: x and y, from the frame before and to
+  // the one after
+  std::vector<float> vector;
   // Of objects, assets, materials: `levels` pairs of id and coverage, the greatest first
   std::array<std::vector<float>, 3> mattes;
 };

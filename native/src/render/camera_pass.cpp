@@ -49,6 +49,7 @@ void CameraPass::trace_gather_points(uint32_t pass, const PhotonMaps& maps, Pack
   Timer timer(context_.seconds.camera);
   tracer_.set_strategy(strategy_ ? &*strategy_ : nullptr, maps.size() > 1,
                        maps.front()->radius_factor());
+  tracer_.look_around(context_.options.ambient_distance);
   film.reset(film.width, film.height, film.light_groups);
   context_.sampler.begin_pass(context_.scene.pool());
   gather_points_ = &tracer_.trace(pass, context_.sampler, guide_, context_.options.max_bounces,
@@ -223,6 +224,7 @@ void CameraPass::teach(PhotonMap& map, const SurfaceFilter& seen, bool all_surfa
 void CameraPass::trace_reference(uint32_t sample, PackedFilm& film) {
   Timer timer(context_.seconds.camera);
   film.reset(film.width, film.height, film.light_groups);
+  tracer_.look_around(context_.options.ambient_distance);
   tracer_.trace_reference(sample, context_.options.max_bounces, film, context_.cancel);
 }
 

@@ -28,6 +28,7 @@ struct RenderOptions {
   // Without final gathering: paths bring all of the indirect light, caustics excepted, where a
   // trial finds that photons take little off their noise
   bool tries_paths = false;
+  float ambient_distance = 0;  // how far the Ambient Occlusion pass looks, m; 0: there is none
   uint32_t seed = 0;
   std::string kernel{};  // of the splatter; empty: the fastest
   // Of photons that renders of other views find again (begin_again). 0: none, and photons are aimed

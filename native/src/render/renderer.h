@@ -21,6 +21,7 @@ class Renderer {
   std::vector<LampSettings> lamps;
   CameraSettings camera_settings;
   RenderOptions options;
+  std::unique_ptr<NeighbouringFrames> frames;  // for data_passes(); or null: nothing moves
 
   // Acceleration structure, lights, photon maps, film. Throws Cancelled like every stage below.
   void build();

@@ -38,4 +38,7 @@ struct PanoramaSettings {
 // from its lower left corner and beyond for a pixel filter. nullopt where the lens sees nothing.
 std::optional<Vec3> panorama_direction(const PanoramaSettings& settings, float u, float v);
 
+// Its inverse: where a direction (unit) is seen, or would be if the lens reached so far.
+Vec2 panorama_place(const PanoramaSettings& settings, const Vec3& direction);
+
 }  // namespace photon_splat

@@ -53,6 +53,19 @@ TEST_CASE("every panorama looks along the viewing axis at its centre and gives u
   }
 }
 
+TEST_CASE("every panorama finds the place of a direction that it shows") {
+  for (const PanoramaKind kind : kAll) {
+    const PanoramaSettings p = panorama_of(kind);
+    for (float u = 0.15f; u < 0.9f; u += 0.1f)
+      for (float v = 0.15f; v < 0.9f; v += 0.1f)
+        if (const auto d = panorama_direction(p, u, v)) {
+          const Vec2 place = panorama_place(p, *d);
+          CHECK(place.x == doctest::Approx(u).epsilon(1e-4));
+          CHECK(place.y == doctest::Approx(v).epsilon(1e-4));
+        }
+  }
+}
+
 TEST_CASE("places of known direction on each panorama") {
   check_direction(panorama_direction(panorama_of(PanoramaKind::kEquirectangular), 0.75f, 0.5f),
                   {1, 0, 0});

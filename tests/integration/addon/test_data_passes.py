@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from photon_splat.core.render.cryptomatte import id_bits, id_of, murmur3
 
+from tests.integration.addon.test_motion import keyed
 from tests.support import stage
 from tests.support.blender import in_blender
 
@@ -131,6 +132,42 @@ def test_materials_fill_passes_of_their_own() -> None:
 
 
 @in_blender
+def test_outputs_in_groups_and_of_one_name_are_added() -> None:
+    import bpy
+
+    made = _board()
+    layer = made.view_layers[0]
+    colored, plain = layer.aovs.add(), layer.aovs.add()
+    colored.name, plain.name, plain.type = "Tint", "Height", "VALUE"
+    inner, outer = (bpy.data.node_groups.new(name, "ShaderNodeTree") for name in ("In", "Out"))
+    for group in (inner, outer):
+        group.interface.new_socket("Tint", in_out="INPUT", socket_type="NodeSocketColor")
+        group.nodes.new("NodeGroupInput")
+    for aov in ("Tint", "Height"):
+        node = inner.nodes.new("ShaderNodeOutputAOV")
+        node.aov_name = aov
+        inner.links.new(inner.nodes[0].outputs[0], node.inputs["Color"])
+        inner.links.new(inner.nodes[0].outputs[0], node.inputs["Value"])
+    for mute in (False, True):
+        nested = outer.nodes.new("ShaderNodeGroup")
+        nested.node_tree, nested.mute = inner, mute
+        outer.links.new(outer.nodes[0].outputs[0], nested.inputs[0])
+    tree = bpy.data.objects["Left"].data.materials[0].node_tree
+    for tint in ((0.25, 0.5, 0.0, 1.0), (0.5, 0.25, 0.5, 1.0)):
+        user = tree.nodes.new("ShaderNodeGroup")
+        user.node_tree, user.inputs[0].default_value = outer, tint
+    own = tree.nodes.new("ShaderNodeOutputAOV")
+    own.aov_name, own.inputs["Value"].default_value = "Height", 3.0
+    with stage.watched() as results:
+        bpy.ops.render.render()
+    passes = results[0].passes
+    assert passes["Tint"][8, 3, :3] == pytest.approx((0.75, 0.75, 0.5))
+    grey = 0.75 * (0.2126 + 0.7152) + 0.5 * 0.0722
+    assert passes["Height"][8, 3, 0] == pytest.approx(3.0 + grey, abs=1e-3)
+    assert not passes["Tint"][8, 12].any()
+
+
+@in_blender
 def test_blenders_cryptomatte_node_picks_an_object(tmp_path: str) -> None:
     import bpy
     import OpenImageIO as oiio
@@ -186,6 +223,74 @@ def test_the_manifest_is_in_the_file(tmp_path: str) -> None:
     )
     assert manifest["Behind"] == f"{id_bits('Behind'):08x}"
     assert f"{layer}.CryptoObject01.a" in channels
+
+
+@in_blender
+def test_vectors_tell_where_things_come_from_and_go() -> None:
+    import bpy
+
+    made = _board()
+    made.view_layers[0].use_pass_vector = True
+    left = bpy.data.objects["Left"]
+    keyed(left, "location", {4: (-1.5, 0.0, 0.0), 5: (-1.0, 0.0, 0.0), 6: (-0.75, 0.25, 0.0)})
+    made.frame_set(5)
+    with stage.watched() as results:
+        bpy.ops.render.render()
+        made.render.use_motion_blur = True
+        bpy.ops.render.render()
+    # 4 pixels a metre; behind the pane hangs what the left square carries along
+    vectors = results[0].passes["Vector"]
+    for there in (np.s_[2:-2, 2:6], np.s_[2:-2, 10:14]):
+        assert np.allclose(vectors[there], (-2.0, 0.0, -1.0, -1.0), atol=1e-3)
+    assert not results[1].passes["Vector"].any()
+    assert (made.frame_current, left.location.x) == (5, -1.0)
+
+
+@in_blender
+def test_vectors_of_shapes_and_cameras() -> None:
+    import bpy
+
+    made = stage.room(pixels=16)
+    made.camera.data.type, made.camera.data.ortho_scale = "ORTHO", 4.0
+    made.view_layers[0].use_pass_vector = True
+    thing = bpy.data.objects["Plane"]
+    thing.shape_key_add(name="Basis")
+    aside = thing.shape_key_add(name="Aside")
+    for point in aside.data:
+        point.co.x += 2.5
+    keyed(aside, "value", {0: 0.0, 10: 1.0})
+    made.frame_set(5)
+    with stage.watched() as results:
+        bpy.ops.render.render()
+        keyed(made.camera, "delta_location", {0: (0.0, 0.0, 0.0), 10: (0.0, 2.0, 0.0)})
+        bpy.ops.render.render()
+    assert results[0].passes["Vector"][8, 10] == pytest.approx((-1.0, 0.0, -1.0, 0.0), abs=1e-3)
+    assert results[1].passes["Vector"][8, 10] == pytest.approx((-1.0, 0.8, -1.0, 0.8), abs=1e-3)
+
+
+@in_blender
+def test_ambient_occlusion_before_a_wall() -> None:
+    import bpy
+
+    made = stage.room(pixels=16, passes=64)
+    made.camera.data.type, made.camera.data.ortho_scale = "ORTHO", 1.0
+    wall = stage.plane("Wall", half=50.0, location=(1.0, 0.0, 0.0))
+    wall.rotation_euler = (0.0, 1.5707963, 0.0)
+    stage.world(0.5)
+    made.world.light_settings.distance = 1000.0
+    layer = made.view_layers[0]
+    with stage.watched() as results:
+        bpy.ops.render.render()
+        layer.use_pass_ambient_occlusion = True
+        bpy.ops.render.render()
+        made.world.light_settings.distance = 0.25
+        bpy.ops.render.render()
+    pictures = [result.passes["Combined"] for result in results]
+    assert np.array_equal(pictures[0], pictures[1])
+    assert "Ambient Occlusion" not in results[0].passes
+    # a wall without end hides half of what is above the floor
+    assert results[1].passes["Ambient Occlusion"].mean() == pytest.approx(0.5, abs=0.03)
+    assert np.allclose(results[2].passes["Ambient Occlusion"], 1.0, atol=1e-5)
 
 
 @in_blender

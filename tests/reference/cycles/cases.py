@@ -42,7 +42,7 @@ class Case:
     splat: bool = True
     # False: Cycles finds lights by scattered rays alone, see references.py
     light_samples: bool = True
-    light_group: str = ""  # the pass of this one is compared instead of Combined
+    render_pass: str = ""  # this one is compared instead of Combined
     passes: int = 32
     photons_per_pass: int = 20_000
 
@@ -327,7 +327,7 @@ CASES: tuple[Case, ...] = (
     _geometry("linked_lamps"),
     Case("linked_shadows", "linked_shadows", samples=4096),
     *(
-        Case(f"light_group_{name}", "light_groups", samples=4096, light_group=name)
+        Case(f"light_group_{name}", "light_groups", samples=4096, render_pass=f"Combined_{name}")
         for name in ("key", "glow", "sky")
     ),
     # World and emissive meshes

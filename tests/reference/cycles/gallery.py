@@ -15,6 +15,7 @@ from tests.reference.cycles.displacement import DISPLACEMENT
 from tests.reference.cycles.film import FILM
 from tests.reference.cycles.lamp_trees import LAMP_TREES
 from tests.reference.cycles.motion import MOTION
+from tests.reference.cycles.passes import PASSES
 from tests.reference.cycles.specs import Spec, node
 from tests.reference.cycles.strands import STRANDS
 from tests.reference.cycles.subsurface import SUBSURFACE
@@ -423,6 +424,7 @@ ALL: tuple[Case, ...] = (
     + DISPLACEMENT
     + TERMINATOR
     + MOTION
+    + PASSES
     + SUBSURFACE
     + STRANDS
     + GALLERY

@@ -56,9 +56,9 @@ def cycles_settings(samples: int, seed: int) -> None:
     scene.render.use_persistent_data = False
 
 
-def render_with_cycles(samples: int, seed: int, light_group: str = "") -> np.ndarray:
+def render_with_cycles(samples: int, seed: int, render_pass: str = "") -> np.ndarray:
     """The current scene as (height, width, 4) float32, row 0 at the bottom; of a border only its
-    inside. RGB of a light group's pass.
+    inside. All channels of another pass than Combined.
     """
     import bpy
 
@@ -67,8 +67,8 @@ def render_with_cycles(samples: int, seed: int, light_group: str = "") -> np.nda
     render = scene.render
     if hasattr(render.image_settings, "media_type"):
         render.image_settings.media_type = "IMAGE"
-    if light_group:
-        return _pass_of_cycles(f"Combined_{light_group}")
+    if render_pass:
+        return _pass_of_cycles(render_pass)
     render.image_settings.file_format = "OPEN_EXR"
     render.image_settings.color_depth, render.image_settings.color_mode = "32", "RGBA"
     with tempfile.TemporaryDirectory() as folder:
@@ -89,7 +89,7 @@ def render_with_cycles(samples: int, seed: int, light_group: str = "") -> np.nda
 
 
 def _pass_of_cycles(name: str) -> np.ndarray:
-    """The pass as (height, width, 3) float32, row 0 at the bottom."""
+    """The pass as (height, width, channels) float32, row 0 at the bottom."""
     import bpy
     import OpenImageIO as oiio
 
@@ -104,11 +104,13 @@ def _pass_of_cycles(name: str) -> np.ndarray:
         render.filepath = str(Path(folder, "half.exr"))
         bpy.ops.render.render(write_still=True)
         file = oiio.ImageInput.open(render.filepath)
-        wanted = [f"{bpy.context.view_layer.name}.{name}.{channel}" for channel in "RGB"]
-        part = 0  # Blender 5 writes a part for each pass
-        while file.seek_subimage(part, 0) and not set(wanted) <= set(file.spec().channelnames):
+        begin, part = f"{bpy.context.view_layer.name}.{name}.", 0  # Blender 5: one for each pass
+        while file.seek_subimage(part, 0):
+            names = list(file.spec().channelnames)
+            if any(channel.startswith(begin) for channel in names):
+                break
             part += 1
-        names = list(file.spec().channelnames)
+        wanted = [f"{begin}{channel}" for channel in "RGBAXYZW" if f"{begin}{channel}" in names]
         pixels = file.read_image(part, 0, 0, file.spec().nchannels, oiio.FLOAT)[::-1]
         file.close()
     return np.ascontiguousarray(pixels[..., [names.index(channel) for channel in wanted]])
@@ -160,7 +162,7 @@ def make(case: Case) -> None:
         stage.build(case)
         if not case.light_samples:
             without_light_samples()
-        picture = render_with_cycles(case.samples, seed, case.light_group)
+        picture = render_with_cycles(case.samples, seed, case.render_pass)
         halves.append(picture if case.alpha or case in CASES else picture[..., :3])
     FOLDER.mkdir(exist_ok=True)
     np.savez_compressed(
@@ -189,7 +191,7 @@ def main(names: list[str]) -> int:
         halves = load(BY_NAME[name])
         difference = float(
             np.abs(halves[0, ..., :3] - halves[1, ..., :3]).mean()
-            / max(halves[..., :3].mean(), 1e-9)
+            / max(abs(halves[..., :3].mean()), 1e-9)
         )
         seconds = time.monotonic() - started
         print(

@@ -34,6 +34,7 @@ def build(case: Case) -> bpy.types.Scene:
         grids_stage,
         media_stage,
         motion_stage,
+        passes_stage,
         strands_stage,
         subsurface_stage,
         terminator_stage,
@@ -45,6 +46,7 @@ def build(case: Case) -> bpy.types.Scene:
         | vars(visibility_stage)
         | vars(film_stage)
         | vars(media_stage)
+        | vars(passes_stage)
         | vars(grids_stage)
         | vars(displacement_stage)
         | vars(terminator_stage)
@@ -54,6 +56,8 @@ def build(case: Case) -> bpy.types.Scene:
         | {"material_case": gallery_stage.material_case, "caustic_view": pictures.open_view}
     )
     builders[case.build](**case.options)
+    if case.render_pass:
+        passes_stage.switch_on(case.render_pass)
     scene = bpy.context.scene
     scene.render.resolution_x, scene.render.resolution_y = case.width, case.height
     bpy.context.view_layer.update()

@@ -71,7 +71,7 @@ def judge(case: Case, integrator: str, ours: np.ndarray) -> Verdict:
             "gather": case.block_bias / 2,
             "reference": case.reference_bias,
         }[integrator],
-        absolute=DARK * float(reference.mean()),
+        absolute=DARK * abs(float(reference.mean())),
         family_level=FAMILY_LEVEL,
     )
     ratio, error = mean_ratio(ours, reference)

@@ -124,8 +124,7 @@ def _render(
     pictures, statistics, errors = [], [], []
 
     def keep(result: Any, _: Any) -> None:
-        group = case["light_group"]
-        pictures.append(result.passes[f"Combined_{group}" if group else "Combined"])
+        pictures.append(result.passes[case["render_pass"] or "Combined"])
         statistics.append(result.statistics)
 
     observer.on_result, observer.on_error = keep, errors.append
