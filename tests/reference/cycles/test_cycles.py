@@ -11,6 +11,7 @@ import pytest
 
 from tests.reference.cycles.cases import CASE, CASES, SCENES, SPLAT_CASES, Case
 from tests.reference.cycles.lamp_trees import LAMP_TREES
+from tests.reference.cycles.passes import PASSES
 from tests.reference.cycles.verdict import judge, render
 from tests.reference.cycles.worker import Worker
 from tests.support.compare import save_pictures
@@ -33,6 +34,11 @@ QUICK_SPLAT += [
     case
     for case in LAMP_TREES
     if case.name in {"lamp_area_checker", "lamp_point_linear", "lamp_spot_ies"}
+]
+QUICK_PASSES = [
+    case
+    for case in PASSES
+    if case.name in {"pass_ambient_pane", "pass_aov_behind_pane", "pass_vector_displaced_shape"}
 ]
 QUICK_GATHER = [
     case
@@ -87,7 +93,7 @@ def test_final_gathering(worker: Worker, case: Case) -> None:
     compare(case, "gather", render(worker, case, "gather"))
 
 
-@pytest.mark.parametrize("case", marked(QUICK_REFERENCE))
+@pytest.mark.parametrize("case", marked(QUICK_REFERENCE + QUICK_PASSES))
 def test_reference_integrator(worker: Worker, case: Case) -> None:
     compare(case, "reference", render(worker, case, "reference"))
 
