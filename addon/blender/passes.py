@@ -7,8 +7,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from ..core.render.result import PASSES, PassInfo, light_group_pass
+from ..core.render.result import PASSES, SHADOW_PASS, PassInfo, light_group_pass
 from ..export.labels import wanted as data_passes
+from ..export.visibility import wants_shadow_pass
 
 SWITCHES = {
     "Depth": "use_pass_z",
@@ -44,6 +45,8 @@ def wanted_passes(view_layer: Any) -> Iterator[PassInfo]:
         switch = switch_of(view_layer, info.name)
         if switch is None or getattr(*switch, False):
             yield info
+    if wants_shadow_pass(view_layer):
+        yield SHADOW_PASS
     yield from data_passes(view_layer)
     for group in getattr(view_layer, "lightgroups", ()):
         yield light_group_pass(group.name)

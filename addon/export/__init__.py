@@ -51,22 +51,27 @@ def _export_still(
     moving: Moving | None = None,
 ) -> Scene:
     from .camera import export_camera, export_frame
+    from .culling import kept_by_culling
+    from .visibility import wants_shadow_pass
 
     scene = depsgraph.scene_eval
     seen = export_camera(camera or scene.camera, scene, report)
-    # Of originals: a graph that Blender keeps is not told when they change.
+    # Here and below, of originals: a graph that Blender keeps is not told when they change.
     light_groups = [group.name for group in depsgraph.view_layer.lightgroups]
-    return export_contents(
+    exported = export_contents(
         depsgraph,
         seen,
         frame or export_frame(scene),
         report,
         kept,
+        kept_by_culling(scene, seen),
         light_groups=light_groups,
         watch=watch,
         moving=moving,
         with_labels=True,
     )
+    exported.shadow_pass = wants_shadow_pass(depsgraph.view_layer)
+    return exported
 
 
 def _export_moving(
@@ -134,7 +139,6 @@ def export_contents(
     from .labels import Labelled, aovs, wanted
     from .materials import Materials, Shading
     from .objects import Objects
-    from .visibility import report_culling
     from .world import export_world
 
     kept, watch = kept or Kept(), watch or Watch()
@@ -162,7 +166,6 @@ def export_contents(
         textures.list,
         shading.programs,
     )
-    report_culling(scene, report)
     if labelled is not None:
         exported.labels = labelled.labels(
             view_layer, scene, materials.list, materials.aov_programs()

@@ -82,6 +82,7 @@ class Objects:
         self._light_groups: list[int] = []
         self._seen_by: list[int] = []
         self._holdouts: list[bool] = []
+        self._catchers: list[bool] = []
         self._terminator_offsets: list[float] = []
         self._densities: dict[int, float] = {}  # of media, by row
         self._light_group_of = {name: i for i, name in enumerate(light_groups)}
@@ -109,7 +110,7 @@ class Objects:
             if visible is not None and not visible(instance):
                 continue
             if kind in {"MESH", "VOLUME"} or kind in STRANDS:
-                rays, holdout = visibility.of(instance)
+                rays, holdout, catcher = visibility.of(instance)
                 if rays & SEEING_RAYS:
                     rows = self._add_rows(instance, depsgraph, override)
                     if rows:
@@ -123,6 +124,7 @@ class Objects:
                         self._blockers.append(linking.blockers(ob))
                         self._seen_by.append(rays)
                         self._holdouts.append(holdout)
+                        self._catchers.append(catcher)
                         self._terminator_offsets.append(
                             float(ob.original.shadow_terminator_geometry_offset)
                         )
@@ -248,6 +250,8 @@ class Objects:
             placed.seen_by = np.array(self._seen_by, np.uint32)
         if any(self._holdouts):
             placed.holdout = np.array(self._holdouts, np.bool_)
+        if any(self._catchers):
+            placed.catcher = np.array(self._catchers, np.bool_)
         if any(offset != TERMINATOR_OFFSET for offset in self._terminator_offsets):
             placed.terminator_offset = np.array(self._terminator_offsets, np.float32)
         if any(density != 1.0 for density in self._densities.values()):

@@ -20,15 +20,15 @@ FLAGS = {
 
 
 class Visibility:
-    """What seen_by() and is_holdout() say of instances, asked once for each object and what makes
-    its instances.
+    """What seen_by(), is_holdout() and is_catcher() say of instances, asked once for each object
+    and what makes its instances.
     """
 
     def __init__(self, view_layer: Any) -> None:
         self._view_layer = view_layer
-        self._known: dict[tuple[int, int], tuple[int, bool]] = {}
+        self._known: dict[tuple[int, int], tuple[int, bool, bool]] = {}
 
-    def of(self, instance: Any) -> tuple[int, bool]:
+    def of(self, instance: Any) -> tuple[int, bool, bool]:
         maker = instance.parent if instance.is_instance else None
         key = (
             instance.object.original.as_pointer(),
@@ -38,6 +38,7 @@ class Visibility:
             self._known[key] = (
                 seen_by(instance, self._view_layer),
                 is_holdout(instance, self._view_layer),
+                is_catcher(instance),
             )
         return self._known[key]
 
@@ -64,6 +65,19 @@ def is_holdout(instance: Any, view_layer: Any) -> bool:
     return bool(instance.object.is_holdout) or _held_out(maker, view_layer)
 
 
+def is_catcher(instance: Any) -> bool:
+    maker = instance.parent if instance.is_instance else None
+    return bool(
+        instance.object.is_shadow_catcher or (maker is not None and maker.is_shadow_catcher)
+    )
+
+
+def wants_shadow_pass(view_layer: Any) -> bool:
+    """Whether a bpy.types.ViewLayer asks for Cycles' Shadow Catcher pass."""
+    cycles = getattr(view_layer, "cycles", None)
+    return bool(cycles is not None and cycles.use_pass_shadow_catcher)
+
+
 def lamp_seen_by(ob: Any) -> int:
     """The rays that bring a lamp's light; shadow rays always do, and of the camera
     Light.camera_visible tells.
@@ -83,19 +97,8 @@ def world_seen_by(world: Any) -> int:
 
 
 def report_unsupported(ob: Any, report: Report) -> None:
-    if ob.is_shadow_catcher:
-        report.warn("Shadow catchers are not supported yet; rendered as usual: {}", ob.name)
     if ob.original.shadow_terminator_shading_offset > 0.0:
         report.warn("Shadow Terminator's Shading Offset is not supported; ignored: {}", ob.name)
-
-
-def report_culling(scene: Any, report: Report) -> None:
-    """Of Simplify."""
-    cycles = getattr(scene, "cycles", None)
-    if cycles is None or not scene.render.use_simplify:
-        return
-    if cycles.use_camera_cull or cycles.use_distance_cull:
-        report.warn("Culling (Simplify) is not supported; everything is rendered")
 
 
 def _own(ob: Any) -> int:

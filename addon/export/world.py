@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.scene import NO_TEXTURE, Rgb, Scene, SunDisc, WorldMap
+from ..core.scene import NO_PROGRAM, NO_TEXTURE, Rgb, Scene, SunDisc, WorldMap
 from .lights import MOST_STRENGTH
 from .materials import Shading, export_volume
 from .nodes.compiler import Compiler
@@ -47,8 +47,14 @@ def export_world(world: Any, shading: Shading, scene: Scene) -> None:
         scene.world = _radiance(np.asarray(world.color, np.float64), owner, report)
     scene.world_seen_by = world_seen_by(world)
     kept = getattr(world.original, "cycles", None)
-    if not getattr(world, "use_shadows", getattr(kept, "use_shadows", True)):
-        report.warn(f"{owner}: light without shadows is not supported; it casts them")
+    sampled = scene.world_map is not None or scene.world_program != NO_PROGRAM
+    if sampled and kept is not None and not _casts_shadows(kept):
+        report.warn(f"{owner}: Cast Shadow is off, but all of its light casts shadows")
+
+
+def _casts_shadows(kept: Any) -> bool:
+    """By the settings of Cycles: what it does not sample does in any case."""
+    return kept.sampling_method == "NONE" or getattr(kept, "use_shadows", True)
 
 
 class _World:

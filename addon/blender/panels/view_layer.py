@@ -32,6 +32,8 @@ class PHOTON_SPLAT_PT_passes(RenderPanel, bpy.types.Panel):
             found = switch_of(view_layer, info.name)
             if found is not None and found[0] is not None:
                 column.prop(*found, text=info.name)
+        if hasattr(view_layer, "cycles"):
+            light.prop(view_layer.cycles, "use_pass_shadow_catcher")
         for name, switch in DATA_SWITCHES.items():
             (light if name in LIGHT else data).prop(view_layer, switch, text=name)
         mattes = layout.column(heading="Cryptomatte")

@@ -352,6 +352,7 @@ def _add_instances(renderer: Renderer, scene: Scene) -> None:
     )
     seen_by = [ALL_RAYS] * count if instances.seen_by is None else instances.seen_by.tolist()
     holdout = [False] * count if instances.holdout is None else instances.holdout.tolist()
+    catcher = [False] * count if instances.catcher is None else instances.catcher.tolist()
     offset = (
         [TERMINATOR_OFFSET] * count
         if instances.terminator_offset is None
@@ -370,6 +371,7 @@ def _add_instances(renderer: Renderer, scene: Scene) -> None:
             seen_by[i],
             holdout[i],
             offset[i],
+            catcher[i],
         )
         if instances.density is not None and instances.density[i] != 1.0:
             renderer.set_density(float(instances.density[i]))

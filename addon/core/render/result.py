@@ -41,6 +41,11 @@ PASSES = (
     PassInfo("Error", "X"),
 )
 
+SHADOW_PASS = PassInfo("Shadow Catcher", "RGB")
+"""What catchers keep of the light that they would have without other things. Combined is then
+without them.
+"""
+
 DATA_PASSES = (
     PassInfo("Position", "XYZ"),
     PassInfo("UV", "UVA"),

@@ -15,7 +15,7 @@ from ..gpu import context as gpu_context
 from ..gpu.choice import choose_splatter
 from ..native.fill import lights_in_surfaces
 from ..native.library import load
-from ..scene import Labels, Scene
+from ..scene import Scene
 from .data_passes import asks_ambient, asks_rays, data_passes
 from .denoise import DenoiserMissing, blend, denoise
 from .ending import Ending, denoising_runs
@@ -32,6 +32,7 @@ from .result import (
     passes_from_film,
 )
 from .settings import Backend, Integrator, RenderSettings
+from .shadow_catcher import has_catchers, shadow_arrays, split_off_shadow, with_shadow
 from .splatter import CpuSplatter, Splatter, SplatterFailed
 from .statistics import Statistics
 
@@ -206,7 +207,7 @@ class _Worker(threading.Thread):
         elif settings.backend == Backend.GPU:
             self.warnings.append("The reference integrator has been used: it runs on the CPU only.")
         labels = self.scene.labels
-        arrays = final_arrays(self.wanted, settings, labels)
+        arrays = final_arrays(self.wanted, settings, self.scene)
         self.renderer.keep_film(arrays)
         self.renderer.options.ambient_distance = (
             labels.ambient_distance if labels is not None and asks_ambient(labels) else 0.0
@@ -243,9 +244,14 @@ class _Worker(threading.Thread):
                 and self.interim is None
                 and self.passes_done < self.settings.passes
             ):
-                self.interim = passes_from_film(
-                    self.renderer.film(film_arrays(self.wanted, labels)), self.light_groups
+                film = self.renderer.film(
+                    [
+                        *film_arrays(self.wanted, labels),
+                        *shadow_arrays(self.scene, denoise=False),
+                    ]
                 )
+                self.interim = passes_from_film(film, self.light_groups)
+                split_off_shadow(self.interim, film, self.scene)
             self.pass_finished.set()
             if converged:
                 return
@@ -279,7 +285,7 @@ class _Worker(threading.Thread):
         if not self.settings.time_limit:
             return math.inf
         runs = (
-            denoising_runs(**self.denoising(self.samples_done + samples))
+            denoising_runs(**self.denoising(self.samples_done + samples)) + has_catchers(self.scene)
             if self.settings.denoise
             else 0.0
         )
@@ -362,10 +368,14 @@ class _Worker(threading.Thread):
 
 
 def final_arrays(
-    wanted: Collection[str] | None, settings: RenderSettings, labels: Labels | None = None
+    wanted: Collection[str] | None, settings: RenderSettings, scene: Scene
 ) -> list[str]:
     """Names of the film arrays that the result is made of."""
-    return [*film_arrays(wanted, labels), *(FOR_DENOISING if settings.denoise else ())]
+    return [
+        *film_arrays(wanted, scene.labels),
+        *shadow_arrays(scene, settings.denoise),
+        *(FOR_DENOISING if settings.denoise else ()),
+    ]
 
 
 def render(
@@ -427,13 +437,14 @@ def render(
     if worker.passes_done:
         renderer.end_passes()
         renderer.make_error_estimate()
-    arrays = final_arrays(wanted, settings, scene.labels)
-    film = renderer.film(arrays) if worker.passes_done else None
+    film = renderer.film(final_arrays(wanted, settings, scene)) if worker.passes_done else None
     passes = (
         passes_from_film(film, scene.light_groups)
         if film
         else black_passes(width, height, scene.light_groups)
     )
+    if film:
+        split_off_shadow(passes, film, scene)
     passes |= worker.data
     denoising, noisy = 0.0, None
     if settings.denoise and film and not worker.cancelled:
@@ -459,7 +470,8 @@ def _denoise(
     done the picture stays as it is, and a warning says why.
     """
     began = time.monotonic()
-    noisy = passes["Combined"][..., :3]
+    catchers = has_catchers(worker.scene)
+    noisy = (film["matte"] if catchers else passes["Combined"])[..., :3]
     how = worker.denoising(worker.samples_done)
     try:
         clean = denoise(
@@ -472,9 +484,33 @@ def _denoise(
             should_cancel=should_cancel,
         )
         noisy[...] = blend(noisy, clean, film["variance"][..., 0], worker.passes_done)
+        if catchers:
+            _denoise_shadow(passes, film, worker, should_cancel)
     except (DenoiserMissing, RuntimeError) as error:
         worker.warnings.append(f"The picture has not been denoised: {error}.")
     return time.monotonic() - began
+
+
+def _denoise_shadow(
+    passes: Passes, film: dict[str, Any], worker: _Worker, should_cancel: Callable[[], bool] | None
+) -> None:
+    """The shadow on catchers has noise of its own. Makes the picture of it and of what has been
+    denoised.
+    """
+    film["shadow_catcher"][...] = denoise(
+        film["shadow_catcher"],
+        film["albedo"],
+        passes["Normal"],
+        threads=worker.settings.threads,
+        should_cancel=should_cancel,
+    )
+    if not worker.scene.shadow_pass:
+        passes["Combined"][...] = with_shadow(
+            film["matte"],
+            film["shadow_catcher"],
+            film["backdrop"],
+            worker.scene.frame.transparent,
+        )
 
 
 def _statistics(

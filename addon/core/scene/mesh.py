@@ -78,6 +78,8 @@ class Instances:
     light_group   (I,) int16 index into Scene.light_groups of its light, -1: none; None: all -1
     seen_by       (I,) uint32, the rays (`Ray`) that meet an instance; None: all rays meet all
     holdout       (I,) bool, a hole in the picture where the camera sees it; None: nowhere
+    catcher       (I,) bool, a shadow catcher: shows the camera what other things take from its
+                  light, and no more; None: nowhere
     terminator_offset  (I,) float32, cosine below which shadow rays start off the surface that
                   smooth normals promise (0: nowhere); None: 0.1 everywhere
     density       (I,) float32, coefficients of media over what programs say; None: all 1
@@ -94,6 +96,7 @@ class Instances:
     light_group: NDArray[np.int16] | None = None
     seen_by: NDArray[np.uint32] | None = None
     holdout: NDArray[np.bool_] | None = None
+    catcher: NDArray[np.bool_] | None = None
     terminator_offset: NDArray[np.float32] | None = None
     density: NDArray[np.float32] | None = None
     motion: dict[int, NDArray[np.float64]] = field(default_factory=dict)

@@ -27,7 +27,8 @@ class Scene:
     place of both where it is given. `world_volume` is the program of a medium
     that is everywhere. `light_groups` are the names of those whose light gets passes
     of their own. `world_seen_by`: the rays that bring the world's light, as of a lamp. `shutter`:
-    None where nothing moves. `labels`: None where no pass asks for them.
+    None where nothing moves. `labels`: None where no pass asks for them. `shadow_pass`: the shadow
+    on catchers is to be a pass of its own instead of a part of the picture.
     """
 
     camera: Camera
@@ -49,11 +50,12 @@ class Scene:
     world_seen_by: int = ALL_RAYS
     shutter: Shutter | None = None
     labels: Labels | None = None
+    shadow_pass: bool = False
     warnings: list[str] = field(default_factory=list)
 
 
 GEOMETRY = ("meshes", "instances", "material_sets", "shutter")
-VIEW = ("camera", "frame", "labels", "warnings")
+VIEW = ("camera", "frame", "labels", "shadow_pass", "warnings")
 SHADING = tuple(entry.name for entry in fields(Scene) if entry.name not in GEOMETRY + VIEW)
 
 

@@ -5,6 +5,7 @@
 #include <nanobind/stl/vector.h>
 
 #include "bindings/bindings.h"
+#include "film/shadow_catcher.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -65,9 +66,9 @@ void fill_value(const Run& run, float* to) {
   for (size_t i = 0; i < run.count; ++i) to[i] = run.pixels[i].*kValue;
 }
 
-// All of the light, and alpha. Parts are scaled before they are added, as whoever adds the passes
-// does.
-void fill_combined(const Run& run, float* to) {
+// All of the light but that of shadow catchers, and alpha. Parts are scaled before they are added,
+// as whoever adds the passes does.
+void fill_matte(const Run& run, float* to) {
   for (const Pixel* at = run.pixels; at < run.pixels + run.count; ++at, to += 4) {
     const Pixel& p = *at;
     const float share = p.share();
@@ -82,6 +83,21 @@ void fill_combined(const Run& run, float* to) {
     to[3] = p.alpha * share;
   }
 }
+
+void fill_combined(const Run& run, float* to) {
+  fill_matte(run, to);
+  if (!run.renderer.scene.has_catchers()) return;
+  const bool transparent = run.renderer.camera_settings.transparent;
+  for (size_t i = 0; i < run.count; ++i, to += 4) {
+    const Rgba shown = with_shadow(run.pixels[i], {to[0], to[1], to[2]}, transparent);
+    to[0] = shown.color.x;
+    to[1] = shown.color.y;
+    to[2] = shown.color.z;
+    to[3] = shown.alpha;
+  }
+}
+
+void fill_shadow(const Run& run, float* to) { fill_rgb(run, to, &caught_shadow); }
 
 void fill_variance(const Run& run, float* to) {
   std::copy_n(&run.renderer.film().errors().variance()[run.first], run.count, to);
@@ -107,6 +123,9 @@ Source value_of(const char* name) {
 
 const Source kSources[] = {
     {"combined", 4, &fill_combined, 0, Unit::kLight},
+    {"matte", 4, &fill_matte, 0, Unit::kLight},
+    {"shadow_catcher", 3, &fill_shadow, 0, Unit::kOther},
+    light_of<&Pixel::backdrop>("backdrop"),
     light_of<&Pixel::diffuse_direct>("diffuse_direct"),
     light_of<&Pixel::diffuse_indirect>("diffuse_indirect"),
     {"diffuse_direct_per_albedo", 3, &fill_per_albedo<&Pixel::diffuse_direct>,

@@ -181,7 +181,7 @@ MaterialSide make_side(const Renderer& r, const nb::tuple& t) {
 
 uint32_t add_instance(Renderer& r, uint32_t mesh, Matrix matrix, std::vector<int32_t> materials,
                       int group, uint64_t lit_groups, uint64_t blockers, int16_t light_group,
-                      RayMask seen_by, bool holdout, float terminator_offset) {
+                      RayMask seen_by, bool holdout, float terminator_offset, bool catcher) {
   const auto rows = relative_rows(matrix, r.scene.origin);
   for (double d : rows)
     if (!std::isfinite(d))
@@ -197,6 +197,7 @@ uint32_t add_instance(Renderer& r, uint32_t mesh, Matrix matrix, std::vector<int
   added.seen_by = seen_by;
   added.holdout = holdout;
   added.terminator_offset = terminator_offset;
+  added.catcher = catcher;
   return static_cast<uint32_t>(r.scene.instances.size() - 1);
 }
 
@@ -240,12 +241,13 @@ void bind_geometry(RendererClass& renderer) {
           "add_instance", &add_instance, "mesh"_a, "matrix"_a, "materials"_a, "group"_a = 0,
           "lit_groups"_a = ~uint64_t{0}, "blockers"_a = ~uint64_t{0},
           "light_group"_a = kNoLightGroup, "seen_by"_a = kAllRays, "holdout"_a = false,
-          "terminator_offset"_a = 0.1f,
+          "terminator_offset"_a = 0.1f, "catcher"_a = false,
           "matrix: (4, 4) float64, to the world; materials: index of a material for each slot. For light linking: group\n"
           "0..63, and as an emitter bits of the groups it lights (lit_groups) and of those that block it (blockers).\n"
           "light_group: index, -1 for none; seen_by: bits of the kinds of rays that meet it; holdout: a hole in the\n"
           "picture; terminator_offset: cosine below which shadow rays start off the surface that smooth normals promise,\n"
-          "0: nowhere. Returns the instance's index. After its mesh and materials.")
+          "0: nowhere; catcher: shows the camera what other things take from its light, and no more. Returns the instance's\n"
+          "index. After its mesh and materials.")
       .def(
           "displace", &displace_mesh, "instance"_a, "slots"_a, "smooth"_a = nb::none(),
           "own_corners"_a = false,

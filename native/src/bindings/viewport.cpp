@@ -1,4 +1,5 @@
 #include "bindings/bindings.h"
+#include "film/shadow_catcher.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -19,8 +20,11 @@ nb::ndarray<nb::numpy, float> picture(Renderer& r) {
       film.each(t, [&](size_t i, size_t place) {
         const Pixel& p = pixels[place];
         const float share = p.share();
-        const Rgb c = p.combined() * (share * exposure);
-        const float out[4] = {c.x, c.y, c.z, p.alpha * share};
+        Rgba shown{p.combined() * share, p.alpha * share};
+        if (r.scene.has_catchers())
+          shown = with_shadow(p, shown.color, r.camera_settings.transparent);
+        const Rgb c = shown.color * exposure;
+        const float out[4] = {c.x, c.y, c.z, shown.alpha};
         std::copy(out, out + 4, &values[4 * i]);
       });
     });

@@ -17,7 +17,11 @@ struct Pixel {
   Rgb diffuse_color, emission, environment, normal;
   Rgb ambient_occlusion;  // what is open of the hemisphere above what is seen, if it is wanted
   Rgb albedo;  // of all lobes, for a denoiser: what diffuse_color calls black may be copper
+  // Of shadow catchers, whose light is none of the above: their light among all things, and if
+  // there were nothing but catchers; the world behind them
+  Rgb caught, caught_alone, backdrop;
   float alpha = 0, photon_density = 0;
+  float caught_alpha = 0;           // of catchers, beside `alpha`
   float samples = 0;                // camera samples in the sums
   float detail = 0;                 // luminance that discs of half the area would take away
   float depth = 0, surface_id = 0;  // of the first sample

@@ -47,7 +47,8 @@ ChannelMask channels_of_passes() {
                      &Pixel::glossy_indirect, &Pixel::transmission_direct,
                      &Pixel::transmission_indirect, &Pixel::emission, &Pixel::environment,
                      &Pixel::volume_direct, &Pixel::volume_indirect) |
-         channels_of(&Pixel::alpha, &Pixel::samples, &Pixel::detail);
+         channels_of(&Pixel::alpha, &Pixel::samples, &Pixel::detail) |
+         channels_of(&Pixel::caught, &Pixel::caught_alone, &Pixel::backdrop, &Pixel::caught_alpha);
 }
 
 PackedFilm::PackedFilm(const Film& film) {
@@ -125,7 +126,8 @@ void PackedFilm::get(size_t t, Tile& pixels) const {
   }
 }
 
-// The sums of light in the order of Pixel::combined(), so that they are the same bit for bit.
+// The sums of light in the order of Pixel::combined(), so that they are the same bit for bit, and
+// what catchers send: the noise of their shadows is about its own.
 void PackedFilm::see(size_t t, Sums& sums) const {
   std::array<Reader::Channel, kPixelChannels> channels;
   Reader reader(tiles_[t].varying, tiles_[t].values.data());
@@ -135,12 +137,12 @@ void PackedFilm::see(size_t t, Sums& sums) const {
   };
   Rgb light[kPixels];
   bool begun = false;
-  for (const size_t c :
-       {channel_of(&Pixel::diffuse_direct), channel_of(&Pixel::diffuse_indirect),
-        channel_of(&Pixel::glossy_direct), channel_of(&Pixel::glossy_indirect),
-        channel_of(&Pixel::transmission_direct), channel_of(&Pixel::transmission_indirect),
-        channel_of(&Pixel::emission), channel_of(&Pixel::environment),
-        channel_of(&Pixel::volume_direct), channel_of(&Pixel::volume_indirect)}) {
+  for (const size_t c : {channel_of(&Pixel::diffuse_direct), channel_of(&Pixel::diffuse_indirect),
+                         channel_of(&Pixel::glossy_direct), channel_of(&Pixel::glossy_indirect),
+                         channel_of(&Pixel::transmission_direct),
+                         channel_of(&Pixel::transmission_indirect), channel_of(&Pixel::emission),
+                         channel_of(&Pixel::environment), channel_of(&Pixel::volume_direct),
+                         channel_of(&Pixel::volume_indirect), channel_of(&Pixel::caught)}) {
     const Reader::Channel r = channels[c], g = channels[c + 1], b = channels[c + 2];
     if (begun && !r.step && !g.step && !b.step && r[0] == 0 && g[0] == 0 && b[0] == 0) continue;
     for (size_t i = 0; i < kPixels; ++i) {

@@ -71,6 +71,7 @@ bool CameraTracer::add_single_scattering(Path& path, float far) const {
   Receiver receiver{path.origin + path.direction * distance, {}, true};
   receiver.bounces = static_cast<uint16_t>(path.vertex);
   receiver.time = path.info.time;
+  receiver.catchers_only = path.info.catchers_only;
   const Rgb throughput = path.throughput, world = path.world_throughput;
   path.throughput = throughput * through / pdf;
   path.world_throughput = world * through / pdf;
@@ -88,6 +89,7 @@ bool CameraTracer::scatter_in_medium(Path& path, const Flight& flight, bool dire
   Receiver receiver{x, {}, true};
   receiver.bounces = static_cast<uint16_t>(path.vertex);
   receiver.time = path.info.time;
+  receiver.catchers_only = path.info.catchers_only;
   path.covered = path.withheld = path.diffuse_emission = {};
   if (direct) add_direct_in_medium(path, point, receiver);
 
@@ -149,8 +151,9 @@ void CameraTracer::add_light_in_medium(Path& path, const MediumPoint& point,
   if (!(max_abs(scattered) > 0)) return;
   ++path.tile.rays;
   path.tile.deep_rays += path.is_beyond();
-  if (light.exact >= 0 && lights_.blocked_exactly(static_cast<uint32_t>(light.exact), receiver.x,
-                                                  light.place, receiver.time))
+  if (light.exact >= 0 &&
+      lights_.blocked_exactly(static_cast<uint32_t>(light.exact), receiver.x, light.place,
+                              receiver.time, exact_blockers(path.info)))
     return;
   const float far = std::isfinite(light.distance)
                         ? light.distance - 2 * ray_epsilon(receiver.x, light.distance)

@@ -63,6 +63,11 @@ class PixelRays {
   float down_;  // share of the picture's height above the pixel
 };
 
+// What keeps light back that Lights::blocked_exactly() asks for.
+inline RayMask exact_blockers(const RayInfo& ray) {
+  return ray.catchers_only ? kCatcherRays : kAllRays;
+}
+
 inline void add_finite(Rgb& sum, const Rgb& value, uint64_t& bad) {
   if (can_be_added(value))
     sum += value;
@@ -105,6 +110,7 @@ struct CameraTracer::Path {
   bool tries_density = false;  // see CameraTracer::Trial
   bool deep = false;           // the ray on its way brings light that photons would bring
   bool badly_served = false;   // because they would bring it badly
+  bool caught = false;         // it has met a shadow catcher and is one of two from there on
   // Photons bring the diffuse part of the light; else the path goes on for it
   bool leaves_gather_points = false;
 

@@ -98,14 +98,13 @@ void CameraTracer::trace_path(Path& path) const {
 
 void CameraTracer::follow(Path& path) const {
   const Media* const media = scene_.media();
-  const bool bodies = scene_.features() & kProgramSubsurface;
   for (;;) {
     Surface hit;
     ++path.tile.rays;
     path.tile.deep_rays += path.deep;
     const bool found =
         scene_.intersect(path.origin, path.direction, path.near, path.far, path.vertex == 0, hit,
-                         ray_bit(path.info.kind), path.info.time, path.info.left);
+                         ray_mask(path.info), path.info.time, path.info.left);
     add_lamps(path, found ? hit.distance : path.far >= 1e30f ? INFINITY : path.far);
     if (found && path.vertex > 0 && path.info.transparent_depth == 0)
       see_world(path, path.from, path.direction, {}, true);
@@ -122,45 +121,49 @@ void CameraTracer::follow(Path& path) const {
       add_world(path);
       return;
     }
-    const Vec3 wo = -path.direction;
-    path.info.length = hit.distance;
-    path.info.left = hit.mark;
-    path.info.footprint = camera_.footprint_at(path.ray, path.travelled + hit.distance);
-    Bsdf bsdf(Transport::kRadiance, wo, hit.ng, hit.ns, hit.back);
-    if (bodies && !hit.on_strand())
-      bsdf.keep_subsurface(path.info.after_diffuse ? SubsurfaceUse::kWalks : SubsurfaceUse::kAll);
-    scene_.shade(hit, wo, path.info, bsdf);
-    const bool holdout = path.vertex == 0 && scene_.instances[hit.instance].holdout;
-    if (!holdout) add_emission(path, hit, bsdf.emission());
-    if (path.vertex == 0 && path.info.transparent_depth == 0)
-      path.pixel.normal += bsdf.mean_normal();
-    const bool scatters =
-        !holdout && bsdf.scatters() && max_abs(path.throughput + path.world_throughput) > 0;
-    if (path.vertex == 0 && !holdout) {
-      path.pixel.diffuse_color += bsdf.diffuse_albedo() * path.throughput;
-      path.pixel.albedo += bsdf.albedo() * path.throughput;
-    }
-    if (ambient_distance_ > 0 && path.vertex == 0 && !holdout && !path.through_glass)
-      add_ambient_occlusion(path, hit, bsdf);
-    // Light is gathered whether the path then stays or not: it has no part in that choice
-    const bool body = bsdf.below_count() > 0;
-    const bool badly_served = path.badly_served;
-    std::optional<Meeting> meeting;
-    if (scatters && !body) meeting = light(path, hit, bsdf);
-    const Passing passing = pass_through(path, hit, bsdf);
-    if (passing == Passing::kPasses) {
-      path.badly_served = badly_served;
-      continue;
-    }
-    if (passing == Passing::kAbsorbed) {
-      if (path.vertex == 0 && !path.through_glass) path.pixel.alpha += 1;
-      return;
-    }
-    if (path.vertex == 0 && !holdout && !path.through_glass)
-      show_first(path, hit, 1 - bsdf.holdout());
-    if (!scatters || !(body ? meet_body(path, hit, bsdf) : go_on(path, hit, bsdf, *meeting)))
-      return;
+    if (scene_.has_catchers() && catches(path, hit)) return catch_shadows(path, hit);
+    if (!meet_surface(path, hit)) return;
   }
+}
+
+// A surface that the path has come to; false where it ends.
+bool CameraTracer::meet_surface(Path& path, const Surface& hit) const {
+  const Vec3 wo = -path.direction;
+  path.info.length = hit.distance;
+  path.info.left = hit.mark;
+  path.info.footprint = camera_.footprint_at(path.ray, path.travelled + hit.distance);
+  Bsdf bsdf(Transport::kRadiance, wo, hit.ng, hit.ns, hit.back);
+  if (scene_.features() & kProgramSubsurface && !hit.on_strand())
+    bsdf.keep_subsurface(path.info.after_diffuse ? SubsurfaceUse::kWalks : SubsurfaceUse::kAll);
+  scene_.shade(hit, wo, path.info, bsdf);
+  const bool holdout = path.vertex == 0 && scene_.instances[hit.instance].holdout;
+  if (!holdout) add_emission(path, hit, bsdf.emission());
+  if (path.vertex == 0 && path.info.transparent_depth == 0) path.pixel.normal += bsdf.mean_normal();
+  const bool scatters =
+      !holdout && bsdf.scatters() && max_abs(path.throughput + path.world_throughput) > 0;
+  if (path.vertex == 0 && !holdout) {
+    path.pixel.diffuse_color += bsdf.diffuse_albedo() * path.throughput;
+    path.pixel.albedo += bsdf.albedo() * path.throughput;
+  }
+  if (ambient_distance_ > 0 && path.vertex == 0 && !holdout && !path.through_glass)
+    add_ambient_occlusion(path, hit, bsdf);
+  // Light is gathered whether the path then stays or not: it has no part in that choice
+  const bool body = bsdf.below_count() > 0;
+  const bool badly_served = path.badly_served;
+  std::optional<Meeting> meeting;
+  if (scatters && !body) meeting = light(path, hit, bsdf);
+  const Passing passing = pass_through(path, hit, bsdf);
+  if (passing == Passing::kPasses) {
+    path.badly_served = badly_served;
+    return true;
+  }
+  if (passing == Passing::kAbsorbed) {
+    if (path.vertex == 0 && !path.through_glass) path.pixel.alpha += 1;
+    return false;
+  }
+  if (path.vertex == 0 && !holdout && !path.through_glass)
+    show_first(path, hit, 1 - bsdf.holdout());
+  return scatters && (body ? meet_body(path, hit, bsdf) : go_on(path, hit, bsdf, *meeting));
 }
 
 // Light at a surface, and the path's next way; false where it ends.
@@ -177,6 +180,7 @@ CameraTracer::Meeting CameraTracer::light(Path& path, const Surface& hit, Bsdf& 
   receiver.ns = hit.ns;
   receiver.bent = scene_.bent(hit);
   receiver.time = path.info.time;
+  receiver.catchers_only = path.info.catchers_only;
   receiver.bounces = static_cast<uint16_t>(path.vertex);
   if (path.vertex < kSunnyVertices && lights_.environment().contrast() > kSunny)
     receiver.world_samples = 2;
@@ -283,14 +287,17 @@ void CameraTracer::add_world(Path& path) const {
     path.pixel.alpha -= average(path.emission_throughput);
     return;
   }
-  const Environment& world = lights_.environment();
-  if (path.vertex == 0 && world.asks_camera())
-    return add_met(path, world.radiance(path.direction, path.info), path.pixel.environment,
-                   scene_.world_light_group);
-  const Rgb light = lights_.world_met(path.from, path.direction, path.pdf);
+  const Rgb light = world_seen(path);
   if (path.vertex > 0) see_world(path, path.from, path.direction, light / path.pdf, true);
-  if (path.vertex > 0 && world.asks_ray()) return add_world_by_ray(path, light);
+  if (path.vertex > 0 && lights_.environment().asks_ray()) return add_world_by_ray(path, light);
   add_met(path, light, path.pixel.environment, scene_.world_light_group);
+}
+
+Rgb CameraTracer::world_seen(const Path& path) const {
+  const Environment& world = lights_.environment();
+  return path.vertex == 0 && world.asks_camera()
+             ? world.radiance(path.direction, path.info)
+             : lights_.world_met(path.from, path.direction, path.pdf);
 }
 
 // The world's light as a ray of each kind sees it. What diffuse lobes sent on this way and what
@@ -484,8 +491,9 @@ Rgb CameraTracer::light_through(const LightSample& light, const Surface& hit, Pa
   const float epsilon = ray_epsilon(hit.position, hit.distance);
   const bool below = passes_below(hit, light.direction);
   const Vec3 origin = shadow_origin(hit, light.direction, path);
-  if (light.exact >= 0 && lights_.blocked_exactly(static_cast<uint32_t>(light.exact), origin,
-                                                  light.place, path.info.time))
+  if (light.exact >= 0 &&
+      lights_.blocked_exactly(static_cast<uint32_t>(light.exact), origin, light.place,
+                              path.info.time, exact_blockers(path.info)))
     return {};
   MediumStack media = path.media;
   if (scene_.media() && below) scene_.media()->cross(media, hit);

@@ -120,6 +120,9 @@ class CameraTracer {
   void trace_pixel(const Job& job, int x, int y, PackedFilm& film, Pixel& pixel, Tile& tile) const;
   void trace_path(Path& path) const;
   void follow(Path& path) const;
+  bool meet_surface(Path& path, const Surface& hit) const;
+  bool catches(const Path& path, const Surface& hit) const;
+  void catch_shadows(Path& path, const Surface& hit) const;
   // A surface whose light has been gathered, for the path's next way from there.
   struct Meeting {
     Receiver receiver;
@@ -136,6 +139,7 @@ class CameraTracer {
   void add_lamps(Path& path, float far) const;
   void add_linked(Path& path) const;
   void add_world(Path& path) const;
+  Rgb world_seen(const Path& path) const;
   void add_world_by_ray(Path& path, const Rgb& light) const;
   void add_emission(Path& path, const Surface& hit, const Rgb& emission) const;
   void add_strand_emission(Path& path, const Surface& hit, const Rgb& emission) const;

@@ -39,6 +39,7 @@ struct Receiver {
   // Its mesh is coarse for its smooth normals: lights below the surface proper count as well
   bool bent = false;
   float time = kShutterCentre;
+  bool catchers_only = false;  // RayInfo::catchers_only of the path
 
   Vec3 horizon() const { return bent ? Vec3{} : n; }
   // Whether light is to be sampled in proportion to the cosine.

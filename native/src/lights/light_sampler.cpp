@@ -223,6 +223,7 @@ bool Lights::sample(const Receiver& to, float choice, Vec2 u, LightSample& out) 
   }
   const Emitter& e = emitters_[chosen];
   if (e.max_bounces < to.bounces) return false;
+  if (to.catchers_only && e.lamp < 0 && !scene_.instances[e.instance].catcher) return false;
   bool by_cosine = false;
   if (!(e.lamp >= 0 ? sample_lamp(e, to, u, out, by_cosine)
                     : sample_mesh(e, to, u, out, by_cosine)))

@@ -55,7 +55,8 @@ class Lights {
   const std::vector<InSurface>& in_surfaces() const { return in_surfaces_; }
   // Whether something opaque stands between `origin` and a place on such a lamp, to the last bit of
   // the distance.
-  bool blocked_exactly(uint32_t emitter, const Vec3& origin, const Vec3& place, float time) const;
+  bool blocked_exactly(uint32_t emitter, const Vec3& origin, const Vec3& place, float time,
+                       RayMask kinds = kAllRays) const;
 
   // One light sample; nullopt when no light reaches the place.
   std::optional<LightSample> sample(const Receiver& to, float choice, const Vec2& u) const;

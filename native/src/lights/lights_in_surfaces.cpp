@@ -79,14 +79,14 @@ void Lights::find_lights_in_surfaces() {
   }
 }
 
-bool Lights::blocked_exactly(uint32_t emitter, const Vec3& origin, const Vec3& place,
-                             float time) const {
+bool Lights::blocked_exactly(uint32_t emitter, const Vec3& origin, const Vec3& place, float time,
+                             RayMask kinds) const {
   const Vec3 way = place - origin;
   const float distance = length(way);
   if (!(distance > 0)) return false;
   Surface s;
   for (float near = 0;
-       scene_.intersect(origin, way / distance, near, distance, false, s, kAllRays, time);
+       scene_.intersect(origin, way / distance, near, distance, false, s, kinds, time);
        near = past(s))
     if (emitters_[emitter].blockers & scene_.instances[s.instance].group &&
         !scene_.may_be_transparent(s))

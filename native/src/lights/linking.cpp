@@ -28,8 +28,9 @@ Rgb Lights::linked_met(const Receiver& to, const Vec3& origin, const Vec3& direc
   }
   Surface s;
   RayInfo info = ray;
+  const RayMask kinds = RayMask{to.ray} << (to.catchers_only ? kCatcherShift : 0);
   for (float near = 0;
-       meshes && scene_.intersect(origin, direction, near, INFINITY, false, s, to.ray, to.time);
+       meshes && scene_.intersect(origin, direction, near, INFINITY, false, s, kinds, to.time);
        near = past(s)) {
     const int32_t index = emitter_of_instance_[s.instance];
     if (index < 0) continue;

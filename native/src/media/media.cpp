@@ -127,6 +127,15 @@ MediumStack Media::around(const Vec3& x, float time) const {
   return stack;
 }
 
+MediumStack Media::of_catchers(const MediumStack& stack) const {
+  MediumStack kept;
+  for (const uint16_t i : stack) {
+    const uint32_t instance = regions_[i].instance;
+    if (instance == ShadingPoint::kNoInstance || scene_.instances[instance].catcher) kept.enter(i);
+  }
+  return kept;
+}
+
 MediumPoint Media::at(const MediumStack& stack, const Vec3& x, const Vec3& wo,
                       const RayInfo& ray) const {
   MediumPoint sum;

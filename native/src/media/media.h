@@ -53,6 +53,8 @@ class Media {
   }
   // Which media a point lies in, as a ray upwards tells.
   MediumStack around(const Vec3& x, float time = kShutterCentre) const;
+  // Of a stack those of shadow catchers and of the world.
+  MediumStack of_catchers(const MediumStack& stack) const;
   bool emits() const { return emits_; }
   bool scatters() const { return scatters_; }
 

@@ -91,6 +91,7 @@ struct Instance {
   int16_t light_group = kNoLightGroup;
   RayMask seen_by = kAllRays;
   bool holdout = false;  // to the camera a hole in the picture
+  bool catcher = false;  // shows the camera what other things take from its light, and no more
   // Cosine below which shadow rays start off the surface that smooth normals promise
   float terminator_offset = 0.1f;
   float scale = 1;  // largest stretch of to_world
@@ -281,6 +282,7 @@ class Scene {
   // Whether anything moves while the shutter is open, the camera aside.
   bool moves() const { return moves_; }
   bool has_strands() const { return strands_; }
+  bool has_catchers() const { return catchers_; }
   // Whether photons do not bring all light: not what media scatter, nor what strands emit.
   bool needs_paths() const { return media_ || strands_emit_; }
   bool moves(uint32_t instance) const { return moves_ && instances[instance].moves; }
@@ -412,7 +414,8 @@ class Scene {
   // Rays are of these kinds as well: all, where no instance's mask is set
   RayMask any_ray_ = kAllRays;
   bool kinds_differ_ = false, first_kinds_differ_ = false;
-  bool moves_ = false, strands_ = false, strands_emit_ = false, is_built_ = false;
+  bool moves_ = false, strands_ = false, strands_emit_ = false, catchers_ = false,
+       is_built_ = false;
   std::unique_ptr<SweptBoxes> swept_;  // where that is so
   bool packets_ = false;               // this Embree has code for packets of eight
   std::vector<RTCScene> mesh_scenes_;

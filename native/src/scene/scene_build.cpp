@@ -305,7 +305,9 @@ void Scene::update_own_scenes(const CancelFlag& cancel) {
 void Scene::update_media(const CancelFlag& cancel) { media_ = Media::of(*this, pool_, cancel); }
 
 void Scene::see_limits() {
-  any_ray_ = moves_ || strands_ ? 0 : kAllRays;
+  catchers_ = std::any_of(instances.begin(), instances.end(),
+                          [](const Instance& instance) { return instance.catcher; });
+  any_ray_ = moves_ || strands_ || catchers_ ? 0 : kAllRays;
   kinds_differ_ = first_kinds_differ_ = false;
   for (const Instance& instance : instances) {
     const RayMask seen_by = instance.seen_by, scattered = seen_by & kScatteredRays;

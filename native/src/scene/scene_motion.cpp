@@ -94,7 +94,9 @@ void Scene::find_swept() {
 RayMask Scene::mask_of(const Instance& instance) const {
   const bool still = !instance.moves && !meshes[instance.mesh].strands &&
                      instance.seen_by & ray_bit(RayInfo::kDiffuse);
-  return still ? instance.seen_by | kStillRays : instance.seen_by & ~kStillRays;
+  const RayMask mask = still ? instance.seen_by | kStillRays : instance.seen_by & ~kStillRays;
+  if (!catchers_) return mask;
+  return (mask & ~kCatcherRays) | (instance.catcher ? mask << kCatcherShift & kCatcherRays : 0);
 }
 
 unsigned Scene::still(const RayHits& hits, unsigned which) const {

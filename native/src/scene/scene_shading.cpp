@@ -78,15 +78,14 @@ Rgb Scene::emission(const Surface& s, const Vec3& wo, const RayInfo& ray) const 
 
 Rgb Scene::transmittance(const Vec3& origin, const Vec3& direction, float far, const RayInfo& ray,
                          uint64_t blockers) const {
-  constexpr RayMask kShadow = ray_bit(RayInfo::kShadow);
-  if (!blockers || !occluded(origin, direction, 0, far, kShadow, ray.time, ray.left))
+  const RayMask kinds = ray_mask(ray, RayInfo::kShadow);
+  if (!blockers || !occluded(origin, direction, 0, far, kinds, ray.time, ray.left))
     return {1, 1, 1};
   if (!~blockers && !(features_ & kProgramTransparent)) return {};
   Rgb through{1, 1, 1};
   RayInfo info = shadow_ray(ray);
   Surface s;
-  for (float near = 0;
-       intersect(origin, direction, near, far, false, s, kShadow, ray.time, ray.left);
+  for (float near = 0; intersect(origin, direction, near, far, false, s, kinds, ray.time, ray.left);
        near = past(s)) {
     if (!(blockers & instances[s.instance].group)) continue;
     through *= let_through(*this, s, direction, info);
@@ -97,13 +96,12 @@ Rgb Scene::transmittance(const Vec3& origin, const Vec3& direction, float far, c
 
 Rgb Scene::transmittance(const Vec3& origin, const Vec3& direction, float far, const RayInfo& ray,
                          uint64_t blockers, MediumStack around, Random& random) const {
-  constexpr RayMask kShadow = ray_bit(RayInfo::kShadow);
+  const RayMask kinds = ray_mask(ray, RayInfo::kShadow);
   RayInfo info = shadow_ray(ray);
   Rgb through{1, 1, 1};
   Surface s;
   for (float near = 0, begin = 0;; near = past(s)) {
-    const bool found =
-        intersect(origin, direction, near, far, false, s, kShadow, ray.time, ray.left);
+    const bool found = intersect(origin, direction, near, far, false, s, kinds, ray.time, ray.left);
     if (found && blockers & instances[s.instance].group) {
       through *= let_through(*this, s, direction, info);
       if (!(max_abs(through) > 0)) return {};

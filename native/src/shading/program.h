@@ -54,6 +54,7 @@ struct RayInfo {
   bool singular = false;       // left a delta lobe
   bool through = false;        // left to the other side
   bool after_diffuse = false;  // some diffuse lobe sent the path on
+  bool catchers_only = false;  // meets shadow catchers, and nothing else
   float length = 0;
   float from = 0;  // where it began to see, m: the camera's clipping, as in Cycles
   // Width of a camera sample where it meets something, m: how far apart Bump looks; 0: not known
@@ -94,6 +95,14 @@ inline constexpr RayMask kAllRays = ~0u;
 constexpr RayMask ray_bit(RayInfo::Kind kind) { return 1u << kind; }
 // Met by nothing that moves: of no path.
 inline constexpr RayMask kStillRays = 1u << 7;
+// Where the bits of rays that meet shadow catchers alone begin.
+inline constexpr int kCatcherShift = 8;
+inline constexpr RayMask kCatcherRays = 0x7fu << kCatcherShift;
+// What a ray is met by, or one of another kind on the same path.
+constexpr RayMask ray_mask(const RayInfo& ray, RayInfo::Kind kind) {
+  return ray_bit(kind) << (ray.catchers_only ? kCatcherShift : 0);
+}
+constexpr RayMask ray_mask(const RayInfo& ray) { return ray_mask(ray, ray.kind); }
 inline constexpr RayMask kScatteredRays =
     ray_bit(RayInfo::kDiffuse) | ray_bit(RayInfo::kGlossy) | ray_bit(RayInfo::kTransmission);
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from photon_splat.core.scene import ALL_GROUPS, ALL_RAYS, Ray
+from photon_splat.core.scene import ALL_GROUPS, ALL_RAYS, Ray, Scene
 
 from tests.support import stage
 from tests.support.blender import in_blender
@@ -316,10 +316,7 @@ def test_what_is_not_a_surface_is_named() -> None:
 
     pencils = getattr(bpy.data, "grease_pencils_v3", None) or bpy.data.grease_pencils
     stage.add("Sketch", pencils.new("Sketch"))
-    stage.plane("Catcher").is_shadow_catcher = True
-    said = "\n".join(stage.exported().warnings)
-    for name in ("Sketch", "Catcher"):
-        assert f"'{name}'" in said
+    assert "'Sketch'" in stage.the_one_warning(stage.exported())
 
 
 @in_blender
@@ -419,6 +416,76 @@ def test_ray_visibility() -> None:
     assert Ray.CAMERA | Ray.SHADOW | Ray.DIFFUSE | Ray.GLOSSY | Ray.TRANSMISSION not in left
     assert what.instances.holdout.tolist().count(True) == 1
     assert not [warning for warning in what.warnings if "isib" in warning or "oldout" in warning]
+
+
+@in_blender
+def test_shadow_catchers() -> None:
+    import bpy
+
+    stage.plane("Thing")
+    what = stage.exported()
+    assert what.instances.catcher is None
+    assert not what.shadow_pass
+    stage.plane("Floor").is_shadow_catcher = True
+    within = bpy.data.collections.new("Within")
+    stage.plane("Instanced", collection=within)
+    for name in ("One", "Other"):
+        stand = stage.add(name)
+        stand.instance_type, stand.instance_collection = "COLLECTION", within
+        stand.is_shadow_catcher = name == "One"
+    bpy.context.view_layer.cycles.use_pass_shadow_catcher = True
+    what = stage.exported()
+    assert sorted(what.instances.catcher.tolist()) == [False, False, True, True]
+    assert what.shadow_pass
+    assert what.warnings == []
+
+
+def _standing(what: Scene) -> set[int]:
+    """Where the planes of the next test stand."""
+    return {round(float(x)) for x in what.instances.matrix[:, 0, 3]}
+
+
+@in_blender
+def test_simplify_culls_objects_beside_the_view_and_far_from_the_camera() -> None:
+    made = stage.room()  # from 4 m above, sees 1.44 m to each side
+    render, cycles = made.render, made.cycles
+    for x in (0, 2, 4, 8):
+        ob = stage.plane(f"At {x}", half=0.3, location=(x, 0, 0))
+        ob.cycles.use_camera_cull = ob.cycles.use_distance_cull = True
+    stage.plane("Not to be culled", half=0.3, location=(9, 0, 0))
+    sun = stage.lamp("SUN", location=(50.0, 0.0, 0.0))
+    sun.cycles.use_camera_cull = sun.cycles.use_distance_cull = True
+    everything = {0, 2, 4, 8, 9}
+    cycles.use_camera_cull = True
+    assert _standing(stage.exported()) == everything
+    render.use_simplify, cycles.camera_cull_margin = True, 0.02
+    what = stage.exported()
+    assert _standing(what) == {0, 9}
+    assert len(what.lights) == 2
+    assert what.warnings == []
+    cycles.camera_cull_margin = 0.3  # of 2.88 m
+    assert _standing(stage.exported()) == {0, 2, 9}
+    cycles.use_distance_cull, cycles.distance_cull_margin = True, 5.0
+    assert _standing(stage.exported()) == {0, 2, 9}
+    cycles.distance_cull_margin = 6.0  # culled is what both cull
+    assert _standing(stage.exported()) == {0, 2, 4, 9}
+    cycles.use_camera_cull = False
+    assert _standing(stage.exported()) == {0, 2, 4, 9}
+    cycles.distance_cull_margin = 0.0
+    assert _standing(stage.exported()) == everything
+    cycles.use_camera_cull, made.camera.data.type = True, "PANO"
+    assert _standing(stage.exported()) == everything
+
+
+@in_blender
+def test_what_stands_behind_the_camera_is_culled() -> None:
+    made = stage.room()
+    made.render.use_simplify = made.cycles.use_camera_cull = True
+    for x in (1, 2):
+        stage.plane("Behind", half=0.3, location=(x, 0, 5)).cycles.use_camera_cull = True
+    assert _standing(stage.exported()) == {0}
+    made.cycles.camera_cull_margin = 5.0
+    assert _standing(stage.exported()) == {0, 1, 2}
 
 
 @pytest.mark.smoke

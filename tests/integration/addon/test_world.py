@@ -217,21 +217,28 @@ def test_the_sky_of_hosek_and_wilkie_is_brighter_towards_the_sun_and_over_snow()
 def test_what_is_not_read_is_named() -> None:
     import bpy
 
-    made = stage.room()
-    made.render.use_simplify = made.cycles.use_distance_cull = True
+    stage.room()
     bpy.data.objects["Plane"].shadow_terminator_shading_offset = 0.5
     bpy.data.objects["Plane"].data.materials[0].cycles.use_bump_map_correction = False
-    _tree()
+    tree, background = _tree()
+    gradient = tree.nodes.new("ShaderNodeTexGradient")
+    tree.links.new(gradient.outputs["Color"], background.inputs["Color"])
     expected = {
-        "Culling (Simplify) is not supported; everything is rendered",
         "Shadow Terminator's Shading Offset is not supported; ignored: 'Plane'",
         "Bump Map Correction cannot be switched off; it is on in: 'Grey'",
     }
     kept = bpy.context.scene.world.cycles
     if hasattr(kept, "use_shadows"):
         kept.use_shadows = False
-        expected.add("World 'Sky': light without shadows is not supported; it casts them")
+        expected.add("World 'Sky': Cast Shadow is off, but all of its light casts shadows")
     assert set(stage.exported().warnings) == expected
+    if hasattr(kept, "use_shadows"):  # Cycles shadows what it does not sample
+        kept.sampling_method = "NONE"
+        assert not [warning for warning in stage.exported().warnings if "Cast Shadow" in warning]
+        kept.sampling_method = "AUTOMATIC"
+        stage.world(0.5)
+        bpy.context.scene.world.cycles.use_shadows = False
+        assert not [warning for warning in stage.exported().warnings if "Cast Shadow" in warning]
 
 
 @in_blender

@@ -11,6 +11,7 @@ from __future__ import annotations
 from typing import Any
 
 from tests.reference.cycles.cases import CASES, Case
+from tests.reference.cycles.catchers import CATCHERS
 from tests.reference.cycles.displacement import DISPLACEMENT
 from tests.reference.cycles.film import FILM
 from tests.reference.cycles.lamp_trees import LAMP_TREES
@@ -420,6 +421,7 @@ ALL: tuple[Case, ...] = (
     CASES
     + LAMP_TREES
     + VISIBILITY
+    + CATCHERS
     + FILM
     + DISPLACEMENT
     + TERMINATOR

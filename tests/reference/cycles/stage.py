@@ -28,6 +28,7 @@ def build(case: Case) -> bpy.types.Scene:
     """Make the case's scene the current one, at the case's resolution."""
     from tests.reference.caustics import pictures
     from tests.reference.cycles import (
+        catchers_stage,
         displacement_stage,
         film_stage,
         gallery_stage,
@@ -44,6 +45,7 @@ def build(case: Case) -> bpy.types.Scene:
     builders = (
         globals()
         | vars(visibility_stage)
+        | vars(catchers_stage)
         | vars(film_stage)
         | vars(media_stage)
         | vars(passes_stage)
