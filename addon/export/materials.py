@@ -170,6 +170,7 @@ def _default_program(shading: Shading) -> Program:
         "thin_film_thickness",
         "subsurface_scale",
         "subsurface_anisotropy",
+        "thin_wall",
     )
     given = dict.fromkeys(zeros, ZERO) | dict.fromkeys(
         ("normal", "coat_normal", "tangent", "subsurface_radius"), ORIGIN

@@ -29,6 +29,8 @@ MEDIA = ("VolumeAbsorption", "VolumeScatter", "VolumeCoefficients", "PrincipledV
 MOST_LOBES = 48
 """LobeList::kMax of native/src/bsdf/lobe.h."""
 DEFAULT_RADIUS = (1.0, 0.2, 0.1)
+SMOOTH_PANE, STRAIGHT_PANE = 0.05, 1.01
+"""Roughness and index up to which light may go straight through a pane."""
 
 
 def lobe_count(made: Statement) -> int:
@@ -41,11 +43,13 @@ def lobe_count(made: Statement) -> int:
         value != ZERO
         for value in (metallic, transmission, made.get("coat_weight"), made.get("sheen_weight"))
     )
+    thin = made.get("thin_wall") != ZERO
+    lobes += thin and transmission != ZERO
     if ONE in (metallic, transmission):
         return lobes
     specular = made.get("specular_level") != ZERO or made.get("thin_film_thickness") != ZERO
     both_diffuse = made.get("diffuse_roughness") != ZERO and made.get("subsurface_weight") != ZERO
-    return lobes + specular + (2 if both_diffuse else 1)
+    return lobes + specular + (2 if both_diffuse else 1) + 2 * thin
 
 
 def emission(n: Node, weight: Value) -> Made:
@@ -238,13 +242,23 @@ def toon(n: Node, weight: Value) -> Made:
     )
 
 
+def _scatters_all(roughness: Value, ior: Value) -> bool:
+    """Whether no light goes straight through a pane."""
+    return (
+        roughness.is_constant
+        and roughness.data[0] > SMOOTH_PANE
+        and ior.is_constant
+        and ior.data[0] > STRAIGHT_PANE
+    )
+
+
 def principled(n: Node, weight: Value) -> Made:
     weights = {
         name: n.share(name) for name in ("Subsurface Weight", "Transmission Weight", "Coat Weight")
     } | {"Sheen Weight": n.number("Sheen Weight")}
     scatters_below = weights["Subsurface Weight"] != ZERO
-    if n.number("Thin Wall") != ZERO:
-        n.warn("Thin Wall is not supported; taken as solid")
+    thin = n.number("Thin Wall")
+    transmits = weights["Transmission Weight"] != ZERO
     metal, roughness, coat_roughness = (
         n.share("Metallic"),
         n.share("Roughness", 0.5),
@@ -310,6 +324,7 @@ def principled(n: Node, weight: Value) -> Made:
         subsurface_ior=n.number("Subsurface IOR", 1.4) if scatters_below else ONE,
         subsurface_anisotropy=cosine,
         subsurface_method=method,
+        thin_wall=thin if scatters_below or transmits else ZERO,
     )
     features = Feature.SUBSURFACE if scatters_below else Feature(0)
     if alpha != ONE:
@@ -328,8 +343,12 @@ def principled(n: Node, weight: Value) -> Made:
             features |= Feature.CONSTANT_EMISSION
     if metal != ONE and weights["Transmission Weight"] != ONE:
         features |= Feature.GATHERS
-    if weights["Transmission Weight"] != ZERO:
+    if scatters_below and thin != ZERO:
+        features |= Feature.TRANSMITS
+    if transmits:
         features |= Feature.TRANSMITS | (_bent(ior, roughness) & Feature.TRANSPARENT)
+        if thin != ZERO and not _scatters_all(roughness, ior):
+            features |= Feature.TRANSPARENT
     if weights["Sheen Weight"] != ZERO:
         features |= Feature.GATHERS | Feature.REST
     smooth = (

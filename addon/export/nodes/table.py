@@ -45,12 +45,7 @@ NODES: dict[str, Entry] = {
     "EMISSION": Entry("shader", "Emission", s.emission),
     "BACKGROUND": Entry("shader", "Background", s.emission),
     "BSDF_DIFFUSE": Entry("shader", "Diffuse BSDF", s.diffuse),
-    "BSDF_PRINCIPLED": Entry(
-        "shader",
-        "Principled BSDF",
-        s.principled,
-        "Thin Wall is taken as solid",
-    ),
+    "BSDF_PRINCIPLED": Entry("shader", "Principled BSDF", s.principled),
     "BSDF_GLOSSY": Entry("shader", "Glossy BSDF", s.glossy),
     "BSDF_GLASS": Entry("shader", "Glass BSDF", s.glass),
     "BSDF_REFRACTION": Entry("shader", "Refraction BSDF", s.refraction),

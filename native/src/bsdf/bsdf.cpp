@@ -412,8 +412,7 @@ void Bsdf::cover_hemispheres() {
       continue;
     }
     const float moved = lobe.pick * std::clamp(1 - cosine, kLeastCover, 0.5f);
-    const bool transmits =
-        lobe.kind == LobeKind::kFacets && max_component(lobe.fresnel.transmit_tint) > 0;
+    const bool transmits = lobe.transmits();
     lobe.pick -= moved;
     same += transmits ? 0.5f * moved : moved;
     through += transmits ? 0.5f * moved : 0;
@@ -439,9 +438,7 @@ void Bsdf::add_cover(const Vec3& n, float same, float through) {
 bool Bsdf::transmits() const {
   for (const Lobe& lobe : lobes_) {
     if (lobe.pick <= 0) continue;
-    if (lobe.kind == LobeKind::kTranslucent || lobe.of_hair() ||
-        (lobe.kind == LobeKind::kFacets && max_component(lobe.fresnel.transmit_tint) > 0))
-      return true;
+    if (lobe.transmits()) return true;
   }
   return false;
 }
@@ -470,10 +467,9 @@ bool Bsdf::has_rest() const { return rest_; }
 Rgb Bsdf::albedo() const {
   Rgb sum = below_weight();
   for (const Lobe& lobe : lobes_)
-    sum += lobe.kind == LobeKind::kFacets || lobe.kind == LobeKind::kPrincipledHair
-               ? lobe.scale * lobe.layer
-           : lobe.diffuse() ? lobe.gather
-                            : lobe.weight;
+    sum += lobe.of_facets() || lobe.kind == LobeKind::kPrincipledHair ? lobe.scale * lobe.layer
+           : lobe.diffuse()                                           ? lobe.gather
+                                                                      : lobe.weight;
   return sum;
 }
 

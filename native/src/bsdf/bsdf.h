@@ -22,6 +22,8 @@ struct PrincipledInputs {
   float diffuse_roughness = 0;
   float subsurface_weight = 0;
   SubsurfaceInputs subsurface;  // method, radius, ior of skin, anisotropy; else not read
+  // Light that goes in comes out of either side at the same place
+  bool thin_wall = false;
   float specular_level = 0.5f;
   Rgb specular_tint{1, 1, 1};
   float anisotropic = 0, anisotropic_rotation = 0;

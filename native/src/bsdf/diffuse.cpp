@@ -189,6 +189,14 @@ FacetValue Lobe::evaluate(const View& view, const Vec3& wi, bool sampled) const 
       value.f *= weight;
       return value;
     }
+    case LobeKind::kThinFacets: {
+      if (!(side < 0 && cosine < 0)) return {};
+      Vec3 mirrored = to_local(wi);
+      mirrored.z = -mirrored.z;
+      FacetValue value = evaluate_facets(facets, fresnel, from, masked, mirrored);
+      value.f *= weight;
+      return value;
+    }
     case LobeKind::kHairReflection:
     case LobeKind::kHairTransmission:
     case LobeKind::kPrincipledHair: return evaluate_hair(*this, view.wo, wi, sampled);
@@ -222,6 +230,10 @@ bool Lobe::sample(const View& view, float choice, const Vec2& u, Vec3* wi) const
       break;
     case LobeKind::kFacets:
       if (!sample_facets(facets, fresnel, from, choice, u, &w)) return false;
+      break;
+    case LobeKind::kThinFacets:
+      if (!sample_facets(facets, fresnel, from, choice, u, &w)) return false;
+      w.z = -w.z;
       break;
     case LobeKind::kHairReflection:
     case LobeKind::kHairTransmission:

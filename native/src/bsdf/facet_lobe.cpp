@@ -12,6 +12,7 @@ Vec3 View::turned(const Vec3& normal) const {
 
 float Lobe::roughness() const {
   switch (kind) {
+    case LobeKind::kThinFacets:
     case LobeKind::kFacets: return facets.delta() ? 0 : std::sqrt(std::sqrt(facets.ax * facets.ay));
     case LobeKind::kAshikhminShirley: return p[2];
     case LobeKind::kToonGlossy: return std::sqrt(std::min(p[2], 1.0f));

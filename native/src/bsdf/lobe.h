@@ -16,6 +16,7 @@ enum class LobeKind : uint8_t {
   kOrenNayar,
   kTranslucent,
   kFacets,
+  kThinFacets,  // what facets reflect, on the other side: light through two boundaries close by
   kAshikhminShirley,
   kSheen,
   kVelvet,
@@ -49,13 +50,13 @@ struct Lobe {
   float albedo;    // share of light it is thought to scatter, for the choice among lobes
   float pick = 0;  // probability of that choice
   Vec3 n, t, b;    // frame; n on the side of wo (translucent: too)
-  Facets facets;   // kFacets
+  Facets facets;   // of_facets()
   FresnelTerms fresnel;
-  // kFacets: weight without energy compensation; what a lobe of weight 1 reflects and refracts,
+  // Of facets: weight without energy compensation; what a lobe of weight 1 reflects and refracts,
   // about
   Rgb scale, layer;
-  Vec3 from;         // kFacets: wo in the lobe's frame
-  float masked = 0;  // kFacets: lambda of it
+  Vec3 from;         // of facets: wo in the lobe's frame
+  float masked = 0;  // of facets: lambda of it
   // kOrenNayar: a, b, 1 - E(wo); kSheen: LTC a and b; kVelvet: 1/sigma^2; toon: size, smooth, pdf;
   // kAshikhminShirley: exponents along t and b, roughness; hair: roughness along and around, offset
   float p[3] = {};
@@ -64,11 +65,16 @@ struct Lobe {
   HairShape hair;  // kPrincipledHair
 
   bool diffuse() const {
-    return kind != LobeKind::kFacets && kind != LobeKind::kToonGlossy &&
-           kind != LobeKind::kAshikhminShirley && !of_hair();
+    return !of_facets() && kind != LobeKind::kToonGlossy && kind != LobeKind::kAshikhminShirley &&
+           !of_hair();
   }
   // Scatters about a strand (its tangent is t), not off a surface
   bool of_hair() const { return kind >= LobeKind::kHairReflection; }
+  bool of_facets() const { return kind == LobeKind::kFacets || kind == LobeKind::kThinFacets; }
+  bool transmits() const {
+    return kind == LobeKind::kTranslucent || kind == LobeKind::kThinFacets || of_hair() ||
+           (kind == LobeKind::kFacets && max_component(fresnel.transmit_tint) > 0);
+  }
   bool delta() const { return kind == LobeKind::kFacets && facets.delta(); }
   float roughness() const;
   Vec3 to_local(const Vec3& v) const { return {dot(v, t), dot(v, b), dot(v, n)}; }

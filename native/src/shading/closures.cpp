@@ -74,7 +74,8 @@ void principled(Frame& f, const uint32_t* w) {
     kSubsurfaceScale,
     kSubsurfaceIor,
     kSubsurfaceAnisotropy,
-    kSubsurfaceMethod
+    kSubsurfaceMethod,
+    kThinWall
   };
   const float weight = bounded(f.number(w[kWeight]), kMostScattered);
   PrincipledInputs p;
@@ -92,6 +93,7 @@ void principled(Frame& f, const uint32_t* w) {
     p.subsurface.ior = f.number(w[kSubsurfaceIor]);
     p.subsurface.anisotropy = f.number(w[kSubsurfaceAnisotropy]);
   }
+  p.thin_wall = f.number(w[kThinWall]) != 0;
   p.specular_level = f.number(w[kSpecular]);
   p.specular_tint = bounded(f.vector(w[kSpecularTint]), kMostScattered);
   p.anisotropic = f.number(w[kAnisotropic]);

@@ -214,6 +214,32 @@ TEST_CASE("transparency, emission and holdout are sums; alpha cuts emission too"
   CHECK_FALSE(nothing.sample(0.5f, {0.5f, 0.5f}));
 }
 
+TEST_CASE("a smooth pane: all of the light, straight on or mirrored; the same from both sides") {
+  for (const float cosine : {0.9f, 0.2f, -0.2f}) {
+    const auto pane = [&](const Rgb& color) {
+      return flat(direction(cosine, 0), [&](Bsdf& b) {
+        b.add_principled(kWhite, principled_inputs([&](auto& in) {
+                           in.roughness = 0, in.ior = 1.5f, in.base_color = color;
+                           in.specular_tint = kWhite;
+                           in.transmission_weight = 1, in.thin_wall = true;
+                         }));
+      });
+    };
+    const float one = fresnel_dielectric(std::abs(cosine), 1.5f), both = 2 * one / (1 + one);
+    const Bsdf clear = pane(kWhite), green = pane({0.5f, 1, 0});
+    CHECK(clear.only_delta());
+    CHECK(clear.transparency().x == doctest::Approx(1 - both));
+    CHECK(clear.straight().x == clear.transparency().x);
+    const auto mirrored = clear.sample(0.5f, {0.5f, 0.5f});
+    REQUIRE(mirrored);
+    CHECK(mirrored->weight.x == doctest::Approx(both));
+    CHECK(green.transparency().x < 0.5f * clear.transparency().x);
+    CHECK(green.transparency().y == doctest::Approx(1 - both));
+    CHECK(green.transparency().z == 0);
+    CHECK(green.sample(0.5f, {0.5f, 0.5f})->weight.z == doctest::Approx(one));
+  }
+}
+
 TEST_CASE("mirror directions stay above a surface with bent normals") {
   const Vec3 wo = direction(0.1f, 0), tilted = normalize({1, 0, 1.2f});
   for (float roughness : {0.0f, 0.3f}) {

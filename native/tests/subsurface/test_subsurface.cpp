@@ -268,6 +268,13 @@ TEST_CASE("Principled: what goes below and what is diffuse add up") {
   CHECK(below.albedo().x == doctest::Approx(diffuse.albedo().x));
   CHECK(below.diffuse_albedo().x == doctest::Approx(diffuse.diffuse_albedo().x));
   CHECK(length(below.mean_normal() - kUp) < 1e-6f);
+
+  in.thin_wall = true;
+  in.subsurface.anisotropy = 0.5f;
+  const Bsdf thin = made(SubsurfaceUse::kAll);
+  CHECK(thin.below_count() == 0);
+  CHECK(thin.gather().x == doctest::Approx(0.6f + 0.05f));
+  CHECK(thin.gather_through().x == doctest::Approx(0.15f));
 }
 
 TEST_CASE("bad input: open meshes, and numbers that are none, yield finite light or none") {

@@ -106,6 +106,34 @@ std::vector<BsdfCase> bsdf_cases() {
         },
         false);
     add(
+        "pane" + at,
+        [=](Bsdf& b) {
+          b.add_principled(kWhite, principled_inputs([=](auto& in) {
+                             in.roughness = r, in.transmission_weight = 1, in.thin_wall = true;
+                             in.base_color = {0.9f, 0.6f, 0.3f}, in.specular_tint = kWhite;
+                           }));
+        },
+        false);
+    add(
+        "white pane" + at,
+        [=](Bsdf& b) {
+          b.add_principled(kWhite, principled_inputs([=](auto& in) {
+                             in.roughness = r, in.transmission_weight = 1, in.thin_wall = true;
+                             in.base_color = in.specular_tint = kWhite;
+                           }));
+        },
+        false, 1);
+    add(
+        "wall with a film" + at,
+        [=](Bsdf& b) {
+          b.add_principled(kWhite, principled_inputs([=](auto& in) {
+                             in.roughness = r, in.transmission_weight = 0.6f, in.thin_wall = true;
+                             in.thin_film_thickness = 400, in.subsurface_weight = 0.5f;
+                             in.subsurface.anisotropy = 0.4f;
+                           }));
+        },
+        false);
+    add(
         "white metal" + at,
         [=](Bsdf& b) {
           b.add_principled(kWhite, principled_inputs([=](auto& in) {

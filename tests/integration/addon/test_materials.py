@@ -708,9 +708,10 @@ def test_subsurface_methods() -> None:
 
     ob = stage.plane()
     modes = operations()["Subsurface"].operands[-1].modes
-    for node_type, setting, anisotropy in (
-        ("ShaderNodeSubsurfaceScattering", "falloff", "Anisotropy"),
-        ("ShaderNodeBsdfPrincipled", "subsurface_method", "Subsurface Anisotropy"),
+    for node_type, setting, anisotropy, place in (
+        ("ShaderNodeSubsurfaceScattering", "falloff", "Anisotropy", -2),
+        # Thin Wall comes after it
+        ("ShaderNodeBsdfPrincipled", "subsurface_method", "Subsurface Anisotropy", -3),
     ):
         made, tree = stage.empty_material("Made")
         shader = tree.nodes.new(node_type)
@@ -728,7 +729,26 @@ def test_subsurface_methods() -> None:
             assert program.features & Feature.SUBSURFACE
             code = program.code.tolist()
             expected = "RANDOM_WALK_LEGACY" if older and method == "RANDOM_WALK" else method
-            assert code[-2] == modes.index(expected), method
-            cosine = program.constants[code[-3] - CONSTANT_BIT]
+            assert code[place] == modes.index(expected), method
+            cosine = program.constants[code[place - 1] - CONSTANT_BIT]
             assert cosine == (0.0 if older else -0.5)
             assert what.warnings == []
+
+
+@in_blender
+def test_thin_walls_of_smooth_glass_let_light_straight_through() -> None:
+    made, tree = stage.empty_material("Pane")
+    shader = tree.nodes.new("ShaderNodeBsdfPrincipled")
+    if "Thin Wall" not in shader.inputs:  # before Blender 5.2
+        return
+    stage.surface(tree, shader)
+    stage.plane().data.materials[0] = made
+    shader.inputs["Transmission Weight"].default_value = 1.0
+    straight = []
+    for thin, roughness in ((False, 0.0), (True, 0.0), (True, 0.5)):
+        shader.inputs["Thin Wall"].default_value = thin
+        shader.inputs["Roughness"].default_value = roughness
+        what = stage.exported()
+        assert what.warnings == []
+        straight.append(bool(what.programs[0].features & Feature.TRANSPARENT))
+    assert straight == [False, True, False]

@@ -24,6 +24,7 @@ from tests.reference.cycles.terminator import TERMINATOR
 from tests.reference.cycles.visibility import VISIBILITY
 
 ORANGE, STEEL, GREENISH = (0.75, 0.42, 0.18), (0.8, 0.82, 0.85), (0.55, 0.9, 0.6)
+CLEAR, GLASS = (1.0, 1.0, 1.0), {"Transmission_Weight": 1.0}
 DISTRIBUTIONS = {"ggx": "GGX", "multi": "MULTI_GGX", "beckmann": "BECKMANN"}
 
 
@@ -398,6 +399,18 @@ def _cases() -> tuple[Case, ...]:
             "sheet_mix_translucent",
             mix(0.5, diffuse(), node("BsdfTranslucent", Color=(0.7, 0.8, 0.5))),
             second="sheet",
+        ),
+        *(
+            _case(f"thin_glass_{name}", principled(color, Thin_Wall=True, **more), second="sheet")
+            for name, color, more in (
+                ("smooth", CLEAR, GLASS | {"Roughness": 0.0}),
+                ("rough", CLEAR, GLASS | {"Roughness": 0.5}),
+                ("coloured", GREENISH, GLASS | {"Roughness": 0.2, "IOR": 2.0}),
+                ("film", CLEAR, GLASS | {"Roughness": 0.3, "Thin_Film_Thickness": 400.0}),
+                ("tint", CLEAR, GLASS | {"Roughness": 0.1, "Specular_Tint": (0.9, 0.5, 0.3)}),
+                ("low_ior", CLEAR, GLASS | {"Roughness": 0.5, "IOR": 0.8}),
+                ("half", ORANGE, {"Transmission_Weight": 0.5, "Roughness": 0.3}),
+            )
         ),
         _case("coarse_diffuse", diffuse(), segments=12),
         _case("coarse_glossy", glossy("GGX", 0.2), segments=12),
