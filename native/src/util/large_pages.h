@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <cstdlib>
 #include <memory>
 #include <new>
@@ -35,7 +36,7 @@ struct LargePages {
   T* allocate(std::size_t count) {
 #ifdef __linux__
     if (count >= kLeast / sizeof(T)) {
-      if (count > (~std::size_t{0} - kPage) / sizeof(T)) throw std::bad_array_new_length();
+      if (count > (std::size_t{PTRDIFF_MAX} - kPage) / sizeof(T)) throw std::bad_array_new_length();
       const std::size_t bytes = (count * sizeof(T) + kPage - 1) / kPage * kPage;
       void* memory = std::aligned_alloc(kPage, bytes);
       if (!memory) throw std::bad_alloc();
