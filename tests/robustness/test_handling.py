@@ -178,10 +178,11 @@ def test_free_memory_is_that_of_the_container(tmp_path: Path) -> None:
 
 
 def test_the_film_takes_150_bytes_a_pixel_at_most() -> None:
-    start = start_anew(room(pixels=512), RenderSettings(passes=3, photons_per_pass=1000))
+    scene = room(pixels=512)
+    start = start_anew(scene, RenderSettings(passes=3, photons_per_pass=1000))
     for arrays, most in (
-        (final_arrays({"Combined"}, RenderSettings()), 100),
-        (final_arrays(None, RenderSettings(denoise=True)), 150),
+        (final_arrays({"Combined"}, RenderSettings(), scene), 100),
+        (final_arrays(None, RenderSettings(denoise=True), scene), 150),
     ):
         start.renderer.keep_film(arrays)
         start.prepare()
