@@ -306,12 +306,15 @@ def _from_packed_tile(image: Any, tile: int) -> tuple[NDArray, int] | None:
 
 
 def _from_data(data: bytes, image: Any) -> tuple[NDArray, int] | None:
-    """As _from_file(), of what a file of the image holds."""
-    with tempfile.TemporaryDirectory() as folder:
-        path = os.path.join(folder, "image" + os.path.splitext(image.filepath)[1])
-        with open(path, "wb") as file:
-            file.write(data)
-        return _from_file(path)
+    """As _from_file(), of what a file of the image holds; None as well where no room is for it."""
+    try:
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "image" + os.path.splitext(image.filepath)[1])
+            with open(path, "wb") as file:
+                file.write(data)
+            return _from_file(path)
+    except OSError:
+        return None
 
 
 def _own_pixels(image: Any) -> NDArray | None:

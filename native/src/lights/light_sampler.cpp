@@ -22,8 +22,8 @@ constexpr float kLeastShare = 0.1f;
 
 // About the mean cosine to what reaches `radius` around a middle that far away.
 float mean_cosine(float along, float distance, float radius) {
-  const float reach = 0.5f * radius;
-  return std::clamp((along + reach) / (distance + reach), kLeastShare, 1.0f);
+  const float reach = 0.5f * radius, cosine = (along + reach) / (distance + reach);
+  return cosine > kLeastShare ? std::min(cosine, 1.0f) : kLeastShare;  // at the point itself too
 }
 
 float power_heuristic(float a, float b) {
@@ -54,7 +54,7 @@ float Lights::emitter_weight(const Emitter& e, const Receiver& to) const {
     if (before <= 0) return 0;
     weight *= mean_cosine(before, distance, e.radius);
   } else if (lamp && lamp->s.kind == LampKind::kSpot && distance > e.radius) {
-    weight *= std::max(spot_attenuation(*lamp, to_center / -distance), kLeastShare);
+    weight *= std::max(kLeastShare, spot_attenuation(*lamp, to_center / -distance));
   }
   return weight;
 }
