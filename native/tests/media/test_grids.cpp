@@ -36,17 +36,7 @@ double held(int x, int y, int z) {
 // A cube [0, 1]^3 that carries the grid.
 void fill(Scene& scene, const Program& medium, const Placement& place = identity,
           float density = 1) {
-  ProgramWriter clear;
-  clear.emit(nodes::Op::Transparent,
-             {{"weight", clear.constant({1})}, {"color", clear.constant({1, 1, 1})}});
-  clear.emit(nodes::Op::End, {});
-  clear.program().features = kProgramTransparent;
-  scene.programs = {clear.program(), medium};
-  Material material;
-  material.program = 0;
-  material.volume = 1;
-  scene.materials = {material};
-  scene.meshes.push_back(padded(make_cube()));
+  add_cube_of(scene, medium);
   const Affine to_index{{30, 0, 0, 0, 0, 30, 0, 0, 0, 0, 30, 0}};
   scene.meshes[0].grids.push_back(
       {kDensity, std::make_shared<const VolumeGrid>(

@@ -35,17 +35,7 @@ Program growing(float slope) {
 
 // A cube [0, 1]^3 of a medium behind a surface that lets everything pass.
 void fill(Scene& scene, const Program& medium) {
-  ProgramWriter clear;
-  clear.emit(nodes::Op::Transparent,
-             {{"weight", clear.constant({1})}, {"color", clear.constant({1, 1, 1})}});
-  clear.emit(nodes::Op::End, {});
-  clear.program().features = kProgramTransparent;
-  scene.programs = {clear.program(), medium};
-  Material material;
-  material.program = 0;
-  material.volume = 1;
-  scene.materials = {material};
-  scene.meshes.push_back(padded(make_cube()));
+  add_cube_of(scene, medium);
   scene.add_instance(0, identity, {0});
   for (const Program& program : scene.programs) check_program(scene, program);
   scene.build(kNever);

@@ -80,4 +80,20 @@ inline ShadingPoint point_on(const Scene& scene, float u, float v, bool back = f
   return point;
 }
 
+// The mesh of a cube [0, 1]^3 of a medium behind a surface that lets everything pass; its programs
+// and its material are all that the scene has.
+inline void add_cube_of(Scene& scene, const Program& medium) {
+  ProgramWriter clear;
+  clear.emit(nodes::Op::Transparent,
+             {{"weight", clear.constant({1})}, {"color", clear.constant({1, 1, 1})}});
+  clear.emit(nodes::Op::End, {});
+  clear.program().features = kProgramTransparent;
+  scene.programs = {clear.program(), medium};
+  Material material;
+  material.program = 0;
+  material.volume = 1;
+  scene.materials = {material};
+  scene.meshes.push_back(padded(make_cube()));
+}
+
 }  // namespace photon_splat
