@@ -22,8 +22,8 @@ constexpr float kLeastShare = 0.1f;
 
 // About the mean cosine to what reaches `radius` around a middle that far away.
 float mean_cosine(float along, float distance, float radius) {
-  const float reach = 0.5f * radius, cosine = (along + reach) / (distance + reach);
-  return cosine > kLeastShare ? std::min(cosine, 1.0f) : kLeastShare;  // at the point itself too
+  const float reach = 0.5f * radius;
+  return std::clamp((along + reach) / (distance + reach), kLeastShare, 1.0f);
 }
 
 float power_heuristic(float a, float b) {
@@ -47,7 +47,9 @@ float Lights::emitter_weight(const Emitter& e, const Receiver& to) const {
   const float height = dot(horizon, to_center);
   if (height < -e.radius) return 0;  // wholly below the horizon
   const float distance2 = length2(to_center), distance = std::sqrt(distance2);
-  float weight = e.importance / std::max({distance2, e.radius * e.radius, 1e-30f});
+  const float near2 = std::max(distance2, e.radius * e.radius);
+  if (near2 < 1e-30f) return 0;  // in a point lamp, which has no direction there
+  float weight = e.importance / near2;
   if (cosine) weight *= mean_cosine(height, distance, e.radius);
   if (lamp && lamp->s.kind == LampKind::kArea) {
     const float before = -dot(lamp->forward, to_center);

@@ -143,6 +143,24 @@ TEST_CASE("irradiance from many lamps is the sum of theirs") {
   }
 }
 
+TEST_CASE("a receiver in one of a few point lamps gets the light of the others") {
+  Scene scene(1);
+  fill(scene, make_grid(1, 10), {identity});
+  std::vector<LampSettings> lamps(3);
+  for (int i = 0; i < 3; ++i) {
+    lamps[i].strength = {1, 1, 1};
+    lamps[i].to_world.m[3] = static_cast<float>(i);
+    lamps[i].to_world.m[11] = static_cast<float>(1 + i);
+  }
+  const Receiver to{{0, 0, 1}, {0, 0, 1}};
+  double expected = 0;
+  for (const LampSettings& lamp : {lamps[1], lamps[2]})
+    expected += irradiance(Lights(scene, {lamp}), to, 16, 1);
+  REQUIRE(expected > 0);
+  CHECK(irradiance(Lights(scene, lamps), to, 1 << 12, 1) ==
+        doctest::Approx(expected).epsilon(0.01));
+}
+
 TEST_CASE("many lamps: rays and light samples share them to the full") {
   Scene scene(1);
   fill(scene, make_grid(1, 10), {identity});

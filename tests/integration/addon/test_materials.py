@@ -82,6 +82,26 @@ def test_packed_image(tmp_path: str) -> None:
 
 
 @in_blender
+def test_a_packed_image_where_the_temporary_folder_is_full(tmp_path: str) -> None:
+    from unittest.mock import patch
+
+    import bpy
+
+    image = _four_colors("Packed")
+    image.filepath_raw, image.file_format = f"{tmp_path}/picture.png", "PNG"
+    image.save()
+    image.pack()
+    _textured(image)
+    full = OSError(28, "No space left on device")
+    with patch("tempfile.TemporaryDirectory", side_effect=full) as asked:
+        what = stage.exported()
+    assert asked.called
+    (texture,) = what.textures
+    assert np.allclose(texture.pixels[..., :3] / 255, COLORS, atol=0.003)
+    assert bpy.data.images["Packed"].packed_file
+
+
+@in_blender
 def test_image_file_and_its_colour_space(tmp_path: str) -> None:
     import bpy
 
