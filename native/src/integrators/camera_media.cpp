@@ -3,6 +3,11 @@
 #include "integrators/camera_path.h"
 
 namespace photon_splat {
+namespace {
+
+constexpr float kThinAims = 0.4f;  // more than half of samples that go where lamps are, at most
+
+}  // namespace
 
 // A path's way to what its ray has found, `hit` (or nothing), through the media around it.
 CameraTracer::InMedium CameraTracer::pass_media(Path& path, const Surface* hit, float far) const {
@@ -50,10 +55,15 @@ bool CameraTracer::add_single_scattering(Path& path, float far) const {
   if (!medium || is_black(medium->scattering)) return medium.has_value();
   const float near = path.near, extinction = average(medium->extinction()),
               inside = std::isfinite(far) ? -std::expm1(-extinction * (far - near)) : 1;
-  if (!(far > near) || !(inside > 0)) return true;
+  if (!(far > near) || !(inside > 0) || is_black(path.throughput + path.world_throughput))
+    return true;
   const Vec2 how = path.numbers(kMediumPair), where = path.numbers(kMediumPlacePair);
-  float distance, by_lights;
-  if (const auto aimed = how.x < 0.5f ? lights_.sample_along(path.origin, path.direction, near, far,
+  // Thin media scatter all along the ray, but light of near lamps alone comes from near them.
+  const float aims =
+      lights_.all_near() ? 0.5f + kThinAims * std::exp(-extinction * (far - near)) : 0.5f;
+  float distance;
+  std::optional<float> by_lights;
+  if (const auto aimed = how.x < aims ? lights_.sample_along(path.origin, path.direction, near, far,
                                                              how.y, where.x)
                                       : std::nullopt) {
     distance = aimed->distance;
@@ -64,7 +74,7 @@ bool CameraTracer::add_single_scattering(Path& path, float far) const {
   }
   const float t = distance - near;
   const float by_extinction = extinction * std::exp(-extinction * t) / inside;
-  const float pdf = by_lights > 0 ? 0.5f * (by_lights + by_extinction) : by_extinction;
+  const float pdf = by_lights ? aims * *by_lights + (1 - aims) * by_extinction : by_extinction;
   if (!(t >= 0) || !(distance <= far) || !(pdf > 0) || !std::isfinite(pdf)) return true;
   const Rgb all = medium->extinction();
   const Rgb through{std::exp(-all.x * t), std::exp(-all.y * t), std::exp(-all.z * t)};

@@ -40,6 +40,7 @@ Lights::Lights(Scene& scene, const std::vector<LampSettings>& lamps)
   find_lights_in_surfaces();
   share_power();
   if (emitters_.size() > kFewEmitters) build_tree();
+  choose_along();
   for (uint32_t i = 0; i < emitters_.size(); ++i)
     if (emitters_[i].lamp >= 0 && lamps_[emitters_[i].lamp].s.camera_visible)
       visible_lamps_.push_back(i);

@@ -64,14 +64,17 @@ class Lights {
   // Where along a ray between `near` and `far` (which may be infinite) light of lamps and of
   // emissive meshes had better be scattered: in proportion to the inverse squared distance of one
   // of them (equiangular sampling: Kulla and Fajardo, Importance Sampling Techniques for Path
-  // Tracing in Participating Media, 2012). Nothing where there are none to aim at, or too many.
+  // Tracing in Participating Media, 2012). Nothing where there are none to aim at.
   struct AlongRay {
     float distance, pdf;  // 1/m
   };
   std::optional<AlongRay> sample_along(const Vec3& origin, const Vec3& direction, float near,
                                        float far, float choice, float u) const;
-  float pdf_along(const Vec3& origin, const Vec3& direction, float near, float far,
-                  float distance) const;
+  // Whether that is all of the light that media scatter.
+  bool all_near() const { return along_.size() == emitters_.size() && environment_.black(); }
+  // Of that; none where there is nothing to aim at.
+  std::optional<float> pdf_along(const Vec3& origin, const Vec3& direction, float near, float far,
+                                 float distance) const;
 
   // Sample `i` of to.world_samples, of one world altogether, where the guide has learnt how to see
   // it from there; `sample` then leaves the world out. The numbers are those of all of them.
@@ -141,6 +144,7 @@ class Lights {
   float reach_of_exact(float far) const;
   void add_lamp(const LampSettings& settings);
   void add_emissive_instances();
+  void choose_along();
   template <class See>
   void near_emitters(const Vec3& origin, const Vec3& direction, float near, float far,
                      See&& see) const;
@@ -188,6 +192,7 @@ class Lights {
   std::vector<uint32_t> tree_emitters_, suns_;
   std::vector<int32_t> tree_item_;       // of an emitter; -1: a sun
   std::vector<uint32_t> visible_lamps_;  // emitters that the camera may see
+  std::vector<uint32_t> along_;          // those that rays through media ask
   std::vector<uint32_t> shadow_linked_;  // emitters whose light not everything blocks
   std::vector<double> power_cdf_;        // over emitters and, last, the world
   double world_power_ = 0, total_power_ = 0;
