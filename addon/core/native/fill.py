@@ -155,7 +155,7 @@ def fill_renderer(renderer: Renderer, scene: Scene, settings: RenderSettings) ->
     _add_instances(renderer, scene)
     _add_lights(renderer, scene)
     place_camera(renderer, scene.camera, scene.frame)
-    set_options(renderer, settings)
+    set_options(renderer, scene, settings)
 
 
 SAME_OPTIONS = (
@@ -173,7 +173,13 @@ SAME_OPTIONS = (
 """Settings that the renderer has by the same name."""
 
 
-def set_options(renderer: Renderer, settings: RenderSettings) -> None:
+def _has_media(scene: Scene) -> bool:
+    return scene.world_volume != NO_PROGRAM or any(
+        material.volume != NO_PROGRAM for material in scene.materials
+    )
+
+
+def set_options(renderer: Renderer, scene: Scene, settings: RenderSettings) -> None:
     """What the renderer is to know of `settings`, before it is built."""
     native = load()
     options = renderer.options
@@ -191,7 +197,8 @@ def set_options(renderer: Renderer, settings: RenderSettings) -> None:
         settings.final_gather == FinalGather.AUTO
         and not settings.denoise
         and "photons" not in settings.force
-        and bool(settings.time_limit or settings.error_threshold)
+        # Of light that media scatter photons may bring little.
+        and bool(settings.time_limit or settings.error_threshold or _has_media(scene))
     )
 
 

@@ -140,6 +140,7 @@ bool CameraTracer::scatter_in_medium(Path& path, const Flight& flight, bool dire
   path.from.ray = static_cast<uint8_t>(ray_bit(RayInfo::kVolume));
   path.pdf = pdf;
   path.deep = path.is_beyond();
+  ++path.gather_bounces;  // what it meets then is seen blurred
   ++path.vertex;
   return true;
 }

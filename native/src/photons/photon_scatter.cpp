@@ -15,38 +15,72 @@ RayInfo::Kind kind_of(const BsdfSample& s) {
 
 }  // namespace
 
-// One of three kinds of ray, `first` half of the time; *chance: its probability.
-RayInfo::Kind PhotonTracer::guess_kind(Random& random, RayInfo::Kind first, float* chance) {
+// A kind of ray, most often `first`, which is of shadows straight from a lamp alone; *chance: its
+// probability. What media scatter is seen by a kind of its own.
+RayInfo::Kind PhotonTracer::guess_kind(Random& random, RayInfo::Kind first, float* chance) const {
   const float u = random.next();
+  if (first == RayInfo::kDiffuse && scatters_in_media()) {
+    *chance = u < 0.4f ? 0.4f : 0.2f;
+    return u < 0.4f   ? first
+           : u < 0.6f ? RayInfo::kGlossy
+           : u < 0.8f ? RayInfo::kTransmission
+                      : RayInfo::kVolume;
+  }
   *chance = u < 0.5f ? 0.5f : 0.25f;
   return u < 0.5f ? first : u < 0.75f ? RayInfo::kGlossy : RayInfo::kTransmission;
+}
+
+// Of those that media scatter and diffuse ones, where one of them does and the other does not.
+RayInfo::Kind PhotonTracer::kind_that_sees(uint32_t instance) const {
+  return scene_.instances[instance].seen_by & ray_bit(RayInfo::kVolume) ? RayInfo::kVolume
+                                                                        : RayInfo::kDiffuse;
+}
+
+// Where nothing has asked yet by which of these two the path is looked back along, a surface does
+// that only one of them sees.
+void PhotonTracer::choose_kind(Path& path, const Surface& hit) const {
+  if (path.guessed || path.bounces == 0 || !scatters_in_media() ||
+      !scene_.volume_differs(hit.instance))
+    return;
+  path.kind = path.random.next() < 0.5f ? RayInfo::kVolume : RayInfo::kDiffuse;
+  path.guessed = true;
+  path.power *= 2;
 }
 
 // Of a path that a surface without a program is about to scatter: guesses by which kind of ray that
 // will be seen, where it matters; false where such rays do not see the surface.
 bool PhotonTracer::sends_on(Path& path, const Surface& hit) const {
-  if (!scene_.limits_rays()) return true;
   path.kind = RayInfo::kDiffuse;
-  if (scene_.kinds_differ()) {
+  path.guessed = scene_.kinds_differ();
+  if (!scene_.limits_rays()) return true;
+  if (path.guessed) {
     float chance;
     path.kind = guess_kind(path.random, RayInfo::kDiffuse, &chance);
     path.power *= 1 / chance;
+  } else if (scatters_in_media() && scene_.volume_differs(hit.instance)) {
+    path.kind = kind_that_sees(hit.instance);
+    path.guessed = true;
   }
   return scene_.instances[hit.instance].seen_by & ray_bit(path.kind);
+}
+
+bool PhotonTracer::arrives(const Path& path, const Vec3& place, float distance,
+                           const PhotonStart& start) const {
+  if (start.exact >= 0 &&
+      lights_.blocked_exactly(static_cast<uint32_t>(start.exact), place, start.place, path.time))
+    return false;
+  const float since_lamp = distance - start.soft_nearest;
+  if (start.soft_radius2 >= 0 && !(since_lamp >= path.soft_from && since_lamp <= path.soft_to))
+    return false;
+  return start.accepts(distance);
 }
 
 // Whether the surface takes the light: the first one only what its lamp gives it.
 bool PhotonTracer::lit(const Path& path, const Surface& hit, const PhotonStart& start) const {
   if (path.bounces > 0) return true;
-  if (start.exact >= 0 &&
-      lights_.blocked_exactly(static_cast<uint32_t>(start.exact),
-                              hit.position + hit.ng * ray_epsilon(hit.position, hit.distance),
-                              start.place, path.time))
-    return false;
-  const float distance = path.travelled + hit.distance, since_lamp = distance - start.soft_nearest;
-  if (start.soft_radius2 >= 0 && !(since_lamp >= path.soft_from && since_lamp <= path.soft_to))
-    return false;
-  return (start.lit_groups & scene_.instances[hit.instance].group) && start.accepts(distance);
+  return (start.lit_groups & scene_.instances[hit.instance].group) &&
+         arrives(path, hit.position + hit.ng * ray_epsilon(hit.position, hit.distance),
+                 path.travelled + hit.distance, start);
 }
 
 // Light passes what the ray that looks back along its way does not see, and, straight from its
@@ -56,24 +90,6 @@ bool PhotonTracer::blocks(const Path& path, const Surface& hit, const PhotonStar
     return false;
   return path.bounces > 0 ||
          (start.casts_shadows && start.blockers & scene_.instances[hit.instance].group);
-}
-
-// Light of suns and of the world that crosses a medium which fills the world does not arrive.
-bool PhotonTracer::start_in_media(Path& path, const PhotonStart& start) const {
-  path.media = scene_.media()->around(start.origin, path.time);
-  return !(start.from_afar && scene_.world_volume >= 0);
-}
-
-// What comes through the media to the next surface; caustic light is what scatters nowhere between.
-bool PhotonTracer::pass_media(Path& path, const Surface& hit, const Vec3& origin,
-                              const Vec3& direction) const {
-  if (path.media.empty()) return true;
-  RayInfo ray;
-  ray.kind = RayInfo::kShadow;
-  ray.time = path.time;
-  path.power *= scene_.media()->transmittance(path.media, origin, direction, 0, hit.distance, ray,
-                                              path.random);
-  return !is_black(path.power) && is_finite(path.power);
 }
 
 // A surface that stands before the point nearest to the centre of a lamp that faces its receivers.
@@ -150,9 +166,10 @@ void PhotonTracer::store(const Path& path, const Surface& hit, const Vec3& direc
 
 // Where a path scatters first, its power is known if its lamp has a program; false where that is
 // nothing.
-bool PhotonTracer::light_up(Path& path, const Surface& hit, const PhotonStart& start) const {
+bool PhotonTracer::light_up(Path& path, const Vec3& place, float distance,
+                            const PhotonStart& start) const {
   if (path.bounces > 0 || start.shaded_by < 0) return true;
-  const Rgb factor = emitter_.first_hit_factor(start, hit.position, path.travelled + hit.distance);
+  const Rgb factor = emitter_.first_hit_factor(start, place, distance);
   path.power *= factor;
   path.reference *= max_component(factor);
   return path.reference > 0;
@@ -181,6 +198,7 @@ bool PhotonTracer::shade(Path& path, const Surface& hit, const PhotonStart& star
                          const Draws& draws, const SurfaceFilter& visible, Vec3& origin,
                          Vec3& direction, Photons& photons) const {
   path.left = hit.mark;
+  choose_kind(path, hit);
   if (path.bounces == 0 && path.travelled + hit.distance < start.soft_nearest)
     return pass_before_lamp(path, hit, direction, start, origin);
   if (hit.program)
@@ -196,7 +214,8 @@ bool PhotonTracer::shade(Path& path, const Surface& hit, const PhotonStart& star
   }
   if (!accepted) return false;
   store(path, hit, direction, visible, photons);
-  if (!light_up(path, hit, start) || !light_up_by_ray(path, start, {1, 1, 1}, false, false))
+  if (!light_up(path, hit.position, path.travelled + hit.distance, start) ||
+      !light_up_by_ray(path, start, {1, 1, 1}, false, false))
     return false;
   const float cos_shading = -dot(direction, hit.ns), cos_geometric = -dot(direction, hit.ng);
   if (cos_shading <= 0 || cos_geometric <= 0) return false;
@@ -215,7 +234,6 @@ bool PhotonTracer::shade(Path& path, const Surface& hit, const PhotonStart& star
   direction = Basis(hit.ng).to_world(sample_cosine_hemisphere(draws.next(path)));
   ++path.bounces;
   path.caustic = 0;
-  path.guessed = scene_.kinds_differ();
   return true;
 }
 
@@ -234,11 +252,14 @@ bool PhotonTracer::shade(Path& path, const Surface& hit, const PhotonStart& star
 bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const PhotonStart& start,
                                       const Draws& draws, const SurfaceFilter& visible,
                                       Vec3& origin, Vec3& direction, Photons& photons) const {
-  const bool direct = path.bounces == 0, asked = hit.program->asks_kind || scene_.kinds_differ();
+  const bool direct = path.bounces == 0, asked = hit.program->asks_kind || scene_.kinds_differ(),
+             decided = !asked && scatters_in_media() && scene_.volume_differs(hit.instance);
   float chance = 1;
   RayInfo ray;
-  ray.kind = asked ? guess_kind(path.random, receiver_kind_, &chance) : receiver_kind_;
-  ray.singular = ray.kind != receiver_kind_;
+  ray.kind = asked     ? guess_kind(path.random, receiver_kind_, &chance)
+             : decided ? kind_that_sees(hit.instance)
+                       : receiver_kind_;
+  ray.singular = ray.kind == RayInfo::kGlossy || ray.kind == RayInfo::kTransmission;
   ray.depth = path.bounces;
   ray.transparent_depth = path.passed;
   ray.time = path.time;
@@ -279,7 +300,7 @@ bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const Phot
   }
   if (!(scene_.instances[hit.instance].seen_by & ray_bit(ray.kind))) return false;
   if (!accepted || path.bounces == max_bounces_ || path.bounces >= start.max_bounces ||
-      !bsdf.scatters() || !light_up(path, hit, start))
+      !bsdf.scatters() || !light_up(path, hit.position, path.travelled + hit.distance, start))
     return false;
   float choice = path.random.next();
   const bool caustic = stream_ == PhotonStream::kCaustic;
@@ -296,7 +317,7 @@ bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const Phot
       path.power *= 1 / (below * chance);
       if (!go_below(path, hit, bsdf, ray, draws, origin, direction)) return false;
       path.kind = ray.kind;
-      path.guessed = asked;
+      path.guessed = asked || decided;
       return true;
     }
     choice = (choice - below) / (1 - below);
@@ -336,7 +357,7 @@ bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const Phot
   ++path.bounces;
   path.travelled = 0;
   path.kind = ray.kind;
-  path.guessed = asked;
+  path.guessed = asked || decided;
   if (scene_.media() && dot(s->direction, hit.ng) < 0) scene_.media()->cross(path.media, hit);
   origin = leave(hit, s->direction);
   direction = s->direction;

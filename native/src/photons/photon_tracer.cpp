@@ -51,6 +51,14 @@ PhotonTracer::Path PhotonTracer::Travellers::take(uint32_t i) const {
   return path;
 }
 
+// Bits of those `count` from `begin` on that media are around.
+unsigned PhotonTracer::Travellers::in_media(uint32_t begin, uint32_t count) const {
+  unsigned bits = 0;
+  for (uint32_t k = 0; k < count; ++k)
+    bits |= static_cast<unsigned>(!rest[begin + k].media.empty()) << k;
+  return bits;
+}
+
 void PhotonTracer::Travellers::put(uint32_t i, const Path& path, const Vec3& origin,
                                    const Vec3& direction, bool alone) {
   rest[i] = path;
@@ -210,7 +218,7 @@ void PhotonTracer::trace_chunk(uint64_t first, uint64_t count, double total, uin
   PlainSurfaces surfaces;
   Bounced bounced;
   const bool limited = scene_.limits_rays(), guesses = scene_.kinds_differ(),
-             moves = scene_.moves();
+             moves = scene_.moves(), in_media = scatters_in_media();
   while (alive) {
     run.rays += alive;
     uint32_t kept = 0;
@@ -240,7 +248,11 @@ void PhotonTracer::trace_chunk(uint64_t first, uint64_t count, double total, uin
         for (uint32_t k = 0; k < std::min(kBounceLanes, alive - begin); ++k)
           if (!(hit[turn ^ 1] >> k & 1) && paths.bounces[begin + k] > 0)
             leave_beam(travellers, begin + k, nullptr, total, useful, run.beams);
-      for (unsigned rest = hit[turn ^ 1]; rest; rest &= rest - 1) {
+      const unsigned met = hit[turn ^ 1];
+      // What meets nothing may scatter all the same.
+      const unsigned awake =
+          in_media ? met | travellers.in_media(begin, std::min(kBounceLanes, alive - begin)) : met;
+      for (unsigned rest = awake; rest; rest &= rest - 1) {
         const uint32_t k = static_cast<uint32_t>(std::countr_zero(rest)), i = begin + k,
                        place = travellers.rest[i].place;
         const size_t stored = run.photons.size();
@@ -259,11 +271,19 @@ void PhotonTracer::trace_chunk(uint64_t first, uint64_t count, double total, uin
           Path path = travellers.take(i);
           Vec3 direction{paths.direction_x[i], paths.direction_y[i], paths.direction_z[i]};
           Vec3 origin{paths.origin_x[i], paths.origin_y[i], paths.origin_z[i]};
-          const Surface surface = scene_.surface_of(hits, k, direction, path.time);
-          run.shaded += surface.program != nullptr;
+          Surface surface;
+          surface.distance = INFINITY;
+          const bool there = met >> k & 1;
+          if (there) surface = scene_.surface_of(hits, k, direction, path.time);
           if (leaves_beams_) leave_beam(travellers, i, &surface, total, useful, run.beams);
-          if (scene_.media() && !pass_media(path, surface, origin, direction)) continue;
           const Draws draws{first_bounce, static_cast<uint32_t>(first + place)};
+          if (scene_.media()) {
+            const InMedium way = pass_media(path, surface.distance, travellers.starts[place], draws,
+                                            origin, direction);
+            if (way == InMedium::kScattered) travellers.put(kept++, path, origin, direction, true);
+            if (way != InMedium::kPasses || !there) continue;
+          }
+          run.shaded += surface.program != nullptr;
           if (shade(path, surface, travellers.starts[place], draws, visible, origin, direction,
                     run.photons)) {
             if (leaves_beams_) path.left_normal = encode_direction(surface.ng);

@@ -108,6 +108,7 @@ class PhotonTracer {
     std::array<Rest, PhotonPaths::kSpace> rest;
 
     Path take(uint32_t i) const;
+    unsigned in_media(uint32_t begin, uint32_t count) const;
     void put(uint32_t i, const Path& path, const Vec3& origin, const Vec3& direction, bool alone);
   };
   // Where a path's next direction comes from.
@@ -144,6 +145,8 @@ class PhotonTracer {
   bool scatters_for(const PhotonStart& start, const Path& path, RayInfo::Kind kind) const {
     return path.bounces > 0 || start.seen_by & ray_bit(kind);
   }
+  // Whether light straight from its lamp arrives at a place, `distance` from where it started.
+  bool arrives(const Path& path, const Vec3& place, float distance, const PhotonStart& start) const;
   bool lit(const Path& path, const Surface& hit, const PhotonStart& start) const;
   bool blocks(const Path& path, const Surface& hit, const PhotonStart& start) const;
   bool shade(Path& path, const Surface& hit, const PhotonStart& start, const Draws& draws,
@@ -153,20 +156,29 @@ class PhotonTracer {
   static RayInfo::Kind kind_of_way(const Rest& rest, uint32_t bounces) {
     return rest.guessed ? rest.kind : bounces == 0 ? RayInfo::kShadow : RayInfo::kDiffuse;
   }
+  RayInfo::Kind kind_that_sees(uint32_t instance) const;
+  void choose_kind(Path& path, const Surface& hit) const;
   bool sends_on(Path& path, const Surface& hit) const;
   // Of the hits `which` those on instances that all rays see.
   unsigned seen_by_all(const RayHits& hits, unsigned which) const;
-  static RayInfo::Kind guess_kind(Random& random, RayInfo::Kind first, float* chance);
+  RayInfo::Kind guess_kind(Random& random, RayInfo::Kind first, float* chance) const;
   void keep_bounced(Travellers& travellers, uint32_t from, uint32_t to, const Bounced& bounced,
                     uint32_t k) const;
   bool start_in_media(Path& path, const PhotonStart& start) const;
-  bool pass_media(Path& path, const Surface& hit, const Vec3& origin, const Vec3& direction) const;
+  bool scatters_in_media() const {
+    return stream_ != PhotonStream::kCaustic && scene_.scatters_in_media();
+  }
+  enum class InMedium { kPasses, kScattered, kEnds };
+  InMedium pass_media(Path& path, float far, const PhotonStart& start, const Draws& draws,
+                      Vec3& origin, Vec3& direction) const;
+  bool scatter_in_medium(Path& path, const Flight& flight, const PhotonStart& start,
+                         const Draws& draws, Vec3& origin, Vec3& direction) const;
   bool pass_before_lamp(Path& path, const Surface& hit, const Vec3& direction,
                         const PhotonStart& start, Vec3& origin) const;
   bool go_straight_on(Path& path, const Surface& hit, const Rgb& weight, Vec3& origin) const;
   void store(const Path& path, const Surface& hit, const Vec3& direction,
              const SurfaceFilter& visible, Photons& photons) const;
-  bool light_up(Path& path, const Surface& hit, const PhotonStart& start) const;
+  bool light_up(Path& path, const Vec3& place, float distance, const PhotonStart& start) const;
   bool light_up_by_ray(Path& path, const PhotonStart& start, const Rgb& diffuse, bool transmitted,
                        bool delta) const;
   bool go_below(Path& path, const Surface& hit, const Bsdf& bsdf, const RayInfo& ray,

@@ -132,7 +132,8 @@ void PhotonMap::place_points(const GatherPoints& gather_points, uint32_t pass) {
     s.radius_factor = radius_factor();
     s.caustics = caustic();
     s.spacing = options.point_spacing;
-    if (options.gathers()) s.after_gather_spacing = kGatheredSpacing * options.point_spacing;
+    if (options.gathers() || context_.scene.scatters_in_media())
+      s.after_gather_spacing = kGatheredSpacing * options.point_spacing;
     s.steady = options.keeps_photons();
     s.occlusion = options.boundary_correction && options.occlusion;
     s.fixed_radius = options.fixed_radius;

@@ -283,8 +283,14 @@ class Scene {
   bool moves() const { return moves_; }
   bool has_strands() const { return strands_; }
   bool has_catchers() const { return catchers_; }
-  // Whether photons do not bring all light: not what media scatter, nor what strands emit.
-  bool needs_paths() const { return media_ || strands_emit_; }
+  // Whether photons do not bring all light: not what media emit, nor what strands do.
+  bool needs_paths() const;
+  bool scatters_in_media() const;
+  // Whether rays that media scatter see an instance as diffuse rays do not, or the other way round.
+  bool volume_differs(uint32_t instance) const {
+    const RayMask seen_by = instances[instance].seen_by;
+    return !(seen_by & ray_bit(RayInfo::kVolume)) != !(seen_by & ray_bit(RayInfo::kDiffuse));
+  }
   bool moves(uint32_t instance) const { return moves_ && instances[instance].moves; }
   // Of the hits whose bits are set in `which` those on instances that do not.
   unsigned still(const RayHits& hits, unsigned which) const;

@@ -304,6 +304,10 @@ void Scene::update_own_scenes(const CancelFlag& cancel) {
 
 void Scene::update_media(const CancelFlag& cancel) { media_ = Media::of(*this, pool_, cancel); }
 
+bool Scene::needs_paths() const { return strands_emit_ || (media_ && media_->emits()); }
+
+bool Scene::scatters_in_media() const { return media_ && media_->scatters(); }
+
 void Scene::see_limits() {
   catchers_ = std::any_of(instances.begin(), instances.end(),
                           [](const Instance& instance) { return instance.catcher; });

@@ -160,7 +160,8 @@ void look_at_program(Program& program) {
       case IS_GLOSSY_RAY:
       case IS_SINGULAR_RAY:
       case IS_REFLECTION_RAY:
-      case IS_TRANSMISSION_RAY: program.asks_shadow = program.asks_kind = true; break;
+      case IS_TRANSMISSION_RAY:
+      case IS_VOLUME_SCATTER_RAY: program.asks_shadow = program.asks_kind = true; break;
       default: break;  // depths and lengths are guessed without choice
     }
   }

@@ -1,0 +1,81 @@
+// Photons in media: they scatter there as they do on surfaces, or fade on their way.
+#include "photons/photon_tracer.h"
+
+namespace photon_splat {
+
+// Light of suns and of the world that crosses a medium which fills the world does not arrive.
+bool PhotonTracer::start_in_media(Path& path, const PhotonStart& start) const {
+  path.media = scene_.media()->around(start.origin, path.time);
+  return !(start.from_afar && scene_.world_volume >= 0);
+}
+
+// The way of a path up to the next surface, `far` off. Caustic light is what scatters nowhere on
+// it; beams bring what does.
+PhotonTracer::InMedium PhotonTracer::pass_media(Path& path, float far, const PhotonStart& start,
+                                                const Draws& draws, Vec3& origin,
+                                                Vec3& direction) const {
+  if (path.media.empty()) return InMedium::kPasses;
+  const Media& media = *scene_.media();
+  RayInfo ray;
+  ray.kind = RayInfo::kShadow;
+  ray.time = path.time;
+  Flight flight;
+  if (scatters_in_media()) {
+    // Light of a lamp that faces its receivers starts where it passes the lamp's centre.
+    const float near = path.bounces == 0 ? std::max(start.soft_nearest - path.travelled, 0.0f) : 0;
+    flight = media.fly(path.media, origin, direction, near, far, path.power, path.power, ray,
+                       path.random);
+  } else {
+    flight.weight = media.transmittance(path.media, origin, direction, 0, far, ray, path.random);
+  }
+  path.power *= flight.weight;
+  if (is_black(path.power) || !is_finite(path.power)) return InMedium::kEnds;
+  if (!flight.scatters) return InMedium::kPasses;
+  return scatter_in_medium(path, flight, start, draws, origin, direction) ? InMedium::kScattered
+                                                                          : InMedium::kEnds;
+}
+
+// False where the path ends.
+bool PhotonTracer::scatter_in_medium(Path& path, const Flight& flight, const PhotonStart& start,
+                                     const Draws& draws, Vec3& origin, Vec3& direction) const {
+  const bool direct = path.bounces == 0;
+  if (path.bounces == max_bounces_ || path.bounces >= start.max_bounces ||
+      !scatters_for(start, path, RayInfo::kVolume))
+    return false;
+  if (path.guessed && path.kind != (direct ? RayInfo::kShadow : RayInfo::kVolume)) return false;
+  const Vec3 place = origin + direction * flight.distance;
+  const float distance = path.travelled + flight.distance;
+  if (direct && !arrives(path, place, distance, start)) return false;
+  if (!light_up(path, place, distance, start)) return false;
+  if (direct && start.asks_ray) {
+    const Rgb share =
+        lights_.environment().share(-start.direction, RayInfo{}.scattered_in_medium());
+    path.power *= share;
+    path.reference *= max_component(share);
+  }
+  const float choice = path.random.next();
+  const Vec3 way = flight.point.sample(direction, choice, draws.next(path));
+  float pdf;
+  const Rgb scattered = flight.point.evaluate(direction, way, &pdf);
+  if (!(pdf > 0)) return false;
+  path.power *= scattered / pdf;
+  path.kind = RayInfo::kDiffuse;
+  path.guessed = scene_.kinds_differ();
+  if (path.guessed) {
+    float chance;
+    path.kind = guess_kind(path.random, RayInfo::kDiffuse, &chance);
+    path.power *= 1 / chance;
+  }
+  const float survival = std::min(1.0f, max_abs(path.power) / path.reference);
+  if (!(survival > 0) || path.random.next() >= survival || !is_finite(path.power)) return false;
+  path.power *= 1 / survival;
+  path.caustic = 0;
+  ++path.bounces;
+  path.travelled = 0;
+  path.left = 0;
+  origin = place;
+  direction = way;
+  return true;
+}
+
+}  // namespace photon_splat
