@@ -14,9 +14,14 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import time
 from pathlib import Path
 
 KEYRING = Path("/usr/share/keyrings/debian-archive-keyring.gpg")
+ATTEMPTS = 3
+"""How often each mirror is asked: a network that fails for a moment fails no set-up."""
+PAUSE = 20.0
+"""Seconds between these attempts."""
 
 
 class FetchError(Exception):
@@ -40,7 +45,10 @@ def download(suite: str, folder: Path, names: list[str]) -> None:
             "Debian archive."
         )
     failure = "this machine's apt names no Debian mirror"
-    for mirror in mirrors():
+    found = mirrors()
+    for number, mirror in enumerate(found * ATTEMPTS):
+        if number and number % len(found) == 0:
+            time.sleep(PAUSE)
         with tempfile.TemporaryDirectory(prefix="download-", dir=folder) as scratch:
             try:
                 unpack_from(mirror, suite, Path(scratch), names)
@@ -57,7 +65,9 @@ def download(suite: str, folder: Path, names: list[str]) -> None:
 
 
 def mirrors() -> list[str]:
-    command = ["apt-get", "indextargets", "--format", "$(REPO_URI)", "Created-By: Packages"]
+    """The mirrors that apt's sources name, before the first `apt-get update` too."""
+    command = ["apt-get", "indextargets", "--no-release-info", "--format", "$(REPO_URI)"]
+    command.append("Created-By: Packages")
     lines = subprocess.run(command, capture_output=True, text=True, check=False).stdout.splitlines()
     return [mirror for mirror in dict.fromkeys(lines) if "security" not in mirror]
 
