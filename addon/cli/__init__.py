@@ -18,7 +18,7 @@ from .process import (
     silence_blender,
 )
 from .progress import say
-from .render import open_scene, render_layers, write_files
+from .render import render_frames
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -40,14 +40,7 @@ def main(arguments: list[str] | None = None) -> int:
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, interrupt)
             end_at_the_second(number)
-        scene = open_scene(options)
-        results = render_layers(options, scene, lambda: stop)
-        write_files(
-            options,
-            scene,
-            results,
-            time.monotonic() - started - results[0][1].statistics["seconds"]["total"],
-        )
+        render_frames(options, started, lambda: stop)
     except (CommandError, WriteError) as error:
         say(f"photon-splat: {error}\n")
         return 1

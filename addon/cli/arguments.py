@@ -19,6 +19,7 @@ from ..core.render.settings import (
     RenderSettings,
 )
 from .exr import try_file
+from .frames import FIRST, LAST, NUMBERED, frame_list, has_number, with_number
 
 UNLIMITED_PASSES = 1 << 30
 MOST_PHOTONS = 1 << 40
@@ -27,6 +28,10 @@ COMPONENTS = tuple(dict.fromkeys(FORCEABLE + SWITCHES))
 
 class CommandError(Exception):
     """What went wrong, as one sentence for the user."""
+
+
+class Interrupted(CommandError):
+    """Somebody has ended the render."""
 
 
 class _Parser(argparse.ArgumentParser):
@@ -78,14 +83,26 @@ def _resolution(text: str) -> tuple[int, int]:
 def parser() -> argparse.ArgumentParser:
     top = _Parser(prog="photon-splat", description="Renders Blender files with Photon Splat.")
     commands = top.add_subparsers(dest="command", required=True, metavar="render")
-    r = commands.add_parser("render", help="render one frame of a .blend file to an OpenEXR file")
+    r = commands.add_parser("render", help="render frames of a .blend file to OpenEXR files")
     r.add_argument("scene", type=Path, metavar="SCENE.blend")
     r.add_argument("-o", "--output", type=Path, required=True, metavar="OUT.exr")
-    r.add_argument(
+    frames = r.add_mutually_exclusive_group()
+    frames.add_argument(
         "--frame",
-        type=_number(int, -1048574, 1048574),
+        type=_number(int, FIRST, LAST),
         metavar="N",
         help="frame to render (default: the file's current one)",
+    )
+    frames.add_argument(
+        "--frames",
+        type=frame_list,
+        metavar="LIST",
+        help="frames to render, like 1-10,15; the names of files have # for the number",
+    )
+    r.add_argument(
+        "--skip-existing",
+        action="store_true",
+        help="leave out frames whose picture is there",
     )
     r.add_argument(
         "--seconds",
@@ -246,6 +263,8 @@ def check_paths(options: argparse.Namespace) -> None:
         raise CommandError(
             f"{options.output} does not end in .exr: pictures are written as OpenEXR"
         )
+    if options.frames is not None:
+        options = _with_first_frame(options)
     given = {"--stats": options.stats, "--output": options.output, "the scene": options.scene}
     for one, other in (
         ("--stats", "--output"),
@@ -262,6 +281,22 @@ def check_paths(options: argparse.Namespace) -> None:
         if not os.access(path.parent, os.W_OK):
             raise CommandError(f"{path} cannot be written: no permission in {path.parent}")
         try_file(path)
+
+
+def _with_first_frame(options: argparse.Namespace) -> argparse.Namespace:
+    """The files of the first frame, which stand for those of all."""
+    first = argparse.Namespace(**vars(options))
+    for name in NUMBERED:
+        path = getattr(options, name)
+        if path is None:
+            continue
+        if not has_number(path):
+            raise CommandError(
+                f"{path} has no # for the number of the frame, which --frames needs in "
+                f"--{name}: f_####{path.suffix}"
+            )
+        setattr(first, name, with_number(path, options.frames[0]))
+    return first
 
 
 def _same_file(one: Path, other: Path) -> bool:

@@ -1,18 +1,47 @@
-"""Opens a scene in Blender, renders its view layers and writes the files."""
+"""Opens a scene in Blender, renders frames of its view layers and writes the files."""
 
 from __future__ import annotations
 
 import argparse
 import json
+import time
 from collections.abc import Callable
 from typing import Any
 
 from ..core.render.data_passes import manifests
 from ..core.render.result import RenderResult
 from ..core.scene import Frame
-from .arguments import CommandError, settings_of
+from .arguments import CommandError, Interrupted, settings_of
 from .exr import channels_of, replace_file, write_exr
+from .frames import of_each_frame
 from .progress import ProgressBar, say
+
+
+def render_frames(
+    options: argparse.Namespace, started: float, interrupted: Callable[[], bool]
+) -> None:
+    """Renders and writes one frame after the other. `started`: time.monotonic() when the command
+    began. Raises CommandError; frames that have been written stay.
+    """
+    scene = None
+    for one in of_each_frame(options):
+        if scene is None:
+            scene = open_scene(options)
+        if one.frame is not None:
+            scene.frame_set(one.frame)
+        try:
+            results = render_layers(one, scene, interrupted)
+        except Interrupted as error:
+            if options.frames is None:
+                raise
+            raise Interrupted(f"interrupted; frame {one.frame} was not written") from error
+        total = results[0][1].statistics["seconds"]["total"]
+        write_files(one, scene, results, time.monotonic() - started - total)
+        if options.frames is not None:
+            say(f"photon-splat: frame {one.frame}: {one.output}\n")
+        started = time.monotonic()
+    if scene is None:
+        say("photon-splat: every picture is there, nothing was rendered\n")
 
 
 def open_scene(options: argparse.Namespace) -> Any:
@@ -40,8 +69,6 @@ def open_scene(options: argparse.Namespace) -> Any:
     if options.resolution is not None:
         render.resolution_x, render.resolution_y = options.resolution
         render.resolution_percentage = 100
-    if options.frame is not None:
-        scene.frame_set(options.frame)
     if scene.camera is None and not any(marker.camera for marker in scene.timeline_markers):
         raise CommandError(
             f"Scene '{scene.name}' has no camera: add one, or set an object as the scene's active "
@@ -73,7 +100,7 @@ def render_layers(
         failure = error
     bar.end()
     if interrupted():
-        raise CommandError("interrupted; nothing was written")
+        raise Interrupted("interrupted; nothing was written")
     if errors:
         raise CommandError(describe(errors[0]))
     if failure is not None:

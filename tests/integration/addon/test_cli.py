@@ -595,7 +595,7 @@ def sleep(options):
     sys.stderr.write("here\\n")
     sys.stderr.flush()
     ctypes.PyDLL(None).sleep(3600)
-cli.open_scene = sleep
+cli.render_frames = sleep
 cli.run()
 """
 
