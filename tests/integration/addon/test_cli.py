@@ -591,7 +591,7 @@ def test_no_folder_is_left_for_temporary_files(scenes: Path, tmp_path: Path) -> 
 STUCK = """
 import ctypes, sys
 from photon_splat import cli
-def sleep(options):
+def sleep(*arguments):
     sys.stderr.write("here\\n")
     sys.stderr.flush()
     ctypes.PyDLL(None).sleep(3600)
