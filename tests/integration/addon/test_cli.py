@@ -594,7 +594,9 @@ from photon_splat import cli
 def sleep(*arguments):
     sys.stderr.write("here\\n")
     sys.stderr.flush()
-    ctypes.PyDLL(None).sleep(3600)
+    library, mutex = ctypes.PyDLL(None), ctypes.create_string_buffer(64)
+    for _ in range(2):  # the second time nobody unlocks it, and no signal wakes us up
+        library.pthread_mutex_lock(mutex)
 cli.render_frames = sleep
 cli.run()
 """
@@ -604,7 +606,7 @@ cli.run()
 def test_the_second_signal_ends_the_process_wherever_it_is(
     number: signal.Signals, tmp_path: Path
 ) -> None:
-    """In a library that sleeps, without Python's lock given up: no code of ours runs there."""
+    """In a library that waits, without Python's lock given up: no code of ours runs there."""
     (tmp_path / "scene.blend").touch()
     command = [sys.executable, "-c", STUCK, "render", "scene.blend", "-o", "out.exr"]
     process = subprocess.Popen(
