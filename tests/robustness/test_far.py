@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from photon_splat.core.native.fill import focus, world_bounds
+from photon_splat.core.native.bounds import focus, world_bounds
 from photon_splat.core.render.settings import Integrator
 from photon_splat.core.scene import LightKind, Scene
 

@@ -8,10 +8,18 @@ from typing import Any
 
 import numpy as np
 import pytest
-from photon_splat.core.render import ending, memory, session
+from photon_splat.core.render import (
+    denoise_result,
+    ending,
+    final_statistics,
+    memory,
+    session,
+    worker,
+)
 from photon_splat.core.render.ending import Ending, denoising_runs
+from photon_splat.core.render.final_film import final_arrays
+from photon_splat.core.render.pass_size import PassSize
 from photon_splat.core.render.persistent import start_anew
-from photon_splat.core.render.session import PassSize, final_arrays
 from photon_splat.core.render.settings import RenderSettings
 from photon_splat.core.scene import Light, LightKind
 
@@ -125,8 +133,9 @@ class TimedRenderer:
 def test_a_time_limit_holds_with_denoising(monkeypatch: pytest.MonkeyPatch) -> None:
     """Denoising takes a third of the time that is given, as it does of large pictures."""
     clock = Clock()
-    for module in (session, ending):
+    for module in (session, worker, ending, final_statistics):
         monkeypatch.setattr(module, "time", clock)
+    for module in (denoise_result, ending):
         monkeypatch.setattr(module, "denoise", clock.denoise)
 
     def timed_start(*given: Any) -> Any:

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from photon_splat.core.render.session import RenderResult
+from photon_splat.core.render.result import RenderResult
 from photon_splat.core.render.settings import FinalGather, Integrator
 from photon_splat.core.scene import LightKind, Scene
 

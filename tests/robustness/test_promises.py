@@ -8,8 +8,10 @@ import time
 
 import numpy as np
 import pytest
+from photon_splat.core.render.error_limit import share_of_most
+from photon_splat.core.render.pass_size import PassSize, pass_that_fits
 from photon_splat.core.render.result import RenderResult
-from photon_splat.core.render.session import PassSize, pass_that_fits, render, share_of_most
+from photon_splat.core.render.session import render
 from photon_splat.core.render.settings import Integrator, RenderSettings
 from photon_splat.core.scene import Mesh, Scene
 

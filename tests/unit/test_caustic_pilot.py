@@ -5,7 +5,8 @@ noise.
 from __future__ import annotations
 
 import numpy as np
-from photon_splat.core.native.fill import fill_renderer, world_bounds
+from photon_splat.core.native.bounds import world_bounds
+from photon_splat.core.native.fill import fill_renderer
 from photon_splat.core.native.library import load
 from photon_splat.core.render.settings import RenderSettings
 from photon_splat.core.scene import LightKind, Material, Mesh, Side

@@ -15,7 +15,9 @@ import pytest
 from photon_splat.core.render.settings import RenderSettings
 from photon_splat.core.scene import LightKind, Scene
 from photon_splat.core.viewport import controller as viewport
-from photon_splat.core.viewport.controller import Controller, Pace, Picture, View, fitted, scaled
+from photon_splat.core.viewport.controller import Controller
+from photon_splat.core.viewport.pace import Pace
+from photon_splat.core.viewport.view import Picture, View, fitted, scaled
 
 from tests.support import corescene
 from tests.support.clock import Stopwatch
@@ -335,5 +337,5 @@ def test_a_fixed_width_stays() -> None:
 def test_performance_of_moving_pictures_is_told(controller: Controller) -> None:
     controller.set_scene(room(), SETTINGS)
     settle(controller, show(controller, view()))
-    assert {"build", "store", "moving", "still", "pass"} <= controller.counts.seconds.keys()
+    assert {"build", "cache", "moving", "still", "pass"} <= controller.counts.seconds.keys()
     assert controller.counts.frames >= 2

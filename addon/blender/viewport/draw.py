@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ...core.viewport.controller import Picture
+from ...core.viewport.view import Picture
 
 
 class Canvas:

@@ -13,7 +13,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.native.fill import world_bounds
+from ...core.native.bounds import world_bounds
 from ...core.scene import Camera, Frame, Scene
 from ...core.viewport.controller import Controller
 from ...export import export_contents

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.scene import Camera, Frame
-from ...core.viewport.controller import View
+from ...core.viewport.view import View
 from ...export.camera import NoCameraError, export_camera, film_of, resolution, screen
 from ...export.report import Report
 

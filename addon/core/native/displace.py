@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from ..scene import Camera, Mesh, Texture
 from ..scene.displacement import UNDISPLACED, UNDISPLACED_NORMALS, Displacement, Normals
 from ..scene.shading import GENERATED, Domain, InstanceAttribute, MeshAttribute, Program
-from .fill import add_mesh_shading, add_program, add_textures
 from .library import load
+from .materials import add_program, add_textures
+from .meshes import add_mesh_shading
 
 NOTHING = (-1, False)
 

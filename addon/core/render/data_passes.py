@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ..native.fill import instance_order
+from ..native.instances import instance_order
 from ..scene import Labels, Neighbours, Scene
 from .cryptomatte import id_of, metadata
 from .result import CRYPTOMATTES, DATA_ARRAYS, WANTED_ARRAYS, Passes, matte_pass

@@ -8,7 +8,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from ..native.fill import fill_renderer, find_flat, place_camera, replace_shading
+from ..native.camera import place_camera
+from ..native.fill import fill_renderer, replace_shading
+from ..native.instances import find_flat
 from ..native.library import load
 from ..scene import Scene, same_geometry, same_shading
 from .plan import make_plan

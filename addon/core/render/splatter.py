@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Protocol
 
 from .settings import Backend
@@ -68,3 +69,30 @@ class CpuSplatter:
 
     def statistics(self) -> dict[str, Any]:
         return {}
+
+
+class ExternalSplatter:
+    """A splatter as render_pass() asks for it: each call says whether it can go on."""
+
+    def __init__(self, splatter: Splatter, failed: Callable[[SplatterFailed], None]) -> None:
+        self._splatter = splatter
+        self._failed = failed
+        self._works = True
+
+    def begin_pass(self) -> bool:
+        return self._try(self._splatter.begin_pass)
+
+    def add_photons(self) -> bool:
+        return self._try(self._splatter.add_photons)
+
+    def finish_pass(self) -> bool:
+        return self._try(self._splatter.finish_pass)
+
+    def _try(self, work: Callable[[], None]) -> bool:
+        if self._works:
+            try:
+                work()
+            except SplatterFailed as failure:
+                self._works = False
+                self._failed(failure)
+        return self._works

@@ -2,45 +2,38 @@
 Blender.
 
 An edit brings a scene, a move of the camera a view. First comes a picture of few pixels, lit by a
-*store* of photons that serves every view: while the camera moves, no photon is traced. When it
-rests the store grows, the picture gets all its pixels, and then passes of a render refine it.
+*cache* of photons that serves every view: while the camera moves, no photon is traced. When it
+rests the cache grows, the picture gets all its pixels, and then passes of a render refine it.
 """
 
 from __future__ import annotations
 
 import threading
 import time
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
-from ..native.fill import fill_renderer, place_camera, replace_shading
+from ..native.camera import place_camera
+from ..native.fill import fill_renderer, replace_shading
 from ..native.library import load
 from ..render.settings import RenderSettings
-from ..scene import Camera, Frame, PixelFilter, Scene, same, same_geometry, same_shading
+from ..scene import Scene, same_geometry, same_shading
+from .pace import Pace
+from .view import Picture, View, fitted, scaled
 
 if TYPE_CHECKING:
     from photon_splat_native import Renderer
 
 FIRST_PATHS, FIRST_PHOTONS = 1 << 15, 1 << 15
-"""Of the store before the first picture after an edit: paths at a time, until there are so many
+"""Of the cache before the first picture after an edit: paths at a time, until there are so many
 photons.
 """
 MOST_FIRST_PATHS = 1 << 18
-STORE_PHOTONS = 1 << 17
-"""Photons that the store gets while the camera rests: it can still be splatted within a frame."""
-MOST_STORE_PATHS = 1 << 22
-MOST_STORE_BYTES = 64 << 20
+CACHE_PHOTONS = 1 << 17
+"""Photons that the cache gets while the camera rests: it can still be splatted within a frame."""
+MOST_CACHE_PATHS = 1 << 22
+MOST_CACHE_BYTES = 64 << 20
 PHOTONS_PER_BATCH = 1 << 16
-STEPS = (1, 2, 3, 4, 6, 8)
-"""Widths of a picture's pixels, in pixels of the screen."""
-FIRST_STEP = 4
-SLOW, FAST = 0.062, 0.056
-"""Seconds that a picture may take while the camera moves, and below which it gets more pixels."""
-FORGET_AFTER = 30
-"""Number of pictures after which a width that was too slow is tried again."""
 REST = 0.15
 """Seconds without a move after which the camera counts as resting. The time is longer where moves
 arrive more slowly, as in a window that is slow to draw.
@@ -49,41 +42,6 @@ SLOWEST_MOVES = 0.5
 """Most seconds between two moves of one turn of the camera."""
 SHOW_EVERY = 0.1
 """Least seconds between two pictures of the refinement."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class View:
-    """What to show: `frame` is the whole region in pixels of the screen, its border the part to
-    render.
-
-    pixel: the least width of the picture's pixels, in pixels of the screen.
-    """
-
-    camera: Camera
-    frame: Frame
-    pixel: int = 1
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, View) and all(
-            same(getattr(self, name), getattr(other, name)) for name in ("camera", "frame", "pixel")
-        )
-
-
-@dataclass(frozen=True, slots=True)
-class Picture:
-    """pixels: (height, width, 4) float32 premultiplied scene-linear RGBA, row 0 at the bottom. They
-    cover `region` (x, y, width, height, pixels of the screen). samples: camera samples per pixel; 1
-    as long as `moving`, from the store. made: when it was, by time.monotonic().
-    """
-
-    pixels: NDArray[np.float32]
-    region: tuple[int, int, int, int]
-    view: View
-    step: int
-    samples: int
-    moving: bool
-    number: int
-    made: float = 0.0
 
 
 @dataclass(slots=True)
@@ -238,8 +196,8 @@ class Controller:
             view = self._view
         renderer, settings = self._renderer, self._loaded[1]
         assert renderer is not None
-        self._trace_store(renderer, FIRST_PHOTONS, MOST_FIRST_PATHS)
-        self._draw_store(renderer, view, max(self._pace.step, view.pixel), moving=True)
+        self._fill_cache(renderer, FIRST_PHOTONS, MOST_FIRST_PATHS)
+        self._draw_cached(renderer, view, max(self._pace.step, view.pixel), moving=True)
         with self._changed:
             self._may_cancel = True
             while (
@@ -248,8 +206,8 @@ class Controller:
                 self._changed.wait(left)
             if self._is_new(view):
                 return True
-        self._trace_store(renderer, STORE_PHOTONS, MOST_STORE_PATHS)
-        self._draw_store(renderer, view, view.pixel, moving=False)
+        self._fill_cache(renderer, CACHE_PHOTONS, MOST_CACHE_PATHS)
+        self._draw_cached(renderer, view, view.pixel, moving=False)
         self._refine(renderer, view, settings)
         with self._changed:
             self._wait(view)
@@ -297,22 +255,22 @@ class Controller:
         with self._changed:
             self._loading, self._loaded = None, (scene, settings)
 
-    def _trace_store(self, renderer: Renderer, photons: int, most_paths: int) -> None:
+    def _fill_cache(self, renderer: Renderer, photons: int, most_paths: int) -> None:
         started, traced = time.monotonic(), False
         while True:
-            store = renderer.viewport_photons()
-            if store["full"] or store["photons"] >= photons or store["paths"] >= most_paths:
+            cache = renderer.viewport_photons()
+            if cache["full"] or cache["photons"] >= photons or cache["paths"] >= most_paths:
                 break
-            self._say("Tracing photons", store["photons"] / photons)
+            self._say("Tracing photons", cache["photons"] / photons)
             renderer.trace_viewport_photons(
-                min(max(FIRST_PATHS, store["paths"]), PHOTONS_PER_BATCH), MOST_STORE_BYTES
+                min(max(FIRST_PATHS, cache["paths"]), PHOTONS_PER_BATCH), MOST_CACHE_BYTES
             )
             traced = True
         self._count(renderer)
         if traced:
-            self.counts.seconds["store"] = time.monotonic() - started
+            self.counts.seconds["cache"] = time.monotonic() - started
 
-    def _draw_store(self, renderer: Renderer, view: View, step: int, moving: bool) -> None:
+    def _draw_cached(self, renderer: Renderer, view: View, step: int, moving: bool) -> None:
         started = time.monotonic()
         frame, region = scaled(view.frame, step)
         place_camera(renderer, fitted(view, frame, step), frame)
@@ -326,7 +284,7 @@ class Controller:
 
     def _refine(self, renderer: Renderer, view: View, settings: RenderSettings) -> None:
         """Refines with passes as in a render. Their picture is shown once it is better than the one
-        from the store.
+        from the cache.
         """
         frame, region = scaled(view.frame, view.pixel, sharp=False)
         place_camera(renderer, fitted(view, frame, view.pixel), frame)
@@ -368,63 +326,3 @@ class Controller:
             self._picture = Picture(
                 pixels, region, view, step, samples, moving, number, time.monotonic()
             )
-
-
-class Pace:
-    """Chooses the width of a moving picture's pixels by the time that pictures take. `fixed`: that
-    width for ever.
-    """
-
-    def __init__(self, fixed: int | None = None) -> None:
-        self.step = fixed or FIRST_STEP
-        self._fixed = fixed is not None
-        self._seconds: dict[int, float] = {}
-        self._pictures = 0
-
-    def forget(self) -> None:
-        """Forgets the times of another scene."""
-        self._seconds.clear()
-
-    def took(self, step: int, seconds: float) -> None:
-        """Notes that a picture of this step took so many seconds."""
-        if self._fixed or step != self.step:
-            return
-        at = STEPS.index(step)
-        self._seconds[step] = seconds
-        self._pictures += 1
-        if self._pictures % FORGET_AFTER == 0 and at:  # something else may have slowed it down
-            self._seconds.pop(STEPS[at - 1], None)
-        if seconds > SLOW and at + 1 < len(STEPS):
-            self.step = STEPS[at + 1]
-        elif at:
-            finer = STEPS[at - 1]
-            # About half of the time is proportional to the number of pixels.
-            expected = self._seconds.get(finer, seconds * 0.5 * (1 + (step / finer) ** 2))
-            if expected < FAST:
-                self.step = finer
-
-
-def scaled(frame: Frame, step: int, sharp: bool = True) -> tuple[Frame, tuple[int, int, int, int]]:
-    """`frame` in pixels `step` times as wide, rounded up, and what of the screen its region then
-    covers.
-
-    sharp: each pixel shows what it covers alone; else the filter of `frame` blurs it.
-    """
-    x, y, width, height = frame.region
-    x0, y0, x1, y1 = x // step, y // step, -(-(x + width) // step), -(-(y + height) // step)
-    border = (x0, y0, x1 - x0, y1 - y0)
-    size = (-(-frame.width // step), -(-frame.height // step))
-    coarse = replace(frame, width=size[0], height=size[1], border=border)
-    if sharp:
-        coarse = replace(coarse, pixel_filter=PixelFilter.BOX, filter_width=1.0)
-    return coarse, (x0 * step, y0 * step, border[2] * step, border[3] * step)
-
-
-def fitted(view: View, frame: Frame, step: int) -> Camera:
-    """The camera of `view` for its frame in wider pixels, which may reach beyond it to the right
-    and above.
-    """
-    left, right, bottom, top = view.camera.screen
-    right = left + (right - left) * (frame.width * step) / view.frame.width
-    top = bottom + (top - bottom) * (frame.height * step) / view.frame.height
-    return replace(view.camera, screen=(left, right, bottom, top))

@@ -86,9 +86,9 @@ def follow(name: str, seed: int, budgets: tuple[float, ...]) -> Figures:
     """One render as the session does it, looked at on its way: rows, one per budget, and stops, one
     per threshold that it reached.
     """
+    from photon_splat.core.render.error_limit import FEWEST_PASSES_TO_STOP, next_estimate
     from photon_splat.core.render.persistent import start_anew
     from photon_splat.core.render.result import passes_from_film
-    from photon_splat.core.render.session import FEWEST_PASSES_TO_STOP, next_estimate
     from photon_splat.core.render.settings import RenderSettings
 
     case = SCENES[name]

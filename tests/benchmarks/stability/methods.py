@@ -16,7 +16,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from photon_splat.core.native.fill import fill_renderer, world_bounds
+from photon_splat.core.native.bounds import world_bounds
+from photon_splat.core.native.fill import fill_renderer
 from photon_splat.core.native.library import load
 from photon_splat.core.render.result import Passes
 from photon_splat.core.render.session import render

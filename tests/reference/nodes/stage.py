@@ -245,7 +245,8 @@ def ours(positions: np.ndarray) -> tuple[np.ndarray, list[str]]:
     """
     import bpy
     from photon_splat.core.native import library as native
-    from photon_splat.core.native.fill import fill_renderer, world_bounds
+    from photon_splat.core.native.bounds import world_bounds
+    from photon_splat.core.native.fill import fill_renderer
     from photon_splat.core.render.settings import RenderSettings
     from photon_splat.export import export_scene, materials
 

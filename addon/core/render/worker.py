@@ -1,0 +1,233 @@
+"""The thread that runs a render's passes until passes, time or patience are spent."""
+
+from __future__ import annotations
+
+import math
+import threading
+import time
+from collections.abc import Collection
+
+from ..gpu import context as gpu_context
+from ..gpu.choice import choose_splatter
+from ..native.library import load
+from ..scene import Scene
+from .data_passes import asks_ambient, asks_rays, data_passes
+from .denoise_result import denoising_options
+from .ending import Ending, denoising_runs
+from .error_limit import FEWEST_PASSES_TO_STOP, next_estimate, share_of_most
+from .final_film import final_arrays, interim_passes
+from .pass_size import PassSize, pass_that_fits
+from .persistent import Start
+from .result import Passes, Progress, channels_of_arrays
+from .settings import Backend, Integrator, RenderSettings
+from .shadow_catcher import has_catchers
+from .splatter import CpuSplatter, ExternalSplatter, Splatter, SplatterFailed
+
+
+class Worker(threading.Thread):
+    """Runs the passes on a thread of its own, while the caller's thread reports progress and polls
+    for cancellation.
+    """
+
+    def __init__(
+        self,
+        start: Start,
+        settings: RenderSettings,
+        started: float,
+        want_interim: bool,
+        wanted: Collection[str] | None,
+        scene: Scene,
+    ) -> None:
+        super().__init__(name="Photon Splat", daemon=True)
+        self.renderer = start.renderer
+        self.prepare = start.prepare
+        self.prepared = False
+        self.settings = settings
+        self.started = started
+        self.want_interim = want_interim
+        self.wanted = wanted
+        self.stage = "Building acceleration structure"
+        self.passes_done = 0
+        self.samples_done = 0.0
+        self.next_estimate = 1
+        self.relative_error = 0.0
+        self.fraction = 0.0
+        self.interim: Passes | None = None
+        self.error: BaseException | None = None
+        self.cancelled = False
+        self.cancel_asked = threading.Event()
+        self.pass_finished = threading.Event()
+        self.finished = False
+        self.warnings: list[str] = []
+        self.splatter: Splatter = CpuSplatter(self.renderer)
+        self.ending = Ending(*scene.frame.region[2:])
+        self.scene = scene
+        self.data: Passes = {}
+        self.film_bytes = 0
+
+    def cancel(self) -> None:
+        """May be called from any thread."""
+        self.cancel_asked.set()
+        self.renderer.cancel()
+
+    def run(self) -> None:
+        try:
+            self._render()
+        except BaseException as error:
+            if type(error) is load().Cancelled:
+                self.cancelled = True
+            else:
+                self.error = error
+        finally:
+            self.splatter.close()
+            self.finished = True
+            self.pass_finished.set()
+
+    def _render(self) -> None:
+        arrays = final_arrays(self.wanted, self.settings, self.scene)
+        self._prepare(arrays)
+        self.stage = "Rendering"
+        more = True
+        while more and self.passes_done < self.settings.passes:
+            more = self._do_pass(arrays)
+
+    def _prepare(self, arrays: list[str]) -> None:
+        """Builds what passes need, and what does not need passes."""
+        settings, labels = self.settings, self.scene.labels
+        if settings.integrator is Integrator.SPLAT:
+            self.splatter = self._choose_splatter()
+        elif settings.backend == Backend.GPU:
+            self.warnings.append("The reference integrator has been used: it runs on the CPU only.")
+        self.renderer.keep_film(arrays)
+        self.renderer.options.ambient_distance = (
+            labels.ambient_distance if labels is not None and asks_ambient(labels) else 0.0
+        )
+        self.prepare()
+        self.prepared = True
+        if labels is not None and asks_rays(labels):
+            self.stage = "Passes of data"
+            self.data = data_passes(self.renderer, self.scene, labels)
+        if settings.time_limit and settings.denoise:
+            self.stage = "Trying the denoiser"
+            self.ending.try_denoiser(settings.threads)
+
+    def _do_pass(self, arrays: list[str]) -> bool:
+        """One pass and what is told of it. Returns whether another may follow."""
+        began, pilot = time.monotonic(), self.renderer.pilot_seconds
+        before, size = self._stage_seconds(), PassSize(*self.renderer.next_pass)
+        self.stage = f"Pass {self.passes_done + 1}"
+        if self.settings.integrator is Integrator.REFERENCE:
+            self.renderer.trace_reference(self.passes_done)
+        else:
+            self._splat_pass(self.passes_done)
+        self.passes_done += 1
+        self.samples_done += size.samples
+        self.film_bytes = max(self.film_bytes, self.renderer.film_bytes)
+        converged = self._estimate_error()
+        if self.settings.time_limit and self.passes_done == 1:
+            self.ending.try_film(self.renderer, channels_of_arrays(arrays))
+        if self.want_interim and self.interim is None and self.passes_done < self.settings.passes:
+            self.interim = interim_passes(self.renderer, self.wanted, self.scene)
+        self.pass_finished.set()
+        if converged or not self.settings.time_limit:
+            return not converged
+        pilot = self.renderer.pilot_seconds - pilot
+        now, took = self._stage_seconds(), time.monotonic() - began - pilot
+        photons = min(max(now.photons - before.photons - pilot, 0.0), took)
+        seconds = PassSize(min(now.samples - before.samples, took - photons), photons)
+        return self._another_fits(took, seconds, size)
+
+    def _stage_seconds(self) -> PassSize:
+        return PassSize(self.renderer.camera_seconds, self.renderer.photon_seconds)
+
+    def _another_fits(self, took: float, seconds: PassSize, last: PassSize) -> bool:
+        """Whether one more pass keeps the time limit, if need be a smaller one, which it then will
+        be.
+        """
+        wanted = PassSize(*self.renderer.next_pass)
+        fitting = pass_that_fits(self._seconds_left(wanted.samples), took, seconds, last, wanted)
+        if fitting is None:
+            return False
+        if fitting != wanted:
+            self.renderer.limit_pass(*fitting)
+        return True
+
+    def _seconds_left(self, samples: float) -> float:
+        """For passes, where the next has so many camera samples a pixel; the time limit less what
+        comes after them.
+        """
+        if not self.settings.time_limit:
+            return math.inf
+        runs = 0.0
+        if self.settings.denoise:
+            options = denoising_options(self.samples_done + samples)
+            runs = denoising_runs(**options) + has_catchers(self.scene)
+        after = self.ending.seconds(self.passes_done + 1, runs)
+        return self.started + self.settings.time_limit - time.monotonic() - after
+
+    def _choose_splatter(self) -> Splatter:
+        if not self.scene.light_groups:
+            return choose_splatter(
+                self.renderer, self.settings.backend, self.cancel_asked, self.warnings
+            )
+        if self.settings.backend == Backend.GPU:
+            self.warnings.append(
+                "Light groups: the CPU splatter has been used, as that of the GPU does not keep "
+                "their light apart."
+            )
+        return CpuSplatter(self.renderer)
+
+    def _splat_pass(self, number: int) -> None:
+        seconds = self._seconds_left(self.renderer.next_pass[0])
+        if self.splatter.backend == Backend.CPU:
+            return self.renderer.render_pass(number, seconds=seconds)
+
+        def failed(failure: SplatterFailed) -> None:
+            self.warnings.append(
+                f"The GPU splatter failed in pass {number + 1} ({failure}); the CPU splatter has "
+                "done the rest."
+            )
+            self.splatter.close()
+            gpu_context.submit(gpu_context.discard)
+            self.splatter = CpuSplatter(self.renderer)
+
+        return self.renderer.render_pass(
+            number, seconds=seconds, splatter=ExternalSplatter(self.splatter, failed)
+        )
+
+    def _estimate_error(self) -> bool:
+        """Estimates the error now and then. Returns whether it is small enough to end the
+        render.
+        """
+        if self.passes_done < self.next_estimate:
+            return False
+        threshold = self.settings.error_threshold
+        # Without a threshold the estimate is only shown, and few are enough.
+        self.next_estimate = (
+            next_estimate(self.passes_done) if threshold > 0 else 2 * self.passes_done
+        )
+        self.ending.estimate(self.renderer.make_error_estimate, self.passes_done)
+        self.relative_error = self.renderer.statistics()["error"]["relative_rmse"]
+        if threshold <= 0 or self.passes_done < FEWEST_PASSES_TO_STOP:
+            return False
+        error = self.relative_error
+        if self.settings.denoise and error > threshold:
+            error *= share_of_most(self.renderer.film(["error"])["error"])
+        return error <= threshold
+
+    def progress(self) -> Progress:
+        done, settings = self.passes_done, self.settings
+        fraction = done / settings.passes
+        elapsed = time.monotonic() - self.started
+        if settings.time_limit:
+            fraction = max(fraction, min(elapsed / settings.time_limit, 1.0))
+        message = f"{self.stage} | {done} passes | {elapsed:.1f} s"
+        if done:
+            message += f" | error {100 * self.relative_error:.2g} %"
+        if settings.error_threshold and self.relative_error:
+            fraction = max(
+                fraction, min((settings.error_threshold / self.relative_error) ** 2, 1.0)
+            )
+        self.fraction = max(fraction, self.fraction)
+        interim, self.interim = self.interim, None
+        return Progress(self.fraction, message, done, interim)
