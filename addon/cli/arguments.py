@@ -11,8 +11,6 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from ..core.render.settings import (
-    FORCEABLE,
-    SWITCHES,
     Backend,
     FinalGather,
     Integrator,
@@ -23,7 +21,6 @@ from .frames import FIRST, LAST, NUMBERED, frame_list, has_number, with_number
 
 UNLIMITED_PASSES = 1 << 30
 MOST_PHOTONS = 1 << 40
-COMPONENTS = tuple(dict.fromkeys(FORCEABLE + SWITCHES))
 
 
 class CommandError(Exception):
@@ -55,15 +52,6 @@ def _number(kind: type, low: float, high: float = math.inf) -> Callable[[str], A
         return value
 
     return parse
-
-
-def _component(text: str) -> tuple[str, bool]:
-    name, _, state = text.partition("=")
-    if state not in ("on", "off") or name not in COMPONENTS:
-        raise argparse.ArgumentTypeError(
-            f"'{text}' is not NAME=on or NAME=off with one of {', '.join(COMPONENTS)}"
-        )
-    return name, state == "on"
 
 
 def _resolution(text: str) -> tuple[int, int]:
@@ -195,15 +183,6 @@ def parser() -> argparse.ArgumentParser:
         help="photons light what camera paths meet second",
     )
     r.add_argument(
-        "--component",
-        type=_component,
-        action="append",
-        default=[],
-        metavar="NAME=on|off",
-        help="run a part that the plan leaves out, or leave one out (for tests): "
-        + ", ".join(COMPONENTS),
-    )
-    r.add_argument(
         "--stats", type=Path, metavar="FILE.json", help="write what the render did as JSON"
     )
     r.add_argument("--verbose", action="store_true", help="let Blender's own messages through")
@@ -230,11 +209,6 @@ def settings_of(options: argparse.Namespace) -> Callable[[RenderSettings], Rende
         )
         if getattr(options, name) is not None
     }
-    given |= {name: on for name, on in options.component if name in SWITCHES}
-    given |= {"photons_per_pass": 0} if ("photons", False) in options.component else {}
-    given["force"] = tuple(
-        dict.fromkeys(name for name, on in options.component if on and name in FORCEABLE)
-    )
     if options.integrator is not None:
         given["integrator"] = Integrator(options.integrator)
     if options.final_gather is not None:

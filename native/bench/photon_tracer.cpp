@@ -12,6 +12,20 @@ double seconds_of(const std::function<void()>& work) {
 }
 
 constexpr size_t kRaysPerChunk = 4096;
+constexpr float kNear = 1e-4f;  // m: off the surface that the ray starts from
+
+// The ways that photons came, backwards: rays as long and as scattered as those of the tracer, as
+// origin, near, direction, far (8 floats a ray).
+std::vector<float> rays_back(const Photons& photons) {
+  std::vector<float> rays;
+  rays.reserve(8 * photons.size());
+  for (const Photon& p : photons) {
+    const Vec3 back = decode_direction(p.from);
+    rays.insert(rays.end(), {p.position.x, p.position.y, p.position.z, kNear, back.x, back.y,
+                             back.z, INFINITY});
+  }
+  return rays;
+}
 
 template <class Hit, int N, class Intersect>
 void replay_packets(Renderer& r, const std::vector<float>& log, Intersect&& intersect) {
@@ -55,17 +69,16 @@ TracerBench bench_photon_tracer(Renderer& r, uint64_t paths) {
   SurfaceFilter all;
   for (uint32_t i = 0; i < 1u << 22; ++i) all.add(i);
   PhotonTracer& tracer = r.map().tracer();
+  const Photons* photons = nullptr;
   const auto trace = [&] {
-    tracer.trace(0, paths, static_cast<double>(paths), 1, all, r.cancel_flag());
+    photons = &tracer.trace(0, paths, static_cast<double>(paths), 1, all, r.cancel_flag());
   };
   trace();
   const uint64_t before = tracer.counts().rays;
   out.tracer_seconds = seconds_of(trace);
   out.rays = tracer.counts().rays - before;
-  std::vector<float> log;
-  tracer.ray_log = &log;
-  trace();
-  tracer.ray_log = nullptr;
+  const std::vector<float> log = rays_back(*photons);
+  out.embree_rays = log.size() / 8;
 
   RTCScene scene = r.scene.embree();
   out.intersect1_seconds = seconds_of([&] {

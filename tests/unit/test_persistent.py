@@ -80,3 +80,16 @@ def test_another_seed_has_other_photons() -> None:
     assert np.array_equal(
         other.passes["Combined"], shoot(room(), Persistent(), seed=1).passes["Combined"]
     )
+
+
+def test_what_denoising_asks_for_does_not_stay_with_the_renderer() -> None:
+    """Without denoising photons light what is seen, with it what is met after one more bounce."""
+
+    def noisy(persistent: Persistent, denoise: bool) -> np.ndarray:
+        settings = RenderSettings(passes=4, photons_per_pass=20_000, denoise=denoise)
+        result = render(room(), settings, started=time.monotonic(), persistent=persistent)
+        return result.passes["Combined"][..., :3] if result.noisy is None else result.noisy
+
+    persistent = Persistent()
+    for denoise in (False, True, False):
+        assert np.array_equal(noisy(persistent, denoise), noisy(Persistent(), denoise))

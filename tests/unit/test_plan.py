@@ -74,7 +74,7 @@ def test_words_and_flags() -> None:
     }  # fmt: skip
 
 
-def test_components_can_be_forced_off() -> None:
+def test_components_can_be_switched_off() -> None:
     what = room(pixels=24)
     plain = c.shoot(what, passes=12, photons_per_pass=20_000)
     for name in ("occlusion", "adaptive_radius", "adaptive_samples", "boundary_correction"):
@@ -87,23 +87,3 @@ def test_components_can_be_forced_off() -> None:
         ]
         == 0
     )
-
-
-def test_components_can_be_forced_on() -> None:
-    """A part that the plan leaves out costs something when it is forced on, and changes nothing."""
-    what = room(pixels=24)
-    plain = c.shoot(what, passes=6, photons_per_pass=20_000, adaptive_samples=False)
-    forced = c.shoot(
-        what, passes=6, photons_per_pass=20_000, adaptive_samples=False, force=("caustics",)
-    )
-    assert forced.statistics["photons"]["traced"] == 2 * plain.statistics["photons"]["traced"]
-    assert forced.statistics["photons"]["caustic"]["stored"] == 0
-    assert "Forced on: caustics." in forced.statistics["plan"]["sentences"]
-    assert forced.passes["Combined"].mean() == pytest.approx(
-        plain.passes["Combined"].mean(), rel=0.02
-    )
-    assert c.shoot(floor(), passes=2, photons_per_pass=1000, force=("photons",)).statistics["plan"][
-        "flags"
-    ]["photons"]
-    with pytest.raises(ValueError, match="'bloom' is no component that can be forced"):
-        RenderSettings(force=("bloom",))

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..render.plan import Plan, make_plan
 from ..render.settings import RenderSettings
 from ..scene import Scene
 from .bounds import focus
@@ -20,9 +21,11 @@ if TYPE_CHECKING:
     from photon_splat_native import Renderer
 
 
-def fill_renderer(renderer: Renderer, scene: Scene, settings: RenderSettings) -> None:
-    """Copies everything into `renderer`. ValueError, with one sentence, for data that is not finite
-    or does not fit.
+def fill_renderer(
+    renderer: Renderer, scene: Scene, settings: RenderSettings, plan: Plan | None = None
+) -> None:
+    """Copies everything into `renderer`; `plan`: that of scene and settings, if it has been made.
+    ValueError, with one sentence, for data that is not finite or does not fit.
     """
     origin, near = focus(scene)
     if not np.isfinite(origin).all():
@@ -37,7 +40,7 @@ def fill_renderer(renderer: Renderer, scene: Scene, settings: RenderSettings) ->
     add_instances(renderer, scene)
     add_lights(renderer, scene)
     place_camera(renderer, scene.camera, scene.frame)
-    set_options(renderer, scene, settings)
+    set_options(renderer, settings, plan or make_plan(scene, settings))
 
 
 def replace_shading(renderer: Renderer, scene: Scene) -> None:

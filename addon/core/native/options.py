@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..render.settings import FinalGather, RenderSettings
-from ..scene import NO_PROGRAM, Scene
+from ..render.plan import Plan
+from ..render.settings import RenderSettings
 from .library import load
 
 if TYPE_CHECKING:
@@ -26,30 +26,10 @@ SAME_OPTIONS = (
 """Settings that the renderer has by the same name."""
 
 
-def _has_media(scene: Scene) -> bool:
-    return scene.world_volume != NO_PROGRAM or any(
-        material.volume != NO_PROGRAM for material in scene.materials
-    )
-
-
-def set_options(renderer: Renderer, scene: Scene, settings: RenderSettings) -> None:
-    """What the renderer is to know of `settings`, before it is built."""
-    native = load()
+def set_options(renderer: Renderer, settings: RenderSettings, plan: Plan) -> None:
+    """What the renderer is to know of both, before it is built or begins again."""
     options = renderer.options
     for name in SAME_OPTIONS:
         setattr(options, name, getattr(settings, name))
-    options.force_caustics = "caustics" in settings.force
     options.seed = settings.seed & 0xFFFFFFFF
-    if settings.final_gather == FinalGather.ON:
-        options.final_gather = native.FinalGather.ON
-    elif settings.final_gather == FinalGather.AUTO and settings.denoise:
-        options.final_gather = native.FinalGather.BY_TRIAL
-    else:
-        options.final_gather = native.FinalGather.OFF
-    options.tries_paths = (
-        settings.final_gather == FinalGather.AUTO
-        and not settings.denoise
-        and "photons" not in settings.force
-        # Of light that media scatter photons may bring little.
-        and bool(settings.time_limit or settings.error_threshold or _has_media(scene))
-    )
+    options.indirect_light = load().IndirectLight[plan.indirect_light]

@@ -12,6 +12,7 @@ from ..native.camera import place_camera
 from ..native.fill import fill_renderer, replace_shading
 from ..native.instances import find_flat
 from ..native.library import load
+from ..native.options import set_options
 from ..scene import Scene, same_geometry, same_shading
 from .plan import make_plan
 from .settings import RenderSettings
@@ -39,7 +40,8 @@ class Start:
 def start_anew(scene: Scene, settings: RenderSettings, kept_photon_bytes: int = 0) -> Start:
     """A new renderer that holds all of `scene`. Errors: those of fill_renderer."""
     renderer = load().Renderer(settings.threads)
-    fill_renderer(renderer, scene, make_plan(scene, settings).applied_to(settings))
+    plan = make_plan(scene, settings)
+    fill_renderer(renderer, scene, plan.applied_to(settings), plan)
     renderer.options.kept_photon_bytes = kept_photon_bytes
     return Start(renderer, renderer.build)
 
@@ -69,10 +71,11 @@ class Persistent:
             del left  # before the new one takes memory
             return start_anew(scene, settings, self._most)
         known, _, renderer = left
-        relit = not same_shading(known, scene)
+        relit, plan = not same_shading(known, scene), make_plan(scene, settings)
 
         def prepare() -> None:
             place_camera(renderer, scene.camera, scene.frame)
+            set_options(renderer, plan.applied_to(settings), plan)
             renderer.begin_again()
             if relit:
                 replace_shading(renderer, scene)

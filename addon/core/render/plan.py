@@ -7,32 +7,24 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ..scene import NO_PROGRAM, NO_TEXTURE, Scene
-from .settings import FinalGather, Integrator, RenderSettings
+from .settings import FinalGather, IndirectLight, Integrator, RenderSettings
 from .statistics import Statistics
 
 
 @dataclass(frozen=True, slots=True)
 class Plan:
     """sentences: for the user. flags: component -> whether it runs. A component that does not run
-    costs nothing.
+    costs nothing. indirect_light: what brings it.
     """
 
     sentences: list[str] = field(default_factory=list)
     flags: dict[str, bool] = field(default_factory=dict)
+    indirect_light: IndirectLight = IndirectLight.PHOTONS
 
     def applied_to(self, settings: RenderSettings) -> RenderSettings:
         """`settings` without what the plan leaves out."""
         photons = settings.photons_per_pass if self.flags["photons"] else 0
-        by_trial = settings.final_gather == FinalGather.AUTO and not settings.denoise
-        gather = (
-            settings.final_gather if self.flags["final_gather"] or by_trial else FinalGather.OFF
-        )
-        return replace(
-            settings,
-            photons_per_pass=photons,
-            occlusion=self.flags["occlusion"],
-            final_gather=gather,
-        )
+        return replace(settings, photons_per_pass=photons, occlusion=self.flags["occlusion"])
 
 
 def make_plan(scene: Scene, settings: RenderSettings) -> Plan:
@@ -62,22 +54,22 @@ def make_plan(scene: Scene, settings: RenderSettings) -> Plan:
         "Photons are switched off.": settings.photons_per_pass == 0,
     }
     why_not = next((sentence for sentence, applies in reasons.items() if applies), "")
-    if splat and "photons" in settings.force and settings.photons_per_pass:
-        why_not = ""
-    few_bounces = any(light.max_bounces is not None for light in scene.lights)
+    photons = splat and not why_not
+    indirect = indirect_light(scene, settings) if photons else IndirectLight.PHOTONS
+    gathers = indirect in (IndirectLight.FINAL_GATHER, IndirectLight.FINAL_GATHER_OR_PATHS)
     flags = {
-        "photons": splat and not why_not,
+        "photons": photons,
         "world": world,
         "textures": textures,
         "boundary": splat and settings.boundary_correction,
         "occlusion": splat
         and settings.boundary_correction
         and settings.occlusion
-        and (len(scene.instances.mesh) > 0 or "occlusion" in settings.force),
+        and len(scene.instances.mesh) > 0,
         "adaptive_radius": splat and settings.adaptive_radius,
         "adaptive_samples": splat and settings.adaptive_samples,
-        "fallback": splat and settings.fallback and not why_not,
-        "final_gather": splat and not why_not and _gathers(settings) and not few_bounces,
+        "fallback": settings.fallback and photons,
+        "final_gather": gathers,
     }
     sentences = []
     if not splat:
@@ -98,11 +90,11 @@ def make_plan(scene: Scene, settings: RenderSettings) -> Plan:
         sentences.append("Adaptive samples are switched off.")
     if splat and not settings.caustics:
         sentences.append("Caustic photons are switched off: caustics are blurred like other light.")
-    if flags["final_gather"]:
+    if gathers:
         sentences.append(
             "Final gathering: camera paths take one more bounce before photons light them."
         )
-    elif few_bounces and _gathers(settings):
+    elif _of_few_bounces(scene) and _asks_gather(settings):
         sentences.append(
             "No final gathering: photons of lights of few bounces count from the surface they "
             "light."
@@ -113,9 +105,7 @@ def make_plan(scene: Scene, settings: RenderSettings) -> Plan:
         )
     if scene.shutter is not None:
         sentences.append(f"While the shutter is open {_moving(scene)}.")
-    if splat and settings.force:
-        sentences.append(f"Forced on: {', '.join(settings.force)}.")
-    return Plan(sentences, flags)
+    return Plan(sentences, flags, indirect)
 
 
 def _moving(scene: Scene) -> str:
@@ -133,7 +123,38 @@ def _moving(scene: Scene) -> str:
     return ", ".join(said)
 
 
-def _gathers(settings: RenderSettings) -> bool:
+def indirect_light(scene: Scene, settings: RenderSettings) -> IndirectLight:
+    """What brings indirect light where there are photons. Only make_plan() asks."""
+    if _asks_gather(settings):
+        if _of_few_bounces(scene):
+            return IndirectLight.PHOTONS
+        if settings.final_gather == FinalGather.ON:
+            return IndirectLight.FINAL_GATHER
+        return IndirectLight.FINAL_GATHER_OR_PATHS
+    # Photons take more off the noise the longer a render is; of light that media scatter they may
+    # bring little.
+    limited = settings.time_limit or settings.error_threshold
+    if settings.denoise or settings.final_gather != FinalGather.AUTO:
+        return IndirectLight.PHOTONS
+    if limited or _has_media(scene):
+        return IndirectLight.PHOTONS_OR_PATHS
+    return IndirectLight.PHOTONS
+
+
+def _has_media(scene: Scene) -> bool:
+    return scene.world_volume != NO_PROGRAM or any(
+        material.volume != NO_PROGRAM for material in scene.materials
+    )
+
+
+def _of_few_bounces(scene: Scene) -> bool:
+    """Whether photons of some light count from the surface that it lights on, as they do not with
+    final gathering.
+    """
+    return any(light.max_bounces is not None for light in scene.lights)
+
+
+def _asks_gather(settings: RenderSettings) -> bool:
     """Final gathering trades the kernel's blur for noise, which a denoiser removes. It needs
     caustics to have photons of their own.
     """

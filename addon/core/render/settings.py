@@ -24,16 +24,16 @@ class FinalGather(StrEnum):
     OFF = "OFF"
 
 
-FORCEABLE = ("photons", "caustics", "occlusion")
-SWITCHES = (
-    "boundary_correction",
-    "caustics",
-    "occlusion",
-    "fallback",
-    "adaptive_radius",
-    "adaptive_samples",
-)
-"""Components with a setting of their own that leaves them out."""
+class IndirectLight(StrEnum):
+    """What brings indirect light, as the plan has decided: photons where camera paths first meet a
+    diffuse surface, or after one more bounce. OR_PATHS: a trial may find that it is less work if
+    camera paths bring all of it, caustics excepted.
+    """
+
+    PHOTONS = "PHOTONS"
+    PHOTONS_OR_PATHS = "PHOTONS_OR_PATHS"
+    FINAL_GATHER = "FINAL_GATHER"
+    FINAL_GATHER_OR_PATHS = "FINAL_GATHER_OR_PATHS"
 
 
 Word = TypeVar("Word", bound=StrEnum)
@@ -79,8 +79,6 @@ class RenderSettings:
                          the rest of the picture, and after the first pass a quarter to eight times
                          as many photons, as is worth their work beside that of the camera samples
     threads              0 = all of the machine
-    force                components that run although the plan would leave them out (of FORCEABLE):
-                         what they cost, for tests
     point_spacing        gather points are this many kernel radii apart; 0 = one per camera
                          sample
     """
@@ -104,7 +102,6 @@ class RenderSettings:
     threads: int = 0
     integrator: Integrator = Integrator.SPLAT
     point_spacing: float = 1.0 / 3.0
-    force: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         self.backend = _word(Backend, "backend", self.backend)
@@ -129,12 +126,6 @@ class RenderSettings:
             )
         if not 0.0 < self.radius_scale < float("inf"):
             raise ValueError(f"radius_scale is {self.radius_scale}; it must be positive")
-        unknown = [name for name in self.force if name not in FORCEABLE]
-        if unknown:
-            raise ValueError(
-                f"'{unknown[0]}' is no component that can be forced; there are "
-                f"{', '.join(FORCEABLE)}"
-            )
         if self.threads < 0:
             raise ValueError(
                 f"threads is {self.threads}; it must be 0 (all) or a number of threads"

@@ -48,6 +48,7 @@ nb::dict bench(Renderer& r, uint64_t paths) {
   }
   nb::dict out, embree;
   out["rays"] = result.rays;
+  out["embree_rays"] = result.embree_rays;
   out["tracer_seconds"] = result.tracer_seconds;
   embree["intersect1"] = result.intersect1_seconds;
   embree["intersect8"] = result.intersect8_seconds;
@@ -57,12 +58,15 @@ nb::dict bench(Renderer& r, uint64_t paths) {
 }
 
 void bind_options(nb::module_& m) {
-  nb::enum_<FinalGather>(m, "FinalGather",
-                         "Whether camera paths take one more bounce before photons light them.")
-      .value("OFF", FinalGather::kOff)
-      .value("ON", FinalGather::kOn)
-      .value("BY_TRIAL", FinalGather::kByTrial,
-             "They do, or bring all of the indirect light where a trial finds that less work.");
+  nb::enum_<IndirectLight>(
+      m, "IndirectLight",
+      "What brings indirect light. OR_PATHS: where a trial in the first pass finds that less work,\n"
+      "camera paths bring all of it, caustics excepted.")
+      .value("PHOTONS", IndirectLight::kPhotons, "Photons light what camera paths meet first.")
+      .value("PHOTONS_OR_PATHS", IndirectLight::kPhotonsOrPaths)
+      .value("FINAL_GATHER", IndirectLight::kFinalGather,
+             "Photons light what camera paths meet after one more bounce.")
+      .value("FINAL_GATHER_OR_PATHS", IndirectLight::kFinalGatherOrPaths);
   nb::class_<RenderOptions>(m, "RenderOptions",
                             "What a render is asked for: to be set before build().")
       .def(nb::init<>(), "The defaults.")
@@ -71,16 +75,12 @@ void bind_options(nb::module_& m) {
       .def_rw("max_bounces", &RenderOptions::max_bounces,
               "Surface bounces between light and camera.")
       .def_rw("radius_scale", &RenderOptions::radius_scale, "On all kernel radii.")
-      .def_rw("tries_paths", &RenderOptions::tries_paths,
-              "Without final gathering a trial may leave all photons out but those of caustics.")
       .def_rw("point_spacing", &RenderOptions::point_spacing,
               "Of visible points, in kernel radii; 0: one for each gather point.")
       .def_rw("boundary_correction", &RenderOptions::boundary_correction,
               "Whether irradiance is divided by the kernel's mass on its patch.")
       .def_rw("caustics", &RenderOptions::caustics,
               "A photon map of their own for caustics, where the scene can make them.")
-      .def_rw("force_caustics", &RenderOptions::force_caustics,
-              "Even where it cannot, for tests of what that costs.")
       .def_rw("adaptive_radius", &RenderOptions::adaptive_radius,
               "Radii of pixels by what discs of two sizes have shown.")
       .def_rw("adaptive_samples", &RenderOptions::adaptive_samples,
@@ -89,8 +89,7 @@ void bind_options(nb::module_& m) {
               "Things and walls inside of discs; part of boundary_correction.")
       .def_rw("fallback", &RenderOptions::fallback,
               "Camera paths go on for indirect light where photons serve badly.")
-      .def_rw("final_gather", &RenderOptions::final_gather,
-              "Camera paths take one more bounce before photons light them.")
+      .def_rw("indirect_light", &RenderOptions::indirect_light, "What brings it: IndirectLight.")
       .def_rw("ambient_distance", &RenderOptions::ambient_distance,
               "How far the Ambient Occlusion pass looks, m; 0: there is none.")
       .def_rw("seed", &RenderOptions::seed, "Of all random numbers, 32 bits.")
@@ -189,8 +188,8 @@ void bind_render(nb::module_& m, RendererClass& renderer) {
            "Stage 5: adds the pass to the film. RuntimeError before trace_camera().")
       .def(
           "bench_photon_tracer", &bench, "paths"_a,
-          "Traces photon paths in a built scene, then replays their rays by Embree alone. Returns rays, tracer_seconds and\n"
-          "embree_seconds by packet size.");
+          "Traces photon paths in a built scene, then by Embree alone a ray from each photon back to where it came from.\n"
+          "Returns rays, tracer_seconds, embree_rays, and embree_seconds by packet size.");
 }
 
 }  // namespace photon_splat

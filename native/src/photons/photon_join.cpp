@@ -21,7 +21,6 @@ void PhotonJoin::clear() {
   photons_.clear();
   groups_.clear();
   beams_.clear();
-  ray_log_.clear();
   runs_.clear();
   rays_ = shaded_ = next_ = 0;
 }
@@ -49,7 +48,6 @@ void PhotonJoin::count(const PhotonRun& run) {
   beams_.insert(beams_.end(), run.beams.begin(), run.beams.end());
   rays_ += run.rays;
   shaded_ += run.shaded;
-  ray_log_.insert(ray_log_.end(), run.ray_log.begin(), run.ray_log.end());
 }
 
 void PhotonJoin::put(const PhotonRun& run, Photon* photons, int16_t* groups) const {

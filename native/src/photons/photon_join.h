@@ -19,14 +19,12 @@ struct PhotonRun {
   std::vector<int16_t> groups;  // light groups of the photons, or empty
   std::vector<PhotonBeam> beams;
   uint64_t rays = 0, shaded = 0;
-  std::vector<float> ray_log;
 
   void clear() {
     photons.clear();
     beams.clear();
     groups.clear();
     rays = shaded = 0;
-    ray_log.clear();
   }
 };
 
@@ -48,7 +46,6 @@ class PhotonJoin {
   const std::vector<PhotonBeam>& beams() const { return beams_; }
   uint64_t rays() const { return rays_; }
   uint64_t shaded() const { return shaded_; }
-  const std::vector<float>& ray_log() const { return ray_log_; }
 
  private:
   void put(const PhotonRun& run, Photon* photons, int16_t* groups) const;
@@ -59,7 +56,6 @@ class PhotonJoin {
   std::vector<PhotonBeam> beams_;
   bool with_groups_ = false;
   uint64_t rays_ = 0, shaded_ = 0;
-  std::vector<float> ray_log_;
   // Of what follows, and of the sizes of what is above
   std::unique_ptr<std::mutex> mutex_ = std::make_unique<std::mutex>();
   std::vector<std::unique_ptr<PhotonRun>> runs_, spare_;

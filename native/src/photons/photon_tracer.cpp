@@ -28,12 +28,6 @@ Scene::Rays rays_of(const PhotonPaths& paths, uint32_t first, bool moves, bool s
           strands ? paths.left + first : nullptr};
 }
 
-void log_rays(const Scene::Rays& r, uint32_t count, std::vector<float>& log) {
-  for (uint32_t k = 0; k < count; ++k)
-    log.insert(log.end(), {r.origin_x[k], r.origin_y[k], r.origin_z[k], 0, r.direction_x[k],
-                           r.direction_y[k], r.direction_z[k], INFINITY});
-}
-
 }  // namespace
 
 BounceKernel choose_bounce_kernel(const std::string& name) {
@@ -227,7 +221,6 @@ void PhotonTracer::trace_chunk(uint64_t first, uint64_t count, double total, uin
       if (next < alive) {
         const Scene::Rays rays = rays_of(paths, next, moves, scene_.has_strands());
         const uint32_t lanes = std::min(kBounceLanes, alive - next);
-        if (ray_log) log_rays(rays, lanes, run.ray_log);
         hit[turn] = scene_.intersect(rays, lanes, found[turn]);
       }
       if (next == 0) continue;
@@ -336,7 +329,6 @@ const Photons& PhotonTracer::trace(uint64_t first, uint64_t count, double total,
     join_.clear();
     throw;
   }
-  if (ray_log) ray_log->insert(ray_log->end(), join_.ray_log().begin(), join_.ray_log().end());
   last_counts_ = {count, leaves_beams_ ? join_.beams().size() : join_.photons().size(),
                   join_.rays(), join_.shaded()};
   counts_ = {counts_.traced + count, counts_.stored + last_counts_.stored,

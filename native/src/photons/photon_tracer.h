@@ -70,10 +70,6 @@ class PhotonTracer {
                                 const CancelFlag& cancel);
   bool guided() const { return guide_.has_value() || targets_.has_value(); }
 
-  // For the benchmark: every ray that path tracing asks for, as origin, near, direction, far (8
-  // floats a ray).
-  std::vector<float>* ray_log = nullptr;
-
  private:
   // What seldom matters of a path between two of its rays.
   struct Rest {

@@ -66,14 +66,9 @@ void CameraPass::trace(uint32_t pass, const PhotonMaps& maps, PackedFilm& film) 
   // Photons bring caustics alone then.
   if (!strategy_ && context_.scene.needs_paths())
     strategy_.emplace(context_.scene, IndirectStrategy::Kind::kPathTraced);
-  if (!strategy_ && !options.gathers() && options.tries_paths && by_view &&
-      try_paths(pass, maps, film))
-    return;
-  if (!strategy_ && options.gathers() && photons) {
-    if (options.final_gather == FinalGather::kByTrial && by_view && try_paths(pass, maps, film))
-      return;
+  if (!strategy_ && options.tries_paths() && by_view && try_paths(pass, maps, film)) return;
+  if (!strategy_ && options.gathers() && photons)
     strategy_.emplace(context_.scene, IndirectStrategy::Kind::kFinalGather);
-  }
   if (learns && !by_view) {  // the pilot asks for no view
     const SurfaceFilter all = indirect.wanted_on(gather_points_);
     if (!indirect.learnt()) teach(indirect, all, false);

@@ -6,10 +6,10 @@
 
 namespace photon_splat {
 
-// Whether camera paths take one more bounce before photons light them (final gathering). By trial:
-// they do, or they bring all of the indirect light, caustics excepted, where the first pass finds
-// that to be less work (GatherTrial).
-enum class FinalGather : uint8_t { kOff, kOn, kByTrial };
+// What brings indirect light: photons where camera paths first meet a diffuse surface, or after one
+// more bounce (final gathering). "Or paths": a trial in the first pass (GatherTrial) may find that
+// it is less work if camera paths bring all of it, caustics excepted.
+enum class IndirectLight : uint8_t { kPhotons, kPhotonsOrPaths, kFinalGather, kFinalGatherOrPaths };
 
 struct RenderOptions {
   uint64_t photons_per_pass = 200000;  // paths, in each photon map
@@ -19,15 +19,11 @@ struct RenderOptions {
   bool boundary_correction = true;
   // A photon map of their own for caustics, where the scene can make them; else in with the others
   bool caustics = true;
-  bool force_caustics = false;  // even where it cannot: for tests of what that costs
   bool adaptive_radius = true;
   bool adaptive_samples = true;
   bool occlusion = true;  // inside of discs; part of the boundary correction
   bool fallback = true;   // camera paths go on for indirect light where photons serve badly
-  FinalGather final_gather = FinalGather::kOff;
-  // Without final gathering: paths bring all of the indirect light, caustics excepted, where a
-  // trial finds that photons take little off their noise
-  bool tries_paths = false;
+  IndirectLight indirect_light = IndirectLight::kPhotons;
   float ambient_distance = 0;  // how far the Ambient Occlusion pass looks, m; 0: there is none
   uint32_t seed = 0;
   std::string kernel{};  // of the splatter; empty: the fastest
@@ -37,7 +33,11 @@ struct RenderOptions {
   size_t kept_photon_bytes = 0;
   float fixed_radius = 0;  // of all discs in all passes, metres; 0: chosen. For comparison
 
-  bool gathers() const { return final_gather != FinalGather::kOff; }
+  bool gathers() const { return indirect_light >= IndirectLight::kFinalGather; }
+  bool tries_paths() const {
+    return indirect_light == IndirectLight::kPhotonsOrPaths ||
+           indirect_light == IndirectLight::kFinalGatherOrPaths;
+  }
   // Photons serve every view, so nothing about them may depend on this one.
   bool keeps_photons() const { return kept_photon_bytes > 0; }
 };

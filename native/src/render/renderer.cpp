@@ -101,8 +101,7 @@ void Renderer::make_camera_pass() {
 void Renderer::make_maps() {
   maps_.clear();
   kept_bytes_ = 0;
-  const bool caustics =
-      options.caustics && (options.force_caustics || scene.features() & kProgramSharp);
+  const bool caustics = options.caustics && (scene.features() & kProgramSharp);
   const auto add = [&](PhotonStream stream) {
     maps_.push_back(std::make_unique<PhotonMap>(context(), *lights_,
                                                 options.keeps_photons() ? nullptr : camera_.get(),

@@ -84,9 +84,9 @@ std::array<double, 4> light_of(Renderer& renderer, uint32_t passes, bool referen
   return light;
 }
 
-void compare(const Room& room, FinalGather gather) {
+void compare(const Room& room, IndirectLight indirect) {
   Renderer photons(2), paths(2);
-  photons.options.final_gather = gather;
+  photons.options.indirect_light = indirect;
   fill_room(photons, room);
   fill_room(paths, room);
   const auto truth = light_of(paths, 800, true), light = light_of(photons, 20);
@@ -100,17 +100,17 @@ void compare(const Room& room, FinalGather gather) {
 }  // namespace
 
 TEST_CASE("photons bring what media scatter onto surfaces") {
-  compare({}, FinalGather::kOff);
-  compare({.even = false}, FinalGather::kOn);
+  compare({}, IndirectLight::kPhotons);
+  compare({.even = false}, IndirectLight::kFinalGather);
 }
 
 TEST_CASE("the same of a lamp without soft falloff, in a world full of fog") {
-  compare({.soft_lamp = false, .everywhere = true}, FinalGather::kOff);
+  compare({.soft_lamp = false, .everywhere = true}, IndirectLight::kPhotons);
 }
 
 TEST_CASE("the same where rays that media scatter see other things") {
   for (const RayInfo::Kind unseen : {RayInfo::kVolume, RayInfo::kDiffuse}) {
     CAPTURE(static_cast<int>(unseen));
-    compare({.block = static_cast<RayMask>(kAllRays & ~ray_bit(unseen))}, FinalGather::kOff);
+    compare({.block = static_cast<RayMask>(kAllRays & ~ray_bit(unseen))}, IndirectLight::kPhotons);
   }
 }

@@ -82,27 +82,27 @@ def test_shadows_of_contacts_are_not_blurred() -> None:
 
 
 @pytest.mark.parametrize(
-    ("settings", "gathers"),
+    ("settings", "decided"),
     [
-        ({}, False),
-        ({"denoise": True}, True),
-        ({"denoise": True, "error_threshold": 0.02}, True),
-        ({"denoise": True, "caustics": False}, False),
-        ({"denoise": True, "final_gather": FinalGather.OFF}, False),
-        ({"final_gather": ON}, True),
-        ({"final_gather": ON, "photons_per_pass": 0}, False),
-        ({"final_gather": ON, "integrator": Integrator.REFERENCE}, False),
+        ({}, "PHOTONS"),
+        ({"time_limit": 5.0}, "PHOTONS_OR_PATHS"),
+        ({"error_threshold": 0.02}, "PHOTONS_OR_PATHS"),
+        ({"time_limit": 5.0, "final_gather": FinalGather.OFF}, "PHOTONS"),
+        ({"denoise": True}, "FINAL_GATHER_OR_PATHS"),
+        ({"denoise": True, "error_threshold": 0.02}, "FINAL_GATHER_OR_PATHS"),
+        ({"denoise": True, "time_limit": 5.0, "caustics": False}, "PHOTONS"),
+        ({"denoise": True, "final_gather": FinalGather.OFF}, "PHOTONS"),
+        ({"final_gather": ON}, "FINAL_GATHER"),
+        ({"final_gather": ON, "photons_per_pass": 0}, "PHOTONS"),
+        ({"final_gather": ON, "integrator": Integrator.REFERENCE}, "PHOTONS"),
     ],
 )
-def test_the_plan_decides(settings: dict, gathers: bool) -> None:
+def test_the_plan_decides(settings: dict, decided: str) -> None:
     plan = make_plan(room(), RenderSettings(**settings))
+    assert plan.indirect_light == decided
+    gathers = decided.startswith("FINAL_GATHER")
     assert plan.flags["final_gather"] == gathers
     assert any("Final gathering" in sentence for sentence in plan.sentences) == gathers
-    given = RenderSettings(**settings)
-    may_try = not given.denoise and given.final_gather == FinalGather.AUTO
-    assert plan.applied_to(given).final_gather == (
-        given.final_gather if gathers or may_try else FinalGather.OFF
-    )
 
 
 @pytest.mark.parametrize("roughness", [None, 0.3])
