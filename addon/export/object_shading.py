@@ -1,0 +1,95 @@
+"""What programs read from meshes and instances: attributes, UV maps, generated coordinates."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from ..core.scene.shading import InstanceAttribute, MeshShading
+from .attributes import instance_value, mesh_shading, width_of
+from .flat_uv_maps import report_flat_uv_maps
+from .instance_attributes import InstanceAttributes
+from .kept import Kept
+from .materials import Shading
+from .nodes.node import Want, Wants
+from .particle_hair import hair_of, hair_shading
+from .report import Report
+from .rows import Rows
+from .shapes import Shapes, mesh_key, sources, with_mesh
+from .strands import strand_shading
+
+
+class ObjectShading:
+    def __init__(self, shapes: Shapes, rows: Rows, shading: Shading, kept: Kept) -> None:
+        self._shapes, self._rows, self._kept = shapes, rows, kept
+        self._watch, self._report = shading.around.watch, shading.around.report
+
+    def collect(
+        self,
+        depsgraph: Any,
+        rows_of: Mapping[int, range],
+        wants: Wants,
+        of_meshes: frozenset[int],
+        of_instances: frozenset[int],
+    ) -> list[InstanceAttribute]:
+        """Gives meshes what programs read from them, and returns what they read from instances: ids
+        of `wants`. `rows_of`: by place in the graph's list of instances, which has not changed
+        since the rows were made.
+        """
+        if not of_meshes and not of_instances:
+            return []
+        names = {number: want for want, number in wants.ids.items()}
+        mesh_wants = {number: names[number] for number in sorted(of_meshes)}
+        askers = {
+            number: list(found) for number, found in wants.askers.items() if number in of_meshes
+        }
+        instance_wants = {number: names[number] for number in sorted(of_instances)}
+        values = {
+            number: np.zeros((len(self._rows), width_of(want)), np.float32)
+            for number, want in instance_wants.items()
+        }
+        done: set[int] = set()
+        of_nodes = InstanceAttributes(self._report)
+        meshes = self._shapes.list
+        for place, instance in enumerate(depsgraph.object_instances):
+            rows = rows_of.get(place)
+            if rows is None:
+                continue
+            self._watch.go_on()
+            for index in {self._rows.placed[row][0] for row in rows} - done if mesh_wants else ():
+                done.add(index)
+                ob = instance.object
+                meshes[index] = replace(
+                    meshes[index], shading=self._of_mesh(ob, index, mesh_wants, depsgraph)
+                )
+                if meshes[index].strands is None and not meshes[index].shading.grids:
+                    report_flat_uv_maps(ob, mesh_wants, askers, self._report)
+            for number, want in instance_wants.items():
+                found = instance_value(instance, want, depsgraph, of_nodes)
+                values[number][rows.start : rows.stop] = found
+        return [InstanceAttribute(number, found) for number, found in values.items()]
+
+    def _of_mesh(self, ob: Any, index: int, wants: dict[int, Want], depsgraph: Any) -> MeshShading:
+        mesh = self._shapes.list[index]
+        if mesh.shading.grids:
+            return mesh.shading
+        if mesh.strands is not None and index in self._shapes.hair:
+            systems = hair_of(ob, depsgraph.mode == "RENDER")
+            return hair_shading(ob, systems, mesh.strands, wants)
+        if mesh.strands is not None:
+            return strand_shading(ob.data, ob.type, ob.name, wants)
+        left = self._shapes.flat.get(index)
+
+        def make(report: Report) -> MeshShading:
+            return with_mesh(ob, lambda mesh: mesh_shading(mesh, ob.name, wants, left, report))
+
+        key = (
+            "shading",
+            *mesh_key(ob),
+            tuple(wants.items()),
+            left is not None and left.tobytes(),
+        )
+        return self._kept.get(key, sources(ob), self._report, make)
