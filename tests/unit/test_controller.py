@@ -14,9 +14,8 @@ import numpy as np
 import pytest
 from photon_splat.core.render.settings import RenderSettings
 from photon_splat.core.scene import LightKind, Scene
-from photon_splat.core.viewport import controller as viewport
 from photon_splat.core.viewport.controller import Controller
-from photon_splat.core.viewport.pace import Pace
+from photon_splat.core.viewport.pace import STEPS, Pace
 from photon_splat.core.viewport.view import Picture, View, fitted, scaled
 
 from tests.support import corescene
@@ -281,7 +280,7 @@ def test_a_border_is_rendered_as_part_of_the_whole(controller: Controller) -> No
     assert part.pixels[..., :3].mean() == pytest.approx(inside[..., :3].mean(), rel=0.05)
 
 
-@pytest.mark.parametrize("step", viewport.STEPS)
+@pytest.mark.parametrize("step", STEPS)
 def test_wide_pixels_keep_the_view(step: int) -> None:
     wanted = view(width=101, height=57, border=(7, 3, 50, 31))
     frame, region = scaled(wanted.frame, step)
