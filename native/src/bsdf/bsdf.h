@@ -169,7 +169,7 @@ class Bsdf {
 
  private:
   // A closure kept to be expanded again for another direction: `size` bytes of it follow.
-  struct Record {
+  struct Entry {
     void (*expand)(const void* closure, const View& view, LobeList& out);
     size_t size;
   };

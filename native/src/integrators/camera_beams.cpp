@@ -1,7 +1,7 @@
 // Caustic light that photons bring into media, as camera rays see it on their way: L S+ V. What the
 // path finds of it by chance further on is left out.
-#include "density/beam_tree.h"
 #include "integrators/camera_path.h"
+#include "media/beam_tree.h"
 
 namespace photon_splat {
 namespace {

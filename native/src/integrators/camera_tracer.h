@@ -170,7 +170,9 @@ class CameraTracer {
                     uint64_t blockers, const MediumStack& media, Random& random) const;
   static void see_deep(const Path& path, const Rgb& light);
   Vec3 place_of(const Path& path, const Surface& hit) const;
-  bool brings_all() const;
+  bool brings_all() const {
+    return strategy_ && strategy_->kind() == IndirectStrategy::Kind::kPathTraced;
+  }
   bool continues(Path& path, const Surface& hit, const Bsdf& bsdf) const;
   void leave_gather_points(Path& path, const Surface& hit, const Bsdf& bsdf,
                            bool caustics_only) const;

@@ -2,7 +2,7 @@
 // their way.
 #pragma once
 
-#include "density/beam_tree.h"
+#include "media/beam_tree.h"
 #include "photons/photon_tracer.h"
 #include "render/context.h"
 

@@ -1,7 +1,7 @@
 // Perspective, orthographic and panoramic cameras with a lens of finite size, and the pixel filter.
 #pragma once
 
-#include "scene/motion.h"
+#include "geometry/motion.h"
 #include "scene/panorama.h"
 
 #include <optional>

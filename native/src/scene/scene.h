@@ -9,174 +9,20 @@
 #include <string>
 
 #include "bsdf/bsdf.h"
-#include "scene/attributes.h"
-#include "scene/motion.h"
+#include "geometry/mesh.h"
+#include "geometry/swept_boxes.h"
+#include "scene/instance.h"
+#include "scene/material.h"
+#include "scene/moving_place.h"
 #include "scene/ray_hits.h"
-#include "scene/strands.h"
-#include "scene/surface_tree.h"
-#include "scene/swept_boxes.h"
-#include "scene/texture.h"
-#include "scene/volume_grid.h"
+#include "scene/surface.h"
 #include "shading/program.h"
+#include "textures/texture.h"
+#include "textures/volume_grid.h"
 #include "util/large_pages.h"
 #include "util/parallel.h"
 
 namespace photon_splat {
-
-// One side of a surface; albedo and emission are multiplied by their texture where there is one.
-struct MaterialSide {
-  Rgb albedo{0.8f, 0.8f, 0.8f}, emission{};  // emission: radiance, W/m^2/sr
-  int albedo_texture = -1, emission_texture = -1;
-};
-
-struct Material {
-  MaterialSide front, back;
-  int program = -1;  // into Scene::programs: then the sides are not read
-  int volume = -1;   // the same of the medium behind the surface; -1: none
-};
-
-// Volume grids that programs read by the id of an attribute.
-struct MeshGrid {
-  uint32_t id = 0;
-  std::shared_ptr<const VolumeGrid> grid;
-};
-
-struct Mesh {
-  LargeArray<Vec3> positions;
-  LargeArray<Triangle> triangles;
-  LargeArray<Vec3> corner_normals;  // 3 per triangle, or empty: flat
-  LargeArray<Vec2> uv;              // 3 per triangle (1 per strand), or empty
-  std::vector<uint16_t> slots;      // per triangle, or empty
-  std::vector<MeshAttribute> attributes;
-  std::vector<MeshGrid> grids;  // of a volume object, whose bounds the triangles are
-  GeneratedSpace generated;
-  MeshMotion motion;
-  Topology topology;
-  std::unique_ptr<EdgeTree> edge_tree;
-  std::unique_ptr<SurfaceTree> surface_tree;
-  std::unique_ptr<Strands> strands;  // instead of triangles; slots are those of its segments
-
-  // Makes the last three from the others. Throws Cancelled.
-  void describe_surface(const CancelFlag& cancel);
-
-  const MeshAttribute* attribute(uint32_t id) const {
-    for (const MeshAttribute& a : attributes)
-      if (a.id == id) return &a;
-    return nullptr;
-  }
-  Vec3 position(uint32_t vertex, float time) const;
-  // Those of a triangle's corners: 3 in a row, `moved` where steps have some. Not of a flat mesh.
-  const Vec3* normals(uint32_t triangle, float time, Vec3 moved[3]) const;
-};
-
-// Light groups are numbers from 0; this is the light of none.
-inline constexpr int16_t kNoLightGroup = -1;
-
-// A mesh that stands once in the scene is held in world coordinates (`shared` false, to_world =
-// identity); others are Embree instances, and so is what a transform moves. Of what moves all here
-// is that of the shutter's centre.
-struct Instance {
-  uint32_t mesh = 0;
-  int32_t motion = -1;  // into Scene::motions, of to_world; -1: it stays where it is
-  bool moves = false;   // so, or its mesh changes its shape
-  bool shared = false;
-  // The transform flips the winding; the front stays where Blender has it
-  bool mirrored = false;
-  uint32_t first_material = 0;  // into Scene::slot_materials
-  uint32_t slot_count = 1;
-  uint32_t seed = 0;                   // of surface keys
-  uint64_t group = 1;                  // of light linking: a single bit
-  uint64_t lit_groups = ~uint64_t{0};  // what it lights if it shines
-  uint64_t blockers = ~uint64_t{0};    // what casts shadows in its light
-  int16_t light_group = kNoLightGroup;
-  RayMask seen_by = kAllRays;
-  bool holdout = false;  // to the camera a hole in the picture
-  bool catcher = false;  // shows the camera what other things take from its light, and no more
-  // Cosine below which shadow rays start off the surface that smooth normals promise
-  float terminator_offset = 0.1f;
-  float scale = 1;  // largest stretch of to_world
-  // Of its medium: coefficients over what programs say
-  float density = 1;
-  Affine to_world, to_local;
-  std::array<double, 12> exact{};  // to_world before rounding
-};
-
-// A point on a surface as a ray found it. Normals are unit length and on the side the ray came
-// from.
-struct Surface {
-  Vec3 position, ng, ns;
-  uint32_t instance, triangle;
-  uint32_t key;  // hash of instance, patch and side
-  bool back;
-  float u, v;  // barycentric
-  float distance;
-  uint32_t mark;  // of the strand that it is on, as Embree takes it; 0: of a mesh
-  const MaterialSide* side;
-  const Program* program;  // or null: then `side` says it all
-
-  // Of strands ng is ns, `back` never set and `triangle` a segment; photons are not stored there.
-  bool on_strand() const { return mark != 0; }
-};
-
-// Where an instance is at some time.
-struct Pose {
-  Affine to_world, to_local;
-};
-
-// How a triangle turns on its way from one place to another.
-class Turn {
- public:
-  Turn(const Vec3 from[3], const Vec3 to[3]) : from_(axes(from)), to_(axes(to)) {}
-  Vec3 operator()(const Vec3& d) const {
-    return to_[0] * dot(from_[0], d) + to_[1] * dot(from_[1], d) + to_[2] * dot(from_[2], d);
-  }
-
- private:
-  static std::array<Vec3, 3> axes(const Vec3 corner[3]) {
-    const Vec3 x = normalize(corner[1] - corner[0]), z = normalize(cross(x, corner[2] - corner[0]));
-    return {x, cross(z, x), z};
-  }
-  std::array<Vec3, 3> from_, to_;
-};
-
-// A point of a moving surface as it is at the shutter's centre, where photons and points meet.
-struct PlaceAtRest {
-  Vec3 position, ng;  // on the side of the surface it was made of
-  float area;         // of the surface there, over that where it is now
-  Turn turn;          // of directions
-};
-
-// An image of the world, lit by every direction.
-struct WorldMap {
-  int texture = -1;
-  bool mirror_ball = false;  // else equirectangular
-  Affine to_lookup;          // of a direction, before it is looked up
-};
-
-// The sun of a sky: a disc with limb darkening, its radiance between that of its lower and that of
-// its upper edge.
-struct SunDisc {
-  Vec3 direction;  // towards it
-  float half_angle = 0;
-  Rgb bottom{}, top{};
-  float horizon = -kPi;  // elevation below which nothing is seen of it
-};
-
-// A ray offset that clears the rounding error of a hit at `position` found `distance` away.
-inline float ray_epsilon(const Vec3& position, float distance) {
-  return 4e-6f * std::max(max_abs(position), distance);
-}
-// Where a ray starts that leaves `s` that way. On strands no distance is far enough: rays that
-// leave one do not meet it (Surface::mark).
-inline Vec3 leave(const Surface& s, const Vec3& direction) {
-  if (s.on_strand()) return s.position;
-  return s.position +
-         s.ng * std::copysign(ray_epsilon(s.position, s.distance), dot(direction, s.ng));
-}
-// Where the ray goes on that found `s` and takes no notice of it.
-inline float past(const Surface& s) {
-  return std::nextafter(s.distance + ray_epsilon(s.position, s.distance), INFINITY);
-}
 
 class Media;
 class MediumStack;

@@ -6,8 +6,8 @@
 
 #include "bsdf/bsdf.h"
 #include "scene/scene.h"
-#include "shading/noise.h"
 #include "shading/ops.h"
+#include "textures/noise.h"
 
 namespace photon_splat::nodes {
 

@@ -1,6 +1,6 @@
 // Closures of media, with coefficients as Blender's nodes mean them (1/m at a density of 1).
 #include "media/medium.h"
-#include "scene/volume_grid.h"
+#include "textures/volume_grid.h"
 
 #include "shading/frame.h"
 

@@ -1,7 +1,7 @@
 // Wave, Magic, Checker, Brick, Gradient and White Noise.
 #include "shading/frame.h"
-#include "shading/hashes.h"
-#include "shading/noise.h"
+#include "textures/hashes.h"
+#include "textures/noise.h"
 
 namespace photon_splat::nodes {
 namespace {

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "geometry/motion.h"
 #include "math/sampling.h"
-#include "scene/motion.h"
 
 namespace photon_splat {
 

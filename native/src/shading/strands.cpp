@@ -1,6 +1,6 @@
 // What shaders know of the curve or point that they are on.
 #include "shading/frame.h"
-#include "shading/hashes.h"
+#include "textures/hashes.h"
 
 namespace photon_splat::nodes {
 namespace {

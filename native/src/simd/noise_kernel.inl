@@ -8,8 +8,8 @@
 #include <cstring>
 #include <utility>
 
-#include "shading/lookup3.h"
-#include "shading/noise_kernel.h"
+#include "textures/lookup3.h"
+#include "textures/noise_kernel.h"
 
 namespace photon_splat::nodes {
 namespace {

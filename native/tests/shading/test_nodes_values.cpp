@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cstring>
 
-#include "shading/noise_kernel.h"
 #include "support/programs.h"
+#include "textures/noise_kernel.h"
 
 using namespace photon_splat;
 using namespace photon_splat::nodes;

@@ -1,7 +1,7 @@
 // Volume grids for tests.
 #pragma once
 
-#include "scene/volume_grid.h"
+#include "textures/volume_grid.h"
 
 namespace photon_splat {
 

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "geometry/motion.h"
 #include "math/sampling.h"
-#include "scene/motion.h"
 
 namespace photon_splat {
 

@@ -1,7 +1,7 @@
 // Blender's Sky Texture as an image of all directions, and its sun.
 #pragma once
 
-#include "scene/texture.h"
+#include "textures/texture.h"
 #include "util/parallel.h"
 
 namespace photon_splat {

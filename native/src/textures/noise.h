@@ -2,8 +2,8 @@
 // octaves that wait computed at once.
 #pragma once
 
-#include "shading/noise_kernel.h"
 #include "shading/ops.h"
+#include "textures/noise_kernel.h"
 
 namespace photon_splat::nodes {
 

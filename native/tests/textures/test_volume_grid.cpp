@@ -1,4 +1,4 @@
-#include "scene/volume_grid.h"
+#include "textures/volume_grid.h"
 
 #include <doctest/doctest.h>
 

@@ -1,4 +1,4 @@
-#include "scene/motion.h"
+#include "geometry/motion.h"
 
 #include <doctest/doctest.h>
 

@@ -1,6 +1,6 @@
 // Fractals by Musgrave, from the noise of their octaves.
 #include "shading/frame.h"
-#include "shading/noise.h"
+#include "textures/noise.h"
 
 namespace photon_splat::nodes {
 namespace {

@@ -1,10 +1,10 @@
-#include "shading/noise.h"
+#include "textures/noise.h"
 
 #include <cstring>
 
 #include "shading/frame.h"
-#include "shading/hashes.h"
 #include "simd/dispatch.h"
+#include "textures/hashes.h"
 
 namespace photon_splat::nodes {
 namespace {

@@ -1,4 +1,4 @@
-#include "scene/topology.h"
+#include "geometry/topology.h"
 
 #include <cstring>
 #include <numeric>

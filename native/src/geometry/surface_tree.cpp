@@ -1,4 +1,4 @@
-#include "scene/surface_tree.h"
+#include "geometry/surface_tree.h"
 
 #include <bit>
 

@@ -1,4 +1,4 @@
-#include "scene/swept_boxes.h"
+#include "geometry/swept_boxes.h"
 
 namespace photon_splat {
 namespace {

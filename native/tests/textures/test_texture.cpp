@@ -1,4 +1,4 @@
-#include "scene/texture.h"
+#include "textures/texture.h"
 
 #include <doctest/doctest.h>
 

@@ -3,8 +3,8 @@
 // cells; octaves of them.
 #include "math/lanes.h"
 #include "shading/frame.h"
-#include "shading/hashes.h"
-#include "shading/noise.h"
+#include "textures/hashes.h"
+#include "textures/noise.h"
 
 namespace photon_splat::nodes {
 namespace {

@@ -1,6 +1,6 @@
-#include "scene/attributes.h"
+#include "geometry/attributes.h"
 
-#include "scene/texture.h"
+#include "textures/texture.h"
 
 namespace photon_splat {
 

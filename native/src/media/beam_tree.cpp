@@ -1,4 +1,4 @@
-#include "density/beam_tree.h"
+#include "media/beam_tree.h"
 
 #include "media/media.h"
 

@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "math/vec.h"
-#include "shading/lookup3.h"
+#include "textures/lookup3.h"
 
 namespace photon_splat::nodes {
 

@@ -1,4 +1,4 @@
-#include "scene/strands.h"
+#include "geometry/strands.h"
 
 #include <stdexcept>
 

@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
+#include "geometry/motion.h"
 #include "math/vec.h"
-#include "scene/motion.h"
 #include "util/large_pages.h"
 
 namespace photon_splat {

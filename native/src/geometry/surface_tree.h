@@ -2,7 +2,7 @@
 // over a surface then costs what its rim costs, however finely the surface is tessellated.
 #pragma once
 
-#include "scene/topology.h"
+#include "geometry/topology.h"
 #include "util/large_pages.h"
 
 namespace photon_splat {

@@ -2,7 +2,7 @@
 // (Tricard et al. 2019, "Procedural phasor noise"): eight impulses in every cell, windowed to their
 // unit ball.
 #include "shading/frame.h"
-#include "shading/hashes.h"
+#include "textures/hashes.h"
 
 namespace photon_splat::nodes {
 namespace {

@@ -1,0 +1,119 @@
+// Light that rays of camera paths meet: lamps, shining surfaces, the world.
+#include "integrators/camera_path.h"
+
+namespace photon_splat {
+
+// Light that the ray met: emitted, or sent on by the last vertex as direct light, or further on its
+// way.
+void CameraTracer::add_met(Path& path, const Rgb& radiance, Rgb& seen, int16_t light_group) const {
+  const Rgb light = path.emission_throughput * radiance;
+  if (path.deep) see_deep(path, light);
+  if (path.groups) GroupLight{path.groups, path.emission_throughput}.add(radiance, light_group);
+  if (path.vertex == 0) {
+    add_finite(seen, light, path.tile.bad_samples);
+  } else if (path.vertex == 1) {
+    const Rgb diffuse = path.diffuse_emission * radiance;
+    add_finite(path.pixel.diffuse_direct, diffuse, path.tile.bad_samples);
+    add_finite(direct_of(path.pixel, path.category == LobeCategory::kDiffuse ? LobeCategory::kGlossy
+                                                                             : path.category),
+               light - diffuse, path.tile.bad_samples);
+  } else {
+    add_finite(indirect_of(path.pixel, path.category), light, path.tile.bad_samples);
+  }
+}
+
+void CameraTracer::add_lamps(Path& path, float far) const {
+  GroupLight light{path.groups, path.emission_throughput}, *const groups =
+                                                               path.groups ? &light : nullptr;
+  Attenuation attenuation;
+  if (!path.media.empty())
+    attenuation = [&](float distance) {
+      return scene_.media()->transmittance(path.media, path.origin, path.direction, path.near,
+                                           distance, path.info, path.random);
+    };
+  const Attenuation* const through = attenuation ? &attenuation : nullptr;
+  const Rgb radiance =
+      path.vertex == 0 && !path.through_glass
+          ? lights_.lamps_seen(path.origin, path.direction, path.near, far, path.info.time, groups,
+                               through)
+          : lights_.lamps_met(path.from, path.direction, path.near, far, path.pdf, groups, through);
+  if (!is_black(radiance)) add_met(path, radiance, path.pixel.emission);
+}
+
+// Before the ray of a lobe is traced, what it would find behind surfaces that do not block it.
+void CameraTracer::add_linked(Path& path) const {
+  GroupLight light{path.groups, path.emission_throughput};
+  const auto through = [&](float far, uint64_t blockers) {
+    return transmittance(path.origin, path.direction, far, path.info, blockers, path.media,
+                         path.random);
+  };
+  const Rgb radiance = lights_.linked_met(path.from, path.origin, path.direction, path.pdf,
+                                          path.info, through, path.groups ? &light : nullptr);
+  if (!is_black(radiance)) add_met(path, radiance, path.pixel.emission);
+}
+
+void CameraTracer::add_world(Path& path) const {
+  const bool first = path.vertex == 0 && !path.through_glass;
+  if (first) path.pixel.alpha += 1;
+  const CameraSettings& film = camera_.settings();
+  if (film.transparent && (first || (path.clear && film.transparent_glass >= 0))) {
+    path.pixel.alpha -= average(path.emission_throughput);
+    return;
+  }
+  const Rgb light = world_seen(path);
+  if (path.vertex > 0) see_world(path, path.from, path.direction, light / path.pdf, true);
+  if (path.vertex > 0 && lights_.environment().asks_ray()) return add_world_by_ray(path, light);
+  add_met(path, light, path.pixel.environment, scene_.world_light_group);
+}
+
+Rgb CameraTracer::world_seen(const Path& path) const {
+  const Environment& world = lights_.environment();
+  return path.vertex == 0 && world.asks_camera()
+             ? world.radiance(path.direction, path.info)
+             : lights_.world_met(path.from, path.direction, path.pdf);
+}
+
+// The world's light as a ray of each kind sees it. What diffuse lobes sent on this way and what
+// others did adds up to all, whichever the ray was drawn by, as for light samples: they and rays
+// then share the same light.
+void CameraTracer::add_world_by_ray(Path& path, const Rgb& light) const {
+  const Environment& world = lights_.environment();
+  const bool delta = !(path.pdf < INFINITY), through = path.info.through;
+  const auto share = [&](bool diffuse) {
+    RayInfo ray = path.before.scattered(diffuse, through, delta);
+    ray.transparent_depth = path.info.transparent_depth;
+    return world.share(path.direction, ray);
+  };
+  const Rgb diffuse = is_black(path.diffuse_share) ? Rgb{} : share(true), rest = share(false);
+  const Rgb all = path.emission_throughput + path.withheld + path.world_emission;
+  const Rgb withheld = lights_.world_by_paths() ? Rgb{} : path.withheld;
+  const Rgb kept = path.emission_throughput, kept_diffuse = path.diffuse_emission;
+  path.diffuse_emission = path.diffuse_emission * diffuse;
+  path.emission_throughput =
+      all * (path.diffuse_share * diffuse + (Rgb{1, 1, 1} - path.diffuse_share) * rest) -
+      withheld * rest;
+  add_met(path, light, path.pixel.environment, scene_.world_light_group);
+  path.emission_throughput = kept;
+  path.diffuse_emission = kept_diffuse;
+}
+
+void CameraTracer::add_emission(Path& path, const Surface& hit, const Rgb& emission) const {
+  if (is_black(emission)) return;
+  if (hit.on_strand()) return add_strand_emission(path, hit, emission);
+  const float weight = path.vertex == 0 ? 1 : lights_.surface_mis_weight(path.from, hit, path.pdf);
+  if (weight > 0)
+    add_met(path, emission * weight, path.pixel.emission,
+            scene_.instances[hit.instance].light_group);
+}
+
+// No photons bring it, and no light samples.
+void CameraTracer::add_strand_emission(Path& path, const Surface& hit, const Rgb& emission) const {
+  const Instance& instance = scene_.instances[hit.instance];
+  if (path.vertex > 0 && !(instance.lit_groups & path.from.group)) return;
+  const Rgb kept = path.emission_throughput;
+  path.emission_throughput += path.withheld;
+  add_met(path, emission, path.pixel.emission, instance.light_group);
+  path.emission_throughput = kept;
+}
+
+}  // namespace photon_splat

@@ -1,0 +1,129 @@
+// Where camera paths go on, and the gather points that they leave for photons.
+#include "integrators/camera_path.h"
+
+namespace photon_splat {
+
+// Where photons on the surface are found.
+Vec3 CameraTracer::place_of(const Path& path, const Surface& hit) const {
+  return scene_.moves(hit.instance) ? scene_.at_rest(hit, path.info.time).position : hit.position;
+}
+
+bool CameraTracer::continues(Path& path, const Surface& hit, const Bsdf& bsdf) const {
+  const bool here = !is_black(bsdf.gather());
+  if (!here && is_black(bsdf.gather_through())) return false;
+  if (follows_motion_ && !scene_.moves(hit.instance) && scene_.moves_near(hit.position))
+    return true;
+  if (!strategy_) return false;
+  if (strategy_->kind() == IndirectStrategy::Kind::kPathTraced) return true;
+  if (strategy_->kind() == IndirectStrategy::Kind::kFinalGather && path.gather_bounces == 0)
+    return true;
+  ++path.tile.places;
+  const uint32_t key = here ? hit.key : hit.key ^ 1u;
+  if (!(path.badly_served && !strategy_->knows(key)) &&
+      !strategy_->at(key, place_of(path, hit), hit.instance, hit.triangle, radius_factor_,
+                     path.tile.near))
+    return false;
+  ++path.tile.continued;
+  path.badly_served = true;
+  return true;
+}
+
+void CameraTracer::leave_gather_points(Path& path, const Surface& hit, const Bsdf& bsdf,
+                                       bool caustics_only) const {
+  Vec3 position = hit.position, normal = hit.ng;
+  if (scene_.moves(hit.instance)) {
+    const PlaceAtRest rest = scene_.at_rest(hit, path.info.time);
+    position = rest.position;
+    normal = rest.ng;
+  }
+  const auto leave = [&](const Rgb& albedo, uint32_t key, const Vec3& ng) {
+    const Rgb throughput = path.throughput * albedo * (1 / kPi);
+    if (is_black(throughput)) return;
+    if (!is_finite(throughput))
+      ++path.tile.bad_samples;
+    else
+      path.tile.gather_points.push_back({position, key, ng, path.info.footprint, throughput,
+                                         path.pixel_index, hit.instance, hit.triangle,
+                                         path.category, caustics_only, path.gather_bounces > 0});
+  };
+  leave(bsdf.gather(), hit.key, normal);
+  leave(bsdf.gather_through(), hit.key ^ 1u, -normal);
+}
+
+// Sends the path on for light that gather points do not bring; false where it ends.
+bool CameraTracer::scatter(Path& path, const Surface& hit, const Bsdf& bsdf,
+                           const Receiver& receiver, bool continued) const {
+  const bool last = path.vertex >= path.max_bounces,
+             whole = !path.leaves_gather_points || continued;
+  const bool goes_on = !last && (whole || bsdf.has_rest());
+  if (!goes_on && !bsdf.has_rest() && !lights_.wants_bsdf_ray(receiver)) return false;
+  const Vec2 lobe = path.numbers(kLobePair), way = path.way();
+  const auto s = bsdf.sample(lobe.x, way);
+  if (!s) return false;
+  Rgb diffuse = s->diffuse ? s->weight : Rgb{};
+  if (path.vertex == 0 && bsdf.has_rest() && s->pdf > 0) {
+    float pdf;
+    bsdf.evaluate(s->direction, &pdf, nullptr, &diffuse);
+    diffuse = diffuse / s->pdf;
+  }
+  if (lights_.environment().asks_ray()) {
+    path.before = path.info;
+    path.diffuse_share = s->diffuse ? Rgb{1, 1, 1} : Rgb{};
+    if (bsdf.has_rest() && s->pdf > 0) {
+      float pdf;
+      Rgb by_diffuse;
+      const Rgb whole_way = bsdf.evaluate(s->direction, &pdf, nullptr, &by_diffuse);
+      path.diffuse_share = divided(by_diffuse, whole_way);
+    }
+  }
+  const Rgb before = path.throughput, world_before = path.world_throughput;
+  path.throughput = !goes_on ? Rgb{} : whole ? before * s->weight : before * s->rest;
+  const Rgb still_covered = s->diffuse ? Rgb{} : path.covered * s->weight * sharpness(s->roughness);
+  path.withheld = still_covered;
+  path.emission_throughput = before * s->weight - still_covered;
+  path.covered = still_covered;
+  path.world_emission = world_before * s->weight;
+  path.world_throughput = last || !lights_.world_by_paths()
+                              ? Rgb{}
+                              : (before + world_before) * s->weight - path.throughput;
+  path.deep = path.is_beyond();
+  path.gather_bounces += continued;
+  path.diffuse_bounces += continued && s->diffuse;
+  if (continued && caustic_photons_) path.covered += before * (s->weight - s->rest);
+  path.diffuse_emission = before * diffuse;
+  if (!is_finite(path.emission_throughput) || !is_finite(path.throughput) ||
+      !is_finite(path.diffuse_emission) || !is_finite(path.world_throughput) ||
+      !is_finite(path.world_emission)) {
+    ++path.tile.bad_samples;
+    return false;
+  }
+  const float strength = std::max(max_abs(path.throughput + path.world_throughput),
+                                  max_abs(path.emission_throughput + path.world_emission));
+  const float worth = path.vertex == 0             ? kFirstRoulette
+                      : path.vertex < kSureBounces ? kRoulette
+                                                   : 1.2f;
+  const float survival = std::min(1.0f, strength * worth);
+  if (path.random.next() >= survival) return false;
+  path.scale(Rgb{1, 1, 1} / survival);
+
+  if (path.vertex == 0)
+    path.category = s->transmitted ? LobeCategory::kTransmission
+                    : s->diffuse   ? LobeCategory::kDiffuse
+                                   : LobeCategory::kGlossy;
+  path.clear &=
+      s->transmitted && !s->diffuse && s->roughness <= camera_.settings().transparent_glass;
+  path.info = path.info.scattered(s->diffuse, s->transmitted, s->pdf <= 0);
+  if (dot(s->direction, hit.ng) < 0 && scene_.media()) scene_.media()->cross(path.media, hit);
+  path.travelled += hit.distance;
+  path.origin = leave(hit, s->direction);
+  path.direction = s->direction;
+  path.near = 0;
+  path.far = INFINITY;
+  path.from = receiver;
+  path.from.ray = static_cast<uint8_t>(ray_bit(path.info.kind));
+  path.pdf = s->pdf > 0 ? s->pdf : INFINITY;
+  ++path.vertex;
+  return true;
+}
+
+}  // namespace photon_splat

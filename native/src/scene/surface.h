@@ -1,0 +1,43 @@
+// What a ray has found, and where rays start from it.
+#pragma once
+
+#include "math/vec.h"
+#include "scene/material.h"
+#include "shading/program.h"
+
+namespace photon_splat {
+
+// A point on a surface as a ray found it. Normals are unit length and on the side the ray came
+// from.
+struct Surface {
+  Vec3 position, ng, ns;
+  uint32_t instance, triangle;
+  uint32_t key;  // hash of instance, patch and side
+  bool back;
+  float u, v;  // barycentric
+  float distance;
+  uint32_t mark;  // of the strand that it is on, as Embree takes it; 0: of a mesh
+  const MaterialSide* side;
+  const Program* program;  // or null: then `side` says it all
+
+  // Of strands ng is ns, `back` never set and `triangle` a segment; photons are not stored there.
+  bool on_strand() const { return mark != 0; }
+};
+
+// A ray offset that clears the rounding error of a hit at `position` found `distance` away.
+inline float ray_epsilon(const Vec3& position, float distance) {
+  return 4e-6f * std::max(max_abs(position), distance);
+}
+// Where a ray starts that leaves `s` that way. On strands no distance is far enough: rays that
+// leave one do not meet it (Surface::mark).
+inline Vec3 leave(const Surface& s, const Vec3& direction) {
+  if (s.on_strand()) return s.position;
+  return s.position +
+         s.ng * std::copysign(ray_epsilon(s.position, s.distance), dot(direction, s.ng));
+}
+// Where the ray goes on that found `s` and takes no notice of it.
+inline float past(const Surface& s) {
+  return std::nextafter(s.distance + ray_epsilon(s.position, s.distance), INFINITY);
+}
+
+}  // namespace photon_splat
