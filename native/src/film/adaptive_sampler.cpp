@@ -24,6 +24,11 @@ constexpr double kUsualOrder = 0.5, kBestOrder = 0.05;
 
 float known(float variance) { return variance < 1e30f ? variance : 0; }
 
+// Deviations above count as much as this; `all`: the sum of those of so many pixels.
+double outlier_limit(double all, size_t pixels) {
+  return kOutlier * all / static_cast<double>(std::max<size_t>(pixels, 1));
+}
+
 // Powers of two, the nearest in ratio.
 uint32_t rounded(double samples, double least) {
   return std::bit_floor(static_cast<uint32_t>(std::clamp(samples, least, kMost) * std::sqrt(2.0)));
@@ -174,9 +179,9 @@ std::vector<float> AdaptiveSampler::deviations(const std::vector<float>& weights
                                                ThreadPool& pool) const {
   Rings around = variances(pool);
   const size_t pixels = weights.size();
-  double limit = 0;
-  for (size_t i = 0; i < pixels; ++i) limit += weights[i] * std::sqrt(around.near[i]);
-  limit *= kOutlier / static_cast<double>(std::max<size_t>(pixels, 1));
+  double all = 0;
+  for (size_t i = 0; i < pixels; ++i) all += weights[i] * std::sqrt(around.near[i]);
+  const double limit = outlier_limit(all, pixels);
   double mean = 0, near2 = 0, far2 = 0, both = 0, mean_near = 0, mean_far = 0;
   for (size_t i = 0; i < pixels; ++i) {
     const double near = std::min(limit, double{weights[i]} * std::sqrt(around.near[i])),
@@ -298,7 +303,7 @@ void AdaptiveSampler::choose(std::vector<float> deviations, const std::vector<fl
     all += weights[i] * std::sqrt(known(variance));
     deviations[i] *= weights[i];
   }
-  const double limit = kOutlier * all / std::max(pixels, 1.0);
+  const double limit = outlier_limit(all, deviations.size());
   for (const float d : deviations) wanted += std::min<double>(d, limit);
   for (const PhotonSet& set : photons_) {
     photons += set.variance(weights, limit);
