@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -41,25 +42,19 @@ def test_a_pass_is_cut_where_its_time_ends() -> None:
 
 
 def test_photons_that_are_left_out_are_made_up_for() -> None:
-    means = []
-    for part in (1, 4):
-        what, settings = (
-            room(pixels=32),
-            RenderSettings(passes=1, photons_per_pass=400_000, fallback=False),
+    """A pass without time for photons has one batch of them."""
+    means, traced = [], []
+    for passes, seconds in ((4, math.inf), (32, 0.0)):
+        settings = RenderSettings(
+            passes=passes, photons_per_pass=400_000, adaptive_samples=False, fallback=False
         )
-        start = start_anew(what, settings)
+        start = start_anew(room(pixels=32), settings)
         start.prepare()
-        renderer = start.renderer
-        for number in range(4):
-            renderer.trace_camera(number)
-            renderer.place_points(number)
-            paths = renderer.paths_per_pass // part
-            renderer.trace_photons(0, paths)
-            renderer.splat()
-            if part > 1:
-                renderer.end_photons(paths)
-            renderer.resolve()
-        means.append(renderer.film(["diffuse_indirect"])["diffuse_indirect"].mean())
+        for number in range(passes):
+            start.renderer.render_pass(number, seconds=seconds)
+        means.append(start.renderer.film(["diffuse_indirect"])["diffuse_indirect"].mean())
+        traced.append(start.renderer.statistics()["photons"]["traced"])
+    assert 0 < traced[1] < traced[0] / 4
     assert means[0] > 0
     assert means[1] == pytest.approx(means[0], rel=0.02)
 

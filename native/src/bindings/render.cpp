@@ -180,10 +180,6 @@ void bind_render(nb::module_& m, RendererClass& renderer) {
       .def(
           "splat", [](Renderer& r) { r.map().splat(); }, released,
           "Stage 4: adds the batch to the points.")
-      .def(
-          "end_photons", [](Renderer& r, uint64_t paths) { r.map().end_photons(paths); }, "paths"_a,
-          "Before resolve(), and after any splatter: no more than `paths` of the selected map's paths come in this pass;\n"
-          "those count for all. ValueError for 0.")
       .def("resolve", &Renderer::resolve, released,
            "Stage 5: adds the pass to the film. RuntimeError before trace_camera().")
       .def(

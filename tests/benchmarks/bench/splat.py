@@ -76,7 +76,9 @@ def seconds_of(scene: Scene, radius: float = 1.0) -> dict[str, float]:
     fill_renderer(
         renderer,
         scene,
-        RenderSettings(photons_per_pass=PHOTONS, radius_scale=radius, caustics=False),
+        RenderSettings(
+            photons_per_pass=PHOTONS, radius_scale=radius, caustics=False, adaptive_samples=False
+        ),
     )
     renderer.build()
     seconds = []
@@ -92,7 +94,6 @@ def seconds_of(scene: Scene, radius: float = 1.0) -> dict[str, float]:
             stored = renderer.statistics()["photons"]["stored"] - before["photons"]["stored"]
         now = renderer.statistics()
         seconds.append((now["seconds"]["splat"] - before["seconds"]["splat"]) * PHOTONS / stored)
-        renderer.resolve()
     return {"seconds": median(seconds[1:]), "blocks": int(now["visible_points"]) // 64}
 
 
