@@ -173,7 +173,7 @@ struct FilmArray {
   std::unique_ptr<LargeArray<float>> values;
 };
 
-// Those asked for by name, or all that the film keeps.
+// The film's arrays that are asked for by name, or all that it keeps.
 nb::dict film_arrays(Renderer& r, const std::optional<std::vector<std::string>>& names) {
   const PackedFilm& film = r.film().sum();
   const size_t width = film.width, height = film.height, groups = film.light_groups;

@@ -60,7 +60,7 @@ int require_program(const Renderer& r, uint32_t program) {
   return static_cast<int>(program);
 }
 
-// Of the material added last.
+// Sets the volume program of the material added last.
 void set_volume(Renderer& r, uint32_t program) {
   if (r.scene.materials.empty())
     throw std::invalid_argument("a volume belongs to a material that does not exist");

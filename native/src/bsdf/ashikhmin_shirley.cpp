@@ -30,7 +30,7 @@ FacetValue evaluate_ashikhmin_shirley(const Lobe& lobe, const Vec3& wo, const Ve
   if (!(oh > 0)) return {};
   const float across2 = sqr(h.x) + sqr(h.y);
   const float exponent = across2 > 1e-14f ? (nu * sqr(h.x) + nv * sqr(h.y)) / across2 : nu;
-  // Of wi
+  // Density of wi, 1/sr
   const float density =
       std::sqrt((nu + 1) * (nv + 1)) / (8 * kPi) * std::pow(saturate(h.z), exponent) / oh;
   return {lobe.weight * (density * wi.z / std::max(wi.z, wo.z)), density};

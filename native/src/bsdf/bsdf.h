@@ -114,7 +114,8 @@ class Bsdf {
   void finish();
 
   const Rgb& emission() const { return lobes_.emission; }  // radiance towards wo, W/m^2/sr
-  // Of it, through glass that bends nothing: a camera ray is one of transmission then
+  // The part of transparency() through glass that bends nothing: a camera ray is a transmission ray
+  // then
   const Rgb& straight() const { return lobes_.straight; }
   // Share of light that goes straight on: a null vertex, no lobe
   const Rgb& transparency() const { return lobes_.transparency; }
@@ -144,7 +145,7 @@ class Bsdf {
   // Unit, of the lobes by what they scatter, on wo's side; ns where nothing scatters. Blender's
   // Normal pass
   Vec3 mean_normal() const;
-  // The same of diffuse-like lobes alone, by their weights
+  // The mean normal of diffuse-like lobes alone, by their weights
   Vec3 mean_diffuse_normal() const;
   Rgb diffuse_albedo() const;  // of diffuse-like lobes: Blender's Diffuse Color pass
 
@@ -155,8 +156,9 @@ class Bsdf {
   // included, so that power * evaluate / pdf is the new power.
   Rgb evaluate(const Vec3& wi, float* pdf, Rgb* rest = nullptr, Rgb* diffuse = nullptr,
                float* sharp = nullptr) const;
-  // The same, but for light from above ns and below ng, which is taken as from above both: where
-  // normals are smooth such light may pass the surface that they promise.
+  // evaluate() for light from above the smooth normal ns and below the geometric normal ng, which
+  // counts as from above both: where normals are smooth such light may pass the surface that they
+  // promise.
   Rgb evaluate_smooth(const Vec3& wi, float* pdf, Rgb* diffuse, float* sharp) const;
 
   // Draws a direction in proportion to the lobes: u chooses the lobe, and the side of a delta, and

@@ -136,7 +136,7 @@ struct PrincipledHair {
   }
 };
 
-// Of a frame that is of no use none is left.
+// False where the frame has no direction along the strand: the closure is then left out.
 bool clean_frame(HairFrame& frame) {
   const float len = length(frame.tangent);
   if (!(len > 0 && std::isfinite(len))) return false;

@@ -9,8 +9,8 @@ namespace photon_splat {
 struct Lobe;
 struct View;
 
-// Of the strand where a closure is. From the direction that its light leaves in it is met as far
-// to the other side: as a mirror would have it, and as likely as any other place.
+// The frame of a strand at a closure. Seen from the direction that light leaves in, the strand is
+// met as far to the other side: as a mirror would have it, and as likely as any other place.
 struct HairFrame {
   Vec3 tangent;      // unit, towards the tip
   float across = 0;  // from -1 to 1 over its width: sine of the angle to the middle that faces wo

@@ -35,7 +35,7 @@ struct View {
   Vec3 bent = ns;            // what all closures start from, where a displacement bends it; else ns
   bool towards_end = false;  // from where the light goes to, of what it met from elsewhere
 
-  // The same point from the direction w, on either side.
+  // The same point seen from the direction w, which may be on either side.
   View towards(const Vec3& w) const {
     return dot(w, ng) < 0 ? View{w, -ng, -ns, !back, -bent, true}
                           : View{w, ng, ns, back, bent, true};
@@ -52,8 +52,8 @@ struct Lobe {
   Vec3 n, t, b;    // frame; n on the side of wo (translucent: too)
   Facets facets;   // of_facets()
   FresnelTerms fresnel;
-  // Of facets: weight without energy compensation; what a lobe of weight 1 reflects and refracts,
-  // about
+  // Facet lobes: weight without energy compensation; about what a lobe of weight 1 reflects and
+  // refracts
   Rgb scale, layer;
   Vec3 from;         // of facets: wo in the lobe's frame
   float masked = 0;  // of facets: lambda of it

@@ -17,7 +17,7 @@ struct Facets {
   float density(const Vec3& m) const;                        // D(m), m.z > 0
   float lambda(const Vec3& w) const;                         // Smith's: G1 = 1/(1 + lambda)
   Vec3 sample_visible(const Vec3& wo, const Vec2& u) const;  // pdf D(m) G1(wo) (wo.m)/wo.z
-  // The same from a uniform point of the unit disc; GGX only
+  // A visible normal from a uniform point of the unit disc; GGX only
   Vec3 visible(const Vec3& wo, const Vec2& disk) const;
 };
 

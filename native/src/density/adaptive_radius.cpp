@@ -70,7 +70,7 @@ void AdaptiveRadius::choose(ThreadPool& pool) {
     const float bias2 =
         4 * (is_seen(i) ? squares[i] - variances[i] / n
                         : share * std::max(0.0f, far_squares[i] - far_variances[i] / n));
-    // Of the mean by the time of the next choice
+    // Variance of the mean by the time of the next choice
     const float noise2 = variances[i] / static_cast<float>(passes_);
     float step = 1;
     if (noise2 > 0 || bias2 > 0)

@@ -39,7 +39,8 @@ struct Sum {
   float h;
   float side = 1;     // -1: x is on the triangles' back
   double volume = 1;  // |det M| of the transform
-  // Of the transform: |to_world v|^2 = v.G v; xx, yy, zz, xy, xz, yz, those twice
+  // Gram matrix of the transform: |to_world v|^2 = v.G v; xx, yy, zz, xy, xz, yz, the last three
+  // doubled
   float gram[6] = {1, 1, 1, 0, 0, 0};
   double inverse_h2 = 1 / (double(h) * h), inverse_narrow2 = inverse_h2 / kNarrow2;
   Masses mass{};

@@ -11,7 +11,7 @@ namespace photon_splat {
 // where one is not clear all are from then on.
 class ClearRegions {
  public:
-  // Of a disc of radius h about x on the surface `key`.
+  // The region of a disc of radius h about x on the surface `key`.
   static uint64_t region(uint32_t key, const Vec3& x, float h);
 
   // Whether to look at a disc there. `chance`: any number, evenly distributed.

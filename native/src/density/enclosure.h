@@ -25,8 +25,8 @@ class Enclosures {
         height_(height),
         random_(seed, 0xe7c1) {}
 
-  // Of `count` <= Scene::kPacket points those whose bits are set in `which`: the bits of those that
-  // are inside.
+  // Tests `count` <= Scene::kPacket points, those whose bits are set in `which`; returns the bits
+  // of those that are inside.
   unsigned hold(const Vec3* points, uint32_t count, unsigned which);
 
  private:

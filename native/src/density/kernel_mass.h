@@ -33,8 +33,8 @@ inline constexpr float kSmallestMass = 1e-6f;
 // Largest kernel radius that the surface's curvature at a triangle allows, m; infinity on planar
 // patches.
 float curvature_radius_limit(const Scene& scene, uint32_t instance, uint32_t triangle);
-// Of the patch of a triangle, m: of a long strip its width, of a disc its radius; infinite for
-// closed surfaces.
+// Width of the patch that a triangle belongs to, m: of a long strip its width, of a disc its
+// radius; infinite for closed surfaces.
 float patch_width(const Scene& scene, uint32_t instance, uint32_t triangle);
 
 }  // namespace photon_splat

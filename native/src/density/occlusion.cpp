@@ -28,7 +28,7 @@ constexpr int kSteps = 3;
 constexpr float kPastRim = 1.05f;   // of a disc's radius: so far from its middle a wall is to be
 constexpr float kFurthest = 3;      // of it: so far a disc may be moved
 constexpr float kBentReach = 0.7f;  // of a bent disc's radius: further off it has little weight
-// Of it: so far behind what has been met the patch is looked for
+// In distances: the patch is looked for so far behind what has been met
 constexpr float kBeyond = 0.1f;
 
 // The part of a kernel (Epanechnikov) within the share s of its radius.

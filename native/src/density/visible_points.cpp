@@ -16,7 +16,8 @@ constexpr size_t kChunk = 4096;
 constexpr size_t kShards = 64;
 constexpr float kTrustedMass = 0.2f;  // of a curved patch
 constexpr int kMostHalvings = 8;
-// Of the radius: a fifth of its photons remain, since the strip is narrower than both
+// Smallest factor on the radius: a fifth of its photons remain, since the strip is narrower than
+// both
 constexpr float kLeastOnStrips = 0.2f;
 // Curvature takes no more than this: 1/25 of the photons remain
 constexpr float kLeastOfDensityRadius = 0.2f;
@@ -26,7 +27,7 @@ constexpr float kClearOfWall = 0.9f;  // of the distance to it
 constexpr float kLeastOfWalledRadius = 0.15f;
 constexpr float kLeastBetweenWalls = 0.5f;  // of that, where there is no room for it
 constexpr float kLeastUnhidden = 0.1f;      // of a kernel's mass, whatever the probes say
-// Of a kernel's radius in camera samples, in the first pass
+// Smallest kernel radius in the first pass, in footprints of camera samples
 constexpr float kFootprintFloor = 2.0f;
 
 size_t chunks_of(size_t count) { return (count + kChunk - 1) / kChunk; }
@@ -34,8 +35,8 @@ size_t chunks_of(size_t count) { return (count + kChunk - 1) / kChunk; }
 // Radii come in steps of 2^(1/4), so that neighbours share cells.
 float quantized(float h) { return std::exp2(std::round(std::log2(h) * 4) / 4); }
 
-// What of the kernel lies on the surface, less what is hidden there. Returns whether an edge cuts
-// the disc.
+// Divides by the part of the kernel that lies on the surface and is not hidden there. Returns
+// whether an edge cuts the disc.
 bool divide_by_mass(PointBlock& block, uint32_t lane, KernelMass m, const DiscOcclusion& inside) {
   const bool cut = m.mass < kWhole;
   m.mass = std::max(m.mass - inside.hidden, kLeastUnhidden * m.mass);
@@ -111,7 +112,7 @@ void VisiblePoints::find_cells(Scene& scene, const GatherPoints& gather_points,
           };
           const Vec3 from_middle{off(r.position.x, shift.x), off(r.position.y, shift.y),
                                  off(r.position.z, shift.z)};
-          // Of floats that are not negative: in the same order
+          // Bits of floats that are not negative are in the floats' order
           rank = std::bit_cast<uint32_t>(length2(from_middle));
         }
         const uint64_t place = hash64(index(r.position.x, shift.x)) ^

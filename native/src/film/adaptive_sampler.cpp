@@ -155,9 +155,9 @@ void AdaptiveSampler::begin_pass(ThreadPool& pool) {
   to_choose_ = false;
 }
 
-// Of one sample, as the pixels around tell. The pixel's own samples have no say: what is bright by
-// chance would get more company than what is dark by chance, and the mean come out too dark. What
-// edges do to the light of photons counts as well.
+// Variance of one sample, estimated from the pixels around. The pixel's own samples have no say:
+// what is bright by chance would get more samples than what is dark by chance, and the mean come
+// out too dark. Variance of photons' light near edges counts as well.
 AdaptiveSampler::Rings AdaptiveSampler::variances(ThreadPool& pool) const {
   std::vector<float> own(samples_.size());
   const CancelFlag never;
@@ -204,7 +204,7 @@ std::vector<float> AdaptiveSampler::deviations(const std::vector<float>& weights
   return result;
 }
 
-// Of the pixels next to each, and of those two away; the pixel itself left out.
+// Means over the pixels next to each one and over those two away; the pixel itself is left out.
 AdaptiveSampler::Rings AdaptiveSampler::rings(const std::vector<float>& values, float of_none,
                                               ThreadPool& pool) const {
   Rings found{std::vector<float>(values.size()), std::vector<float>(values.size())};
@@ -231,9 +231,10 @@ AdaptiveSampler::Rings AdaptiveSampler::rings(const std::vector<float>& values, 
   return found;
 }
 
-// The same after one sample of each pixel: as those next to each other differ, at most two pixels
-// away. What is seen only further than one away counts little, but an edge that is as bright as a
-// lamp is not to be missed. What photons add differs little so close by, but at edges.
+// Deviations after one sample of each pixel, from differences between neighbours at most two pixels
+// away. What is seen only further than one pixel away counts little, but an edge that is as bright
+// as a lamp is not to be missed. Light of photons differs little between such neighbours, except at
+// edges.
 std::vector<float> AdaptiveSampler::first_deviations(ThreadPool& pool) const {
   const std::vector<float>& light = all_.sum;
   std::vector<float> across(light.size()), down(light.size()), result(light.size());

@@ -19,8 +19,8 @@ struct PhotonSet {
   double last = 1, count = 1;      // in the last pass and in the next, over those of the first
   double fewest = 0.25, most = 8;  // bounds of that; both 1 where all passes have to have as many
 
-  // Of all pixels, each error times its weight, of as many as the first pass has; noise taken for
-  // `limit` where it is more
+  // Sum of the squared errors of all pixels, each error times its weight, for as many photons as
+  // the first pass has; noise above `limit` counts as `limit`
   double variance(const std::vector<float>& weights, double limit) const;
   double unit_work() const { return work / last; }
 };
@@ -49,12 +49,12 @@ class AdaptiveSampler {
  public:
   void reset(int width, int height, uint32_t least, std::vector<PhotonSet> photons);
   void set_least(uint32_t least) { least_ = least; }
-  // Of each pixel in the first pass
+  // Sets the samples of each pixel in the first pass
   void begin_with(uint32_t count) { count_.assign(count_.size(), static_cast<uint16_t>(count)); }
 
   // Before the samples of a pass are asked for; again does no harm.
   void begin_pass(ThreadPool& pool);
-  // Of pixel i in pass `pass` of the film: numbers [first, first + count) of its sequence.
+  // Samples of pixel i in pass `pass` of the film: numbers [first, first + count) of its sequence.
   uint32_t first(size_t i, uint32_t pass) const { return pass + extra_[i]; }
   uint32_t count(size_t i) const { return count_[i]; }
   double mean_count() const;  // of all pixels, in the next pass

@@ -64,7 +64,7 @@ class PowerLaw {
     }
   }
 
-  // Of the mean of all passes. difference(i) is D at the i-th k.
+  // Variance of the mean of all passes. difference(i) is D at the i-th k.
   template <class Difference>
   float variance(Difference&& difference) const {
     float best = -INFINITY, result = 0;

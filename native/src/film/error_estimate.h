@@ -46,9 +46,9 @@ class ErrorEstimate {
   void estimate_bias(ThreadPool& pool);
 
   struct Level {
-    // Of the block that waits for its neighbour: sums, the last of s^(1/2)
+    // Sums of the block that waits for its neighbour; the last of s^(1/2)
     std::vector<float> open, open_samples, open_noise;
-    // Of the differences of neighbouring blocks' means, if each pass had one sample
+    // Squared differences of neighbouring blocks' means, as if each pass had one sample
     std::vector<float> squares;
     std::vector<float> weights;  // of those: passes of more samples tell more
     uint32_t pairs = 0;

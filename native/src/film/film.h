@@ -17,8 +17,8 @@ struct Pixel {
   Rgb diffuse_color, emission, environment, normal;
   Rgb ambient_occlusion;  // what is open of the hemisphere above what is seen, if it is wanted
   Rgb albedo;  // of all lobes, for a denoiser: what diffuse_color calls black may be copper
-  // Of shadow catchers, whose light is none of the above: their light among all things, and if
-  // there were nothing but catchers; the world behind them
+  // Light of shadow catchers, which none of the above holds: among all things, and as if there were
+  // nothing but catchers; the world behind them
   Rgb caught, caught_alone, backdrop;
   float alpha = 0, photon_density = 0;
   float caught_alpha = 0;           // of catchers, beside `alpha`
@@ -70,7 +70,7 @@ struct Film {
     by_group.clear();
     by_group.resize(pixels.size() * groups);
   }
-  // Of one pixel; nullptr where light is not kept by group.
+  // The light of one pixel by group; nullptr where light is not kept by group.
   Rgb* groups_of(size_t pixel) { return light_groups ? &by_group[pixel * light_groups] : nullptr; }
 };
 

@@ -10,7 +10,7 @@ namespace {
 
 constexpr size_t kPixels = PackedFilm::kSide * PackedFilm::kSide;
 
-// Of the first sample of all, or of one pass alone.
+// Channels of the first sample of all, or of one pass alone.
 ChannelMask not_summed() { return channels_of(&Pixel::depth, &Pixel::surface_id, &Pixel::detail); }
 
 bool is_in(size_t channel, ChannelMask mask) { return mask >> channel & 1; }

@@ -43,7 +43,7 @@ class PackedFilm {
   int width = 0, height = 0;
   uint32_t passes = 0;  // in it so far
   int light_groups = 0;
-  // Of each pixel its light by group, sums like those of the pixel
+  // Light of each pixel by group, sums like those of the pixel
   LargeArray<Rgb> by_group;
   ChannelMask kept = kAllChannels;  // of what is put; the rest is 0
 
@@ -64,7 +64,7 @@ class PackedFilm {
       for (size_t i = 0; i < count; ++i) work(first + i, place + i);
     });
   }
-  // The same for rows: work(place of the first in the film, pixels, place of the first in the
+  // each() for whole rows: work(index of the first in the film, pixels, index of the first in the
   // tile).
   template <class Work>
   void each_run(size_t t, Work&& work) const {

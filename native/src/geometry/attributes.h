@@ -44,7 +44,7 @@ struct GeneratedSpace {
 struct ShadingView {
   Affine camera_to_world;  // looks along +Z, Y up; relative to the scene's origin
   Affine world_to_camera;
-  // Of the frame on z = 1 (perspective) or in metres
+  // Edges of the frame on z = 1 (perspective) or in metres
   float left = -1, right = 1, bottom = -1, top = 1;
   bool orthographic = false;
 };

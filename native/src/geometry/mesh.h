@@ -41,7 +41,8 @@ struct Mesh {
     return nullptr;
   }
   Vec3 position(uint32_t vertex, float time) const;
-  // Those of a triangle's corners: 3 in a row, `moved` where steps have some. Not of a flat mesh.
+  // Normals of a triangle's three corners, in a row; `moved` is where steps have some. Not for a
+  // flat mesh.
   const Vec3* normals(uint32_t triangle, float time, Vec3 moved[3]) const;
 };
 

@@ -24,7 +24,7 @@ Quaternion between(const Quaternion& a, const Quaternion& b, float t) {
   return a * std::cos(angle) + across * std::sin(angle);
 }
 
-// Of orthonormal columns that are right-handed.
+// The rotation whose columns are these, orthonormal and right-handed.
 Quaternion rotation_of(const Vec3& x, const Vec3& y, const Vec3& z) {
   const float trace = x.x + y.y + z.z;
   Quaternion q;

@@ -20,7 +20,7 @@ enum class StrandShape : uint8_t {
   kPoint         // a ball
 };
 
-// Of a curve, or a point; as Embree reads it.
+// A key of a curve, or a point, as Embree reads it.
 struct StrandKey {
   Vec3 position;
   float radius = 0;
@@ -60,14 +60,14 @@ class Strands {
   Vec3 tangent(uint32_t segment, float u, float time) const;
   // Linear between the keys.
   float radius(uint32_t segment, float u, float time) const;
-  // Of a curve from its root, and of its keys' polygon up to a place: in the units of the keys as
-  // they were before transform().
+  // Length of a curve, and of its keys' polygon from the root up to a place: in the units of the
+  // keys as they were before transform().
   float length(uint32_t curve) const;
   float length_to(uint32_t segment, float u) const;
 
   // By a matrix that scales all directions alike.
   void transform(const std::array<double, 12>& to_world, float scale);
-  // Of its keys at all steps.
+  // Bounds of its keys at all steps of motion.
   Bounds bounds() const;
 
   RTCGeometry make_geometry(RTCDevice device) const;

@@ -19,7 +19,7 @@ struct SurfaceNode {
   uint32_t count;
   uint32_t right;  // second child, the first being the next node; 0: a leaf
 
-  // Of v.x over its points x.
+  // Variance of v.x over the points x of the node.
   double variance_along(const Vec3& v) const {
     const float along = v.x * (v.x * spread[0] + 2 * (v.y * spread[3] + v.z * spread[4])) +
                         v.y * (v.y * spread[1] + 2 * v.z * spread[5]) + v.z * v.z * spread[2];

@@ -7,7 +7,7 @@ namespace photon_splat {
 
 // Paths of little throughput go on with a probability of this times their throughput.
 inline constexpr float kRoulette = 8;
-// The same from the first vertex: what a dark surface mirrors is most of what is seen there
+// The same factor at the first vertex: what a dark surface mirrors is most of what is seen there
 inline constexpr float kFirstRoulette = 100;
 inline constexpr int kSureBounces = 3;  // from here on at most with the throughput itself
 
@@ -30,7 +30,7 @@ enum Dimension : uint32_t {
   kTimePair = 65
 };
 
-// Of a number that choices have used up to this share no more is told apart
+// A random number that choices have narrowed to this share is not divided further
 inline constexpr float kNarrowest = 1 / 4096.0f;
 
 // The camera rays of a pixel's samples. Its place in the whole frame seeds them, so that a border
@@ -118,7 +118,8 @@ struct CameraTracer::Path {
   float near, far;
   RayInfo info{};
   RayInfo before{};  // of the ray that met the last vertex
-  // Of what the last vertex sent on this way, by its diffuse lobes: where the world asks
+  // The share of diffuse lobes in what the last vertex sent this way; used where the world asks for
+  // the kind of ray
   Rgb diffuse_share{1, 1, 1};
   int vertex = 0;     // number of the next scattering
   MediumStack media;  // around the ray
@@ -131,7 +132,8 @@ struct CameraTracer::Path {
   Rgb throughput{1, 1, 1};           // of light that leaves the next vertex, emission excepted
   Rgb emission_throughput{1, 1, 1};  // of its emission
   Rgb diffuse_emission{};            // the part of that which the diffuse lobes of vertex 0 sent on
-  // Of throughput: what photons bring of light that meets nothing but sharp lobes from here on
+  // The part of throughput that photons cover: light that meets nothing but sharp lobes from here
+  // on
   Rgb covered{};
   Rgb withheld{};  // of emission_throughput: what photons bring of it
   // What is more than throughput, and than emission_throughput, of the light of a world that comes
@@ -158,9 +160,9 @@ struct CameraTracer::Path {
   Vec2 numbers(Dimension pair) {
     return vertex == 0 ? sobol_2d(sample, first_pair + pair, seed) : random.next2();
   }
-  // Those that place the direction of the next ray. Before the first vertex the choices whether
-  // surfaces let the path through are of them too, so that paths that stay, or pass, are spread as
-  // well as all of them are.
+  // The numbers that place the direction of the next ray. Before the first vertex they also decide
+  // whether surfaces let the path through, so that paths that stay, and paths that pass, are spread
+  // as evenly as all of them are.
   Vec2 way() {
     const Vec2 u = numbers(kBsdfPair);
     if (vertex > 0) return u;

@@ -44,16 +44,16 @@ class CameraTracer {
   // Whether scouts are less than all.
   static bool sends_scouts(const PackedFilm& film);
 
-  // From now on paths go on for the indirect light where `strategy` says so (nullptr: nowhere);
-  // with `caustics` photons bring caustics there all the same. `radius_factor`: of the pass to
-  // come, on all radii.
+  // Paths go on for indirect light where `strategy` says so (nullptr: nowhere); with `caustics`
+  // photons bring caustics there all the same. `radius_factor`: factor on all radii in the next
+  // pass.
   void set_strategy(const IndirectStrategy* strategy, bool caustics, float radius_factor) {
     strategy_ = strategy;
     caustic_photons_ = caustics;
     radius_factor_ = radius_factor;
   }
 
-  // From now on photons bring caustics in media by these (nullptr: paths find them by chance).
+  // Photon beams that bring caustics in media (nullptr: paths find them by chance).
   void set_beams(const BeamTree* beams) { beams_ = beams; }
 
   // Whether paths go on for the indirect light, where photons bring it, beside what moves: the
@@ -61,8 +61,8 @@ class CameraTracer {
   void follow_motion(bool on) { follows_motion_ = on; }
   bool follows_motion() const { return follows_motion_; }
 
-  // From now on pixels tell how open it is above what they show, up to this distance; 0: they do
-  // not.
+  // Distance of the Ambient Occlusion pass, m: how open it is above what pixels show; 0: there is
+  // no such pass.
   void look_around(float distance) { ambient_distance_ = distance; }
 
   // One sample per pixel of the unbiased path tracer, indirect light included; leaves no gather
@@ -94,7 +94,7 @@ class CameraTracer {
     std::vector<uint8_t> changed;   // for the first of each pixel, whether that is among them
     bool again = false;             // whether that is so
     GatherTrial trial;
-    // Of the trial: luminance of each pixel that photons would have brought
+    // For the trial: luminance in each pixel that photons would have brought
     std::vector<float> deep;
     // Variances of one sample of each pixel: of all light, and without that
     std::vector<std::pair<float, float>> variances;

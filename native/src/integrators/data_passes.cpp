@@ -32,7 +32,7 @@ class Matte {
   std::vector<std::pair<float, float>> found_;
 };
 
-// Of one pixel.
+// What is gathered for one pixel.
 struct Scratch {
   std::array<Matte, 3> mattes;
   std::array<double, 4> vector{};
@@ -74,7 +74,8 @@ struct Looker {
   // Through what lets light pass. Returns how much of it is not lost in mist.
   float follow(const CameraRay& ray, float time, size_t index, bool first, Scratch& scratch) const {
     float left = 1, clear = 0, near = ray.near;
-    // Of the samples that get there with a path of Cycles, which passes a layer or is scattered
+    // Share of the samples that get there with a path of Cycles, which passes a layer or is
+    // scattered
     float reach = 1;
     bool solid = false;
     std::vector<float> registers;

@@ -36,7 +36,7 @@ struct DataSettings {
 
 // By pixel, row 0 at the bottom.
 struct DataPasses {
-  // Of the first surface of the first sample, as Cycles has them
+  // From the first surface of the first sample, as in Cycles
   std::vector<float> position, object_index, material_index;
   // Means over the samples: of first surfaces, of all that is seen, and of what programs find up to
   // the first surface, with how much of the pixel has such
@@ -45,7 +45,7 @@ struct DataPasses {
   // Mean over the samples that see anything, the world too: x and y, from the frame before and to
   // the one after
   std::vector<float> vector;
-  // Of objects, assets, materials: `levels` pairs of id and coverage, the greatest first
+  // Mattes of objects, assets, materials: `levels` pairs of id and coverage, the greatest first
   std::array<std::vector<float>, 3> mattes;
 };
 

@@ -14,7 +14,7 @@ namespace photon_splat {
 // that part.
 class GatherTrial {
  public:
-  // Of `paths` camera paths their rays; `deep`: those for light that photons would bring.
+  // Counts the rays of `paths` camera paths; `deep`: rays for light that photons would bring.
   void add_rays(uint64_t paths, uint64_t rays, uint64_t deep) {
     paths_ += paths, rays_ += rays, deep_rays_ += deep;
   }

@@ -25,13 +25,13 @@ class MotionVectors {
   MotionVectors(const Scene& scene, const CameraSettings& camera, const NeighbouringFrames& frames);
   // As Cycles has them: x and y of the earlier place less those of now, and of now less the later.
   std::array<float, 4> at(const Surface& hit) const;
-  // The same of what lies there without end, which the camera alone moves: as Cycles has it, which
-  // does not divide directions by their depth.
+  // Motion of the background in this direction, which only the camera moves. As in Cycles
+  // directions are not divided by their depth.
   std::array<float, 4> beyond(const Vec3& direction) const;
 
  private:
   Vec3 offset(const Surface& hit, int frame) const;
-  // Of a place in the camera's space; far: of a direction.
+  // Projects a place in the camera's space; far: a direction.
   Vec2 project(const Vec3& p, float zoom, bool far = false) const;
 
   const Scene& scene_;

@@ -43,7 +43,7 @@ Stretch within_cone(const Lamp& lamp, const Vec3& origin, const Vec3& direction,
   return {ends[0], count > 1 ? ends[1] : s.to};
 }
 
-// Where it is before an area lamp.
+// The part of the stretch that lies before an area lamp.
 Stretch in_front(const Lamp& lamp, const Vec3& origin, const Vec3& direction, Stretch s) {
   const float height = dot(origin - lamp.center, lamp.forward), rise = dot(direction, lamp.forward);
   if (rise == 0) return height > 0 ? s : Stretch{s.from, s.from};
@@ -52,7 +52,7 @@ Stretch in_front(const Lamp& lamp, const Vec3& origin, const Vec3& direction, St
                   : Stretch{s.from, std::clamp(crossing, s.from, s.to)};
 }
 
-// Of the distances from a centre along a ray: the angles they are seen under grow evenly.
+// Samples distances along a ray so that the angle about a centre is uniform (equiangular sampling).
 struct Equiangular {
   float nearest, height, begin, end;  // distance along the ray and from it; angles
   Stretch of;

@@ -12,7 +12,7 @@ class Environment {
   explicit Environment(Scene& scene);
 
   bool black() const { return is_black(mean_); }
-  // The same from everywhere: nothing is gained by drawing from it.
+  // Radiance is the same in all directions: importance sampling gains nothing.
   bool constant() const { return table_.even() && discs_.empty(); }
   // Whether the camera, and whether rays of different kinds, see something else than radiance(),
   // which then is the most that any of these sees but the camera: a world with a Light Path node.
@@ -53,7 +53,7 @@ class Environment {
   int part_of(const Vec3& d) const {
     return disc_density(d) > 0 ? kDiscs : table_.patch_of(table_.cell_of(d));
   }
-  // Of sample()'s
+  // Probability with which sample() chooses this part
   float part_share(int part) const {
     return part == kDiscs ? disc_share_ : (1 - disc_share_) * table_.share(part);
   }
@@ -122,7 +122,7 @@ inline Vec2 sphere_uv(const Vec3& p) {
 inline Vec2 equirectangular_uv(const Vec3& d) {
   return {0.5f - turn_of(d.y, d.x), 0.5f + 2 * turn_of(d.z, std::sqrt(d.x * d.x + d.y * d.y))};
 }
-// The same of a photographed mirror ball.
+// Image coordinates of a direction in a photographed mirror ball.
 inline Vec2 mirror_ball_uv(Vec3 d) {
   d.y -= 1;
   const float scale = 2 * std::sqrt(std::max(-0.5f * d.y, 0.0f));

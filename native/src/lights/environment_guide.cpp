@@ -9,10 +9,10 @@ namespace {
 constexpr float kCells = 16;      // along the longest side of what the camera sees
 constexpr uint64_t kCoarser = 4;  // from level to level
 constexpr uint32_t kEnough = 24;  // sightings of the world before a histogram is believed
-// Of a surface's rays meet the world: their own sampling is good enough
+// Share of a surface's rays that meet the world from which on their own sampling is good enough
 constexpr float kFree = 0.5f;
 constexpr float kContrast = 0.3f;  // of a world: from here on a guide helps there, too
-// Of a sighting's weight goes to its part, the rest to the four around it
+// Share of a sighting's weight that goes to its own cell, the rest to the four around it
 constexpr float kOwn = 0.5f;
 // sightings' worth of what the environment alone would draw
 constexpr double kDoubt = 32;

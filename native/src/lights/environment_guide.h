@@ -58,7 +58,7 @@ class EnvironmentGuide {
   // What has been found, and what directions are drawn by.
   struct Found {
     std::vector<float> sums;  // by part; none before anything is found
-    // Of the surface's own; those of them that met the world; all that did
+    // Rays by the surface's own sampling; those of them that met the world; all samples that did
     uint32_t rays = 0, seen = 0, found = 0;
   };
   // Cells by their keys, to be looked up.

@@ -53,7 +53,7 @@ struct Lamp {
   float one_minus_cos = 0;      // of a sun's half angle
   float cos_half = 0, inverse_smooth = 0, scale_x = 1, scale_y = 1, scale_z = 1;  // spot cone
   float tan_half_spread = 0, normalize_spread = 0;
-  // Of the photon's direction: spots and narrow areas, see lights_photons.cpp
+  // Cumulative distribution of the photon's direction: spots and narrow areas, see area_lamp.cpp
   std::vector<float> angle_cdf;
   // Lower end of the tabled variable; the upper end is 1 (spot) or in angle_high
   float angle_low = 0;
@@ -102,9 +102,9 @@ PhotonStart emit_area_lamp(const Lamp& lamp, const Vec2& place, const Vec2& way)
 Rgb lamp_program(const Scene& scene, const Lamp& lamp, const Vec3& position, const Vec3& wo,
                  float distance);
 
-// Of a spot in a direction from it.
+// Factor on a spot lamp's radiant intensity in a direction from it.
 float spot_attenuation(const Lamp& lamp, const Vec3& from_lamp);
-// Of an area lamp, by the tangent of the angle to its axis.
+// Factor on an area lamp's radiance, by the tangent of the angle to its axis.
 inline float spread_attenuation(const Lamp& lamp, float tangent) {
   if (lamp.normalize_spread == 0) return 1;
   return std::max(0.0f, (lamp.tan_half_spread - tangent) * lamp.normalize_spread);
@@ -114,7 +114,7 @@ inline bool inside_shape(const Lamp& lamp, const Vec3& from_center) {
               py = dot(from_center, lamp.axis_y) / lamp.half_y;
   return lamp.s.ellipse ? px * px + py * py <= 1 : std::abs(px) <= 1 && std::abs(py) <= 1;
 }
-// Of an area lamp: what of it sends light to x.
+// The area of an area lamp that sends light to x, m^2.
 inline float sampled_area(const Lamp& lamp, const Vec3& x) {
   if (lamp.normalize_spread == 0) return lamp.area;
   const float beam = dot(lamp.center - x, lamp.forward) * lamp.tan_half_spread;

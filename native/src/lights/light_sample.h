@@ -29,7 +29,7 @@ struct Receiver {
   // only
   bool sharp = false;
   uint64_t group = ~uint64_t{0};  // Instance::group
-  // Of Lights::guide_at(), if any: by what the world is looked for from there
+  // The guide to the world at this place, from Lights::guide_at(), or null
   const EnvironmentGuide::Cell* guide = nullptr;
   uint8_t world_samples = 1;  // how many sample_world() is asked for
   uint8_t ray = 0xff;         // RayMask of the ray on its way from there
@@ -51,8 +51,8 @@ struct Receiver {
 struct LightSample {
   Vec3 direction;
   float distance;
-  // Of an emissive surface, towards the point; 0 for lamps, which nothing shadows but what is
-  // before them
+  // Normal of an emissive surface, towards the point; 0 for lamps, which nothing shadows but what
+  // is before them
   Vec3 normal;
   Rgb weight;
   float pdf;  // solid angle; 0 for directions no BSDF sample can find

@@ -31,7 +31,7 @@ Cone joined(const Cone& a, const Cone& b) {
           emission};
 }
 
-// Of a set of lights: how much a point at random sees of them, relative to others.
+// A set of lights: how much a random point sees of them, relative to others.
 struct Group {
   Bounds bounds;
   Cone cone{};

@@ -24,7 +24,8 @@ Affine with_all_axes(const LampSettings& s) {
 }
 
 constexpr uint32_t kProbes = 512;
-// Of the brightest probe: where the program shines on a few directions alone, they are still found
+// Share of the brightest probe: where the program shines in a few directions only, they are still
+// found
 constexpr float kLeastShare = 0.01f;
 
 }  // namespace

@@ -33,7 +33,7 @@ struct Emitter {
   uint32_t max_bounces = ~0u;
   bool met_by_rays = true, casts_shadows = true;
   double power = 0;
-  // Of a sun: through a surface that faces it, mean over RGB, W/m^2
+  // Flux of a sun through a surface that faces it, mean over RGB, W/m^2
   double parallel_flux = 0;
   bool exact = false;      // a lamp that lies in a surface: lights_in_surfaces.cpp
   float past_surface = 1;  // of a mesh's light, where it lies in a surface
@@ -72,7 +72,7 @@ class Lights {
                                        float far, float choice, float u) const;
   // Whether that is all of the light that media scatter.
   bool all_near() const { return along_.size() == emitters_.size() && environment_.black(); }
-  // Of that; none where there is nothing to aim at.
+  // Density of sample_along() at `distance`, 1/m; none where there is nothing to aim at.
   std::optional<float> pdf_along(const Vec3& origin, const Vec3& direction, float near, float far,
                                  float distance) const;
 
@@ -110,7 +110,7 @@ class Lights {
   // Radiance of the world in a direction that a ray from the receiver left the scene in, weighted
   // likewise.
   Rgb world_met(const Receiver& to, const Vec3& direction, float bsdf_pdf) const;
-  // The same for a camera ray, unweighted: only lamps that the camera may see.
+  // lamps_met() for a camera ray, without MIS weights: only lamps that the camera may see.
   Rgb lamps_seen(const Vec3& origin, const Vec3& direction, float near, float far, float time,
                  GroupLight* groups = nullptr, const Attenuation* attenuation = nullptr) const;
 
@@ -160,7 +160,7 @@ class Lights {
                float bsdf_pdf, float* distance = nullptr) const;
   float mesh_mis_weight(uint32_t emitter, const Receiver& to, const Surface& hit,
                         float bsdf_pdf) const;
-  // Of an emitter among themselves
+  // Probability of an emitter among all emitters
   float choice_probability(uint32_t emitter, const Receiver& to) const;
   float emitters_weight(const Receiver& to) const;  // of all together
   float world_probability(const Receiver& to, float emitters_weight) const;

@@ -45,7 +45,7 @@ struct MeshLight {
     while (i + 1 < cdf.size() && cdf[i] <= target) ++i;
     return i;
   }
-  // Of the whole: what the mesh's `triangle` is picked with; 0 where it does not emit.
+  // Probability with which the mesh's `triangle` is chosen; 0 where it does not emit.
   float share_of(uint32_t triangle) const {
     // Right where no other stands between them
     size_t i = size_t{triangle} - triangles.front().triangle;

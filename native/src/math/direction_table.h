@@ -45,8 +45,8 @@ class DirectionTable {
   Sample sample(const Vec2& u) const;
   Sample sample_patch(int patch, const Vec2& u) const;
 
-  // Of a unit vector. Between cells rounding decides: those of samples are the ones that they were
-  // drawn from.
+  // The cell of a unit vector. Between cells rounding decides; samples belong to the cell that they
+  // were drawn from.
   Cell cell_of(const Vec3& d) const {
     const float turn = turn_of(d.y, d.x), column = turn < 0 ? turn + 1 : turn,
                 row = 2 * turn_of(std::sqrt(d.x * d.x + d.y * d.y), d.z);
@@ -59,7 +59,7 @@ class DirectionTable {
   }
   int patch_of(const Cell& c) const { return band_of_[c.row] * kSectors + sector_of_[c.column]; }
   float share(int patch) const { return share_[patch]; }  // of the directions that sample() draws
-  // Of sample_patch(), 1/sr
+  // Density of sample_patch(), 1/sr
   float pdf_in_patch(const Cell& c) const { return pdf(c) * over_share_[patch_of(c)]; }
 
   // Solid angle of one of `width` cells in a row of `height`, sr.

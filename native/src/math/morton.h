@@ -15,7 +15,7 @@ inline uint64_t spread_bits(uint64_t x) {
   return (x | x << 2) & 0x1249249249249249ull;
 }
 
-// Of the cell (x, y, z), of which the lowest 21 bits count.
+// Morton code of the cell (x, y, z), of which the lowest 21 bits count.
 inline uint64_t morton(uint64_t x, uint64_t y, uint64_t z) {
   return spread_bits(x) | spread_bits(y) << 1 | spread_bits(z) << 2;
 }

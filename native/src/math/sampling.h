@@ -117,7 +117,7 @@ class SobolPair {
         to_unit_float(reverse_bits(owen_scramble_reversed(i, x_key_))),
         to_unit_float(reverse_bits(owen_scramble_reversed(second_dimension_reversed(i), y_key_)))};
   }
-  // Of `count` <= kMost indices in a row; vectors of lanes, whole ones, so that what lies beyond
+  // Points of `count` <= kMost indices in a row, in whole vectors of lanes: what lies beyond
   // `count` is overwritten.
   static constexpr uint32_t kMost = 64;
   struct alignas(64) Run {
@@ -134,8 +134,8 @@ inline Vec2 sobol_2d(uint32_t index, uint32_t dimension, uint32_t seed) {
   return SobolPair(dimension, seed).at(index);
 }
 
-// Of an angle within [-pi/4, pi/4], to the last bit or one beside it: Taylor series. The library's
-// functions take many times as long.
+// Cosine and sine of an angle within [-pi/4, pi/4], exact to the last bit or one beside it: Taylor
+// series. The library's functions take many times as long.
 inline Vec2 cos_sin_of_octant(float t) {
   const float t2 = t * t;
   return {
@@ -159,7 +159,7 @@ inline Vec2 cos_sin_of_turn(float turn) {
 // The angle of (x, y) as a share of a full turn, in [-0.5, 0.5]: atan2 to within 6e-8 of a turn.
 // The library's takes several times as long.
 inline float turn_of(float y, float x) {
-  // Of the octants, half of them mirrored
+  // Start and sign of the octants, half of them mirrored
   static constexpr float kFrom[] = {0, 0.25f, 0.5f, 0.25f}, kSign[] = {1, -1, -1, 1};
   const float ax = std::abs(x), ay = std::abs(y);
   const int octant = static_cast<int>(std::bit_cast<uint32_t>(ay) > std::bit_cast<uint32_t>(ax)) +

@@ -12,7 +12,7 @@ Vec3 across(const Vec3& v, const Vec3& axis) {
   return size > 1e-12f ? rest / size : Basis(axis).to_world({1, 0, 0});
 }
 
-// Of 0 <= x; by the series where that ends soon.
+// Sine and cosine of x >= 0; by the series where that ends soon.
 void sine_cosine(float x, float& sine, float& cosine) {
   if (x > 1.6f) {
     sine = std::sin(x);
@@ -52,7 +52,7 @@ Vec3 SphericalTriangle::sample(const Vec2& u) const {
               sin_alpha = length(cross(to_b, to_c));
   float sine, cosine;
   sine_cosine(u.x * solid_angle_, sine, cosine);
-  // Of that less alpha
+  // Sine and cosine of that angle less alpha
   const float s = sine * cos_alpha - cosine * sin_alpha, t = cosine * cos_alpha + sine * sin_alpha;
   const float along = t - cos_alpha, up = s + sin_alpha * dot(a_, b_);
   const float below = (up * s + along * t) * sin_alpha;

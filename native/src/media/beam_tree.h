@@ -120,7 +120,7 @@ inline Vec3 inverse(const Vec3& d) {
 struct Range {
   float near, far;
 };
-// Of a ray by the inverse of its direction, in a box.
+// The part of a ray within a box, by the inverse of its direction.
 inline Range within(const Vec3& origin, const Vec3& inverse, const Vec3& lower, const Vec3& upper,
                     float near, float far) {
   const Vec3 s = (lower - origin) * inverse, t = (upper - origin) * inverse, a = min(s, t),
@@ -158,7 +158,7 @@ void BeamTree::each(int stack, const Vec3& origin, const Vec3& direction, float 
     const float next = std::max({out, t + least, std::nextafter(t, INFINITY)});
     const Cell& leaf = cells_[cell];
     const float radius = leaf.radius * factor_, most = 1.01f * radius * radius;
-    // Of many beams some at random, each for as many
+    // Of many beams only some are looked at, chosen at random; each stands for as many
     const uint32_t step = std::max(1u, leaf.count / settings_.looks);
     const uint32_t skipped =
         step > 1 ? static_cast<uint32_t>(random.next() * static_cast<float>(step)) : 0;

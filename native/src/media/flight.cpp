@@ -189,7 +189,7 @@ Flight Media::fly_straight(const MediumPoint& medium, float near, float far, con
     return flight;
   }
   chance = chance / all;
-  // Of each channel: to scatter on the way at all
+  // Probability, for each channel, to scatter on the way at all
   const Rgb scatters = Rgb{1, 1, 1} - end;
   float u = random.next();
   int channel = 0;

@@ -34,9 +34,9 @@ class Fading {
   };
 
   Rgb at(float distance) const;
-  // Of media that are the same everywhere, on the whole way, 1/m.
+  // Extinction of media that are the same everywhere, on the whole way, 1/m.
   Rgb extinction{};
-  // Of the others; the first one is where the way begins.
+  // Steps through the other media; the first one is where the way begins.
   std::vector<Step> steps;
   float near = 0;
 };
@@ -46,14 +46,14 @@ class Media {
   // Nothing if no material and no world of the scene has a volume. Throws Cancelled.
   static std::unique_ptr<Media> of(const Scene& scene, ThreadPool& pool, const CancelFlag& cancel);
 
-  // Of the volume behind a surface; -1: none.
+  // Region of the volume behind a surface; -1: none.
   int region_of(uint32_t instance, uint32_t triangle) const;
   void cross(MediumStack& stack, const Surface& s) const {
     stack.cross(region_of(s.instance, s.triangle), s.back);
   }
   // Which media a point lies in, as a ray upwards tells.
   MediumStack around(const Vec3& x, float time = kShutterCentre) const;
-  // Of a stack those of shadow catchers and of the world.
+  // The media of a stack that are shadow catchers' or the world's.
   MediumStack of_catchers(const MediumStack& stack) const;
   bool emits() const { return emits_; }
   bool scatters() const { return scatters_; }
@@ -65,7 +65,7 @@ class Media {
   // Unbiased. `far` may be infinite.
   Rgb transmittance(const MediumStack& stack, const Vec3& origin, const Vec3& direction, float near,
                     float far, const RayInfo& ray, Random& random) const;
-  // The same for all distances up to `far` at once.
+  // The transmittance for all distances up to `far` at once.
   Fading fading(const MediumStack& stack, const Vec3& origin, const Vec3& direction, float near,
                 float far, const RayInfo& ray, Random& random) const;
   // `scattered`, `passing`: throughput of what scatters on the way and of what comes to its end, by
@@ -94,8 +94,8 @@ class Media {
     MediumPoint point;                 // where that is so
     std::shared_ptr<const Grid> grid;  // else
   };
-  // Of a mesh with volume grids and a program that nothing else changes: the same for all
-  // instances.
+  // What the instances of a mesh share that has volume grids and a program which depends on nothing
+  // else.
   struct Shared {
     uint32_t mesh;
     int program;

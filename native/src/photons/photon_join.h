@@ -56,7 +56,7 @@ class PhotonJoin {
   std::vector<PhotonBeam> beams_;
   bool with_groups_ = false;
   uint64_t rays_ = 0, shaded_ = 0;
-  // Of what follows, and of the sizes of what is above
+  // Guards what follows, and the sizes of what is above
   std::unique_ptr<std::mutex> mutex_ = std::make_unique<std::mutex>();
   std::vector<std::unique_ptr<PhotonRun>> runs_, spare_;
   size_t next_ = 0;  // run to be put into its place

@@ -30,7 +30,8 @@ RayInfo::Kind PhotonTracer::guess_kind(Random& random, RayInfo::Kind first, floa
   return u < 0.5f ? first : u < 0.75f ? RayInfo::kGlossy : RayInfo::kTransmission;
 }
 
-// Of those that media scatter and diffuse ones, where one of them does and the other does not.
+// The kind of ray, scattered by a medium or diffusely, that sees the instance, where only one of
+// them does.
 RayInfo::Kind PhotonTracer::kind_that_sees(uint32_t instance) const {
   return scene_.instances[instance].seen_by & ray_bit(RayInfo::kVolume) ? RayInfo::kVolume
                                                                         : RayInfo::kDiffuse;
@@ -47,8 +48,8 @@ void PhotonTracer::choose_kind(Path& path, const Surface& hit) const {
   path.power *= 2;
 }
 
-// Of a path that a surface without a program is about to scatter: guesses by which kind of ray that
-// will be seen, where it matters; false where such rays do not see the surface.
+// Guesses, for a path that a surface without a program is about to scatter, by which kind of ray
+// that will be seen, where it matters; false where such rays do not see the surface.
 bool PhotonTracer::sends_on(Path& path, const Surface& hit) const {
   path.kind = RayInfo::kDiffuse;
   path.guessed = scene_.kinds_differ();

@@ -36,8 +36,8 @@ bool PhotonTracer::go_below(Path& path, const Surface& hit, const Bsdf& bsdf, co
   scene_.shade(s, leaving->wo, ray, there);
   if (own >= there.below_count()) return false;
   const Subsurface& left_by = there.below(own);
-  // Of facets and about the normal that the direction was drawn by: the density of others may have
-  // its peak where none is drawn.
+  // The density of facets about the normal that the direction was drawn by: other densities may
+  // have their peak where none is drawn.
   Subsurface drawn_by = entered;
   drawn_by.n = s.ns;
   const float density = entry_pdf(drawn_by, leaving->wo, -exit->way) * dot(leaving->wo, s.ng) /

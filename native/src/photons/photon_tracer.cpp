@@ -13,7 +13,7 @@ namespace {
 constexpr uint64_t kPathsPerChunk = PhotonPaths::kMost;  // their state stays in the cache
 constexpr uint32_t kStartsAtOnce = SobolPair::kMost;
 constexpr double kMorePhotons = 1.1;  // memory is kept for, than the last paths have left
-// Of unguided paths, from which on they are left unguided
+// Share of useful paths from which on emission stays unguided
 constexpr double kUsefulShare = 0.3;
 
 Scene::Rays rays_of(const PhotonPaths& paths, uint32_t first, bool moves, bool strands) {
@@ -162,7 +162,7 @@ float PhotonTracer::use_of(const Photon& photon, const PhotonStart& start, doubl
   return std::isfinite(share) ? share * share : 0;
 }
 
-// Of a beam: the square of what a medium scatters of its path's power.
+// Use of a beam: the square of the power that a medium scatters of its path.
 float PhotonTracer::use_of(const PhotonBeam& beam, const PhotonStart& start, double total) const {
   const float own = luminance(start.power) * static_cast<float>(1 / total);
   float share = own > 0 ? luminance(beam.power) / own : 0;
@@ -206,7 +206,7 @@ void PhotonTracer::trace_chunk(uint64_t first, uint64_t count, double total, uin
                                 : stream_ == PhotonStream::kCaustic ? 1.0f
                                                                     : -1.0f,
                                 static_cast<uint32_t>(max_bounces_)};
-  // By turns: what is fetched ahead for the one comes while the other is worked on
+  // Two of each: while one is worked on, memory for the other is fetched
   RayHits found[2];
   unsigned hit[2] = {};
   PlainSurfaces surfaces;

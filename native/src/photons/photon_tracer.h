@@ -44,12 +44,11 @@ class PhotonTracer {
   // Who is to see what the photons leave: Bump looks as far apart as that one's samples are wide
   // (nullptr: nobody in particular).
   void set_viewer(const Camera* viewer) { viewer_ = viewer; }
-  // From now on light_groups() tells the group of the light that each of the photons last traced
-  // came from; else it is empty.
+  // Makes light_groups() tell the light group of each photon traced last; else it is empty.
   void keep_light_groups() { keeps_groups_ = true; }
   const std::vector<int16_t>& light_groups() const { return join_.groups(); }
-  // From now on photons leave beams in media instead of themselves on surfaces: caustic light that
-  // camera paths meet which scatter in a medium.
+  // Makes photons leave beams in media instead of themselves on surfaces: caustic light for camera
+  // paths that scatter in a medium.
   void leave_beams() {
     leaves_beams_ = true;
     receiver_kind_ = RayInfo::kVolume;
@@ -155,7 +154,7 @@ class PhotonTracer {
   RayInfo::Kind kind_that_sees(uint32_t instance) const;
   void choose_kind(Path& path, const Surface& hit) const;
   bool sends_on(Path& path, const Surface& hit) const;
-  // Of the hits `which` those on instances that all rays see.
+  // The hits among `which` on instances that all rays see.
   unsigned seen_by_all(const RayHits& hits, unsigned which) const;
   RayInfo::Kind guess_kind(Random& random, RayInfo::Kind first, float* chance) const;
   void keep_bounced(Travellers& travellers, uint32_t from, uint32_t to, const Bounced& bounced,
@@ -195,7 +194,7 @@ class PhotonTracer {
   std::vector<Travellers> travellers_;  // by worker
   PhotonJoin join_;
   bool keeps_groups_ = false, leaves_beams_ = false;
-  // Of the camera path's ray from where photons are stored
+  // Kind of the camera path's ray that leaves where photons are stored
   RayInfo::Kind receiver_kind_ = RayInfo::kDiffuse;
   PhotonCounts counts_, last_counts_;
 };

@@ -26,7 +26,7 @@ class ViewportPhotons {
   uint64_t paths() const { return paths_; }
   bool full() const { return full_; }
   size_t bytes() const { return photons_.capacity() * sizeof(Photon); }
-  // Of the density that the first paths showed; nullptr before.
+  // Radii by the density that the first paths showed; nullptr before.
   const RadiusMap* radii() const { return radii_ ? &*radii_ : nullptr; }
   const PhotonCounts& counts() const { return tracer_.counts(); }
 

@@ -13,7 +13,7 @@ using PhotonMaps = std::vector<std::unique_ptr<PhotonMap>>;
 
 class CameraPass {
  public:
-  // From now on `lights` looks for the world by what this learns of it.
+  // Makes `lights` sample the world by what this learns of it.
   CameraPass(const RenderContext& context, Lights& lights, const Camera& camera);
 
   // Another view: all is learnt anew. The film is that of the passes to come.
@@ -21,21 +21,21 @@ class CameraPass {
   // Camera samples of the pass into `film`, which then holds them alone. The first pass after
   // reset_view() chooses the strategy; a pilot of the indirect photon map is part of that.
   void trace(uint32_t pass, const PhotonMaps& maps, PackedFilm& film);
-  // The same without a choice: nothing but gather points that all want photons.
+  // trace() without a choice of strategy: gather points that all want photons.
   void trace_gather_points(uint32_t pass, const PhotonMaps& maps, PackedFilm& film,
                            CameraTracer::Tiles tiles = CameraTracer::Tiles::kAll);
   void trace_reference(uint32_t sample, PackedFilm& film);
-  // From now on photons bring caustics in media by these; nullptr: they bring none.
+  // Photon beams that bring caustics in media; nullptr: there are none.
   void set_beams(const BeamTree* beams) { tracer_.set_beams(beams); }
   // Has a pilot teach the map about the surfaces on which the gather points want its photons.
   void teach(PhotonMap& map);
   // After a pass: where things stand in the discs of bent surfaces paths will bring the light.
   void look_for_crowds(uint32_t pass);
 
-  // Of the last pass; nullptr before it.
+  // Gather points of the last pass; nullptr before it.
   const GatherPoints* gather_points() const { return gather_points_; }
   void forget_gather_points();
-  // Of those, by the tiles of the film.
+  // The ranges of these gather points that belong to each tile of the film.
   const std::vector<size_t>& tile_ranges() const { return tracer_.tile_ranges(); }
   // Whether paths go on anywhere at all.
   bool paths_continue() const {

@@ -20,7 +20,7 @@ class LightGroupSums {
              PointBlocks& blocks, ThreadPool& pool, const CancelFlag& cancel);
   // Adds the groups' sums to the rest that is in the blocks.
   void join(PointBlocks& blocks) const;
-  // Of a group at a point, of `block_count` blocks of points.
+  // The sum of a light group at a point, of `block_count` blocks of points.
   Rgb at(int group, uint32_t point, size_t block_count) const {
     const Sums& sums = sums_[group * block_count + point / kBlockSize];
     const uint32_t lane = point % kBlockSize;

@@ -27,9 +27,9 @@ struct RenderOptions {
   float ambient_distance = 0;  // how far the Ambient Occlusion pass looks, m; 0: there is none
   uint32_t seed = 0;
   std::string kernel{};  // of the splatter; empty: the fastest
-  // Of photons that renders of other views find again (begin_again). 0: none, and photons are aimed
-  // at what the view sees; else each pass has the same photons and radii whatever the view, beyond
-  // this budget traced again.
+  // Memory for photons that renders of other views find again (begin_again). 0: none, and photons
+  // are aimed at what the view sees; else each pass has the same photons and radii whatever the
+  // view, and traces those beyond this budget again.
   size_t kept_photon_bytes = 0;
   float fixed_radius = 0;  // of all discs in all passes, metres; 0: chosen. For comparison
 

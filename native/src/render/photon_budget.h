@@ -13,8 +13,8 @@ struct PassLimits {
   uint64_t paths_per_batch = 0;  // of photons; 0: as many as suit the points
 };
 
-// Of photons, which tell how many more there is time for in the first pass, if it wants more than
-// twice as many.
+// Photon paths of a trial, which tells how many more there is time for in the first pass if it
+// wants more than twice as many.
 inline constexpr uint64_t kTrialPaths = 1 << 16;
 inline constexpr uint64_t kFewestPaths = 1 << 12;  // worth a batch where time is short
 
@@ -27,7 +27,7 @@ uint64_t batch_that_fits(uint64_t wanted, uint64_t most, double left,
 class PassClock {
  public:
   explicit PassClock(double seconds) : end_(now() + seconds) {}
-  // From now on; the end of the pass is left out, which goes with the camera samples.
+  // Takes off the time for the end of the pass, which grows with that of the camera samples.
   void see_camera(double seconds) { resolving_ = kOfResolving * seconds; }
   // For the next of `maps` photon maps.
   double seconds_for_one_of(size_t maps) const {
@@ -39,7 +39,7 @@ class PassClock {
   }
 
  private:
-  // Of the seconds of a pass' camera samples: the end of a pass, when all of its photons are there
+  // Seconds for the end of a pass, after all of its photons, over those of its camera samples
   static constexpr double kOfResolving = 0.15;
   double end_, resolving_ = 0;
 };

@@ -53,7 +53,8 @@ class PhotonMap {
   void set_photons(Photons photons);
   // Adds the batch to the points.
   void splat();
-  // After it, for the points that it has reached; splat() does so itself.
+  // Kernel masses of the points that the batch has reached, after a splatter elsewhere; splat()
+  // calls it itself.
   void find_masses();
   // Instead of splat(), for a splatter elsewhere: which of the photons [first, first + count) of
   // the batch each block may catch. That splatter writes its sums into points().blocks().
@@ -89,7 +90,7 @@ class PhotonMap {
   PointBlocks& blocks() { return points_.blocks(); }
   const Photons& photons() const { return *batch_; }
   PhotonTracer& tracer() { return tracer_; }
-  // Of the last pass, in the unit of the cost model.
+  // Work of the last pass, in the unit of the cost model.
   double work() const;
   // Likewise, of a first pass by what the pilot has just shown.
   double pilot_work_per_pass() const;

@@ -88,7 +88,7 @@ class Renderer {
   void make_error_estimate();
   RenderStatistics statistics();
   const StageSeconds& seconds() const { return seconds_; }
-  // Of the selected map; nothing before build().
+  // Points and photons of the selected map; nothing before build().
   const VisiblePoints& points() const { return current_ ? current_->points() : no_points_; }
   const Photons& photons() const { return current_ ? current_->photons() : no_photons_; }
   // Area lamps that lie in the plane of a surface.

@@ -35,7 +35,7 @@ inline PhotonCounts since(const PhotonCounts& before, const PhotonCounts& now) {
           now.shaded - before.shaded};
 }
 
-// Of one photon map in this render.
+// Counts of one photon map in this render.
 struct PhotonMapStatistics {
   PhotonStream stream = PhotonStream::kAll;
   // Without the pilot, whose photons only choose radii; rays are all rays

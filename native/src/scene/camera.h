@@ -22,14 +22,15 @@ struct ApertureSettings {
 
 struct CameraSettings {
   Affine to_world;  // rigid; looks along -Z; at the shutter's centre
-  // The same at steps of the shutter's opening; none: it stays where it is
+  // The camera's matrix at steps of the shutter's opening; none: it stays where it is
   std::vector<Affine> motion;
-  // Of left .. top when it opens and closes, over those at its centre; linear between
+  // Factor on left .. top when the shutter opens and when it closes, over that at its centre;
+  // linear between
   float zoom_before = 1, zoom_after = 1;
-  // Of the frame on z = -1 (perspective) or in metres
+  // Edges of the frame on z = -1 (perspective) or in metres
   float left = -1, right = 1, bottom = -1, top = 1;
   bool orthographic = false;
-  // Of another kind than kNone: left .. top are in (u, v) of its map of directions
+  // Where its kind is not kNone: left .. top are in (u, v) of its map of directions
   PanoramaSettings panorama;
   ApertureSettings aperture;
   float clip_start = 0, clip_end = INFINITY;

@@ -107,7 +107,8 @@ class Displacer {
     return sums;
   }
 
-  // Of each corner: of a face without a bump that is flat its face's, else what `normal` says.
+  // Sets the normal of each corner: that of the face where it is flat and has no bump, else what
+  // `normal` says.
   template <class Normal>
   void set_normals(DisplacedMesh& out, Normal&& normal) const {
     out.corner_normals.assign(mesh_.corner_normals.begin(), mesh_.corner_normals.end());

@@ -34,7 +34,7 @@ struct Instance {
   // Cosine below which shadow rays start off the surface that smooth normals promise
   float terminator_offset = 0.1f;
   float scale = 1;  // largest stretch of to_world
-  // Of its medium: coefficients over what programs say
+  // Factor on the coefficients of its medium
   float density = 1;
   Affine to_world, to_local;
   std::array<double, 12> exact{};  // to_world before rounding

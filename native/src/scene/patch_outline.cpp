@@ -3,7 +3,7 @@
 namespace photon_splat {
 namespace {
 
-// Of a patch: up to here all of them are looked at, without the tree
+// Number of a patch's edges up to which all are looked at, without the tree
 constexpr uint32_t kFewEdges = 48;
 
 float cross2(float ax, float ay, float bx, float by) { return ax * by - ay * bx; }

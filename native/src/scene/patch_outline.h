@@ -20,8 +20,8 @@ void edges_near(const Scene& scene, uint32_t instance, uint32_t patch, const Vec
   scene.meshes[placed.mesh].edge_tree->near(local, reach * stretch, patch, visit);
 }
 
-// Of the patch of x as far as `reach` around it. Places are told by how often the way to them
-// crosses the patch's edges; these are looked up at the first question.
+// The outline of the patch of x, as far as `reach` around it. Whether a place is inside is told by
+// how often the way to it crosses the patch's edges, which are looked up at the first question.
 class PatchOutline {
  public:
   // `basis`: its normal is that of the patch. All arguments have to outlive this.

@@ -75,7 +75,7 @@ inline uint32_t Scene::Lookup::key(uint32_t triangle, bool back) const {
   return ((seed ^ patches[triangle & patches_mask] * 0x9e3779b1u) << 1) | (back ? 1u : 0u);
 }
 
-// Of the front, of any length; 0 where the mesh is flat.
+// Smooth normal of the front, of any length; 0 where the mesh is flat.
 inline Vec3 Scene::smooth_normal(uint32_t index, uint32_t triangle, float u, float v,
                                  float time) const {
   if (moves(index)) return moving_normal(index, triangle, u, v, time);
@@ -172,7 +172,7 @@ unsigned Scene::intersect(const Rays& rays, uint32_t count, RayHits& hits) const
                                     rays.time ? rays.time[k] : kShutterCentre);
     hits.nx[k] = n.x, hits.ny[k] = n.y, hits.nz[k] = n.z;
   }
-  // All side by side, those that missed as well.
+  // All lanes at once, those that missed too.
   for (uint32_t k = 0; k < kMost; ++k) {
     const Vec3 n = normalize({hits.nx[k], hits.ny[k], hits.nz[k]});
     const bool back = dot(n, rays.direction(k)) > 0;

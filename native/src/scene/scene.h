@@ -64,8 +64,8 @@ class Scene {
   void add_instance(uint32_t mesh, const std::array<double, 12>& to_world,
                     const std::vector<int32_t>& slot_materials_of_instance);
 
-  // Of the instance added last: its transform at steps of the shutter, an odd number of them,
-  // relative to `origin`; that of add_instance() is in their middle.
+  // Sets the transform of the instance added last at steps of the shutter, an odd number of them,
+  // relative to `origin`; the middle one is that of add_instance().
   void set_motion(std::span<const Affine> steps);
 
   // Patches, world-space meshes and the acceleration structure. Stops with Cancelled.
@@ -85,13 +85,13 @@ class Scene {
   };
   bool meets_itself(uint32_t instance, const Vec3& origin, const Vec3& direction, float near,
                     float far, float time, OwnHit& hit) const;
-  // The same for `count` <= kPacket incoherent rays from 0 to infinity; bit k of the result tells
-  // whether ray k hit.
+  // intersect() for `count` <= kPacket incoherent rays from 0 to infinity; bit k of the result
+  // tells whether ray k hit.
   static constexpr uint32_t kPacket = 8;
   unsigned intersect_packet(const Vec3* origins, const Vec3* directions, uint32_t count,
                             Surface* surfaces, RayMask kinds = kAllRays) const;
-  // The same for `count` <= RayHits::kMost rays as arrays. Embree's packets are a fifth faster than
-  // single rays even on photons, which share nothing but their number.
+  // intersect() for `count` <= RayHits::kMost rays as arrays. Embree's packets are a fifth faster
+  // than single rays even for photons, which are incoherent.
   struct Rays {
     const float *origin_x, *origin_y, *origin_z, *direction_x, *direction_y, *direction_z;
     const RayMask* kinds = nullptr;  // of each, if not all
@@ -100,8 +100,8 @@ class Scene {
     Vec3 direction(uint32_t k) const { return {direction_x[k], direction_y[k], direction_z[k]}; }
   };
   unsigned intersect(const Rays& rays, uint32_t count, RayHits& hits) const;
-  // Of the hits whose bits are set in `which` those on surfaces without a program: described in
-  // `out`, their bits returned.
+  // Describes in `out` the hits of `which` that are on surfaces without a program; returns their
+  // bits.
   unsigned plain_surfaces(const RayHits& hits, unsigned which, PlainSurfaces& out) const;
   // One of them as intersect() has it.
   Surface surface_of(const RayHits& hits, uint32_t k, const Vec3& direction,
@@ -111,7 +111,7 @@ class Scene {
                      float time = kShutterCentre) const;
   bool occluded(const Vec3& origin, const Vec3& direction, float near, float far,
                 RayMask kinds = kAllRays, float time = kShutterCentre, uint32_t left = 0) const;
-  // The same for `count` <= kPacket rays side by side, from 0 to `far`; bit k of the result is ray
+  // occluded() for `count` <= kPacket parallel rays from 0 to `far`; bit k of the result is ray
   // k's.
   unsigned occluded_packet(const Vec3* origins, uint32_t count, const Vec3& direction, float far,
                            RayMask kinds = kAllRays) const;
@@ -120,7 +120,7 @@ class Scene {
   // and says when it is on its way. Only instances of the groups `blockers` count.
   Rgb transmittance(const Vec3& origin, const Vec3& direction, float far, const RayInfo& ray,
                     uint64_t blockers = ~uint64_t{0}) const;
-  // The same where there are media: around the origin lie those of `around`.
+  // Transmittance through surfaces and media; `around`: the media at the origin.
   Rgb transmittance(const Vec3& origin, const Vec3& direction, float far, const RayInfo& ray,
                     uint64_t blockers, MediumStack around, Random& random) const;
   const Media* media() const { return media_.get(); }  // or null: there are none
@@ -138,7 +138,7 @@ class Scene {
     return !(seen_by & ray_bit(RayInfo::kVolume)) != !(seen_by & ray_bit(RayInfo::kDiffuse));
   }
   bool moves(uint32_t instance) const { return moves_ && instances[instance].moves; }
-  // Of the hits whose bits are set in `which` those on instances that do not.
+  // The hits of `which` on instances that do not move.
   unsigned still(const RayHits& hits, unsigned which) const;
   // Whether something that moves comes so near to x that light there may change with the time by
   // much.
@@ -152,7 +152,8 @@ class Scene {
   Pose pose_at(uint32_t instance, float time) const;
   // Corners of a triangle in the world.
   void corners(uint32_t instance, uint32_t triangle, float time, Vec3 corner[3]) const;
-  // Of a surface of an instance that moves, as a ray found it at that time.
+  // The place at the shutter's centre of a surface of a moving instance, as a ray found it at that
+  // time.
   PlaceAtRest at_rest(const Surface& s, float time) const;
 
   // True when the bounds of some primitive come within `radius` of `x`.
@@ -201,7 +202,7 @@ class Scene {
   float radius() const {
     return bounds_.empty() ? 1.0f : std::max(0.5f * bounds_.diagonal(), 1e-20f);
   }
-  // The same of what matters: things that are very far off do not count.
+  // Centre and radius of what matters: things that are very far off do not count.
   bool has_far_things() const { return near > 0 && near < radius(); }
   Vec3 near_center() const { return has_far_things() ? Vec3{} : center(); }
   float near_radius() const { return has_far_things() ? near : radius(); }
@@ -246,7 +247,7 @@ class Scene {
   Surface moving_surface_at(uint32_t instance, uint32_t triangle, float u, float v, bool back,
                             float time) const;
   Vec3 moving_normal(uint32_t instance, uint32_t triangle, float u, float v, float time) const;
-  // Of a normal that Embree has found on an instanced mesh.
+  // World normal from one that Embree has found on an instanced mesh.
   Vec3 normal_from_mesh(uint32_t instance, const Vec3& n, float time) const {
     if (moves(instance)) return pose_at(instance, time).to_local.transposed_vector(n);
     return instances[instance].to_local.transposed_vector(n);

@@ -19,7 +19,7 @@ Vec3 between(const std::vector<LargeArray<Vec3>>& steps, const LargeArray<Vec3>&
 constexpr int kLooksInTime = 17;  // at where an instance goes while the shutter is open
 constexpr float kNear = 1;        // radii of a moving thing: so near it changes light with the time
 
-// Of a mesh at all of its steps, in its own coordinates.
+// Bounds of a mesh at all of its steps, in its own coordinates.
 Bounds bounds_of(const Mesh& mesh) {
   if (mesh.strands) return mesh.strands->bounds();
   Bounds all;
@@ -111,7 +111,7 @@ Pose Scene::pose_at(uint32_t index, float time) const {
   const Instance& instance = instances[index];
   if (instance.motion < 0 || time == kShutterCentre) return {instance.to_world, instance.to_local};
   const Affine to_world = motions[instance.motion].at(time);
-  // Of what is flat nothing is seen
+  // A flattened instance has no inverse, and nothing of it is seen
   const bool flat = !(std::abs(determinant(to_world)) > 0);
   return {to_world, flat ? instance.to_local : inverse(to_world)};
 }

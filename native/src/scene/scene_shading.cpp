@@ -31,7 +31,7 @@ RayInfo shadow_ray(const RayInfo& before) {
   return ray;
 }
 
-// What of the light a shadow ray's surface lets through; counts it.
+// The share of light that a surface on a shadow ray lets through; counts the surface.
 Rgb let_through(const Scene& scene, const Surface& s, const Vec3& direction, RayInfo& ray) {
   if (!scene.may_be_transparent(s)) return {};
   Bsdf bsdf(Transport::kRadiance, -direction, s.ng, s.ns, s.back);

@@ -21,7 +21,7 @@ void Scene::fill_strand(const RawHit& hit, const Vec3& direction, Surface& s) co
                  : to_viewer;
     if (lookup.shared) normal = to_local.transposed_vector(normal);
   }
-  // Of balls that are stretched too, as in Cycles
+  // Normals of stretched balls too, as in Cycles
   if (lookup.shared && !strands.are_curves())
     normal = s.position - pose_at(hit.instance, hit.time)
                               .to_world.point(strands.key(hit.triangle, hit.time).position);

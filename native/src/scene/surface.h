@@ -20,7 +20,8 @@ struct Surface {
   const MaterialSide* side;
   const Program* program;  // or null: then `side` says it all
 
-  // Of strands ng is ns, `back` never set and `triangle` a segment; photons are not stored there.
+  // On strands ng is ns, `back` is never set and `triangle` is a segment; photons are not stored
+  // there.
   bool on_strand() const { return mark != 0; }
 };
 

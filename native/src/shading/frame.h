@@ -42,7 +42,7 @@ struct Frame {
   Vec3 displacement{};  // what Displace gave
   OffsetAxes axes{};
   Vec3 normal_in_object{};
-  // Of an instance that moves: where it is now
+  // The pose of a moving instance at the time of the ray
   std::optional<Pose> pose = pose_now();
 
   const float* at(uint32_t word) const {
@@ -87,7 +87,7 @@ struct Frame {
   std::optional<Pose> pose_now() const;
   const Affine& world_to_object() const;  // from coordinates relative to the scene's origin
   Affine object_to_world() const;         // to coordinates relative to the scene's origin
-  // Of the mesh at the shifted point; false where it has none.
+  // An attribute of the mesh at the shifted point; false where the mesh has none.
   bool attribute(uint32_t id, std::array<float, 4>& value, uint32_t& components);
   Vec3 uv(uint32_t id);  // kNone: the render-active UV map
 

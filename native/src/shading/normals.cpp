@@ -81,8 +81,7 @@ const OffsetAxes& Frame::offset_axes() {
   return axes = {x * size, cross(n, x) * size};
 }
 
-// Those of the point itself and how they change along the shift, by least squares in the triangle's
-// plane.
+// UV of the point itself and its change along the shift, by least squares in the triangle's plane.
 Vec2 Frame::uv_there() {
   if (knows_uv) return shifted_uv;
   knows_uv = true;

@@ -64,7 +64,7 @@ struct RayInfo {
   uint16_t depth = 0, diffuse_depth = 0, glossy_depth = 0, transmission_depth = 0,
            transparent_depth = 0;
 
-  // Of the ray that leaves a surface, which this one met, by a lobe.
+  // What is known of the ray that leaves a surface, met by this one, by a lobe.
   RayInfo scattered(bool diffuse, bool transmitted, bool delta) const {
     RayInfo out = *this;
     out.kind = diffuse ? kDiffuse : transmitted ? kTransmission : kGlossy;
@@ -76,7 +76,7 @@ struct RayInfo {
     ++(transmitted ? out.transmission_depth : diffuse ? out.diffuse_depth : out.glossy_depth);
     return out;
   }
-  // Of one that leaves a medium.
+  // What is known of a ray that leaves a medium.
   RayInfo scattered_in_medium() const {
     RayInfo out = *this;
     out.kind = kVolume;

@@ -5,7 +5,7 @@
 namespace photon_splat::nodes {
 namespace {
 
-// Of a curve or point by its number, as in Cycles.
+// Random number of a curve or point by its index, as in Cycles.
 float random_of_strand(uint32_t number) {
   return static_cast<float>(lookup3(number, 0u)) * (1.0f / 4294967295.0f);
 }

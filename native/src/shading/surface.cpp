@@ -51,7 +51,7 @@ Vec3 tangent_around_z(Frame& f) {
   return cross(n, safe_normalize(cross(t, n)));
 }
 
-// Of unpolarised light; 1 where it is totally reflected
+// Fresnel reflectance of unpolarised light; 1 in total reflection
 float dielectric_fresnel(float cosine, float eta) {
   const float c = std::abs(cosine);
   float g = eta * eta - 1 + c * c;

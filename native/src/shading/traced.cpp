@@ -8,7 +8,7 @@ constexpr RayMask kBlocking = ray_bit(RayInfo::kShadow);
 
 bool can_trace(const Frame& f) { return f.is_on_surface() && f.scene.is_built(); }
 
-// Of the place alone: a hit that is shaded twice looks the same.
+// Seed from the place alone: a hit that is shaded twice looks the same.
 uint32_t seed_at(const Frame& f, uint32_t node) {
   const uint32_t there = hash_combine(f.point.triangle, f.point.instance);
   return hash_combine(hash_combine(node, there), hash_of(f.point.position));

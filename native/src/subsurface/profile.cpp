@@ -6,7 +6,7 @@
 namespace photon_splat {
 namespace {
 
-// Of d: where the profile ends, and its integral up to there
+// In units of d: where the profile ends, and its integral up to there
 constexpr float kEnd = 16, kWithin = 0.9963790093708328f;
 constexpr int kMostHits = 4;         // of a ray, that are thought of
 constexpr int kMostCrossings = 256;  // that it looks at

@@ -45,7 +45,7 @@ std::optional<SubsurfaceExit> walk_below(const Scene& scene, const Surface& entr
                                          const Rgb& carried, WalkNumbers& numbers,
                                          float time = kShutterCentre);
 
-// The same by the profile.
+// The exit by Burley's profile instead of a walk.
 std::optional<SubsurfaceExit> project_below(const Scene& scene, const Surface& entry,
                                             const Subsurface& closure, WalkNumbers& numbers,
                                             float time = kShutterCentre);

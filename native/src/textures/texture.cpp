@@ -7,7 +7,7 @@ namespace {
 
 constexpr float kShortUnit = 1.0f / 65535.0f;
 
-// Of a half float that is finite and no denormal.
+// The value of a half float that is finite and no denormal.
 float from_half(uint16_t h) {
   const float magnitude = std::bit_cast<float>(static_cast<uint32_t>(h & 0x7fff) << 13) * 0x1p112f;
   return h & 0x8000 ? -magnitude : magnitude;

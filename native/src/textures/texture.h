@@ -40,7 +40,7 @@ struct Texture {
   // Linear RGB at uv; black where kClip ends the image. Stored values are interpolated, then
   // decoded, as Cycles does.
   Rgb lookup(Vec2 uv) const;
-  // The same with alpha; `unassociate`: colour is divided by alpha before it is decoded.
+  // lookup() with alpha; `unassociate`: colour is divided by alpha before it is decoded.
   std::array<float, 4> lookup_rgba(Vec2 uv, bool unassociate) const;
 
  private:

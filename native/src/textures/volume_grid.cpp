@@ -18,7 +18,7 @@ size_t local(int x, int y, int z) {
   return static_cast<size_t>(((x & kLast) << (2 * kShift)) | ((y & kLast) << kShift) | (z & kLast));
 }
 
-// Of the voxels at -1, 0, 1 and 2: a cubic B-spline.
+// Weights of the voxels at -1, 0, 1 and 2: a cubic B-spline.
 std::array<float, 4> spline(float t) {
   const float s = 1 - t;
   return {s * s * s / 6, (3 * t * t * t - 6 * t * t + 4) / 6, (3 * s * s * s - 6 * s * s + 4) / 6,

@@ -34,7 +34,7 @@ class VolumeGrid {
 
   // At a place in the object's coordinates; absent components are 0.
   Value at(const Vec3& position, GridInterpolation interpolation) const;
-  // Of a voxel.
+  // The values of a voxel.
   const float* voxel(const Index& index) const;
 
   // The voxels of the largest and of the smallest value (by the sum of components) of those between

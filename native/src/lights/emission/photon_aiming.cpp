@@ -38,7 +38,7 @@ struct PhotonEmitter::Draft {
 
 namespace {
 
-// Of a target's flux: below it a pair is left to natural emission
+// Share of a target's flux below which a pair is left to natural emission
 constexpr double kLeastFlux = 1e-7;
 constexpr int kMostNearSpheres = 12;
 // Rounding must not put a line outside the target that it was aimed at
@@ -131,7 +131,7 @@ void PhotonEmitter::weigh_mesh(const Emitter& e, const MeshPoint& p, Draft& draf
                 (kPi / (t.pdf * side_share));
 }
 
-// Of a draft of natural emission.
+// Makes a draft of natural emission cross the whole scene.
 void PhotonEmitter::cross_scene(Draft& draft) const {
   draft.sort = Draft::kParallel;
   draft.cross_disc(discs_.center(), discs_.radius());
@@ -238,7 +238,7 @@ float PhotonEmitter::aimed_density(const Draft& draft, const EmissionTargets::Sp
                                    bool own) const {
   const PhotonStart& start = draft.start;
   const float r2 = t.radius * t.radius, disc2 = draft.radius * draft.radius;
-  // Of the places on the disc across the line, relative to all of it.
+  // Density of places on the disc across the line, relative to the whole disc.
   const auto place_density = [&](const Vec3& to) {
     if (t.radius >= draft.radius) return 1.0f;
     const Vec3 across = to - start.direction * dot(to, start.direction);
@@ -265,7 +265,7 @@ PhotonStart PhotonEmitter::emit_nearby(const EmissionPrimary& p) const {
                   : e.mesh.point_at(scene_, e.instance, p.pick.y, p.place, p.time, moved).position;
   const int spheres = near_spheres(scene_, length(from));
   Vec2 way = p.way;
-  // Of as many equal chances the first third goes to the smallest sphere, beside its own one.
+  // Chances are equal; the first third goes to the smallest sphere, beside its own one.
   const int more = spheres / 3, chances = spheres + 1 + more;
   const float chosen = way.x * static_cast<float>(chances);
   const int chance = std::min(static_cast<int>(chosen), chances - 1),
@@ -321,7 +321,7 @@ double PhotonEmitter::flux_between(uint32_t index, const EmissionTargets::Sphere
   const double solid_angle = 2 * kPi * cone_of(t.radius * t.radius, d2);
   if (e.lamp < 0) return e.importance * 0.5 * solid_angle;
   const Lamp& lamp = lamps_[e.lamp];
-  // Of the angle by which the target may lie nearer the lamp's axis than its centre does
+  // Sine of the angle by which the target may lie nearer to the lamp's axis than its centre does
   const float sine = reach / d;
   if (lamp.s.kind == LampKind::kPoint) return e.importance * solid_angle;
   const Vec3 unit = to / d;

@@ -106,7 +106,7 @@ PhotonStart PhotonEmitter::emit(const EmissionPrimary& p) const {
 }
 
 EmissionGuide PhotonEmitter::make_guide() const {
-  // Of many emitters each gets fewer cells: 4096, 256, 16 or 1.
+  // The more emitters, the fewer cells each of them gets: 4096, 256, 16 or 1.
   int fine = 8;
   while (fine > 1 && emitters_.size() * fine * fine * fine * fine > kGuideCells) fine /= 2;
   const auto divided = [fine](bool by_place, bool by_way) {

@@ -33,11 +33,11 @@ class PhotonEmitter {
     primaries(index, 1, seed, guide, &out);
     return out;
   }
-  // The same for `count` <= SobolPair::kMost indices in a row.
+  // primary() for `count` <= SobolPair::kMost indices in a row.
   void primaries(uint64_t first, uint32_t count, uint32_t seed, const EmissionGuide* guide,
                  EmissionPrimary* out) const;
   PhotonStart emit(const EmissionPrimary& primary) const;
-  // The same for `count` <= SobolPair::kMost at once, bit for bit; vectors of lanes.
+  // emit() for `count` <= SobolPair::kMost at once, with the same bits, in vectors of lanes.
   void emit(const EmissionPrimary* primaries, uint32_t count, PhotonStart* out) const;
   // What the program of the photon's lamp makes of its power at the first surface that scatters it,
   // `distance` away at `receiver`.
@@ -53,8 +53,8 @@ class PhotonEmitter {
   // by the mixture's density, so that sums over photons have the same expectation as with emit().
   // Without targets: natural emission.
   PhotonStart emit_towards(const EmissionTargets& targets, uint64_t index, uint32_t seed) const;
-  // Of one lamp, its program aside. coin: whether a photon of a spherical lamp that holds things
-  // starts inside.
+  // A photon of one lamp, before its node program. coin: whether a photon of a spherical lamp that
+  // holds things starts inside.
   PhotonStart emit_lamp(const Lamp& lamp, float coin, const Vec2& place, const Vec2& way,
                         float time = kShutterCentre) const;
 

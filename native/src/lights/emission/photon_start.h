@@ -9,7 +9,7 @@ namespace photon_splat {
 struct PhotonStart {
   Vec3 origin, direction;
   Rgb power;
-  // Of a lamp that faces its receiver, see `accepts`: its squared radius, the squared distance at
+  // For a lamp that faces its receiver, see `accepts`: its squared radius, the squared distance at
   // which the ray passes its centre, and how far from the origin that is.
   float soft_radius2 = -1, soft_miss2 = 0, soft_nearest = 0;
   // Distances at which the first surface is lit by this photon
@@ -28,7 +28,7 @@ struct PhotonStart {
   Vec3 place;
   // a lamp with a program: `power` lacks Lights::first_hit_factor(), which needs the distance
   int32_t shaded_by = -1;
-  // Of a world: `power` lacks Environment::share() of the ray that sees it
+  // A photon of the world: `power` lacks Environment::share() of the ray that sees it
   bool asks_ray = false;
   bool from_afar = false;  // of a sun or the world
   float time = kShutterCentre;

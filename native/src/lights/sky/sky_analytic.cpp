@@ -6,7 +6,7 @@ namespace {
 // Lumens of a watt at 555 nm
 constexpr float kEfficacy = 683;
 
-// Of a direction, radians
+// Angles of a direction, radians
 struct Angles {
   float from_zenith, from_sun;
 };

@@ -51,7 +51,7 @@ constexpr float kNodes[8] = {0.006811185292f, 0.03614807107f, 0.09004346519f, 0.
 constexpr float kWeights[8] = {0.01750893642f, 0.04135477391f, 0.06678839063f, 0.09507698807f,
                                0.1283416365f,  0.1707430204f,  0.2327233347f,  0.3562490486f};
 
-// Of air, aerosols and ozone, as the components of a vector.
+// Densities of air, aerosols and ozone, as the components of a vector.
 Vec3 densities(float height) {
   return {std::exp(-height / kAirScale), std::exp(-height / kAerosolScale),
           std::max(0.0f, 1 - std::abs(height - 25000) / 15000)};

@@ -7,7 +7,7 @@
 
 namespace photon_splat {
 
-// Of Blender's table: its interpolation is part of the look
+// Size of Blender's table: its interpolation is part of the look
 inline constexpr int kSkyColumns = 512, kSkyRows = 256;
 
 // Rows from the nadir to the zenith, columns of longitude from -180 degrees; XYZ as a vector.
