@@ -96,11 +96,11 @@ class PhotonSplatSettings(bpy.types.PropertyGroup):
         default=DEFAULTS.boundary_correction,
         update=_tell,
     )
-    fallback: BoolProperty(  # type: ignore[valid-type]
-        name="Camera Path Fallback",
+    adaptive_indirect: BoolProperty(  # type: ignore[valid-type]
+        name="Adaptive Indirect Light",
         description="Let paths from the camera find the indirect light where surfaces are too "
         "small, too bent or too dark for photons",
-        default=DEFAULTS.fallback,
+        default=DEFAULTS.adaptive_indirect,
         update=_tell,
     )
     final_gather: EnumProperty(  # type: ignore[valid-type]
@@ -221,7 +221,7 @@ def render_settings(scene: Any, view_layer: Any = None) -> RenderSettings:
         max_bounces=group.max_bounces,
         radius_scale=group.radius_scale,
         boundary_correction=group.boundary_correction,
-        fallback=group.fallback,
+        adaptive_indirect=group.adaptive_indirect,
         final_gather=FinalGather(group.final_gather),
         denoise=group.denoise,
         backend=Backend(group.backend),

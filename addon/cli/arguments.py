@@ -170,8 +170,8 @@ def parser() -> argparse.ArgumentParser:
         help="passes are all alike",
     )
     r.add_argument(
-        "--no-fallback",
-        dest="fallback",
+        "--no-adaptive-indirect",
+        dest="adaptive_indirect",
         action="store_const",
         const=False,
         help="no camera paths where photons serve badly",
@@ -204,7 +204,7 @@ def settings_of(options: argparse.Namespace) -> Callable[[RenderSettings], Rende
             "denoise",
             "adaptive_radius",
             "adaptive_samples",
-            "fallback",
+            "adaptive_indirect",
             "passes",
         )
         if getattr(options, name) is not None

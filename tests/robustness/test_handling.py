@@ -46,7 +46,7 @@ def test_photons_that_are_left_out_are_made_up_for() -> None:
     means, traced = [], []
     for passes, seconds in ((4, math.inf), (32, 0.0)):
         settings = RenderSettings(
-            passes=passes, photons_per_pass=400_000, adaptive_samples=False, fallback=False
+            passes=passes, photons_per_pass=400_000, adaptive_samples=False, adaptive_indirect=False
         )
         start = start_anew(room(pixels=32), settings)
         start.prepare()
@@ -139,7 +139,11 @@ def test_a_time_limit_holds_with_denoising(monkeypatch: pytest.MonkeyPatch) -> N
 
     monkeypatch.setattr(session, "start_anew", timed_start)
     settings = RenderSettings(
-        passes=10_000, photons_per_pass=20_000, time_limit=15.0, denoise=True, fallback=False
+        passes=10_000,
+        photons_per_pass=20_000,
+        time_limit=15.0,
+        denoise=True,
+        adaptive_indirect=False,
     )
     result = session.render(room(pixels=64), settings, started=0.0)
     assert result.statistics["seconds"]["denoise"] > 3.0

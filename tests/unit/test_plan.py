@@ -45,7 +45,12 @@ def test_what_needs_no_photons_traces_none(what: Scene, settings: dict, sentence
 @pytest.mark.parametrize("what", [floor(emission=0.1), floor(world=0.1), floor(lamp=1.0)])
 def test_any_light_is_enough(what: Scene) -> None:
     assert make_plan(what, RenderSettings()).flags["photons"]
-    settings = {"passes": 2, "photons_per_pass": 1000, "adaptive_samples": False, "fallback": False}
+    settings = {
+        "passes": 2,
+        "photons_per_pass": 1000,
+        "adaptive_samples": False,
+        "adaptive_indirect": False,
+    }
     assert c.shoot(what, **settings).statistics["photons"]["traced"] == 2000
 
 
@@ -70,7 +75,7 @@ def test_words_and_flags() -> None:
     assert plan["flags"] == {
         "photons": True, "world": False, "textures": False,
         "boundary": True, "occlusion": True, "adaptive_radius": True,
-        "adaptive_samples": True, "fallback": True, "final_gather": False,
+        "adaptive_samples": True, "adaptive_indirect": True, "final_gather": False,
     }  # fmt: skip
 
 

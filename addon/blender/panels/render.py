@@ -59,7 +59,7 @@ class PHOTON_SPLAT_PT_sampling_advanced(RenderPanel, bpy.types.Panel):
         layout.prop(settings, "radius_scale")
         layout.prop(settings, "point_spacing")
         layout.prop(settings, "boundary_correction")
-        layout.prop(settings, "fallback")
+        layout.prop(settings, "adaptive_indirect")
         layout.prop(settings, "final_gather")
 
 

@@ -21,7 +21,7 @@ SAME_OPTIONS = (
     "adaptive_radius",
     "adaptive_samples",
     "occlusion",
-    "fallback",
+    "adaptive_indirect",
 )
 """Settings that the renderer has by the same name."""
 

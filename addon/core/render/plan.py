@@ -68,7 +68,7 @@ def make_plan(scene: Scene, settings: RenderSettings) -> Plan:
         and len(scene.instances.mesh) > 0,
         "adaptive_radius": splat and settings.adaptive_radius,
         "adaptive_samples": splat and settings.adaptive_samples,
-        "fallback": settings.fallback and photons,
+        "adaptive_indirect": settings.adaptive_indirect and photons,
         "final_gather": gathers,
     }
     sentences = []
@@ -99,7 +99,7 @@ def make_plan(scene: Scene, settings: RenderSettings) -> Plan:
             "No final gathering: photons of lights of few bounces count from the surface they "
             "light."
         )
-    if splat and not settings.fallback:
+    if splat and not settings.adaptive_indirect:
         sentences.append(
             "Paths from the camera never stand in for photons: small things may be blotchy."
         )
@@ -191,13 +191,13 @@ def pilot_sentences(statistics: Statistics) -> list[str]:
             if discs["obstructed"]
             else "Nothing stands in a disc."
         )
-    if statistics["fallback"]["world"]:
+    if statistics["path_traced"]["world"]:
         sentences.append(
             "The world asks how often rays have bounced: paths from the camera bring all of its "
             "light, photons that of lamps alone."
         )
-    share = statistics["fallback"]["share"]
-    if statistics["fallback"]["everywhere"]:
+    share = statistics["path_traced"]["share"]
+    if statistics["path_traced"]["everywhere"]:
         sentences.append(
             "Paths from the camera bring all of the indirect light, at less work here than "
             "photons would; caustics excepted."

@@ -67,7 +67,7 @@ class RenderSettings:
     denoise              run Open Image Denoise on the finished picture
     occlusion            look for things that stand inside of the discs, and for walls; part of
                          boundary_correction
-    fallback             camera paths go on for indirect light where surfaces are too small, too
+    adaptive_indirect    camera paths go on for indirect light where surfaces are too small, too
                          bent or too dark for photons
     final_gather         photons light what camera paths meet after one more bounce, instead of what
                          they see first: noisier, and sharp. AUTO: where the picture is denoised,
@@ -93,7 +93,7 @@ class RenderSettings:
     caustics: bool = True
     denoise: bool = False
     occlusion: bool = True
-    fallback: bool = True
+    adaptive_indirect: bool = True
     final_gather: FinalGather = FinalGather.AUTO
     adaptive_radius: bool = True
     adaptive_samples: bool = True

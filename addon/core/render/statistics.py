@@ -90,7 +90,7 @@ class Discs(TypedDict):
     """Of these, those that a surface's edge cuts."""
 
 
-class Fallback(TypedDict):
+class PathTraced(TypedDict):
     """Gather points whose indirect light comes by paths from the camera."""
 
     points: int
@@ -154,7 +154,7 @@ class Statistics(TypedDict):
     """Camera samples that were not finite, and left out."""
     error: Error
     discs: Discs
-    fallback: Fallback
+    path_traced: PathTraced
     passes: int
     backend: str
     """CPU or GPU: what splatted the photons."""

@@ -87,7 +87,7 @@ void bind_options(nb::module_& m) {
               "Camera samples and photons by what passes have shown.")
       .def_rw("occlusion", &RenderOptions::occlusion,
               "Things and walls inside of discs; part of boundary_correction.")
-      .def_rw("fallback", &RenderOptions::fallback,
+      .def_rw("adaptive_indirect", &RenderOptions::adaptive_indirect,
               "Camera paths go on for indirect light where photons serve badly.")
       .def_rw("indirect_light", &RenderOptions::indirect_light, "What brings it: IndirectLight.")
       .def_rw("ambient_distance", &RenderOptions::ambient_distance,

@@ -63,7 +63,7 @@ nb::dict discs_of(const RenderStatistics& s) {
 
 nb::dict statistics(Renderer& r) {
   const RenderStatistics s = r.statistics();
-  nb::dict out, error, fallback;
+  nb::dict out, error, path_traced;
   out["seconds"] = seconds_of(s.seconds);
   out["photons"] = photons_of(s);
   out["rays"] = s.rays;
@@ -77,12 +77,12 @@ nb::dict statistics(Renderer& r) {
   error["bias"] = s.error.bias;
   out["error"] = error;
   out["discs"] = discs_of(s);
-  fallback["points"] = s.path_traced;
-  fallback["share"] =
+  path_traced["points"] = s.path_traced;
+  path_traced["share"] =
       s.places ? static_cast<double>(s.path_traced) / static_cast<double>(s.places) : 0.0;
-  fallback["everywhere"] = s.all_path_traced;
-  fallback["world"] = s.world_path_traced;
-  out["fallback"] = fallback;
+  path_traced["everywhere"] = s.all_path_traced;
+  path_traced["world"] = s.world_path_traced;
+  out["path_traced"] = path_traced;
   return out;
 }
 
@@ -105,7 +105,7 @@ void bind_statistics(RendererClass& renderer) {
           "Of this render, as nested dicts: seconds by stage; photons traced, stored, of the pilot, reused, and by photon\n"
           "map; rays; threads; kernel of the splatter; visible_points of the last pass; bad_samples, 0 unless something is\n"
           "wrong; error of the last estimate, relative to the mean luminance; discs that edges cut or things stand in;\n"
-          "fallback: places where camera paths went on for indirect light.")
+          "path_traced: places where camera paths went on for indirect light.")
       .def(
           "squared_errors", &squared_errors,
           "Parts of the squared error of each pixel by the last estimate, luminance squared: 'variance' and\n"

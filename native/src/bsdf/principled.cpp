@@ -3,7 +3,7 @@
 namespace photon_splat {
 
 void make_clean(PrincipledInputs& in) {
-  const auto unit = [](float& x, float fallback) { x = clean(x, 0, 1, fallback); };
+  const auto unit = [](float& x, float otherwise) { x = clean(x, 0, 1, otherwise); };
   in.base_color = clean_color(in.base_color);
   in.specular_tint = clean_color(in.specular_tint);
   in.emission_color = clean_color(in.emission_color);

@@ -17,8 +17,8 @@ void expand_subsurface(const Rgb& weight, const SubsurfaceInputs& inputs, const 
                        SubsurfaceUse use, LobeList& out);
 
 // Harmless numbers.
-inline float clean(float x, float low, float high, float fallback) {
-  return std::isfinite(x) ? std::clamp(x, low, high) : fallback;
+inline float clean(float x, float low, float high, float otherwise) {
+  return std::isfinite(x) ? std::clamp(x, low, high) : otherwise;
 }
 inline Rgb clean_color(const Rgb& c) {
   constexpr float most = 1e10f;  // products of three must stay finite

@@ -60,9 +60,10 @@ void CameraPass::trace(uint32_t pass, const PhotonMaps& maps, PackedFilm& film) 
   const RenderOptions& options = context_.options;
   PhotonMap& indirect = *maps.front();
   const bool photons = indirect.first_pass_paths() > 0,
-             learns = !chosen_ && options.fallback && photons && !context_.scene.needs_paths();
+             learns =
+                 !chosen_ && options.adaptive_indirect && photons && !context_.scene.needs_paths();
   const bool by_view = learns && !options.keeps_photons();
-  tracer_.follow_motion(photons && options.fallback && context_.scene.moves());
+  tracer_.follow_motion(photons && options.adaptive_indirect && context_.scene.moves());
   // Photons bring caustics alone then.
   if (!strategy_ && context_.scene.needs_paths())
     strategy_.emplace(context_.scene, IndirectStrategy::Kind::kPathTraced);

@@ -21,8 +21,8 @@ struct RenderOptions {
   bool caustics = true;
   bool adaptive_radius = true;
   bool adaptive_samples = true;
-  bool occlusion = true;  // inside of discs; part of the boundary correction
-  bool fallback = true;   // camera paths go on for indirect light where photons serve badly
+  bool occlusion = true;          // inside of discs; part of the boundary correction
+  bool adaptive_indirect = true;  // camera paths go on for indirect light where photons serve badly
   IndirectLight indirect_light = IndirectLight::kPhotons;
   float ambient_distance = 0;  // how far the Ambient Occlusion pass looks, m; 0: there is none
   uint32_t seed = 0;

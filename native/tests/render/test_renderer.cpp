@@ -144,7 +144,7 @@ TEST_CASE(
 TEST_CASE("a pass that is short of time has fewer photons, and is as bright") {
   Renderer whole(2), cut(2);
   for (Renderer* renderer : {&whole, &cut}) {
-    renderer->options.fallback = renderer->options.adaptive_samples = false;
+    renderer->options.adaptive_indirect = renderer->options.adaptive_samples = false;
     fill_box(*renderer, false);
     renderer->options.photons_per_pass = 1 << 20;
     renderer->build();

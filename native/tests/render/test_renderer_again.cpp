@@ -108,7 +108,7 @@ TEST_CASE("a single photon path is left in passes that want fewer") {
   Renderer renderer(2);
   fill_box(renderer, 0);
   renderer.options.photons_per_pass = 1;
-  renderer.options.fallback = false;  // else one photon is not worth its work
+  renderer.options.adaptive_indirect = false;  // else one photon is not worth its work
   renderer.build();
   for (uint32_t pass = 0; pass < 9; ++pass) {
     renderer.render_pass(pass);

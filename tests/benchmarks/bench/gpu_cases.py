@@ -106,7 +106,7 @@ def measure(case: Case) -> dict[str, Any]:
         photons_per_pass=case.photons,
         radius_scale=case.radius,
         point_spacing=case.spacing,
-        fallback=False,
+        adaptive_indirect=False,
     )
     renderer = load().Renderer(0)
     fill_renderer(renderer, room(case.width, case.height), settings)

@@ -107,7 +107,10 @@ def measure_discs(case: Case, scene: Any) -> dict[str, Any]:
     discs and from the CPU splatter.
     """
     settings = RenderSettings(
-        photons_per_pass=case.photons, radius_scale=case.radius, point_spacing=0.0, fallback=False
+        photons_per_pass=case.photons,
+        radius_scale=case.radius,
+        point_spacing=0.0,
+        adaptive_indirect=False,
     )
     renderer = load().Renderer(0)
     fill_renderer(renderer, scene, settings)

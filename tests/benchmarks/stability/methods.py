@@ -80,7 +80,7 @@ def places_of(scene: Scene) -> Places:
     scene = replace(scene, frame=fine)
     passes = render(
         scene,
-        RenderSettings(passes=1, photons_per_pass=1, fallback=False),
+        RenderSettings(passes=1, photons_per_pass=1, adaptive_indirect=False),
         started=time.monotonic(),
     ).passes
     n = PIXELS * FINE
@@ -94,7 +94,8 @@ def places_of(scene: Scene) -> Places:
     weight = passes["Diffuse Color"].mean(-1).ravel() / np.pi * seen
     position = (local @ scene.camera.matrix.T)[:, :3] * seen[:, None]
     points = renderer_after_camera(
-        scene, RenderSettings(passes=1, photons_per_pass=1, point_spacing=0.0, fallback=False)
+        scene,
+        RenderSettings(passes=1, photons_per_pass=1, point_spacing=0.0, adaptive_indirect=False),
     ).points()
     _, nearest = cKDTree(points["position"] + world_bounds(scene).mean(0)).query(position)
     return Places(
@@ -115,7 +116,7 @@ def renderer_after_camera(scene: Scene, settings: RenderSettings) -> Renderer:
 
 def photons_of(scene: Scene, paths: int) -> Photons:
     settings = RenderSettings(
-        passes=1, photons_per_pass=paths, max_bounces=64, caustics=False, fallback=False
+        passes=1, photons_per_pass=paths, max_bounces=64, caustics=False, adaptive_indirect=False
     )
     renderer = renderer_after_camera(scene, settings)
     renderer.trace_photons(0, paths)

@@ -13,7 +13,7 @@ from photon_splat.core.render.settings import Integrator
 from tests.support import corescene as c
 from tests.support import gpu_scenes as scenes
 
-SMALL = {"passes": 1, "photons_per_pass": 1000, "fallback": False}
+SMALL = {"passes": 1, "photons_per_pass": 1000, "adaptive_indirect": False}
 CARD = "NVIDIA GeForce RTX 4090/PCIe/SSE2"
 
 

@@ -141,7 +141,11 @@ def test_fifty_renders_leave_nothing(method: str, monkeypatch: pytest.MonkeyPatc
 
     def once() -> None:
         statistics = c.shoot(
-            scenes.floor(16), backend="GPU", passes=2, photons_per_pass=2000, fallback=False
+            scenes.floor(16),
+            backend="GPU",
+            passes=2,
+            photons_per_pass=2000,
+            adaptive_indirect=False,
         ).statistics
         assert statistics["gpu"]["methods"][method] >= 2
 

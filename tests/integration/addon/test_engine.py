@@ -667,7 +667,9 @@ def test_the_last_render_is_told_in_the_panel() -> None:
     stage.room()
     stage.portal()
     # passes have as many photons
-    job.observer.settings = lambda own: replace(own, adaptive_samples=False, fallback=False)
+    job.observer.settings = lambda own: replace(
+        own, adaptive_samples=False, adaptive_indirect=False
+    )
     bpy.ops.render.render()
     last = job.last_renders["Scene"]
     assert "Light portals" in last.warnings[0]

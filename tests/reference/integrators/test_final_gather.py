@@ -112,7 +112,7 @@ def test_paths_bring_all_where_photons_would_be_more_work(roughness: float | Non
     """
     given = {"max_bounces": 12, "seed": 2, "photons_per_pass": 20_000}
     result = c.shoot(leaves(roughness), passes=60, denoise=True, **given)
-    assert result.statistics["fallback"]["everywhere"]
+    assert result.statistics["path_traced"]["everywhere"]
     assert result.noisy is not None
     assert any(
         "bring all of the indirect light" in sentence
@@ -125,7 +125,7 @@ def test_paths_bring_all_where_photons_would_be_more_work(roughness: float | Non
 def test_threads_do_not_matter_where_paths_bring_all(roughness: float | None) -> None:
     given = {"passes": 8, "photons_per_pass": 20_000, "max_bounces": 12, "denoise": True}
     one, two = (c.shoot(leaves(roughness), threads=n, **given) for n in (1, 3))
-    assert one.statistics["fallback"]["everywhere"]
+    assert one.statistics["path_traced"]["everywhere"]
     assert one.noisy is not None
     assert two.noisy is not None
     assert np.array_equal(one.noisy, two.noisy)
@@ -133,10 +133,10 @@ def test_threads_do_not_matter_where_paths_bring_all(roughness: float | None) ->
 
 def test_photons_bring_what_would_be_more_work_for_paths() -> None:
     settings = {"denoise": True, "passes": 2, "photons_per_pass": 50}
-    assert not c.shoot(leaves(None), **settings).statistics["fallback"]["everywhere"]
+    assert not c.shoot(leaves(None), **settings).statistics["path_traced"]["everywhere"]
     assert not c.shoot(
         leaves(None), **(settings | {"photons_per_pass": 20_000, "final_gather": ON})
-    ).statistics["fallback"]["everywhere"]
+    ).statistics["path_traced"]["everywhere"]
 
 
 def test_threads_do_not_matter() -> None:

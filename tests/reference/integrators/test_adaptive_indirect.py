@@ -22,19 +22,19 @@ def test_the_mean_is_the_path_tracers(roughness: float, photons: int) -> None:
         seed=2,
     )
     picture = result.passes["Combined"][..., :3].astype(np.float64)
-    assert result.statistics["fallback"]["share"] > (0.8 if photons < 1000 else 0.1)
+    assert result.statistics["path_traced"]["share"] > (0.8 if photons < 1000 else 0.1)
     assert picture.mean() == pytest.approx(mean_of_leaves(roughness), rel=0.015)
 
 
 def test_the_share_is_told() -> None:
     assert (
-        c.shoot(leaves(), passes=2, photons_per_pass=20_000, fallback=False).statistics["fallback"][
-            "share"
-        ]
+        c.shoot(leaves(), passes=2, photons_per_pass=20_000, adaptive_indirect=False).statistics[
+            "path_traced"
+        ]["share"]
         == 0
     )
     told = c.shoot(leaves(), passes=2, photons_per_pass=20_000).statistics
-    assert 0.05 < told["fallback"]["share"] < 0.6
+    assert 0.05 < told["path_traced"]["share"] < 0.6
     assert any("path" in sentence for sentence in told["plan"]["sentences"])
 
 
