@@ -18,12 +18,12 @@ from ..core.scene import Mesh, Neighbours, Scene
 from ..core.scene.motion import CameraMotion, MeshMotion, Shutter
 from .arrays import read
 from .camera import camera_matrix
-from .instance_attributes import NO_LEVEL
+from .geometry.instance_attributes import NO_LEVEL
+from .geometry.mesh import sound_triangles
+from .geometry.particle_hair import hair_keys, hair_of
+from .geometry.strands import STRANDS, keys_now
 from .kept import identity
-from .mesh import sound_triangles
-from .particle_hair import hair_keys, hair_of
 from .report import Report
-from .strands import STRANDS, keys_now
 
 FrameSet = Callable[[int, float], None]
 """Takes Blender's scene, and the dependency graph that is exported, to a frame and a subframe."""

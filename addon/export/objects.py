@@ -11,8 +11,14 @@ from numpy.typing import NDArray
 from ..core.scene import NO_LIGHT_GROUP, NO_PROGRAM, Camera, Instances, Light, Mesh
 from ..core.scene.displacement import Normals
 from ..core.scene.shading import InstanceAttribute
-from .displacement import Displaced, slots_of, smooth_normals
-from .flatness import is_flat
+from .geometry.displacement import Displaced, slots_of, smooth_normals
+from .geometry.flatness import is_flat
+from .geometry.object_shading import ObjectShading
+from .geometry.particle_hair import hair_of
+from .geometry.rows import Rows, Traits
+from .geometry.shapes import Shapes, mesh_key, sources, with_mesh
+from .geometry.strands import STRANDS, look_of, uv_layer
+from .geometry.volumes import density_of, is_volume
 from .kept import Kept
 from .labels import Labelled
 from .lights import export_light
@@ -21,14 +27,8 @@ from .material_sets import MaterialSets
 from .materials import Materials, Shading, grid_interpolation
 from .motion import Moving
 from .nodes.node import Wants
-from .object_shading import ObjectShading
-from .particle_hair import hair_of
 from .report import Report
-from .rows import Rows, Traits
-from .shapes import Shapes, mesh_key, sources, with_mesh
-from .strands import STRANDS, look_of, uv_layer
 from .visibility import FLAGS, Visibility, report_unsupported
-from .volumes import density_of, is_volume
 
 SEEING_RAYS = sum(FLAGS.values())
 UNSUPPORTED = {

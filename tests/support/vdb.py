@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from photon_splat.export import vdb
+from photon_splat.export.geometry import vdb
 
 Place = tuple[float, float, float]
 

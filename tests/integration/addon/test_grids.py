@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from photon_splat.core.scene import Scene
 from photon_splat.core.scene.grids import Grid, TooLarge, box, held, make_grid
+from photon_splat.export.geometry.smoke import read_domain
 from photon_splat.export.report import Report
-from photon_splat.export.smoke import read_domain
 
 from tests.support import stage
 from tests.support.blender import in_blender
@@ -251,7 +251,7 @@ def test_an_absurd_grid_is_named(tmp_path: str) -> None:
 
 @in_blender
 def test_a_blender_without_the_module_says_so(tmp_path: str) -> None:
-    from photon_splat.export import vdb as files
+    from photon_splat.export.geometry import vdb as files
 
     from tests.support import vdb
 

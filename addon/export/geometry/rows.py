@@ -9,8 +9,8 @@ from operator import attrgetter
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.scene import ALL_GROUPS, ALL_RAYS, NO_LIGHT_GROUP, TERMINATOR_OFFSET, Instances
-from ..core.scene.shading import InstanceAttribute
+from ...core.scene import ALL_GROUPS, ALL_RAYS, NO_LIGHT_GROUP, TERMINATOR_OFFSET, Instances
+from ...core.scene.shading import InstanceAttribute
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,15 +11,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.scene.shading import GENERATED, Domain, GeneratedSpace, MeshAttribute, MeshShading
-from .arrays import read, read_copy
+from ...core.scene.shading import GENERATED, Domain, GeneratedSpace, MeshAttribute, MeshShading
+from ..arrays import read, read_copy
+from ..nodes.inputs import property_value
+from ..nodes.node import Want
+from ..nodes.random_numbers import name_random, number_random
+from ..report import Report
 from .curvature import pointiness
 from .instance_attributes import InstanceAttributes
 from .mesh import Triangles, sound_triangles
-from .nodes.inputs import property_value
-from .nodes.node import Want
-from .nodes.random_numbers import name_random, number_random
-from .report import Report
 
 NUMBERS = {"FLOAT", "INT", "INT8", "BOOLEAN"}
 # For each type of attribute: the property that holds its value, and its number of components.

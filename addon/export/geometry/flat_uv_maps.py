@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from .arrays import read_copy
-from .nodes.node import Want
-from .report import Report
+from ..arrays import read_copy
+from ..nodes.node import Want
+from ..report import Report
 
 
 def report_flat_uv_maps(

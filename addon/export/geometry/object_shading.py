@@ -8,15 +8,15 @@ from typing import Any
 
 import numpy as np
 
-from ..core.scene.shading import InstanceAttribute, MeshShading
+from ...core.scene.shading import InstanceAttribute, MeshShading
+from ..kept import Kept
+from ..materials import Shading
+from ..nodes.node import Want, Wants
+from ..report import Report
 from .attributes import instance_value, mesh_shading, width_of
 from .flat_uv_maps import report_flat_uv_maps
 from .instance_attributes import InstanceAttributes
-from .kept import Kept
-from .materials import Shading
-from .nodes.node import Want, Wants
 from .particle_hair import hair_of, hair_shading
-from .report import Report
 from .rows import Rows
 from .shapes import Shapes, mesh_key, sources, with_mesh
 from .strands import strand_shading

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .arrays import read_copy
+from ..arrays import read_copy
 
 
 def pointiness(mesh: Any) -> NDArray[np.float32]:

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.scene import Mesh, Strands
-from ..core.scene.shading import GENERATED, Domain, MeshAttribute, MeshShading
-from .kept import identity
-from .nodes.node import Want
-from .report import Report
+from ...core.scene import Mesh, Strands
+from ...core.scene.shading import GENERATED, Domain, MeshAttribute, MeshShading
+from ..kept import identity
+from ..nodes.node import Want
+from ..report import Report
 from .strands import Look
 
 AT_ONCE = 4096

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.scene import Mesh, Strands, StrandShape
-from ..core.scene.shading import Domain, MeshAttribute, MeshShading
-from .arrays import read, read_copy
-from .nodes.node import Want
-from .report import Report
+from ...core.scene import Mesh, Strands, StrandShape
+from ...core.scene.shading import Domain, MeshAttribute, MeshShading
+from ..arrays import read, read_copy
+from ..nodes.node import Want
+from ..report import Report
 
 STRANDS = {"CURVES", "POINTCLOUD"}
 SHAPES = {

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from .report import Report
+from ..report import Report
 
 FLAT = 1e-12
 """Volumes and areas of a scaled unit cube that count as none."""

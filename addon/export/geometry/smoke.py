@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.scene.grids import MOST_VALUES, Grid, MeshGrid, make_grid
-from ..core.scene.shading import GeneratedSpace
-from .report import Report
+from ...core.scene.grids import MOST_VALUES, Grid, MeshGrid, make_grid
+from ...core.scene.shading import GeneratedSpace
+from ..report import Report
 
 COMPONENTS = {
     "density": 1,

@@ -8,11 +8,11 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.scene import Mesh
-from .kept import Kept, identity
+from ...core.scene import Mesh
+from ..kept import Kept, identity
+from ..report import Report
 from .mesh import export_mesh, flattened
 from .particle_hair import System, export_hair, known_as, made_of
-from .report import Report
 from .strands import Look, export_strands
 from .volumes import known_volume, volume_mesh
 

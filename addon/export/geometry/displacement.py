@@ -11,14 +11,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.native.displace import displaced, textures_of
-from ..core.scene import Camera, Mesh, Texture
-from ..core.scene.displacement import Displacement, Normals
-from ..core.scene.shading import Domain, InstanceAttribute, MeshAttribute
-from .arrays import read
-from .kept import Kept
+from ...core.native.displace import displaced, textures_of
+from ...core.scene import Camera, Mesh, Texture
+from ...core.scene.displacement import Displacement, Normals
+from ...core.scene.shading import Domain, InstanceAttribute, MeshAttribute
+from ..arrays import read
+from ..kept import Kept
+from ..report import Report
 from .mesh import sound_part, sound_triangles
-from .report import Report
 
 Slots = tuple[Displacement | None, ...]
 

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.scene import Mesh
-from .arrays import read
-from .report import Report
+from ...core.scene import Mesh
+from ..arrays import read
+from ..report import Report
 
 MAX_SLOT = np.iinfo(np.uint16).max
 

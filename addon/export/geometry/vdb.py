@@ -14,7 +14,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.scene.grids import MOST_VALUES, Grid, TooLarge, make_grid
+from ...core.scene.grids import MOST_VALUES, Grid, TooLarge, make_grid
 
 NAMES = ("openvdb", "pyopenvdb")  # the second one: before Blender 4.4
 FOLDERS = ("python/lib/python*/site-packages", "python/lib/site-packages")

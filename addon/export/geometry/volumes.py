@@ -12,12 +12,12 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.scene import Mesh
-from ..core.scene.grids import Grid, MeshGrid, TooLarge, box, held
-from ..core.scene.shading import GeneratedSpace, MeshShading
+from ...core.scene import Mesh
+from ...core.scene.grids import Grid, MeshGrid, TooLarge, box, held
+from ...core.scene.shading import GeneratedSpace, MeshShading
+from ..kept import identity
+from ..report import Report
 from . import smoke, vdb
-from .kept import identity
-from .report import Report
 
 NO_MODULE = (
     "Volumes left out, as this Blender has no openvdb module for Python to read their grids: {}"

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .arrays import read_copy
-from .report import Report
+from ..arrays import read_copy
+from ..report import Report
 
 NO_LEVEL = 0x7FFFFFFF  # number that fills the unused levels of a persistent id
 # For each type of attribute: the property that holds its value, and its number of components.

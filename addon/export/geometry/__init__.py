@@ -1,0 +1,1 @@
+"""Meshes, strands and volumes: what stands in the scene, and what programs read from it."""
