@@ -110,7 +110,8 @@ class Bsdf {
   void add_holdout(float weight);
   void add_principled(const Rgb& weight, PrincipledInputs&& inputs);  // which are changed
 
-  // Lobe weights and the split of section 2 of the design. After it nothing may be added.
+  // Makes the lobes' weights, and splits them into what photons estimate and the rest. After it
+  // nothing may be added.
   void finish();
 
   const Rgb& emission() const { return lobes_.emission; }  // radiance towards wo, W/m^2/sr

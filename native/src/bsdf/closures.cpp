@@ -151,7 +151,7 @@ FacetShape clean_shape(Distribution d, float roughness, float anisotropy, float 
   shape.beckmann = d == Distribution::kBeckmann;
   shape.preserve_energy = d == Distribution::kMultiGgx;
   shape.roughness = clean(roughness, 0, 1, 0.5f);
-  // The way of Blender's Glossy node.
+  // Anisotropy as Blender's Glossy node defines it.
   const float a = clean(anisotropy, -0.99f, 0.99f, 0);
   if (a > 0) shape.along = 1 - a, shape.across = 1 / (1 - a);
   if (a < 0) shape.along = 1 / (1 + a), shape.across = 1 + a;

@@ -94,7 +94,7 @@ Along tilted(float sine, float cosine, float tilt, int mode) {
 FacetValue evaluate_principled(const Lobe& lobe, const Vec3& wi) {
   const HairShape& hair = lobe.hair;
   const float sine = std::clamp(dot(wi, hair.x), -1.0f, 1.0f), cosine = cos_of(sine);
-  // wo is at -pi/2
+  // Azimuth of wi around the strand, where that of wo is -pi/2
   const float around = std::atan2(dot(wi, hair.z), dot(wi, hair.y)) + 0.5f * kPi;
   FacetValue sum{};
   for (int mode = 0; mode < HairShape::kModes; ++mode) {

@@ -16,7 +16,7 @@ void expand_principled(const Rgb& weight, const PrincipledInputs& inputs, const 
 void expand_subsurface(const Rgb& weight, const SubsurfaceInputs& inputs, const View& view,
                        SubsurfaceUse use, LobeList& out);
 
-// Harmless numbers.
+// x within [low, high], or `otherwise` where it is not finite.
 inline float clean(float x, float low, float high, float otherwise) {
   return std::isfinite(x) ? std::clamp(x, low, high) : otherwise;
 }

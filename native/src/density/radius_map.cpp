@@ -4,7 +4,8 @@ namespace photon_splat {
 namespace {
 
 constexpr float kLargestOfScene = 0.25f;  // discs, of the scene's radius
-// And of that of half of what is seen: what is wider shows one light all over
+// Largest radius over that of the sphere which holds half of what is seen: a wider disc shows one
+// light all over
 constexpr float kLargestOfSeen = 0.5f;
 constexpr float kSeenShare = 16;  // times that radius the octree begins with
 

@@ -59,7 +59,7 @@ Splatter::Node Splatter::make_node(const std::vector<Bounds>& bounds, size_t fir
   return node;
 }
 
-// Bounds that nodes are compared with, as often as vectors need them.
+// Bounds that nodes are compared with, each value repeated in all lanes of a vector.
 struct Splatter::Query {
 #if defined(__SSE2__)
   __m128 lower_x, lower_y, lower_z, upper_x, upper_y, upper_z;

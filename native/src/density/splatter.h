@@ -59,7 +59,7 @@ class Splatter {
 
   std::string kernel_name_;
   SplatKernel kernel_;
-  // Level 0: the blocks by fours; each further level the nodes of the one below
+  // Level 0 holds the blocks, four to a node; each further level holds the nodes of the one below
   std::vector<std::vector<Node>> levels_;
   Bounds bounds_;             // of all blocks
   std::vector<Parts> parts_;  // of the blocks, or none yet

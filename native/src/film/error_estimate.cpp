@@ -22,7 +22,7 @@ constexpr int kGroups = 10;  // of pixels that are equally far off, by their est
 // passes: before, groups count nothing, or half
 constexpr uint32_t kFirstGroups = 4, kAllGroups = 8;
 constexpr size_t kSorted = 20000;  // pixels that tell where groups end
-// pixels' errors go with their neighbours': it is worth no more
+// A group counts as so many pixels at most: errors of neighbouring pixels are correlated
 constexpr float kLentInGroup = 20;
 constexpr float kGroupStep = 4;  // at most, of the variance, up or down
 constexpr float kMost = 1e37f;

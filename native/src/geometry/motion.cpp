@@ -15,7 +15,8 @@ Quaternion operator+(const Quaternion& a, const Quaternion& b) {
 }
 Quaternion unit(const Quaternion& q) { return q * (1 / std::sqrt(dot(q, q))); }
 
-// By the shortest way, if the two are on the same side.
+// Interpolates between two rotations on the great circle, the shortest way if their dot product is
+// not negative.
 Quaternion between(const Quaternion& a, const Quaternion& b, float t) {
   const float cosine = dot(a, b);
   if (cosine > kNearlyTheSame) return unit(a * (1 - t) + b * t);

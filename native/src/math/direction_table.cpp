@@ -76,7 +76,7 @@ void DirectionTable::divide() {
   }
 }
 
-// Uniform in solid angle within the cell.
+// A direction in the cell, uniform in solid angle.
 Vec3 DirectionTable::direction_in(const Cell& cell, float down, float along) const {
   const float top = cosine_[cell.row], bottom = cosine_[cell.row + 1];
   const float z = top + (bottom - top) * down;

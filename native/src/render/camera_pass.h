@@ -29,7 +29,8 @@ class CameraPass {
   void set_beams(const BeamTree* beams) { tracer_.set_beams(beams); }
   // Has a pilot teach the map about the surfaces on which the gather points want its photons.
   void teach(PhotonMap& map);
-  // After a pass: where things stand in the discs of bent surfaces paths will bring the light.
+  // Called after a pass: where things stand in the discs of bent surfaces, paths will bring the
+  // light.
   void look_for_crowds(uint32_t pass);
 
   // Gather points of the last pass; nullptr before it.

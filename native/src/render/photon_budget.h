@@ -29,7 +29,7 @@ class PassClock {
   explicit PassClock(double seconds) : end_(now() + seconds) {}
   // Takes off the time for the end of the pass, which grows with that of the camera samples.
   void see_camera(double seconds) { resolving_ = kOfResolving * seconds; }
-  // For the next of `maps` photon maps.
+  // Seconds for the next of `maps` photon maps.
   double seconds_for_one_of(size_t maps) const {
     return (end_ - now() - resolving_) / static_cast<double>(maps);
   }

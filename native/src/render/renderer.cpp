@@ -8,8 +8,8 @@ namespace {
 constexpr uint64_t kFewestPathsPerBatch = 1 << 17, kMostPathsPerBatch = 1 << 20;
 // Where photons are kept, and found again by their batch
 constexpr uint64_t kKeptPathsPerBatch = 1 << 18;
-// At least so many, if they are not too small, where another device splats one while the CPU traces
-// the next
+// Batches of a pass, at least, where another device splats one while the CPU traces the next; and
+// paths in a batch, at least
 constexpr uint64_t kBatchesElsewhere = 8, kFewestPathsElsewhere = 1 << 14;
 
 }  // namespace
@@ -113,7 +113,7 @@ void Renderer::make_maps() {
   make_beams();
 }
 
-// Caustics in media, where there may be any.
+// Photon beams for caustics in media, where the scene can have some.
 void Renderer::make_beams() {
   beams_.reset();
   if (maps_.size() > 1 && options.photons_per_pass && scene.media() && scene.media()->scatters())

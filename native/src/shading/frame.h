@@ -69,7 +69,7 @@ struct Frame {
   }
   static bool on(uint32_t word) { return word == static_cast<uint32_t>(Switch::ON); }
 
-  // surface.cpp: what the hit knows
+  // Defined in surface.cpp: what is known of the hit
   bool is_on_mesh() const { return point.instance != ShadingPoint::kNoInstance; }
   bool is_on_surface() const { return is_on_mesh() && !point.medium; }
   bool is_background() const { return !is_on_mesh() && !point.lamp && !point.medium; }

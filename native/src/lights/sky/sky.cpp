@@ -13,7 +13,7 @@ Rgb to_rgb(const Vec3& c) {  // CIE XYZ to linear Rec. 709, D65
              Vec3{});
 }
 
-// Bilinear, longitude wraps; u, v in 0..1 of the table.
+// Bilinear lookup; longitude wraps; u, v in 0..1 of the table.
 Vec3 at(const std::vector<Vec3>& table, float u, float v) {
   const float x = u * kSkyColumns - 0.5f, y = v * kSkyRows - 0.5f, fx = std::floor(x),
               fy = std::floor(y);

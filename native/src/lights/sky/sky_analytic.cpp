@@ -103,7 +103,7 @@ class HosekWilkie {
       const double relative = (1 + t[0] * std::exp(t[1] / (cosine + 0.01))) *
                               (t[2] + t[3] * std::exp(t[4] * gamma) + t[5] * to_sun * to_sun +
                                t[6] * mie + t[7] * std::sqrt(cosine));
-      // Blender's scale
+      // Scaled as Blender scales it
       xyz[c] = static_cast<float>(relative * radiance_[c]) * (2 * kPi / kEfficacy);
     }
     return {xyz[0], xyz[1], xyz[2]};
