@@ -17,7 +17,7 @@ def open_view(name: str, *, surface_only: bool = True, pixels: int = PIXELS) -> 
     """
     import bpy
 
-    from tests.reference.cycles import stage
+    from tests.reference.cycles.stages import stage
 
     view = VIEWS[name]
     stage.open_scene(view.scene)

@@ -78,7 +78,7 @@ def seen_by_camera(
     """Radiance of the table in each pixel: caustic halves, rest; and where a pixel shows the
     measured part of the table and no glass.
     """
-    from tests.reference.cycles import stage
+    from tests.reference.cycles.stages import stage
 
     stage.build(camera_case())
     view = VIEWS["small_glass"]
@@ -117,7 +117,8 @@ def camera_case() -> Case:
 def by_cycles(seconds: float) -> np.ndarray:
     import bpy
 
-    from tests.reference.cycles import references, stage
+    from tests.reference.cycles import references
+    from tests.reference.cycles.stages import stage
 
     stage.build(camera_case())
     bpy.context.scene.cycles.time_limit = seconds

@@ -9,7 +9,7 @@ are opaque.
 Rough glass is rendered without light samples (Case.light_samples), its lamp as a plane that rays
 find by chance: where Cycles samples a light through a rough refractive surface, it also counts
 pairs of directions that no facet can refract into each other, and so gets more light than by its
-own rays: `python -m tests.reference.cycles.rough_glass` shows it.
+own rays: `python -m tests.reference.cycles.tables.rough_glass` shows it.
 """
 
 from __future__ import annotations
@@ -125,7 +125,7 @@ def without_light_samples() -> None:
 
     from blend_scenes.scripts import modelling as m
     from tests.reference.cycles.gallery import BACKFACING, add, mix, node, transparent
-    from tests.reference.cycles.gallery_stage import build_material
+    from tests.reference.cycles.stages.gallery_stage import build_material
 
     scene = bpy.context.scene
     scene.world.cycles.sampling_method = "NONE"
@@ -155,7 +155,7 @@ def without_light_samples() -> None:
 
 
 def make(case: Case) -> None:
-    from tests.reference.cycles import stage
+    from tests.reference.cycles.stages import stage
 
     halves = []
     for seed in (1, 2):

@@ -79,8 +79,8 @@ def load() -> dict[str, list[list[float]]]:
 
 
 def main() -> int:
-    from tests.reference.cycles import stage
     from tests.reference.cycles.references import render_with_cycles, without_light_samples
+    from tests.reference.cycles.stages import stage
 
     said = load() if FILE.is_file() else {}
     for kind in sys.argv[1:] or SWEEPS:

@@ -117,7 +117,7 @@ def _render(
     from photon_splat.blender.job import observer
     from photon_splat.core.render.settings import Integrator
 
-    from tests.reference.cycles import stage
+    from tests.reference.cycles.stages import stage
 
     scene = stage.build(Case(**case))
     scene.render.engine = "PHOTON_SPLAT"

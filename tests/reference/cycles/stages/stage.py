@@ -27,7 +27,7 @@ _SLANT_SUN = (0.9, -0.5, 2.0)
 def build(case: Case) -> bpy.types.Scene:
     """Make the case's scene the current one, at the case's resolution."""
     from tests.reference.caustics import pictures
-    from tests.reference.cycles import (
+    from tests.reference.cycles.stages import (
         catchers_stage,
         displacement_stage,
         film_stage,
@@ -159,7 +159,7 @@ def shaded_lamp(
     **options: Any,
 ) -> None:
     """A lamp with a node tree, see lamp_trees.py. tint: the object's colour."""
-    from tests.reference.cycles import gallery_stage
+    from tests.reference.cycles.stages import gallery_stage
 
     _stage()
     lamp = _lamp(kind, energy, **options)

@@ -7,7 +7,7 @@ from typing import Any
 import bpy
 
 from blend_scenes.scripts import modelling as m
-from tests.reference.cycles import stage
+from tests.reference.cycles.stages import stage
 
 WHOLE = [((-1.55, -1.55, 0.01), (1.55, 1.45, 2.6))]
 CLOUD = [((-0.6, -1.0, 0.3), (0.6, 0.2, 1.1))]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 
 from blend_scenes.scripts import modelling as m
-from tests.reference.cycles import stage
+from tests.reference.cycles.stages import stage
 
 
 def shadow_catcher(

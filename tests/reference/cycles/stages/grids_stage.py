@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 
 from blend_scenes.scripts import modelling as m
-from tests.reference.cycles import media_stage, stage
+from tests.reference.cycles.stages import media_stage, stage
 from tests.support import vdb
 
 SIZE = 1.2  # m, of a cloud

@@ -1,4 +1,5 @@
-"""Cycles against itself on rough glass: `python -m tests.reference.cycles.rough_glass [ROUGHNESS]`
+"""Cycles against itself on rough glass:
+`python -m tests.reference.cycles.tables.rough_glass [ROUGHNESS]`
 prints its mean with and without light samples.
 
 Both ways solve the same equation, and on any other material they agree. The lamp is the gallery's.
@@ -11,10 +12,10 @@ from __future__ import annotations
 
 import sys
 
-from tests.reference.cycles import stage
 from tests.reference.cycles.cases import Case
 from tests.reference.cycles.gallery import BY_NAME, sweep_case
 from tests.reference.cycles.references import render_with_cycles, without_light_samples
+from tests.reference.cycles.stages import stage
 
 
 def means(case: Case, samples: int = 1024) -> tuple[float, float]:

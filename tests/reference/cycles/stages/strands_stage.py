@@ -9,8 +9,8 @@ import bpy
 import numpy as np
 
 from blend_scenes.scripts import modelling as m
-from tests.reference.cycles import motion_stage, stage
-from tests.reference.cycles.gallery_stage import build_material
+from tests.reference.cycles.stages import motion_stage, stage
+from tests.reference.cycles.stages.gallery_stage import build_material
 
 PLACE = (0.0, -0.25, 0.0)
 KEYS = 6

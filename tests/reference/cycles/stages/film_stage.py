@@ -7,7 +7,7 @@ from typing import Any
 import bpy
 
 from blend_scenes.scripts import modelling as m
-from tests.reference.cycles import stage
+from tests.reference.cycles.stages import stage
 
 
 def film(transparent: bool = False, **settings: Any) -> None:

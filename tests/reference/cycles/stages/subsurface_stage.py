@@ -9,7 +9,7 @@ from typing import Any
 import bpy
 
 from blend_scenes.scripts import modelling as m
-from tests.reference.cycles import stage
+from tests.reference.cycles.stages import stage
 
 PLACE = (0.0, -0.2, 0.5)
 WAX = (0.8, 0.5, 0.35)

@@ -12,7 +12,7 @@ import bpy
 from mathutils import Vector
 
 from blend_scenes.scripts import modelling as m
-from tests.reference.cycles import stage
+from tests.reference.cycles.stages import stage
 
 PLACE = (0.0, -0.35, 0.45)
 FIRST, LAST = 0, 2
@@ -79,7 +79,7 @@ def _bumpy() -> Any:
 
 
 def _fog() -> Any:
-    from tests.reference.cycles import media_stage
+    from tests.reference.cycles.stages import media_stage
 
     return media_stage.medium("scatter", Density=4.0, Color=(0.5, 0.7, 0.9))
 
@@ -321,7 +321,7 @@ def moving_particles() -> None:
 
 def moving_displaced(move: str = "slide") -> None:
     """A thing that its material displaces slides or changes its shape."""
-    from tests.reference.cycles import displacement_stage
+    from tests.reference.cycles.stages import displacement_stage
 
     displacement_stage.displaced(shape="box", height="object")
     MOVES[move](bpy.data.objects["Thing"])

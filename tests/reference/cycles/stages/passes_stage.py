@@ -7,7 +7,7 @@ from typing import Any
 import bpy
 
 from blend_scenes.scripts import modelling as m
-from tests.reference.cycles import media_stage, motion_stage, stage, strands_stage
+from tests.reference.cycles.stages import media_stage, motion_stage, stage, strands_stage
 
 
 def switch_on(name: str) -> None:

@@ -11,7 +11,7 @@ import numpy as np
 from mathutils import Vector
 
 from blend_scenes.scripts import modelling as m
-from tests.reference.cycles import stage
+from tests.reference.cycles.stages import stage
 
 PLACE = (0.0, -0.1, 0.62)
 

@@ -8,7 +8,7 @@ import bmesh
 import bpy
 
 from blend_scenes.scripts import modelling as m
-from tests.reference.cycles import stage
+from tests.reference.cycles.stages import stage
 
 PLACE = (0.0, -0.1, 0.75)
 

@@ -1,0 +1,1 @@
+"""Builds the scenes of cases in Blender."""

@@ -1,0 +1,1 @@
+"""Measures Cycles, for tables of the engine and for questions about it."""
