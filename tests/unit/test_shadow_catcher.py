@@ -75,10 +75,10 @@ def test_the_shadow_is_denoised_by_itself() -> None:
         ).passes["Combined"]
         for denoise in (False, True)
     )
-    truth = c.shoot(
+    reference = c.shoot(
         yard(True, world=1.0), Integrator.SPLAT, passes=128, photons_per_pass=500, denoise=False
     ).passes["Combined"]
-    off = [float(np.square(made[..., 3] - truth[..., 3]).mean()) for made in (noisy, clean)]
+    off = [float(np.square(made[..., 3] - reference[..., 3]).mean()) for made in (noisy, clean)]
     assert off[1] < 0.8 * off[0]
 
 

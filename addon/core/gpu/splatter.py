@@ -96,7 +96,7 @@ class GpuSplatter:
             self._pairs_per_photon = max(2.0 * len(order) / count, 1.0)
             rows = -(-count // PHOTONS_PER_ROW) * PHOTONS_PER_ROW
             self._hand_over(
-                self._painter.splat, Batch(renderer.photon_records(first, count, rows), order, runs)
+                self._painter.splat, Batch(renderer.photon_rows(first, count, rows), order, runs)
             )
             self._pairs += len(order)
             self._batches += 1

@@ -18,8 +18,8 @@ void require_blocks(const Renderer& r, size_t first, size_t count, size_t column
   if (columns < 1) throw std::invalid_argument("an atlas has at least one column");
 }
 
-nb::ndarray<nb::numpy, float> photon_records(const Renderer& r, size_t first, size_t count,
-                                             size_t rows) {
+nb::ndarray<nb::numpy, float> photon_rows(const Renderer& r, size_t first, size_t count,
+                                          size_t rows) {
   const auto& photons = r.photons();
   if (first > photons.size() || count > photons.size() - first)
     throw std::out_of_range("there are not so many photons");
@@ -29,13 +29,11 @@ nb::ndarray<nb::numpy, float> photon_records(const Renderer& r, size_t first, si
   return to_numpy(std::move(values), {rows, kPhotonFloats});
 }
 
-void set_photon_records(
-    Renderer& r,
-    nb::ndarray<const float, nb::c_contig, nb::device::cpu, nb::shape<-1, 8>> records) {
-  Photons photons(records.shape(0));
+void set_photon_rows(
+    Renderer& r, nb::ndarray<const float, nb::c_contig, nb::device::cpu, nb::shape<-1, 8>> rows) {
+  Photons photons(rows.shape(0));
   if (!photons.empty())
-    std::memcpy(static_cast<void*>(photons.data()), records.data(),
-                photons.size() * sizeof(Photon));
+    std::memcpy(static_cast<void*>(photons.data()), rows.data(), photons.size() * sizeof(Photon));
   r.map().set_photons(std::move(photons));
 }
 
@@ -161,10 +159,10 @@ void bind_splatting(RendererClass& renderer) {
           "photon_count", [](const Renderer& r) { return r.photons().size(); },
           "Photons of the last batch.")
       .def(
-          "photon_records", &photon_records, "first"_a, "count"_a, "rows"_a,
+          "photon_rows", &photon_rows, "first"_a, "count"_a, "rows"_a,
           "(rows, 8) float32, zero from row `count` on: position, key (bits), normal and direction (bits), power.")
-      .def("set_photon_records", &set_photon_records, "records"_a,
-           "(N, 8) float32 as photon_records() gives them: replaces the photons of the last batch.")
+      .def("set_photon_rows", &set_photon_rows, "rows"_a,
+           "(N, 8) float32 as photon_rows() gives them: replaces the photons of the last batch.")
       .def(
           "photon_runs", &photon_runs, "first"_a, "count"_a, "longest"_a,
           "Pairs of the photons [first, first + count) and the blocks that may catch them. Returns (P,) uint32 photons\n"

@@ -89,9 +89,9 @@ void compare(const Room& room, IndirectLight indirect) {
   photons.options.indirect_light = indirect;
   fill_room(photons, room);
   fill_room(paths, room);
-  const auto truth = light_of(paths, 800, true), light = light_of(photons, 20);
+  const auto reference = light_of(paths, 800, true), light = light_of(photons, 20);
   for (int quarter = 0; quarter < 4; ++quarter)
-    CHECK(light[quarter] == doctest::Approx(truth[quarter]).epsilon(0.02));
+    CHECK(light[quarter] == doctest::Approx(reference[quarter]).epsilon(0.02));
   const RenderStatistics s = photons.statistics();
   CHECK_FALSE(s.all_path_traced);
   CHECK(s.maps[0].photons.stored > 50000);

@@ -119,8 +119,8 @@ TEST_CASE("beams bring what paths find by chance of a lamp behind glass and mirr
     Renderer beams(2), paths(2);
     fill_room(beams, room);
     fill_room(paths, room);
-    const double truth = light_of(paths, 1500, true);
-    CHECK(light_of(beams, 48) == doctest::Approx(truth).epsilon(0.02));
+    const double reference = light_of(paths, 1500, true);
+    CHECK(light_of(beams, 48) == doctest::Approx(reference).epsilon(0.02));
   }
 }
 

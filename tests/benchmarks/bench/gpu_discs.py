@@ -141,16 +141,16 @@ def measure_discs(case: Case, scene: Any) -> dict[str, Any]:
     while done < case.photons:
         renderer.trace_photons(first, min(PATHS_PER_BATCH, case.photons))
         count = renderer.photon_count
-        records = renderer.photon_records(0, count, -(-count // PHOTONS_PER_ROW) * PHOTONS_PER_ROW)
+        rows = renderer.photon_rows(0, count, -(-count // PHOTONS_PER_ROW) * PHOTONS_PER_ROW)
         radius = np.zeros(count, np.float32)
-        keys = records.view(np.uint32)[:count, 3]
+        keys = rows.view(np.uint32)[:count, 3]
         for key, most in widest.items():
             radius[keys == key] = most
-        seen, at = pixels_of(records[:count, :3], view, case.width, case.height)
+        seen, at = pixels_of(rows[:count, :3], view, case.width, case.height)
         nearest = of_pixel[at]
         same = (nearest >= 0) & (points["key"][nearest] == keys[seen])
         radius[seen[same]] = WIDER * points["radius"][nearest[same]]
-        fragments += context.submit(drawer.draw, records, radius).result()
+        fragments += context.submit(drawer.draw, rows, radius).result()
         renderer.splat()
         done, first = done + count, first + PATHS_PER_BATCH
     count = context.submit(drawer.finish).result().reshape(-1)[pixels]
@@ -192,13 +192,13 @@ class _Drawer:
             if name in self._program:
                 self._program[name] = unit
 
-    def draw(self, records: NDArray[np.float32], radius: NDArray[np.float32]) -> int:
+    def draw(self, rows: NDArray[np.float32], radius: NDArray[np.float32]) -> int:
         """Fragments drawn."""
         gl, graphics = self._graphics.gl, self._graphics
         photons = gl.texture(
-            (2 * PHOTONS_PER_ROW, len(records) // PHOTONS_PER_ROW),
+            (2 * PHOTONS_PER_ROW, len(rows) // PHOTONS_PER_ROW),
             4,
-            records.view(np.uint32),
+            rows.view(np.uint32),
             dtype="u4",
         )
         radii = gl.buffer(radius)

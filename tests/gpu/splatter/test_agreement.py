@@ -60,21 +60,21 @@ def test_random_photons(
     random = np.random.default_rng(seed)
     points = room.points()
     near = random.integers(0, len(points["key"]), count)
-    records = np.zeros((count, 8), np.float32)
-    records[:, :3] = (
+    rows = np.zeros((count, 8), np.float32)
+    rows[:, :3] = (
         points["position"][near]
         + random.normal(0, reach, (count, 3)) * points["radius"][near, None]
     )
-    bits = records.view(np.uint32)
+    bits = rows.view(np.uint32)
     bits[:, 3] = np.where(
         random.random(count) < strangers,
         random.permutation(points["key"])[near],
         points["key"][near],
     )
     bits[:, 4] = random.integers(0, 255, count) | random.integers(0, 255, count) << 8
-    records[:, 5:] = np.exp(random.normal(0, spread, (count, 3)))
+    rows[:, 5:] = np.exp(random.normal(0, spread, (count, 3)))
     room.place_points(0)
-    room.set_photon_records(records)
+    room.set_photon_rows(rows)
     room.splat()
     cpu = room.points()
     expect_agreement(cpu, splat_on_gpu(room, method=method)[0])
@@ -127,12 +127,12 @@ def test_a_tile_full_of_photons(method: str) -> None:
     renderer = prepared(scenes.floor(16), photons_per_pass=20_000)
     points = renderer.points()
     widest = np.argmax(points["radius"])
-    records = np.tile(renderer.photon_records(0, 1, 1), (50_000, 1))
-    records[:, :3] = points["position"][widest] + np.random.default_rng(1).normal(
+    rows = np.tile(renderer.photon_rows(0, 1, 1), (50_000, 1))
+    rows[:, :3] = points["position"][widest] + np.random.default_rng(1).normal(
         0, 0.2 * points["radius"][widest], (50_000, 3)
     )
-    records.view(np.uint32)[:, 3] = points["key"][widest]
-    renderer.set_photon_records(records)
+    rows.view(np.uint32)[:, 3] = points["key"][widest]
+    renderer.set_photon_rows(rows)
     renderer.splat()
     cpu = renderer.points()
     assert cpu["count"].max() > 10_000
