@@ -1,21 +1,40 @@
 #include "simd/dispatch.h"
 
+#include <cstdlib>
+#include <stdexcept>
+
+#include "simd/cpu_features.h"
+
 namespace photon_splat {
 
+namespace {
+
+// The widest that PHOTON_SPLAT_SIMD allows.
+InstructionSet widest_allowed() {
+  const char* name = std::getenv("PHOTON_SPLAT_SIMD");
+  if (!name || !*name) return InstructionSet::kAvx512;
+  for (size_t i = 0; i < kInstructionSetNames.size(); ++i)
+    if (std::string(name) == kInstructionSetNames[i]) return static_cast<InstructionSet>(i);
+  throw std::invalid_argument(
+      "The environment variable PHOTON_SPLAT_SIMD must be avx512, avx2, sse42 or generic, and is '" +
+      std::string(name) + "'.");
+}
+
+}  // namespace
+
 bool runs_here(InstructionSet set) {
-#if defined(__x86_64__) && defined(__GNUC__)
-  __builtin_cpu_init();
+  if (set == InstructionSet::kGeneric) return true;
+#ifdef PHOTON_SPLAT_VECTOR_KERNELS
+  if (set < widest_allowed()) return false;
+  const CpuFeatures here = cpu_features();
   switch (set) {
-    case InstructionSet::kAvx512:
-      return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
-             __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw");
-    case InstructionSet::kAvx2:
-      return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
-    case InstructionSet::kSse42: return __builtin_cpu_supports("sse4.2");
-    case InstructionSet::kGeneric: return true;
+    case InstructionSet::kAvx512: return here.avx512;
+    case InstructionSet::kAvx2: return here.avx2;
+    case InstructionSet::kSse42: return here.sse42;
+    case InstructionSet::kGeneric: break;
   }
 #endif
-  return set == InstructionSet::kGeneric;
+  return false;
 }
 
 }  // namespace photon_splat

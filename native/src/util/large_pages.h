@@ -5,15 +5,11 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <memory>
 #include <new>
 #include <type_traits>
 #include <utility>
 #include <vector>
-#ifdef __linux__
-#include <sys/mman.h>
-#endif
 
 namespace photon_splat {
 
@@ -24,40 +20,39 @@ inline void prefetch([[maybe_unused]] const void* memory) {
 #endif
 }
 
+inline constexpr std::size_t kLargePage = std::size_t{2} << 20;
+
+// Linux and Windows have them on request; macOS's pages are larger as they are.
+#if defined(__linux__) || defined(_WIN32)
+#define PHOTON_SPLAT_LARGE_PAGES
+// bytes: a multiple of kLargePage. std::bad_alloc where there is no memory.
+void* allocate_large_pages(std::size_t bytes);
+void free_large_pages(void* memory) noexcept;
+#endif
+
 template <class T>
 struct LargePages {
   using value_type = T;
-  static constexpr std::size_t kPage = std::size_t{2} << 20, kLeast = 4 * kPage;
+  static constexpr std::size_t kPage = kLargePage, kLeast = 4 * kPage;
 
   LargePages() = default;
   template <class U>
   LargePages(const LargePages<U>&) noexcept {}
 
   T* allocate(std::size_t count) {
-#ifdef __linux__
+#ifdef PHOTON_SPLAT_LARGE_PAGES
     if (count >= kLeast / sizeof(T)) {
       if (count > (std::size_t{PTRDIFF_MAX} - kPage) / sizeof(T)) throw std::bad_array_new_length();
       const std::size_t bytes = (count * sizeof(T) + kPage - 1) / kPage * kPage;
-      void* memory = std::aligned_alloc(kPage, bytes);
-      if (!memory) throw std::bad_alloc();
-      madvise(memory, bytes, MADV_HUGEPAGE);  // a wish: where it is not granted nothing is lost
-      return static_cast<T*>(memory);
+      return static_cast<T*>(allocate_large_pages(bytes));
     }
 #endif
     return std::allocator<T>{}.allocate(count);
   }
 
   void deallocate(T* memory, std::size_t count) noexcept {
-#ifdef __linux__
-// GCC takes the two ways of allocating for one, where it inlines both.
-#if defined(__GNUC__) && !defined(__clang__)
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wmismatched-new-delete"
-#endif
-    if (count >= kLeast / sizeof(T)) return std::free(memory);
-#if defined(__GNUC__) && !defined(__clang__)
-#pragma GCC diagnostic pop
-#endif
+#ifdef PHOTON_SPLAT_LARGE_PAGES
+    if (count >= kLeast / sizeof(T)) return free_large_pages(memory);
 #endif
     std::allocator<T>{}.deallocate(memory, count);
   }
