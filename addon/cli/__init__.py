@@ -16,6 +16,7 @@ from .process import (
     open_standard_streams,
     remove_blenders_folder,
     silence_blender,
+    stop_signals,
 )
 from .progress import say
 from .render import render_frames
@@ -29,7 +30,7 @@ def main(arguments: list[str] | None = None) -> int:
     def interrupt(*_: object) -> None:
         nonlocal stop
         stop = True
-        for one in (signal.SIGINT, signal.SIGTERM):
+        for one in stop_signals():
             signal.signal(one, signal.SIG_DFL)
 
     try:
@@ -37,7 +38,7 @@ def main(arguments: list[str] | None = None) -> int:
         check_paths(options)
         if not options.verbose:
             silence_blender()
-        for number in (signal.SIGINT, signal.SIGTERM):
+        for number in stop_signals():
             signal.signal(number, interrupt)
             end_at_the_second(number)
         render_frames(options, started, lambda: stop)

@@ -16,7 +16,7 @@ from ..core.render.settings import (
     Integrator,
     RenderSettings,
 )
-from .exr import try_file
+from .exr import real_path, try_file
 from .frames import FIRST, LAST, NUMBERED, frame_list, has_number, with_number
 
 UNLIMITED_PASSES = 1 << 30
@@ -277,4 +277,4 @@ def _same_file(one: Path, other: Path) -> bool:
     try:
         return one.samefile(other)
     except OSError:  # one of them does not exist yet
-        return os.path.realpath(one) == os.path.realpath(other)
+        return real_path(one) == real_path(other)

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import ctypes
 import os
 import shutil
+import signal
 import sys
 from pathlib import Path
+from typing import TextIO
 
 
 def open_standard_streams() -> None:
@@ -32,13 +35,23 @@ def silence_blender() -> None:
     os.close(quiet)
 
 
+def stop_signals() -> tuple[signal.Signals, ...]:
+    """What asks the command to stop: Ctrl-C, a request to end, and on Windows Ctrl-Break."""
+    asked = (signal.SIGINT, signal.SIGTERM)
+    if sys.platform == "win32":
+        return (*asked, signal.SIGBREAK)
+    return asked
+
+
 def end_at_the_second(number: int) -> None:
     """Makes the next signal of this kind end the process at once, even where Blender or one of its
     libraries hangs and no Python code runs.
     """
+    if sys.platform == "win32":
+        _end_at_the_second_key()
+        return
     if not sys.platform.startswith("linux") or sys.maxsize < 2**32:
         return
-    import ctypes
 
     class Action(ctypes.Structure):  # of glibc and musl on 64-bit machines
         _fields_ = [
@@ -52,6 +65,49 @@ def end_at_the_second(number: int) -> None:
     if library.sigaction(number, None, ctypes.byref(action)) == 0:
         action.flags |= -0x80000000  # SA_RESETHAND
         library.sigaction(number, ctypes.byref(action), None)
+
+
+_keys: list[object] = []
+"""What Windows calls when Ctrl-C or Ctrl-Break is pressed; it must not be freed."""
+
+
+def _end_at_the_second_key() -> None:
+    """As end_at_the_second(), for Ctrl-C and Ctrl-Break. Windows calls it on a thread of its own;
+    it needs Python's lock, which a render gives back while native code works.
+    """
+    if _keys:
+        return
+    pressed = 0
+
+    def press(_: int) -> int:
+        nonlocal pressed
+        pressed += 1
+        if pressed > 1:
+            os._exit(130)
+        return 0  # Python's own handler is next
+
+    handler = ctypes.WINFUNCTYPE(ctypes.c_int, ctypes.c_ulong)(press)  # type: ignore[attr-defined, unused-ignore]
+    _keys.append(handler)
+    ctypes.WinDLL("kernel32").SetConsoleCtrlHandler(handler, 1)  # type: ignore[attr-defined, unused-ignore]
+
+
+def understands_escapes(stream: TextIO) -> bool:
+    """Whether the stream is a terminal that clears a line when told to. Windows' console is asked
+    to; old ones cannot.
+    """
+    if not stream.isatty():
+        return False
+    if sys.platform != "win32":
+        return True
+    import msvcrt
+
+    kernel32 = ctypes.WinDLL("kernel32")
+    handle, mode = ctypes.c_void_p(msvcrt.get_osfhandle(stream.fileno())), ctypes.c_ulong()
+    terminal_codes = 0x0004  # ENABLE_VIRTUAL_TERMINAL_PROCESSING
+    return bool(
+        kernel32.GetConsoleMode(handle, ctypes.byref(mode))
+        and kernel32.SetConsoleMode(handle, mode.value | terminal_codes)
+    )
 
 
 def remove_blenders_folder() -> None:

@@ -6,6 +6,7 @@ import contextlib
 import sys
 
 from ..core.render.result import Progress
+from .process import understands_escapes
 
 
 def say(text: str) -> None:
@@ -19,7 +20,7 @@ class ProgressBar:
     """Shows a bar that redraws itself on a terminal, and a line at each tenth elsewhere."""
 
     def __init__(self) -> None:
-        self.terminal = sys.stderr.isatty()
+        self.terminal = understands_escapes(sys.stderr)
         self.tenth = -1
 
     def show(self, progress: Progress) -> None:

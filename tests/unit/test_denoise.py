@@ -77,7 +77,7 @@ def test_a_lone_speck_is_not_brought_back() -> None:
 
 
 def test_a_missing_library_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(denoise, "LIBRARY", "libNoSuchDenoiser.so.2")
+    monkeypatch.setattr(denoise, "DENOISER", "libNoSuchDenoiser.so.2")
     denoise._library.cache_clear()
     try:
         result = c.shoot(

@@ -1,22 +1,20 @@
 """Loads the native module `photon_splat_native`, bound to the Embree 4 that Blender ships.
 
-The module asks the dynamic linker for Embree by its soname alone. In Blender, and after `import
-bpy`, that library is in the process already. Without bpy (tests of the core) it is loaded here from
-the installed bpy package, which is not imported for that.
+The module asks the dynamic linker for Embree by its name alone. In Blender, and after `import bpy`,
+that library is in the process already. Elsewhere (tests of the core) it is loaded here from where
+Blender keeps it.
 """
 
 from __future__ import annotations
 
 import ctypes
 import importlib
-import importlib.util
-import os
 import sys
-from pathlib import Path
 from types import ModuleType
 
+from .blender_libraries import EMBREE, is_loaded, places
+
 MODULE = "photon_splat_native"
-EMBREE = "libembree4.so.4"
 
 
 def load() -> ModuleType:
@@ -25,10 +23,12 @@ def load() -> ModuleType:
     """
     if MODULE in sys.modules:
         return sys.modules[MODULE]
-    if sys.platform == "linux" and not _is_loaded(EMBREE):
-        library = bpy_library(EMBREE)
-        if library is not None:
+    there = is_loaded(EMBREE)
+    if not there:
+        for library in places(EMBREE):
             ctypes.CDLL(str(library))
+            there = True
+            break
     try:
         return importlib.import_module(MODULE)
     except ModuleNotFoundError as error:
@@ -39,32 +39,22 @@ def load() -> ModuleType:
             f"({sys.executable})."
         ) from error
     except ImportError as error:
-        if EMBREE in str(error):
-            reason = f"neither this process nor an installed bpy package has {EMBREE}"
-        elif "undefined symbol: rtc" in str(error):
-            reason = f"the {EMBREE} in this process lacks a function of Embree 4"
-        else:
+        reason = _reason(str(error), there)
+        if reason is None:
             raise
         raise ImportError(
             f"Photon Splat needs the Embree 4 that Blender ships, but {reason}."
         ) from error
 
 
-def bpy_library(soname: str) -> Path | None:
-    """The shared library of that name inside the installed bpy package, which is not imported."""
-    try:
-        spec = importlib.util.find_spec("bpy")
-    except ValueError:  # the bpy inside a Blender executable has no spec
-        return None
-    if spec is None or spec.origin is None:
-        return None
-    path = Path(spec.origin).parent / "lib" / soname
-    return path if path.is_file() else None
-
-
-def _is_loaded(soname: str) -> bool:
-    try:
-        ctypes.CDLL(soname, mode=os.RTLD_NOLOAD | os.RTLD_NOW)
-    except OSError:
-        return False
-    return True
+def _reason(message: str, embree_is_there: bool) -> str | None:
+    """Why Embree failed the module, by what the system said; None if it was not Embree."""
+    missing = f"neither this process nor an installed bpy package has {EMBREE}"
+    lacking = f"the {EMBREE} in this process lacks a function of Embree 4"
+    if sys.platform == "win32":
+        # Windows names neither the library nor the function, and speaks the user's language.
+        return None if "DLL load failed" not in message else lacking if embree_is_there else missing
+    # dyld names the library that a function was expected in.
+    if "symbol: rtc" in message or "Symbol not found: _rtc" in message:
+        return lacking
+    return missing if EMBREE in message else None

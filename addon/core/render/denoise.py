@@ -1,6 +1,6 @@
 """Open Image Denoise, as Blender ships it, by its C interface.
 
-The library is looked up by its soname: inside Blender, and after `import bpy`, it is in the process
+The library is looked up by its name: inside Blender, and after `import bpy`, it is in the process
 or beside Blender's other libraries. Nothing is bundled.
 """
 
@@ -13,9 +13,8 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from ..native.library import bpy_library
+from ..native.blender_libraries import DENOISER, places
 
-LIBRARY = "libOpenImageDenoise.so.2"
 DEVICE_CPU = 1
 FLOAT3 = 3
 QUALITY_BALANCED = 5
@@ -38,11 +37,7 @@ class DenoiserMissing(Exception):
 
 @lru_cache(maxsize=1)
 def _library() -> ctypes.CDLL:
-    candidates = [LIBRARY]
-    beside = bpy_library(LIBRARY)
-    if beside is not None:
-        candidates.append(str(beside))
-    for name in candidates:
+    for name in (DENOISER, *map(str, places(DENOISER))):
         try:
             library = ctypes.CDLL(name)
         except OSError:
@@ -73,7 +68,7 @@ def _library() -> ctypes.CDLL:
             entry.restype, entry.argtypes = result, arguments
         return library
     raise DenoiserMissing(
-        f"the denoiser needs {LIBRARY}, which Blender ships and which has not been found here"
+        f"the denoiser needs {DENOISER}, which Blender ships and which has not been found here"
     )
 
 

@@ -576,6 +576,28 @@ def test_links_are_followed_and_the_mode_is_kept(tmp_path: Path) -> None:
     assert len(os.listdir(tmp_path / "far")) == 2
 
 
+def test_a_file_that_cannot_be_replaced_loses_no_picture(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As on Windows, while another program has it open."""
+
+    def refuse(*_: object) -> None:
+        raise PermissionError(13, "Access is denied")
+
+    (tmp_path / "out.exr").write_text("old")
+    (tmp_path / "out.1.exr").write_text("somebody else's")
+    monkeypatch.setattr(os, "replace", refuse)
+    with pytest.raises(WriteError) as error:
+        replace_file(tmp_path / "out.exr", lambda path: path.write_text("new"))
+    kept = tmp_path / "out.2.exr"
+    assert str(error.value) == (
+        f"{tmp_path / 'out.exr'} could not be written: Access is denied; the new file is {kept}"
+    )
+    assert kept.read_text() == "new"
+    assert (tmp_path / "out.exr").read_text() == "old"
+    assert len(os.listdir(tmp_path)) == 3
+
+
 def test_no_folder_is_left_for_temporary_files(scenes: Path, tmp_path: Path) -> None:
     (tmp_path / "temporary").mkdir()
     environment = {name: str(tmp_path / "temporary") for name in ("TMPDIR", "TMP", "TEMP")}

@@ -156,8 +156,7 @@ def test_a_library_that_lacks_a_function_is_an_import_error(
 
 def test_no_embree_is_an_import_error(run_python: RunPython) -> None:
     without_bpy = (
-        "import photon_splat.core.native.library as native; native.bpy_library = lambda "
-        "soname: None"
+        "import photon_splat.core.native.library as native; native.places = lambda name: iter(())"
     )
     message = succeed(run_python(without_bpy + REPORT_ERROR))
     assert message == (
