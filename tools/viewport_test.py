@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
 import shutil
 import subprocess
 import sys
@@ -19,10 +18,10 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
+import debian_chroot
 import numpy as np
 
 ROOT = Path(__file__).resolve().parent.parent
-KEYRING = Path("/usr/share/keyrings/debian-archive-keyring.gpg")
 PACKAGES = [
     "blender",
     "python3-numpy",
@@ -47,10 +46,6 @@ SCREEN = "1183x648x24"
 """Leaves the viewport 960x540."""
 
 
-class Skipped(Exception):
-    """Why the test cannot be done here."""
-
-
 def main() -> int:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
@@ -64,61 +59,12 @@ def main() -> int:
     chroot = (options.chroot or ROOT / ".cache" / f"blender-{options.suite}").resolve()
     output = ROOT / "out" / f"viewport-{options.suite}"
     try:
-        make_chroot(options.suite, chroot)
+        debian_chroot.make(options.suite, chroot, PACKAGES, "2 GB")
         result = run(chroot, options.archive, output, options.edits, options.hunt)
-    except Skipped as reason:
+    except debian_chroot.Unavailable as reason:
         print(f"SKIPPED: the viewport is not tested in a window: {reason}")
         return 0
     return judge(result, output)
-
-
-def make_chroot(suite: str, chroot: Path) -> None:
-    if not sys.platform.startswith("linux") or os.geteuid() != 0:
-        raise Skipped("it needs Linux and root")
-    packed = chroot / "photon_splat_packages"
-    if packed.exists() and packed.read_text().split() == PACKAGES:
-        return
-    if any(f" {chroot}/" in line for line in Path("/proc/self/mounts").read_text().splitlines()):
-        raise Skipped(f"something is still mounted below {chroot}; unmount it first")
-    if not shutil.which("debootstrap") or not KEYRING.exists():
-        raise Skipped(
-            f"it needs debootstrap and {KEYRING} (Debian: apt-get install debootstrap "
-            "debian-archive-keyring)"
-        )
-    sys.path.insert(0, str(ROOT / "native/cmake"))
-    from debian_package import mirrors
-
-    found = mirrors()
-    if not found:
-        raise Skipped("this machine's apt names no Debian mirror")
-    print(f"Making {chroot} (some minutes, about 2 GB)", flush=True)
-    shutil.rmtree(chroot, ignore_errors=True)
-    chroot.parent.mkdir(parents=True, exist_ok=True)
-    log = chroot.with_suffix(".log").open("w")
-    install = ["apt-get", "install", "-y", "--no-install-recommends", *PACKAGES]
-    try:
-        base = [
-            "debootstrap",
-            "--variant=minbase",
-            "--include=ca-certificates",
-            f"--keyring={KEYRING}",
-            suite,
-            str(chroot),
-            found[0],
-        ]
-        subprocess.run(base, stdout=log, stderr=log, check=True)
-        guard = chroot / "usr/sbin/policy-rc.d"
-        guard.write_text("#!/bin/sh\nexit 101\n")
-        guard.chmod(0o755)
-        subprocess.run(
-            ["chroot", chroot, "env", "DEBIAN_FRONTEND=noninteractive", *install],
-            stdout=log,
-            stderr=log,
-            check=True,
-        )
-        packed.write_text("\n".join(PACKAGES))
-    except subprocess.CalledProcessError as error:
-        raise Skipped(f"{error.cmd[0]} failed; see {log.name}") from error
 
 
 def run(chroot: Path, archive: Path, output: Path, edits: int, hunt: int) -> dict[str, Any]:
@@ -133,67 +79,53 @@ def run(chroot: Path, archive: Path, output: Path, edits: int, hunt: int) -> dic
         *(ROOT / "blend_scenes").glob("*.blend"),
     ):
         shutil.copy(path, inside)
-    mounts = [
-        (chroot / name, ["mount", "--rbind", f"/{name}", str(chroot / name)])
-        for name in ("proc", "dev", "sys")
+    environment = {
+        "HOME": "/tmp/photon_splat",
+        "BLENDER_USER_RESOURCES": "/tmp/photon_splat/user",
+        "LIBGL_ALWAYS_SOFTWARE": "1",
+    }
+    prefix = [
+        *debian_chroot.inside(chroot),
+        "env",
+        *(f"{key}={value}" for key, value in environment.items()),
     ]
-    mounted = []
+    add = [
+        "blender",
+        "--command",
+        "extension",
+        "install-file",
+        "-r",
+        "user_default",
+        "--enable",
+        f"/tmp/photon_splat/{archive.name}",
+    ]
+    script = [
+        "--python",
+        "/tmp/photon_splat/inside.py",
+        "--",
+        MODULE,
+        "/tmp/photon_splat/cornell_box.blend",
+    ]
+    script += ["/tmp/photon_splat/interior.blend", "/tmp/photon_splat", str(edits), str(hunt)]
+    window = [
+        "xvfb-run",
+        "-a",
+        "-s",
+        f"-screen 0 {SCREEN}",
+        "blender",
+        "--factory-startup",
+        "--addons",
+        MODULE,
+        *script,
+    ]
     try:
-        for place, command in mounts:
-            if not os.path.ismount(place):
-                subprocess.run(command, check=True)
-                subprocess.run(["mount", "--make-rslave", str(place)], check=True)
-                mounted.append(place)
-        environment = {
-            "HOME": "/tmp/photon_splat",
-            "BLENDER_USER_RESOURCES": "/tmp/photon_splat/user",
-            "LIBGL_ALWAYS_SOFTWARE": "1",
-        }
-        prefix = [
-            "chroot",
-            str(chroot),
-            "env",
-            *(f"{key}={value}" for key, value in environment.items()),
-        ]
-        add = [
-            "blender",
-            "--command",
-            "extension",
-            "install-file",
-            "-r",
-            "user_default",
-            "--enable",
-            f"/tmp/photon_splat/{archive.name}",
-        ]
-        subprocess.run([*prefix, *add], check=True, stdout=subprocess.DEVNULL, timeout=120)
-        script = [
-            "--python",
-            "/tmp/photon_splat/inside.py",
-            "--",
-            MODULE,
-            "/tmp/photon_splat/cornell_box.blend",
-        ]
-        script += ["/tmp/photon_splat/interior.blend", "/tmp/photon_splat", str(edits), str(hunt)]
-        window = [
-            "xvfb-run",
-            "-a",
-            "-s",
-            f"-screen 0 {SCREEN}",
-            "blender",
-            "--factory-startup",
-            "--addons",
-            MODULE,
-            *script,
-        ]
         with (output / "blender.log").open("w") as log:
+            subprocess.run([*prefix, *add], check=True, stdout=subprocess.DEVNULL, timeout=120)
             done = subprocess.run(
                 [*prefix, *window], stdout=log, stderr=log, timeout=SECONDS, check=False
             )
     except subprocess.TimeoutExpired:
         return {"error": f"Blender was still running after {SECONDS} s"}
-    finally:
-        for place in reversed(mounted):
-            subprocess.run(["umount", "-R", "-l", str(place)], check=False)
     for picture in [*inside.glob("*.png"), *inside.glob("result.json")]:
         shutil.copy(picture, output)
     if not (output / "result.json").exists():
