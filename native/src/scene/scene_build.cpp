@@ -85,6 +85,34 @@ void change_all(LargeArray<Vec3>& values, ThreadPool& pool, const CancelFlag& ca
   });
 }
 
+// Puts a mesh that stands once in the scene into world coordinates.
+void move_to_world(Mesh& mesh, const Instance& instance, ThreadPool& pool,
+                   const CancelFlag& cancel) {
+  const auto move = [&](Vec3& p) { p = transform_exactly(instance.exact, p); };
+  const auto turn = [&](Vec3& n) {
+    const Vec3 world = instance.to_local.transposed_vector(n);
+    const float len = length(world);
+    n = len > 0 ? world / len : n;
+  };
+  change_all(mesh.positions, pool, cancel, move);
+  change_all(mesh.corner_normals, pool, cancel, turn);
+  for (LargeArray<Vec3>& positions : mesh.motion.positions)
+    change_all(positions, pool, cancel, move);
+  for (LargeArray<Vec3>& normals : mesh.motion.corner_normals)
+    change_all(normals, pool, cancel, turn);
+  if (instance.mirrored) {  // restore the winding, so that the front stays the front
+    for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+      std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
+      if (!mesh.corner_normals.empty())
+        std::swap(mesh.corner_normals[3 * t + 1], mesh.corner_normals[3 * t + 2]);
+      for (LargeArray<Vec3>& normals : mesh.motion.corner_normals)
+        if (!normals.empty()) std::swap(normals[3 * t + 1], normals[3 * t + 2]);
+      if (!mesh.uv.empty()) std::swap(mesh.uv[3 * t + 1], mesh.uv[3 * t + 2]);
+      for (MeshAttribute& attribute : mesh.attributes) attribute.swap_corners(3 * t + 1, 3 * t + 2);
+    }
+  }
+}
+
 }  // namespace
 
 Scene::Scene(int threads) : pool_(threads) {
@@ -190,32 +218,8 @@ void Scene::build(const CancelFlag& cancel) {
       stand_still(instance);
       continue;
     }
-    Mesh& mesh = meshes[instance.mesh];
     cancel.check();
-    const auto move = [&](Vec3& p) { p = transform_exactly(instance.exact, p); };
-    const auto turn = [&](Vec3& n) {
-      const Vec3 world = instance.to_local.transposed_vector(n);
-      const float len = length(world);
-      n = len > 0 ? world / len : n;
-    };
-    change_all(mesh.positions, pool_, cancel, move);
-    change_all(mesh.corner_normals, pool_, cancel, turn);
-    for (LargeArray<Vec3>& positions : mesh.motion.positions)
-      change_all(positions, pool_, cancel, move);
-    for (LargeArray<Vec3>& normals : mesh.motion.corner_normals)
-      change_all(normals, pool_, cancel, turn);
-    if (instance.mirrored) {  // restore the winding, so that the front stays the front
-      for (size_t t = 0; t < mesh.triangles.size(); ++t) {
-        std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
-        if (!mesh.corner_normals.empty())
-          std::swap(mesh.corner_normals[3 * t + 1], mesh.corner_normals[3 * t + 2]);
-        for (LargeArray<Vec3>& normals : mesh.motion.corner_normals)
-          if (!normals.empty()) std::swap(normals[3 * t + 1], normals[3 * t + 2]);
-        if (!mesh.uv.empty()) std::swap(mesh.uv[3 * t + 1], mesh.uv[3 * t + 2]);
-        for (MeshAttribute& attribute : mesh.attributes)
-          attribute.swap_corners(3 * t + 1, 3 * t + 2);
-      }
-    }
+    move_to_world(meshes[instance.mesh], instance, pool_, cancel);
     stand_still(instance);
   }
 
