@@ -1,5 +1,6 @@
-// Photons of a render's passes, kept for renders of other views: batch by batch what a run of paths
-// has left anywhere.
+// Photons of a render's passes, kept for renders of other views: each batch by its paths, to be
+// found again and splatted in turn. (ViewportPhotons is another thing: one set of photons that
+// grows, and is splatted at once.)
 #pragma once
 
 #include <map>
