@@ -22,7 +22,7 @@ CXX_SOURCES = $(shell find native -path native/.cache -prune -o -type f \( -name
 # What is built in the virtual environment must find its tools there: cmake and ninja.
 IN_VENV = PATH="$(CURDIR)/$(@D)/bin:$$PATH"
 
-.PHONY: help setup setup-old setup-rivals render test lint format test-native test-python test-old extension extension-test viewport-test bench bench-viewport bench-persistent bench-gpu bench-nodes chart defaults stability convergence calibration references scenes reference oracle agreement wild nodes node-list sanitize wheel clean
+.PHONY: help setup setup-old setup-rivals render test lint format test-native test-python test-old extension extension-all extension-test cross-check viewport-test bench bench-viewport bench-persistent bench-gpu bench-nodes chart defaults stability convergence calibration references scenes reference oracle agreement wild nodes node-list sanitize wheel clean
 
 help:
 	@sed -n 's/^\([a-z-]*\):.*## /  make \1\t/p' $(MAKEFILE_LIST) | expand -t 20
@@ -63,7 +63,7 @@ $(VENV_OLD)/.made:
 	.venv-rivals/bin/python -m pip install --disable-pip-version-check -r requirements-rivals.txt
 	@touch $@
 
-.PRECIOUS: %/.made %/.packages %/.native %/.addon
+.PRECIOUS: %/.made %/.packages %/.cross %/.native %/.addon
 
 # --- pictures -------------------------------------------------------------------------------------------------------
 
@@ -108,30 +108,54 @@ test-old: setup ## the smoke tests with Python 3.11 and Blender 4.5 LTS, where t
 	else echo "No second Python 3.11: the smoke tests with Blender 4.5 LTS are left out."; fi
 
 # The extension serves Blenders with either version of Python, if both are here.
-dist/.extension: $(VENV)/.native $(NATIVE_SOURCES) $(shell find addon shaders -type f -not -name '*.pyc' 2>/dev/null) tools/build_extension.py
-	@pythons=$(PY); \
+EXTENSION_SOURCES = $(NATIVE_SOURCES) $(shell find addon shaders -type f -not -name '*.pyc' 2>/dev/null) \
+	tools/build_extension.py tools/windows_python.py requirements-cross.txt
+BUILD_EXTENSION = pythons=$(PY); \
 	if $(PY) -c 'import sys; sys.exit(sys.version_info[:2] == (3, 11))' && tools/find_python.sh 3.11 >/dev/null; then \
 		$(MAKE) --no-print-directory setup-old && pythons="$(PY) $(PY_OLD)"; \
 	else echo "No second Python 3.11: the extension is built for this Python only."; fi && \
-	PATH="$(CURDIR)/$(VENV)/bin:$$PATH" $(PY) tools/build_extension.py dist $$pythons
+	PATH="$(CURDIR)/$(VENV)/bin:$$PATH" $(PY) tools/build_extension.py
+
+dist/.extension: $(VENV)/.native $(EXTENSION_SOURCES)
+	@$(BUILD_EXTENSION) dist $$pythons
+	@touch $@
+
+dist/.extension-all: $(VENV)/.native $(VENV)/.cross $(EXTENSION_SOURCES)
+	@$(BUILD_EXTENSION) --windows dist $$pythons
+	@touch dist/.extension $@
+
+%/.cross: %/.packages requirements-cross.txt
+	$(@D)/bin/python -m pip install --disable-pip-version-check -q -r requirements-cross.txt
 	@touch $@
 
 extension: dist/.extension ## dist/photon_splat-VERSION-PLATFORM.zip, which Blender installs
+extension-all: dist/.extension-all ## the same for Windows besides, compiled here (needs Maven)
 
 extension-test: extension ## the extension installed into clean Blenders
 	$(PY) tools/run_tests.py tests/integration/extension
 	@if [ -x $(PY_OLD) ]; then $(PY_OLD) tools/run_tests.py tests/integration/extension; fi
 
 viewport-test: extension ## the extension in a Blender with a window (VIEWPORT_OPTIONS: see tools/viewport_test.py --help)
-	$(PY) tools/viewport_test.py dist/photon_splat-*.zip $(VIEWPORT_OPTIONS)
+	$(PY) tools/viewport_test.py dist/photon_splat-*-linux_x64.zip $(VIEWPORT_OPTIONS)
 
-CMAKE_TESTS = $(VENV)/bin/cmake -S native -G Ninja -DCMAKE_MAKE_PROGRAM=$(CURDIR)/$(VENV)/bin/ninja \
-	-DPython_EXECUTABLE=$(CURDIR)/$(PY) -DPHOTON_SPLAT_MODULE=OFF -DPHOTON_SPLAT_TESTS=ON
+CMAKE_NATIVE = $(VENV)/bin/cmake -S native -G Ninja -DCMAKE_MAKE_PROGRAM=$(CURDIR)/$(VENV)/bin/ninja \
+	-DPython_EXECUTABLE=$(CURDIR)/$(PY)
+CMAKE_TESTS = $(CMAKE_NATIVE) -DPHOTON_SPLAT_MODULE=OFF -DPHOTON_SPLAT_TESTS=ON
 
 build/tests/.built: $(VENV)/.packages $(NATIVE_SOURCES) $(shell find native/tests -type f)
 	$(CMAKE_TESTS) -B build/tests -DPHOTON_SPLAT_WERROR=ON
 	$(VENV)/bin/cmake --build build/tests
 	@touch $@
+
+# Debug and without optimising: only whether all of the code compiles and links is asked.
+CROSS_TARGETS = linux-aarch64 macos-arm64
+cross-check: $(VENV)/.cross ## the native code compiled for 64-bit ARM, Linux and macOS (nothing of it is run)
+	@for target in $(CROSS_TARGETS); do echo "== $$target" && \
+		PHOTON_SPLAT_PYTHON=$(CURDIR)/$(PY) $(CMAKE_NATIVE) -B build/cross-$$target \
+			-DCMAKE_TOOLCHAIN_FILE=$(CURDIR)/native/cmake/toolchains/$$target.cmake -DPHOTON_SPLAT_TESTS=ON \
+			-DPHOTON_SPLAT_WERROR=ON -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG=-O0 && \
+		$(VENV)/bin/cmake --build build/cross-$$target || exit 1; \
+	done
 
 sanitize: $(VENV)/.packages ## C++ tests under the address, undefined behaviour and thread sanitizers
 	$(CMAKE_TESTS) -B build/asan -DCMAKE_BUILD_TYPE=RelWithDebInfo -DPHOTON_SPLAT_SANITIZE=address,undefined

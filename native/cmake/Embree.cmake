@@ -1,13 +1,14 @@
 # Embree 4 as Blender ships it: target photon_splat_embree.
 #
 # Headers: EMBREE_INCLUDE_DIR, else find_package(embree 4), else Debian's libembree-dev.
-# Library: EMBREE_LIBRARY, else the one of the bpy package of this Python, else find_package's. It is linked by its soname
-# only: at run time the process binds to the libembree4 that Blender has loaded.
+# Library: EMBREE_LIBRARY, else the one of the bpy package of this Python, else find_package's; for another system a stub of
+# the functions that the headers declare. It is linked by its name only: at run time the process binds to the Embree that
+# Blender has loaded.
 
 set(EMBREE_INCLUDE_DIR "" CACHE PATH "Folder that holds embree4/rtcore.h")
 set(EMBREE_LIBRARY "" CACHE FILEPATH "Shared library of Embree 4 to link to")
 
-if(NOT EMBREE_INCLUDE_DIR OR NOT EMBREE_LIBRARY)
+if(NOT CMAKE_CROSSCOMPILING AND NOT (EMBREE_INCLUDE_DIR AND EMBREE_LIBRARY))
   find_package(embree 4 CONFIG QUIET)
 endif()
 
@@ -29,7 +30,11 @@ if(NOT EMBREE_INCLUDE_DIR)
   set(EMBREE_INCLUDE_DIR "${found}" CACHE PATH "Folder that holds embree4/rtcore.h" FORCE)
 endif()
 
-if(NOT EMBREE_LIBRARY)
+if(NOT EMBREE_LIBRARY AND CMAKE_CROSSCOMPILING)
+  include(EmbreeStub)
+  photon_splat_embree_stub("${EMBREE_INCLUDE_DIR}" found)
+  set(EMBREE_LIBRARY "${found}" CACHE FILEPATH "Shared library of Embree 4 to link to" FORCE)
+elseif(NOT EMBREE_LIBRARY)
   execute_process(
     COMMAND "${Python_EXECUTABLE}" "${CMAKE_CURRENT_LIST_DIR}/find_bpy_embree.py"
     OUTPUT_VARIABLE found OUTPUT_STRIP_TRAILING_WHITESPACE)

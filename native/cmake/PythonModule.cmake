@@ -11,6 +11,14 @@ if(NOT nanobind_ROOT)
     message(FATAL_ERROR "nanobind is not installed for ${Python_EXECUTABLE}.")
   endif()
 endif()
+if(CMAKE_CROSSCOMPILING AND WIN32)
+  # FindPython takes an import library for a static one, and adds what this machine's Python is linked to.
+  foreach(target Python::Module Python::SABIModule)
+    if(TARGET ${target})
+      set_property(TARGET ${target} PROPERTY INTERFACE_LINK_LIBRARIES "")
+    endif()
+  endforeach()
+endif()
 # TLS descriptors may clobber vector registers with glibc before 2.40 (its bug 31372); nothing of ours is faster with them.
 set(NB_HAS_MTLS_GNU2 OFF CACHE INTERNAL "")
 find_package(nanobind CONFIG REQUIRED)
@@ -21,13 +29,31 @@ if(PHOTON_SPLAT_LTO)
   set(lto LTO)
 endif()
 nanobind_add_module(photon_splat_native STABLE_ABI NB_STATIC NOMINSIZE NB_SUPPRESS_WARNINGS ${lto} ${module_sources})
+if(CMAKE_CROSSCOMPILING OR APPLE)
+  # nanobind's headers name stderr, and leave it to others to include <cstdio>; libc++ does not.
+  foreach(target nanobind-static nanobind-static-abi3 photon_splat_native)
+    if(TARGET ${target})
+      target_compile_options(${target} PRIVATE -include cstdio)
+    endif()
+  endforeach()
+endif()
 target_include_directories(photon_splat_native PRIVATE "${CMAKE_CURRENT_SOURCE_DIR}") # bench/
 target_link_libraries(photon_splat_native PRIVATE photon_splat_core)
+
+if(CMAKE_CROSSCOMPILING AND WIN32)
+  # This machine's Python knows another suffix.
+  set_target_properties(photon_splat_native PROPERTIES SUFFIX .pyd)
+endif()
 
 # Blender has Embree, TBB and more in its global symbol scope: nothing of ours may be seen there, or be replaced by it.
 if(UNIX AND NOT APPLE)
   set(version_script "${CMAKE_CURRENT_SOURCE_DIR}/cmake/exports.map")
-  target_link_options(photon_splat_native PRIVATE "-Wl,--version-script=${version_script}" -Wl,--exclude-libs,ALL)
+  target_link_options(photon_splat_native PRIVATE "-Wl,--version-script=${version_script}")
+  include(CheckLinkerFlag)
+  check_linker_flag(CXX -Wl,--exclude-libs,ALL PHOTON_SPLAT_EXCLUDE_LIBS) # zig's linker lacks it
+  if(PHOTON_SPLAT_EXCLUDE_LIBS)
+    target_link_options(photon_splat_native PRIVATE -Wl,--exclude-libs,ALL)
+  endif()
   set_target_properties(photon_splat_native PROPERTIES LINK_DEPENDS "${version_script}")
 endif()
 # Embree is the one that Blender has loaded: found by its soname, never by a path.
@@ -41,7 +67,7 @@ if(UNIX AND NOT APPLE)
   get_filename_component(embree_folder "${EMBREE_LIBRARY}" DIRECTORY)
   set(environment "LD_LIBRARY_PATH=${embree_folder}:$ENV{LD_LIBRARY_PATH}")
 endif()
-if(NOT PHOTON_SPLAT_SANITIZE)
+if(NOT PHOTON_SPLAT_SANITIZE AND NOT CMAKE_CROSSCOMPILING) # this machine's Python imports no module for another
   add_custom_command(OUTPUT "${stubs}" DEPENDS photon_splat_native VERBATIM
     COMMAND "${CMAKE_COMMAND}" -E make_directory "${CMAKE_CURRENT_BINARY_DIR}/photon_splat_native-stubs"
     COMMAND "${CMAKE_COMMAND}" -E env ${environment}
