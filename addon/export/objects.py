@@ -28,7 +28,7 @@ from .materials import Materials, Shading, grid_interpolation
 from .motion import Moving
 from .nodes.node import Wants
 from .report import Report
-from .visibility import FLAGS, Visibility, report_unsupported
+from .visibility import FLAGS, Visibility, report_unsupported, terminator_offset
 
 SEEING_RAYS = sum(FLAGS.values())
 UNSUPPORTED = {
@@ -109,7 +109,7 @@ class Objects:
                             seen_by=rays,
                             holdout=holdout,
                             catcher=catcher,
-                            terminator_offset=float(ob.original.shadow_terminator_geometry_offset),
+                            terminator_offset=terminator_offset(ob, "geometry"),
                         )
                     )
             elif kind == "LIGHT":

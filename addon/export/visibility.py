@@ -96,8 +96,19 @@ def world_seen_by(world: Any) -> int:
     return mask
 
 
+def terminator_offset(ob: Any, which: str) -> float:
+    """Shadow Terminator's offset of an object: "geometry" or "shading". Blender 4.3 and older keep
+    them among Cycles' properties.
+    """
+    name = f"shadow_terminator_{which}_offset"
+    if hasattr(ob.original, name):
+        return float(getattr(ob.original, name))
+    older, default = {"geometry": (name, 0.1), "shading": ("shadow_terminator_offset", 0.0)}[which]
+    return float(getattr(getattr(ob.original, "cycles", None), older, default))
+
+
 def report_unsupported(ob: Any, report: Report) -> None:
-    if ob.original.shadow_terminator_shading_offset > 0.0:
+    if terminator_offset(ob, "shading") > 0.0:
         report.warn("Shadow Terminator's Shading Offset is not supported; ignored: {}", ob.name)
 
 
