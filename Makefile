@@ -22,7 +22,7 @@ CXX_SOURCES = $(shell find native -path native/.cache -prune -o -type f \( -name
 # What is built in the virtual environment must find its tools there: cmake and ninja.
 IN_VENV = PATH="$(CURDIR)/$(@D)/bin:$$PATH"
 
-.PHONY: help setup setup-old setup-rivals render test lint format test-native test-python test-old extension extension-all extension-test cross-check viewport-test bench bench-viewport bench-persistent bench-gpu bench-nodes chart defaults stability convergence calibration references scenes reference oracle agreement wild nodes node-list sanitize wheel clean
+.PHONY: help setup setup-old setup-rivals render test lint format test-native test-python test-old extension extension-all extension-test cross-check release viewport-test update-test bench bench-viewport bench-persistent bench-gpu bench-nodes chart defaults stability convergence calibration references scenes reference oracle agreement wild nodes node-list sanitize wheel clean
 
 help:
 	@sed -n 's/^\([a-z-]*\):.*## /  make \1\t/p' $(MAKEFILE_LIST) | expand -t 20
@@ -135,8 +135,14 @@ extension-test: extension ## the extension installed into clean Blenders
 	$(PY) tools/run_tests.py tests/integration/extension
 	@if [ -x $(PY_OLD) ]; then $(PY_OLD) tools/run_tests.py tests/integration/extension; fi
 
+release: extension-all ## dist/release: the zips, checksums, and index.json of an extension repository
+	$(PY) tools/release.py dist/release dist/photon_splat-*.zip
+
 viewport-test: extension ## the extension in a Blender with a window (VIEWPORT_OPTIONS: see tools/viewport_test.py --help)
 	$(PY) tools/viewport_test.py dist/photon_splat-*-linux_x64.zip $(VIEWPORT_OPTIONS)
+
+update-test: extension ## an update from an older version, in a Blender with a window (needs what viewport-test needs)
+	$(PY) tools/update_test.py dist/photon_splat-*-linux_x64.zip
 
 CMAKE_NATIVE = $(VENV)/bin/cmake -S native -G Ninja -DCMAKE_MAKE_PROGRAM=$(CURDIR)/$(VENV)/bin/ninja \
 	-DPython_EXECUTABLE=$(CURDIR)/$(PY)

@@ -1,0 +1,92 @@
+"""Tests an update of the extension in a Blender with a window: update_test.py ARCHIVE [--suite
+SUITE].
+
+An older version is installed from a repository and renders; then the repository offers the
+archive's version, which Blender finds, installs over the loaded module, and renders with. As
+viewport_test.py it runs Debian's Blender under a virtual X server, in the same system. Figures are
+left in out/update-SUITE.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import debian_chroot
+import numpy as np
+from viewport_test import PACKAGES, SCREEN
+
+ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT))
+from tests.integration.extension import repositories  # noqa: E402
+
+INSIDE = "/mnt/photon_splat"
+SCRIPT = "tests/integration/extension/update.py"
+SECONDS = 600
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("archive", type=Path)
+    parser.add_argument("--suite", default="trixie")
+    options = parser.parse_args()
+    chroot = ROOT / ".cache" / f"blender-{options.suite}"
+    try:
+        debian_chroot.make(options.suite, chroot, PACKAGES, "2 GB")
+    except debian_chroot.Unavailable as reason:
+        print(f"SKIPPED: an update is not tested in a window: {reason}")
+        return 0
+    folder = ROOT / "out" / f"update-{options.suite}"
+    shutil.rmtree(folder, ignore_errors=True)
+    repositories.make_old(folder / "old", options.archive)
+    repositories.make_new(folder / "new", options.archive)
+    run(chroot, folder)
+    found = json.loads((folder / "update.json").read_text())
+    print(json.dumps(found, indent=1))
+    failures = judge(found, folder)
+    for failure in failures:
+        print(f"FAILED {failure}", file=sys.stderr)
+    return 1 if failures else 0
+
+
+def run(chroot: Path, folder: Path) -> None:
+    there = f"{INSIDE}/{folder.relative_to(ROOT).as_posix()}"
+    settings = {
+        "HOME": "/tmp",
+        "BLENDER_USER_RESOURCES": f"{there}/blender",
+        "LIBGL_ALWAYS_SOFTWARE": "1",
+    }
+    command = [*debian_chroot.inside(chroot, (ROOT, INSIDE)), "env", "-C", INSIDE]
+    command += [f"{name}={value}" for name, value in settings.items()]
+    command += ["xvfb-run", "-a", "-s", f"-screen 0 {SCREEN}", "blender", "--factory-startup"]
+    command += ["--online-mode", "--python", SCRIPT, "--", f"{there}/old", f"{there}/new", there]
+    with (folder / "blender.log").open("w") as log:
+        subprocess.run(command, stdout=log, stderr=log, timeout=SECONDS, check=False)
+
+
+def judge(found: dict[str, object], folder: Path) -> list[str]:
+    """What is not as it should be."""
+    if "error" in found:
+        return [f"Blender said {found['error']}; see {folder / 'blender.log'}"]
+    current = repositories.current_version()
+    first, second = (np.load(folder / f"{name}.npy") for name in ("first", "second"))
+    checks = {
+        "the older version was not installed": found["installed"] == repositories.OLD,
+        "the new version was not offered": found["offered"] == [current],
+        "the update did not finish": found["upgraded"] == ["FINISHED"],
+        "the new version is not there after the update": found["after"] == current,
+        "the extension is not enabled after the update": found["enabled"],
+        "the first picture is black": first.mean() > 0.05,
+        "the second picture differs": np.array_equal(first, second),
+    }
+    return [what for what, right in checks.items() if not right]
+
+
+if __name__ == "__main__":
+    sys.exit(main())
