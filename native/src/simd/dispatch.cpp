@@ -7,6 +7,7 @@
 
 namespace photon_splat {
 
+#ifdef PHOTON_SPLAT_VECTOR_KERNELS
 namespace {
 
 // The widest that PHOTON_SPLAT_SIMD allows.
@@ -21,6 +22,7 @@ InstructionSet widest_allowed() {
 }
 
 }  // namespace
+#endif
 
 bool runs_here(InstructionSet set) {
   if (set == InstructionSet::kGeneric) return true;
