@@ -22,7 +22,7 @@ CXX_SOURCES = $(shell find native -path native/.cache -prune -o -type f \( -name
 # What is built in the virtual environment must find its tools there: cmake and ninja.
 IN_VENV = PATH="$(CURDIR)/$(@D)/bin:$$PATH"
 
-.PHONY: help setup setup-old setup-rivals render test lint format test-native test-python test-old extension extension-all extension-test cross-check release viewport-test update-test bench bench-viewport bench-persistent bench-gpu bench-nodes chart defaults stability convergence calibration references scenes reference oracle agreement wild nodes node-list sanitize wheel clean
+.PHONY: help setup setup-old setup-rivals render test lint format test-native test-python test-old extension extension-all extension-test wine-test cross-check release viewport-test update-test bench bench-viewport bench-persistent bench-gpu bench-nodes chart defaults stability convergence calibration references scenes reference oracle agreement wild nodes node-list sanitize wheel clean
 
 help:
 	@sed -n 's/^\([a-z-]*\):.*## /  make \1\t/p' $(MAKEFILE_LIST) | expand -t 20
@@ -134,6 +134,9 @@ extension-all: dist/.extension-all ## the same for Windows besides, compiled her
 extension-test: extension ## the extension installed into clean Blenders
 	$(PY) tools/run_tests.py tests/integration/extension
 	@if [ -x $(PY_OLD) ]; then $(PY_OLD) tools/run_tests.py tests/integration/extension; fi
+
+wine-test: extension-all ## the extension for Windows under Wine (needs Linux, root, debootstrap and Maven)
+	$(PY) tools/wine_test.py dist/photon_splat-*-windows_x64.zip
 
 release: extension-all ## dist/release: the zips, checksums, and index.json of an extension repository
 	$(PY) tools/release.py dist/release dist/photon_splat-*.zip

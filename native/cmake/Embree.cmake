@@ -1,11 +1,11 @@
 # Embree 4 as Blender ships it: target photon_splat_embree.
 #
-# Headers: EMBREE_INCLUDE_DIR, else find_package(embree 4), else Debian's libembree-dev.
+# Headers: EMBREE_INCLUDE_DIR, an option or of the environment, else find_package(embree 4), else Debian's libembree-dev.
 # Library: EMBREE_LIBRARY, else the one of the bpy package of this Python, else find_package's; for another system a stub of
 # the functions that the headers declare. It is linked by its name only: at run time the process binds to the Embree that
 # Blender has loaded.
 
-set(EMBREE_INCLUDE_DIR "" CACHE PATH "Folder that holds embree4/rtcore.h")
+set(EMBREE_INCLUDE_DIR "$ENV{EMBREE_INCLUDE_DIR}" CACHE PATH "Folder that holds embree4/rtcore.h")
 set(EMBREE_LIBRARY "" CACHE FILEPATH "Shared library of Embree 4 to link to")
 
 if(NOT CMAKE_CROSSCOMPILING AND NOT (EMBREE_INCLUDE_DIR AND EMBREE_LIBRARY))
