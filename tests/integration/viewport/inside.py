@@ -33,7 +33,7 @@ result: dict[str, Any] = {"version": bpy.app.version_string, "steps": []}
 
 
 def lives() -> list[Any]:
-    return importlib.import_module(f"{MODULE}.viewport.live").lives  # type: ignore[no-any-return]
+    return importlib.import_module(f"{MODULE}.blender.viewport.live").lives  # type: ignore[no-any-return]
 
 
 def live() -> Any:
