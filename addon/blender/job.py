@@ -15,6 +15,7 @@ import numpy as np
 
 from ..core.render.data_passes import manifests
 from ..core.render.memory import current_memory_bytes, peak_memory_bytes
+from ..core.render.record import Record
 from ..core.render.result import Progress, RenderResult
 from ..core.render.session import render
 from ..core.render.settings import RenderSettings
@@ -26,6 +27,7 @@ from ..export.cancelled import Cancelled, Watch
 from ..export.report import readable
 from .persistent import Held, held_for
 from .properties import render_settings
+from .records import origin_of, record_of
 from .told import told
 
 PREVIEW: dict[str, Any] = {"passes": 16, "photons_per_pass": 20_000, "time_limit": 2.0}
@@ -55,6 +57,12 @@ class Observer:
     """Gets all passes; without an observer only the passes that Blender asks for are made."""
     on_error: Callable[[BaseException], None] = lambda error: None
     should_cancel: Callable[[], bool] = lambda: False
+    record: Callable[[dict[str, Any]], Record] | None = None
+    """What is to be kept of the sums of a view layer, by origin_of(); without it the scene's own
+    settings say so.
+    """
+    needs_files: bool = False
+    """A missing file of the scene is an error."""
 
 
 observer = Observer()
@@ -124,9 +132,18 @@ def _render(
     except Cancelled:  # The result of a render that is cancelled at once, of an empty scene.
         nothing = Scene(Camera(np.eye(4), (-1.0, 1.0, -1.0, 1.0)), frame)
         return render(nothing, settings, started=started, should_cancel=lambda: True)
+    if observer.needs_files and scene.missing:
+        raise ValueError(scene.missing[0])
     if held:
         held.kept.forget_unused()
     export_seconds = time.monotonic() - began
+    record = Record()
+    if not engine.is_preview:
+        record = (
+            observer.record(origin_of(depsgraph, scene))
+            if observer.record
+            else record_of(depsgraph, scene)
+        )
 
     def on_progress(progress: Progress) -> None:
         engine.update_progress(progress.fraction)
@@ -151,10 +168,13 @@ def _render(
         want_interim=not (bpy.app.background or engine.is_preview),
         persistent=held.persistent if held else None,
         release_textures=True,
+        record=record,
         wanted=None
         if observer.on_result
         else {p.name for layer in blender_result.layers for p in layer.passes},
     )
+    if observer.record is None and not result.cancelled:
+        record.forget()
     result.statistics["warnings"] = told(result.statistics["warnings"])
     return result
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import Any
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
 from ..core.render.settings import Backend, FinalGather, RenderSettings
 from .registration import register_classes, unregister_classes
@@ -182,6 +182,73 @@ class PhotonSplatSettings(bpy.types.PropertyGroup):
     )
 
 
+class PhotonSplatFarmSettings(bpy.types.PropertyGroup):
+    """Renders that last long, or on many machines."""
+
+    use_checkpoint: BoolProperty(  # type: ignore[valid-type]
+        name="Checkpoint",
+        description="Keep what a final render has done in a file now and then and when it is "
+        "cancelled, until the render is finished",
+        default=False,
+    )
+    checkpoint: StringProperty(  # type: ignore[valid-type]
+        name="File",
+        description="OpenEXR file of the checkpoint, with # for the number of the frame",
+        default="//checkpoint_####.exr",
+        subtype="FILE_PATH",
+    )
+    checkpoint_minutes: FloatProperty(  # type: ignore[valid-type]
+        name="Minutes Between",
+        description="Time between two checkpoints, minutes",
+        default=10.0,
+        min=0.0,
+        soft_max=60.0,
+    )
+    resume: BoolProperty(  # type: ignore[valid-type]
+        name="Resume",
+        description="Go on from the checkpoint if it is there, and refuse one of another scene; "
+        "off: begin anew and replace it",
+        default=True,
+    )
+    system: EnumProperty(  # type: ignore[valid-type]
+        name="Scheduler",
+        description="What the job is written for",
+        items=[
+            ("openjd", "Open Job Description", "For openjd and AWS Deadline Cloud"),
+            ("flamenco", "Flamenco", "For Flamenco 3, Blender Studio's"),
+            ("slurm", "Slurm", "For clusters with Slurm"),
+        ],
+    )
+    kind: EnumProperty(  # type: ignore[valid-type]
+        name="Job",
+        description="What the machines share",
+        items=[
+            ("STILL", "Still", "The current frame in parts, which are merged"),
+            ("ANIMATION", "Animation", "Whole frames of the scene's range"),
+        ],
+    )
+    parts: IntProperty(  # type: ignore[valid-type]
+        name="Parts",
+        description="Parts of the picture, which machines render at the same time",
+        default=8,
+        min=1,
+        max=1024,
+    )
+    chunk: IntProperty(  # type: ignore[valid-type]
+        name="Frames per Task",
+        description="Frames that one machine renders after the other",
+        default=5,
+        min=1,
+        soft_max=100,
+    )
+    folder: StringProperty(  # type: ignore[valid-type]
+        name="Folder",
+        description="Where the job is written; results go into output in there",
+        default="//farm",
+        subtype="DIR_PATH",
+    )
+
+
 class PhotonSplatViewLayerSettings(bpy.types.PropertyGroup):
     """The engine's own passes, switched on per view layer."""
 
@@ -204,7 +271,7 @@ class PhotonSplatViewLayerSettings(bpy.types.PropertyGroup):
     )
 
 
-CLASSES = (PhotonSplatSettings, PhotonSplatViewLayerSettings)
+CLASSES = (PhotonSplatSettings, PhotonSplatFarmSettings, PhotonSplatViewLayerSettings)
 
 
 def render_settings(scene: Any, view_layer: Any = None) -> RenderSettings:
@@ -275,6 +342,9 @@ def register() -> None:
     bpy.types.Scene.photon_splat = bpy.props.PointerProperty(
         type=PhotonSplatSettings, name="Photon Splat"
     )
+    bpy.types.Scene.photon_splat_farm = bpy.props.PointerProperty(
+        type=PhotonSplatFarmSettings, name="Photon Splat, Farm"
+    )
     bpy.types.ViewLayer.photon_splat = bpy.props.PointerProperty(
         type=PhotonSplatViewLayerSettings, name="Photon Splat"
     )
@@ -282,6 +352,7 @@ def register() -> None:
 
 def unregister() -> None:
     for owner in (bpy.types.ViewLayer, bpy.types.Scene):
-        if hasattr(owner, "photon_splat"):
-            del owner.photon_splat
+        for name in ("photon_splat", "photon_splat_farm"):
+            if hasattr(owner, name):
+                delattr(owner, name)
     unregister_classes(CLASSES)

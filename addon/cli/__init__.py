@@ -9,7 +9,8 @@ import sys
 import time
 from typing import NoReturn
 
-from .arguments import CommandError, check_paths, parser
+from .arguments import CommandError, check_paths
+from .commands import parse
 from .exr import WriteError
 from .process import (
     end_at_the_second,
@@ -23,7 +24,9 @@ from .render import render_frames
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Runs the command and returns its exit status: 0 only if the picture was written."""
+    """Runs the command and returns its exit status: 0 only if everything was written, 75 after an
+    interrupt that has left a checkpoint.
+    """
     started = time.monotonic()
     stop = False
 
@@ -34,7 +37,10 @@ def main(arguments: list[str] | None = None) -> int:
             signal.signal(one, signal.SIG_DFL)
 
     try:
-        options = parser().parse_args(arguments)
+        options = parse(arguments)
+        if options.command != "render":
+            options.run(options)
+            return 0
         check_paths(options)
         if not options.verbose:
             silence_blender()
@@ -42,7 +48,10 @@ def main(arguments: list[str] | None = None) -> int:
             signal.signal(number, interrupt)
             end_at_the_second(number)
         render_frames(options, started, lambda: stop)
-    except (CommandError, WriteError) as error:
+    except CommandError as error:
+        say(f"photon-splat: {error}\n")
+        return error.status
+    except WriteError as error:
         say(f"photon-splat: {error}\n")
         return 1
     return 0

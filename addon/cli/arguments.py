@@ -1,4 +1,4 @@
-"""The options of photon-splat: what they may be, and what they change of a scene's settings."""
+"""The options of photon-splat render: what they may be, and what they change of settings."""
 
 from __future__ import annotations
 
@@ -7,9 +7,11 @@ import math
 import os
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import combinations
 from pathlib import Path
 from typing import Any, NoReturn
 
+from ..core.render.record import SECONDS
 from ..core.render.settings import (
     Backend,
     FinalGather,
@@ -18,20 +20,23 @@ from ..core.render.settings import (
 )
 from .exr import real_path, try_file
 from .frames import FIRST, LAST, NUMBERED, frame_list, has_number, with_number
+from .parts import part
 
 UNLIMITED_PASSES = 1 << 30
 MOST_PHOTONS = 1 << 40
 
 
 class CommandError(Exception):
-    """What went wrong, as one sentence for the user."""
+    """What went wrong, as one sentence for the user, and the exit status."""
+
+    status = 1
 
 
 class Interrupted(CommandError):
     """Somebody has ended the render."""
 
 
-class _Parser(argparse.ArgumentParser):
+class Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         raise CommandError(f"{message} (see photon-splat --help)")
 
@@ -68,9 +73,7 @@ def _resolution(text: str) -> tuple[int, int]:
     return int(width), int(height)
 
 
-def parser() -> argparse.ArgumentParser:
-    top = _Parser(prog="photon-splat", description="Renders Blender files with Photon Splat.")
-    commands = top.add_subparsers(dest="command", required=True, metavar="render")
+def add_command(commands: Any) -> None:
     r = commands.add_parser("render", help="render frames of a .blend file to OpenEXR files")
     r.add_argument("scene", type=Path, metavar="SCENE.blend")
     r.add_argument("-o", "--output", type=Path, required=True, metavar="OUT.exr")
@@ -183,10 +186,41 @@ def parser() -> argparse.ArgumentParser:
         help="photons light what camera paths meet second",
     )
     r.add_argument(
+        "--part",
+        type=part,
+        metavar="I/N",
+        help="render one of N parts: OUT.exr then holds sums for photon-splat merge",
+    )
+    r.add_argument(
+        "--checkpoint",
+        type=Path,
+        metavar="FILE.exr",
+        help="go on from this file if it is there, and keep in it what has been rendered",
+    )
+    r.add_argument(
+        "--checkpoint-every",
+        type=_number(float, 0),
+        metavar="S",
+        help=f"seconds between two checkpoints (default: {SECONDS:g})",
+    )
+    r.add_argument(
+        "--strict",
+        action="store_true",
+        help="a missing file of the scene is an error, as it always is with --part",
+    )
+    r.add_argument(
         "--stats", type=Path, metavar="FILE.json", help="write what the render did as JSON"
     )
+    r.add_argument(
+        "--mkdir", action="store_true", help="make the folders of the files that are written"
+    )
+    r.add_argument(
+        "--progress",
+        choices=["bar", "openjd"],
+        default="bar",
+        help="openjd: lines for programs that run jobs of Open Job Description",
+    )
     r.add_argument("--verbose", action="store_true", help="let Blender's own messages through")
-    return top
 
 
 def settings_of(options: argparse.Namespace) -> Callable[[RenderSettings], RenderSettings]:
@@ -239,15 +273,23 @@ def check_paths(options: argparse.Namespace) -> None:
         )
     if options.frames is not None:
         options = _with_first_frame(options)
-    given = {"--stats": options.stats, "--output": options.output, "the scene": options.scene}
-    for one, other in (
-        ("--stats", "--output"),
-        ("--stats", "the scene"),
-        ("--output", "the scene"),
-    ):
-        if given[one] is not None and _same_file(given[one], given[other]):
+    if options.checkpoint is None and options.checkpoint_every is not None:
+        raise CommandError("--checkpoint-every needs --checkpoint")
+    if options.checkpoint is not None and options.checkpoint.suffix.lower() != ".exr":
+        raise CommandError(f"{options.checkpoint} does not end in .exr: checkpoints are OpenEXR")
+    given = {
+        "--stats": options.stats,
+        "--checkpoint": options.checkpoint,
+        "--output": options.output,
+        "the scene": options.scene,
+    }
+    for one, other in combinations(given, 2):
+        a, b = given[one], given[other]
+        if a is not None and b is not None and _same_file(a, b):
             raise CommandError(f"{one} and {other} name the same file")
-    for path in filter(None, (options.output, options.stats)):
+    for path in filter(None, (options.output, options.stats, options.checkpoint)):
+        if options.mkdir:
+            _make_folder(path.parent)
         if os.path.isdir(path):  # isdir() is False for names that are too long
             raise CommandError(f"{path} is a folder")
         if not os.path.isdir(path.parent):
@@ -255,6 +297,13 @@ def check_paths(options: argparse.Namespace) -> None:
         if not os.access(path.parent, os.W_OK):
             raise CommandError(f"{path} cannot be written: no permission in {path.parent}")
         try_file(path)
+
+
+def _make_folder(folder: Path) -> None:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise CommandError(f"the folder {folder} cannot be made: {error.strerror}") from error
 
 
 def _with_first_frame(options: argparse.Namespace) -> argparse.Namespace:

@@ -6,12 +6,14 @@ import argparse
 import os
 import re
 from collections.abc import Iterator
-from pathlib import Path
+
+from ..core.files import has_number, with_number
+
+__all__ = ["FIRST", "LAST", "NUMBERED", "frame_list", "has_number", "of_each_frame", "with_number"]
 
 FIRST, LAST = -1048574, 1048574
 """Of the frames that Blender knows."""
 _RANGE = re.compile(r"(-?\d+)(?:-(-?\d+)(?::(\d+))?)?")
-_HASHES = re.compile(r"#+(?=[^#]*$)")
 
 
 def frame_list(text: str) -> list[int]:
@@ -34,19 +36,6 @@ def frame_list(text: str) -> list[int]:
     return list(frames)
 
 
-def has_number(path: Path) -> bool:
-    """Whether the file's name has a place for the number of a frame."""
-    return "#" in path.name
-
-
-def with_number(path: Path, frame: int) -> Path:
-    """The last row of # in the file's name becomes the frame, with zeros in front, as in Blender:
-    f_####.exr is f_0007.exr, or f_-007.exr.
-    """
-    name = _HASHES.sub(lambda hashes: f"{frame:0{len(hashes[0])}d}", path.name)
-    return path.with_name(name)
-
-
 def of_each_frame(options: argparse.Namespace) -> Iterator[argparse.Namespace]:
     """The options of one frame after the other, each with its number and its files; without
     --frames the options as they are. With --skip-existing those whose picture is there are left
@@ -66,5 +55,5 @@ def of_each_frame(options: argparse.Namespace) -> Iterator[argparse.Namespace]:
             yield one
 
 
-NUMBERED = ("output", "stats")
+NUMBERED = ("output", "stats", "checkpoint")
 """Options that name a file of each frame."""

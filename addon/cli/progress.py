@@ -37,3 +37,19 @@ class ProgressBar:
     def end(self) -> None:
         if self.terminal:
             say("\r\x1b[K")
+
+
+class OpenJdProgress:
+    """Lines that programs which run jobs of Open Job Description read from what a command says."""
+
+    def __init__(self) -> None:
+        self._shown = -1
+
+    def show(self, progress: Progress) -> None:
+        percent = int(100 * progress.fraction)
+        if percent > self._shown:
+            self._shown = percent
+            say(f"openjd_progress: {percent}\nopenjd_status: {progress.message}\n")
+
+    def end(self) -> None:
+        """Nothing is left on the screen."""

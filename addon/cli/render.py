@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import time
 from collections.abc import Callable
 from typing import Any
 
 from ..core.render.data_passes import manifests
 from ..core.render.result import RenderResult
+from ..core.render.settings import RenderSettings
 from ..core.scene import Frame
 from .arguments import CommandError, Interrupted, settings_of
 from .exr import channels_of, replace_file, write_exr
 from .frames import of_each_frame
-from .progress import ProgressBar, say
+from .progress import OpenJdProgress, ProgressBar, say
+from .records import Records, warn_of_small_parts
 
 
 def render_frames(
@@ -29,13 +32,16 @@ def render_frames(
             scene = open_scene(options)
         if one.frame is not None:
             scene.frame_set(one.frame)
+        records = Records(one)
         try:
-            results = render_layers(one, scene, interrupted)
+            results = render_layers(one, scene, interrupted, records)
         except Interrupted as error:
-            if options.frames is None:
+            if options.frames is None or one.checkpoint is not None:
                 raise
             raise Interrupted(f"interrupted; frame {one.frame} was not written") from error
         total = results[0][1].statistics["seconds"]["total"]
+        if one.part is not None:
+            records.write_part(one)
         write_files(one, scene, results, time.monotonic() - started - total)
         if options.frames is not None:
             say(f"photon-splat: frame {one.frame}: {one.output}\n")
@@ -60,6 +66,9 @@ def open_scene(options: argparse.Namespace) -> Any:
         reason = " ".join(str(error).split()).removeprefix("Error: ")
         raise CommandError(f"{options.scene} cannot be opened: {reason}") from error
     scene = bpy.context.scene
+    if options.strict or options.part is not None:
+        _check_libraries(bpy)
+    warn_of_small_parts(options.part, settings_of(options)(_settings(scene)))
     render = scene.render
     render.engine = "PHOTON_SPLAT"
     render.use_compositing = render.use_sequencer = False
@@ -77,8 +86,21 @@ def open_scene(options: argparse.Namespace) -> Any:
     return scene
 
 
+def _settings(scene: Any) -> RenderSettings:
+    from ..blender.properties import render_settings
+
+    return render_settings(scene)
+
+
+def _check_libraries(bpy: Any) -> None:
+    for library in bpy.data.libraries:
+        path = bpy.path.abspath(library.filepath)
+        if not library.packed_file and not os.path.isfile(path):
+            raise CommandError(f"the linked file {path} does not exist")
+
+
 def render_layers(
-    options: argparse.Namespace, scene: Any, interrupted: Callable[[], bool]
+    options: argparse.Namespace, scene: Any, interrupted: Callable[[], bool], records: Records
 ) -> list[tuple[str, RenderResult, Frame]]:
     """One result per view layer that is rendered, under its name."""
     import bpy
@@ -87,12 +109,14 @@ def render_layers(
 
     results: list[tuple[RenderResult, Frame]] = []
     errors: list[BaseException] = []
-    bar = ProgressBar()
+    bar = OpenJdProgress() if options.progress == "openjd" else ProgressBar()
     observer.settings = settings_of(options)
     observer.on_progress = bar.show
     observer.on_result = lambda result, frame: results.append((result, frame))
     observer.on_error = errors.append
     observer.should_cancel = interrupted
+    observer.record = records.make
+    observer.needs_files = options.strict or options.part is not None
     failure = None
     try:
         bpy.ops.render.render(scene=scene.name)
@@ -100,7 +124,7 @@ def render_layers(
         failure = error
     bar.end()
     if interrupted():
-        raise Interrupted("interrupted; nothing was written")
+        raise records.interrupted()
     if errors:
         raise CommandError(describe(errors[0]))
     if failure is not None:
@@ -141,14 +165,15 @@ def write_files(
     for i, (name, result, _) in enumerate(results):
         if result.labels is not None:
             metadata |= manifests(result.labels, f"{name}." if i else "")
-    write_exr(
-        options.output,
-        names,
-        planes,
-        frame,
-        crop=scene.render.use_crop_to_border,
-        metadata=metadata,
-    )
+    if options.part is None:
+        write_exr(
+            options.output,
+            names,
+            planes,
+            frame,
+            crop=scene.render.use_crop_to_border,
+            metadata=metadata,
+        )
     if options.stats is not None:
         replace_file(
             options.stats, lambda path: path.write_text(json.dumps(statistics, indent=2) + "\n")

@@ -108,7 +108,7 @@ def _export_moving(
         scene.labels.neighbours = moving.neighbours(scene)
     elif not blur.vectors:
         moving.move(scene, depsgraph.scene.render)
-    scene.warnings = report.messages()
+    scene.warnings, scene.missing = report.messages(), report.messages(of_missing=True)
     return scene
 
 
@@ -170,5 +170,5 @@ def export_contents(
         exported.labels = labelled.labels(
             view_layer, scene, materials.list, materials.aov_programs()
         )
-    exported.warnings = report.messages()
+    exported.warnings, exported.missing = report.messages(), report.messages(of_missing=True)
     return exported

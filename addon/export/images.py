@@ -158,7 +158,8 @@ def _read(
         report.warn(
             f"{owner}: {named}: "
             f"{path or (f'tile {tile}' if image.source == 'TILED' else 'its file')} cannot be "
-            "read; shown in pink"
+            "read; shown in pink",
+            missing=True,
         )
         return ImagePixels(PINK, True)
     space = image.colorspace_settings.name

@@ -12,11 +12,14 @@ class Report:
 
     def __init__(self) -> None:
         self._sentences: dict[str, dict[str, None]] = {}
+        self._missing: set[str] = set()
 
-    def warn(self, sentence: str, name: str | None = None) -> None:
+    def warn(self, sentence: str, name: str | None = None, *, missing: bool = False) -> None:
         """Add `sentence`; with a `name`, `sentence` holds "{}" where the quoted names of all that
-        share it are put.
+        share it are put. missing: a file is not there.
         """
+        if missing:
+            self._missing.add(sentence)
         names = self._sentences.setdefault(sentence, {})
         if name is not None:
             names[name] = None
@@ -25,11 +28,14 @@ class Report:
         """Add all warnings of another report."""
         for sentence, names in other._sentences.items():
             self._sentences.setdefault(sentence, {}).update(names)
+        self._missing |= other._missing
 
-    def messages(self) -> list[str]:
+    def messages(self, *, of_missing: bool = False) -> list[str]:
+        """All warnings, or those of files that are not there."""
         return [
             readable(sentence.replace("{}", _enumerate(list(names))) if names else sentence)
             for sentence, names in self._sentences.items()
+            if not of_missing or sentence in self._missing
         ]
 
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from . import blender, motion, presets, render, report, view_layer
+from . import blender, farm, motion, presets, render, report, view_layer
 
-PARTS = (presets, render, motion, view_layer, report)
+PARTS = (presets, render, farm, motion, view_layer, report)
 
 
 def register() -> None:

@@ -76,15 +76,21 @@ def _set_frames(renderer: Any, order: np.ndarray, frames: Neighbours) -> None:
     )
 
 
-def manifests(labels: Labels, layer: str = "") -> dict[str, str]:
-    """Metadata of the wanted mattes; `layer` is what stands before their names in a file."""
-    told: dict[str, str] = {}
+def matte_names(labels: Labels) -> dict[str, list[str]]:
+    """The things in each of the wanted mattes, by its name."""
     named = {
         "CryptoObject": labels.objects,
         "CryptoAsset": labels.assets,
         "CryptoMaterial": labels.materials,
     }
-    for name, things in named.items():
-        if matte_pass(name, 0).name in labels.passes:
-            told |= metadata(f"{layer}{name}", things)
+    return {
+        name: things for name, things in named.items() if matte_pass(name, 0).name in labels.passes
+    }
+
+
+def manifests(labels: Labels, layer: str = "") -> dict[str, str]:
+    """Metadata of the wanted mattes; `layer` is what stands before their names in a file."""
+    told: dict[str, str] = {}
+    for name, things in matte_names(labels).items():
+        told |= metadata(f"{layer}{name}", things)
     return told

@@ -20,7 +20,7 @@ def final_statistics(
     statistics: Any = start.renderer.statistics()
     statistics["seconds"] |= {"export": export_seconds, "total": time.monotonic() - started}
     statistics |= {
-        "passes": worker.passes_done,
+        "passes": worker.record.part.passes_before + worker.passes_done,
         "backend": str(worker.splatter.backend),
         "integrator": str(worker.settings.integrator),
         "cancelled": worker.cancelled,
@@ -28,7 +28,12 @@ def final_statistics(
         "texture_bytes": start.renderer.texture_memory,
         "reused": {"geometry": start.reused, "photons": statistics["photons"]["reused"]},
         "peak_memory_bytes": peak_memory_bytes(),
-        "warnings": [*scene.warnings, *worker.warnings, *lights_in_surfaces(start.renderer, scene)],
+        "warnings": [
+            *scene.warnings,
+            *worker.warnings,
+            *worker.record.warnings(),
+            *lights_in_surfaces(start.renderer, scene),
+        ],
     } | worker.splatter.statistics()
     if statistics["threads"] < statistics["threads_wanted"]:
         statistics["warnings"].append(

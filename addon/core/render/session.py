@@ -13,6 +13,7 @@ from .final_film import OF_DENOISING, final_arrays, final_passes
 from .final_statistics import final_statistics
 from .memory import check_picture_fits
 from .persistent import Persistent, start_anew
+from .record import Record
 from .result import Progress, RenderResult, black_passes
 from .settings import RenderSettings
 from .worker import Worker
@@ -32,18 +33,24 @@ def render(
     persistent: Persistent | None = None,
     release_textures: bool = False,
     wanted: Collection[str] | None = None,
+    record: Record | None = None,
 ) -> RenderResult:
     """Renders `scene`. `started` is `time.monotonic()` when the render call began, export included;
     `persistent` holds what the last render has left for this one, and then what this one leaves.
     `release_textures`: nobody renders `scene` again, so that its pixels need not be kept beside
     native code's; not with `persistent`. `wanted`: names of the passes to give back besides those
-    of light groups (None: all).
+    of light groups (None: all). `record`: what is kept of the film's sums, which are added to those
+    of earlier renders; such a render leaves nothing in `persistent`, and finds nothing there.
 
     Both callbacks run on the caller's thread about every 50 ms. A cancelled render returns what is
     there.
     Errors: ValueError for a scene or setting that cannot be rendered, a GPU that is not there among
-    them; RuntimeError and MemoryError from native code.
+    them, or a checkpoint of another picture; RuntimeError and MemoryError from native code.
     """
+    record = record or Record()
+    if record.active:
+        persistent = None
+    record.open(scene, settings, started)
     if wanted is not None and settings.denoise:
         wanted = {*wanted, *OF_DENOISING}
     start = start_anew(scene, settings) if persistent is None else persistent.start(scene, settings)
@@ -54,7 +61,7 @@ def render(
     if release_textures and persistent is None:
         for texture in scene.textures:
             texture.pixels = np.empty((0, 0, 4), texture.pixels.dtype)
-    worker = Worker(start, settings, started, want_interim, wanted, scene)
+    worker = Worker(start, settings, started, want_interim, wanted, scene, record)
     if should_cancel is not None and should_cancel():  # a small scene is done before it is asked
         worker.cancel()
     worker.start()
@@ -79,24 +86,26 @@ def render(
     if worker.passes_done:
         renderer.end_passes()
         renderer.make_error_estimate()
-    film = renderer.film(final_arrays(wanted, settings, scene)) if worker.passes_done else None
+    source = record.end(renderer, worker.passes_done, worker.samples_done)
+    film = source.film(final_arrays(wanted, settings, scene)) if source else None
     passes = final_passes(film, scene) if film else black_passes(width, height, scene.light_groups)
     passes |= worker.data
     denoising, noisy = 0.0, None
-    if settings.denoise and film and not worker.cancelled:
+    if settings.denoise and film and not worker.cancelled and not record.keeps:
         noisy = passes["Combined"][..., :3].copy()
         began = time.monotonic()
         worker.warnings += denoise_result(
             passes,
             film,
             scene,
-            passes_done=worker.passes_done,
-            samples=worker.samples_done,
+            passes_done=record.part.passes_before + worker.passes_done,
+            samples=record.samples_before + worker.samples_done,
             threads=settings.threads,
             should_cancel=should_cancel,
         )
         denoising = time.monotonic() - began
     statistics = final_statistics(start, worker, scene, started, export_seconds)
+    statistics["error"] = record.error(statistics["error"])
     if settings.denoise:
         statistics["seconds"]["denoise"] = denoising
     if persistent is not None and worker.prepared:

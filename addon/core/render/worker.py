@@ -18,6 +18,7 @@ from .error_limit import FEWEST_PASSES_TO_STOP, next_estimate, share_of_most
 from .final_film import final_arrays, interim_passes
 from .pass_size import PassSize, pass_that_fits
 from .persistent import Start
+from .record import Record
 from .result import Passes, Progress, channels_of_arrays
 from .settings import Backend, Integrator, RenderSettings
 from .shadow_catcher import has_catchers
@@ -37,13 +38,15 @@ class Worker(threading.Thread):
         want_interim: bool,
         wanted: Collection[str] | None,
         scene: Scene,
+        record: Record,
     ) -> None:
         super().__init__(name="Photon Splat", daemon=True)
         self.renderer = start.renderer
         self.prepare = start.prepare
         self.prepared = False
         self.settings = settings
-        self.started = started
+        self.record = record
+        self.started = started - record.seconds_before
         self.want_interim = want_interim
         self.wanted = wanted
         self.stage = "Building acceleration structure"
@@ -62,6 +65,7 @@ class Worker(threading.Thread):
         self.splatter: Splatter = CpuSplatter(self.renderer)
         self.ending = Ending(*scene.frame.region[2:])
         self.scene = scene
+        self.passes_wanted = settings.passes - record.part.passes_before
         self.data: Passes = {}
         self.film_bytes = 0
 
@@ -86,9 +90,10 @@ class Worker(threading.Thread):
     def _render(self) -> None:
         arrays = final_arrays(self.wanted, self.settings, self.scene)
         self._prepare(arrays)
+        self.record.built(self.renderer, self.data)
         self.stage = "Rendering"
         more = True
-        while more and self.passes_done < self.settings.passes:
+        while more and self.passes_done < self.passes_wanted:
             more = self._do_pass(arrays)
 
     def _prepare(self, arrays: list[str]) -> None:
@@ -98,7 +103,9 @@ class Worker(threading.Thread):
             self.splatter = self._choose_splatter()
         elif settings.backend == Backend.GPU:
             self.warnings.append("The reference integrator has been used: it runs on the CPU only.")
-        self.renderer.keep_film(arrays)
+        if not self.record.active:  # its sums may be for passes that are not wanted yet
+            self.renderer.keep_film(arrays)
+        self.record.set_up(self.renderer)
         self.renderer.options.ambient_distance = (
             labels.ambient_distance if labels is not None and asks_ambient(labels) else 0.0
         )
@@ -126,7 +133,8 @@ class Worker(threading.Thread):
         converged = self._estimate_error()
         if self.settings.time_limit and self.passes_done == 1:
             self.ending.try_film(self.renderer, channels_of_arrays(arrays))
-        if self.want_interim and self.interim is None and self.passes_done < self.settings.passes:
+        self.record.pass_done(self.renderer, self.passes_done, self.samples_done)
+        if self.want_interim and self.interim is None and self.passes_done < self.passes_wanted:
             self.interim = interim_passes(self.renderer, self.wanted, self.scene)
         self.pass_finished.set()
         if converged or not self.settings.time_limit:
@@ -160,7 +168,8 @@ class Worker(threading.Thread):
             return math.inf
         runs = 0.0
         if self.settings.denoise:
-            options = denoising_options(self.samples_done + samples)
+            before = self.record.samples_before
+            options = denoising_options(before + self.samples_done + samples)
             runs = denoising_runs(**options) + has_catchers(self.scene)
         after = self.ending.seconds(self.passes_done + 1, runs)
         return self.started + self.settings.time_limit - time.monotonic() - after
@@ -207,7 +216,9 @@ class Worker(threading.Thread):
             next_estimate(self.passes_done) if threshold > 0 else 2 * self.passes_done
         )
         self.ending.estimate(self.renderer.make_error_estimate, self.passes_done)
-        self.relative_error = self.renderer.statistics()["error"]["relative_rmse"]
+        self.relative_error = self.record.part.error_of_whole(
+            self.renderer.statistics()["error"], self.passes_done
+        )
         if threshold <= 0 or self.passes_done < FEWEST_PASSES_TO_STOP:
             return False
         error = self.relative_error
@@ -216,7 +227,7 @@ class Worker(threading.Thread):
         return error <= threshold
 
     def progress(self) -> Progress:
-        done, settings = self.passes_done, self.settings
+        done, settings = self.record.part.passes_before + self.passes_done, self.settings
         fraction = done / settings.passes
         elapsed = time.monotonic() - self.started
         if settings.time_limit:

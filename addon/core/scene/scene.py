@@ -28,7 +28,8 @@ class Scene:
     that is everywhere. `light_groups` are the names of those whose light gets passes
     of their own. `world_seen_by`: the rays that bring the world's light, as of a lamp. `shutter`:
     None where nothing moves. `labels`: None where no pass asks for them. `shadow_pass`: the shadow
-    on catchers is to be a pass of its own instead of a part of the picture.
+    on catchers is to be a pass of its own instead of a part of the picture. `missing`: those of the
+    warnings that are of files which are not there.
     """
 
     camera: Camera
@@ -52,10 +53,11 @@ class Scene:
     labels: Labels | None = None
     shadow_pass: bool = False
     warnings: list[str] = field(default_factory=list)
+    missing: list[str] = field(default_factory=list)
 
 
 GEOMETRY = ("meshes", "instances", "material_sets", "shutter")
-VIEW = ("camera", "frame", "labels", "shadow_pass", "warnings")
+VIEW = ("camera", "frame", "labels", "shadow_pass", "warnings", "missing")
 SHADING = tuple(entry.name for entry in fields(Scene) if entry.name not in GEOMETRY + VIEW)
 
 

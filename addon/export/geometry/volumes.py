@@ -129,7 +129,7 @@ def _read_volume(ob: Any, wanted: Wanted, report: Report) -> list[MeshGrid]:
     data = ob.data
     if not data.grids.load():
         if data.filepath:
-            report.warn(NO_FILE, ob.name)
+            report.warn(NO_FILE, ob.name, missing=True)
         return []
     names = {grid.name for grid in data.grids}
     asked = {number: name for number, name in wanted.items() if name in names}

@@ -72,6 +72,8 @@ void bind_render(nanobind::module_& m, RendererClass& renderer);
 void bind_statistics(RendererClass& renderer);
 // The picture: means over the film's samples as arrays.
 void bind_film(RendererClass& renderer);
+// Sums of a film, which those of other machines are added to.
+void bind_sums(nanobind::module_& m, RendererClass& renderer);
 void bind_data_passes(RendererClass& renderer);
 // What a splatter outside of the native module needs: photons, pairs, points as an atlas, sums.
 void bind_splatting(RendererClass& renderer);

@@ -4,7 +4,7 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
-#include "bindings/bindings.h"
+#include "bindings/film_view.h"
 #include "film/shadow_catcher.h"
 
 namespace nb = nanobind;
@@ -15,7 +15,7 @@ namespace {
 
 // Where values come from: `count` pixels, the first of them the film's `first`.
 struct Run {
-  const Renderer& renderer;
+  const FilmView& view;
   const Pixel* pixels;
   size_t first, count;
 };
@@ -86,8 +86,8 @@ void fill_matte(const Run& run, float* to) {
 
 void fill_combined(const Run& run, float* to) {
   fill_matte(run, to);
-  if (!run.renderer.scene.has_catchers()) return;
-  const bool transparent = run.renderer.camera_settings.transparent;
+  if (!run.view.catchers) return;
+  const bool transparent = run.view.transparent;
   for (size_t i = 0; i < run.count; ++i, to += 4) {
     const Rgba shown = with_shadow(run.pixels[i], {to[0], to[1], to[2]}, transparent);
     to[0] = shown.color.x;
@@ -100,10 +100,10 @@ void fill_combined(const Run& run, float* to) {
 void fill_shadow(const Run& run, float* to) { fill_rgb(run, to, &caught_shadow); }
 
 void fill_variance(const Run& run, float* to) {
-  std::copy_n(&run.renderer.film().errors().variance()[run.first], run.count, to);
+  std::copy_n(&run.view.film.errors().variance()[run.first], run.count, to);
 }
 void fill_error(const Run& run, float* to) {
-  std::copy_n(&run.renderer.film().errors().error()[run.first], run.count, to);
+  std::copy_n(&run.view.film.errors().error()[run.first], run.count, to);
 }
 
 // One member of Pixel.
@@ -173,11 +173,17 @@ struct FilmArray {
   std::unique_ptr<LargeArray<float>> values;
 };
 
-// The film's arrays that are asked for by name, or all that it keeps.
-nb::dict film_arrays(Renderer& r, const std::optional<std::vector<std::string>>& names) {
-  const PackedFilm& film = r.film().sum();
+}  // namespace
+
+FilmView view_of(Renderer& r) {
+  const CameraSettings& camera = r.camera_settings;
+  return {r.film(), r.scene.pool(), camera.exposure, camera.transparent, r.scene.has_catchers()};
+}
+
+nb::dict film_arrays(const FilmView& view, const std::optional<std::vector<std::string>>& names) {
+  const PackedFilm& film = view.film.sum();
   const size_t width = film.width, height = film.height, groups = film.light_groups;
-  const float exposure = r.camera_settings.exposure;
+  const float exposure = view.exposure;
   std::vector<FilmArray> arrays;
   bool with_groups = !names;
   const auto add = [&](const Source& source) {
@@ -202,14 +208,14 @@ nb::dict film_arrays(Renderer& r, const std::optional<std::vector<std::string>>&
   by_group->resize(with_groups ? width * height * groups * 3 : 0);
   {
     nb::gil_scoped_release release;
-    r.scene.pool().for_each(film.tiles(), CancelFlag{}, [&](size_t t, int) {
+    view.pool.for_each(film.tiles(), CancelFlag{}, [&](size_t t, int) {
       PackedFilm::Tile pixels;
       if (film.passes) film.get(t, pixels);
       film.each_run(t, [&](size_t first, size_t count, size_t place) {
         for (const FilmArray& array : arrays) {
           float* to = array.values->data() + first * array.source->channels;
           if (film.passes) {
-            array.source->fill({r, &pixels[place], first, count}, to);
+            array.source->fill({view, &pixels[place], first, count}, to);
             expose(*array.source, exposure, count, to);
           } else {
             std::fill_n(to, count * array.source->channels, 0.0f);
@@ -234,21 +240,26 @@ nb::dict film_arrays(Renderer& r, const std::optional<std::vector<std::string>>&
   return out;
 }
 
-}  // namespace
+ChannelMask channels_of_array(const std::string& name) {
+  return name == kLightGroups ? 0 : source_of(name).needs;
+}
 
 void bind_film(RendererClass& renderer) {
   renderer.def(
       "keep_film",
       [](Renderer& r, const std::vector<std::string>& names) {
         ChannelMask channels = 0;
-        for (const std::string& name : names)
-          if (name != kLightGroups) channels |= source_of(name).needs;
+        for (const std::string& name : names) channels |= channels_of_array(name);
         r.film().keep_channels(channels);
       },
       "names"_a,
       "Of which arrays film() is to be able to tell; all if this is not called. Before build(), set_view() or begin_again().");
   renderer.def(
-      "film", &film_arrays, "names"_a = nb::none(),
+      "film",
+      [](Renderer& r, const std::optional<std::vector<std::string>>& names) {
+        return film_arrays(view_of(r), names);
+      },
+      "names"_a = nb::none(),
       "(height, width, channels) float32 by name: means over the film's samples, row 0 at the bottom; 0 before the first pass.\n"
       "Light is multiplied by the camera's exposure.");
 }

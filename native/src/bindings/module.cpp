@@ -28,6 +28,7 @@ NB_MODULE(photon_splat_native, m) {
   bind_render(m, renderer);
   bind_statistics(renderer);
   bind_film(renderer);
+  bind_sums(m, renderer);
   bind_data_passes(renderer);
   bind_splatting(renderer);
   bind_viewport(renderer);

@@ -2,6 +2,7 @@
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
 
 #include "bench/photon_tracer.h"
 #include "bindings/bindings.h"
@@ -67,6 +68,16 @@ void bind_options(nb::module_& m) {
       .value("FINAL_GATHER", IndirectLight::kFinalGather,
              "Photons light what camera paths meet after one more bounce.")
       .value("FINAL_GATHER_OR_PATHS", IndirectLight::kFinalGatherOrPaths);
+  nb::class_<RenderPart>(
+      m, "RenderPart", "One of the renders whose sums make a picture together; the whole at first.")
+      .def(nb::init<>(), "The whole.")
+      .def_rw("number", &RenderPart::number, "From 1 on; more than there are is one more.")
+      .def_rw("count", &RenderPart::count, "Discs shrink with the paths of so many parts together.")
+      .def_rw("generation", &RenderPart::generation,
+              "How often the part has been interrupted: other random numbers.")
+      .def_rw("passes_before", &RenderPart::passes_before, "Of the generations before.")
+      .def_rw("paths_before", &RenderPart::paths_before,
+              "Likewise: photon paths of each photon map.");
   nb::class_<RenderOptions>(m, "RenderOptions",
                             "What a render is asked for: to be set before build().")
       .def(nb::init<>(), "The defaults.")
@@ -93,6 +104,7 @@ void bind_options(nb::module_& m) {
       .def_rw("ambient_distance", &RenderOptions::ambient_distance,
               "How far the Ambient Occlusion pass looks, m; 0: there is none.")
       .def_rw("seed", &RenderOptions::seed, "Of all random numbers, 32 bits.")
+      .def_rw("part", &RenderOptions::part, "RenderPart: of renders that make a picture together.")
       .def_rw("kernel", &RenderOptions::kernel,
               "Of the splatter: 'generic', 'sse42', 'avx2', 'avx512'; '': the fastest.")
       .def_rw(

@@ -19,7 +19,9 @@ constexpr float kLeast = 0.1f, kMost = 2.0f;           // of all together
 
 }  // namespace
 
-void AdaptiveRadius::reset(int width, int height) {
+void AdaptiveRadius::reset(int width, int height, uint32_t parts, uint32_t before) {
+  parts_ = parts;
+  before_ = before;
   width_ = width;
   height_ = height;
   passes_ = since_ = 0;
@@ -70,8 +72,9 @@ void AdaptiveRadius::choose(ThreadPool& pool) {
     const float bias2 =
         4 * (is_seen(i) ? squares[i] - variances[i] / n
                         : share * std::max(0.0f, far_squares[i] - far_variances[i] / n));
-    // Variance of the mean by the time of the next choice
-    const float noise2 = variances[i] / static_cast<float>(passes_);
+    // Variance of the mean of all parts by the time of the next choice
+    const float noise2 =
+        variances[i] / (static_cast<float>(parts_) * static_cast<float>(before_ + passes_));
     float step = 1;
     if (noise2 > 0 || bias2 > 0)
       step = std::clamp(std::pow(noise2 / std::max(2 * bias2, 1e-30f), 1.0f / 6), kLeastStep,

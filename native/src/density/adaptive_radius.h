@@ -15,7 +15,10 @@ namespace photon_splat {
 // passes that follow: photons never judge themselves.
 class AdaptiveRadius {
  public:
-  void reset(int width, int height);
+  // `parts` such renders make the picture together, and each has had `before` passes before these.
+  void reset(int width, int height, uint32_t parts = 1, uint32_t before = 0);
+  // Instead of 1, where an earlier render of the same has found them.
+  void set_factors(std::vector<float> factors) { factors_ = std::move(factors); }
   // What d adds to each pixel's luminance in this pass; written by the renderer, then taken by
   // end_pass().
   std::vector<float>& detail() { return detail_; }
@@ -27,6 +30,7 @@ class AdaptiveRadius {
 
   int width_ = 0, height_ = 0;
   uint32_t passes_ = 0, since_ = 0;  // in all; at the last choice
+  uint32_t parts_ = 1, before_ = 0;
   std::vector<float> detail_, sum_, squares_, factors_;
 };
 

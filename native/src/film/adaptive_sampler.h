@@ -52,6 +52,9 @@ class AdaptiveSampler {
   // Sets the samples of each pixel in the first pass
   void begin_with(uint32_t count) { count_.assign(count_.size(), static_cast<uint16_t>(count)); }
 
+  // What has been learnt stays, and samples begin anew.
+  void begin_part() { extra_.assign(extra_.size(), 0); }
+
   // Before the samples of a pass are asked for; again does no harm.
   void begin_pass(ThreadPool& pool);
   // Samples of pixel i in pass `pass` of the film: numbers [first, first + count) of its sequence.

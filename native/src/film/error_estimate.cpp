@@ -274,6 +274,10 @@ void ErrorEstimate::update(ThreadPool& pool) {
   estimated_ = passes_;
   estimate_variance(pool);
   estimate_bias(pool);
+  make_figures();
+}
+
+void ErrorEstimate::make_figures() {
   for (size_t i = 0; i < error_.size(); ++i) {
     // Squares of what is barely a float are none any more.
     for (float* square : {&variance_[i], &squared_bias_[i]})

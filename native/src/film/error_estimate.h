@@ -2,6 +2,7 @@
 // between passes, its blur from discs of two sizes.
 #pragma once
 
+#include "film/error_sums.h"
 #include "film/packed_film.h"
 #include "util/parallel.h"
 
@@ -12,6 +13,9 @@ namespace photon_splat {
 // relative_rmse^2. All 0 for a black picture.
 struct ErrorFigures {
   double relative_rmse = 0, standard_error = 0, bias = 0, mean_luminance = 0;
+  // Of films whose sums have been added: the variance by how they differ from each other, over that
+  // by what each knows of itself; 0 where there is but one.
+  double between = 0;
 };
 
 // Low-discrepancy samples make the mean of n passes better than the passes' variance / n says: that
@@ -31,6 +35,12 @@ class ErrorEstimate {
   // differ.
   void update(ThreadPool& pool);
 
+  // After update()
+  ErrorSums sums() const;
+  // Instead of passes: sums over `films` films, of that film's luminance and samples. update() then
+  // has nothing to do.
+  void restore(const ErrorSums& sums, const PackedFilm& film, uint32_t films, ThreadPool& pool);
+
   uint32_t passes() const { return passes_; }
   // Per pixel, of the last update()
   const std::vector<float>& error() const { return error_; }
@@ -44,6 +54,7 @@ class ErrorEstimate {
   void correct_by_group(const std::vector<std::vector<float>>& own, const std::vector<float>& k,
                         const std::vector<float>& pairs);
   void estimate_bias(ThreadPool& pool);
+  void make_figures();
 
   struct Level {
     // Sums of the block that waits for its neighbour; the last of s^(1/2)

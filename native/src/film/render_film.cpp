@@ -18,6 +18,13 @@ void RenderFilm::end_pass(ThreadPool& pool) {
   is_unpacked_ = false;
 }
 
+void RenderFilm::restore(PackedFilm sum, const ErrorSums& errors, uint32_t films,
+                         ThreadPool& pool) {
+  sum_ = std::move(sum);
+  is_unpacked_ = false;
+  errors_.restore(errors, sum_, films, pool);
+}
+
 const Film& RenderFilm::unpacked() const {
   if (!is_unpacked_) sum_.unpack(unpacked_);
   is_unpacked_ = true;

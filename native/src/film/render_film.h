@@ -19,6 +19,9 @@ class RenderFilm {
   PackedFilm& begin_pass();
   PackedFilm& pass() { return pass_; }
   void end_pass(ThreadPool& pool);
+  // Instead of passes: a sum that has been made elsewhere, of `films` films, with its errors. The
+  // film has been reset to its size.
+  void restore(PackedFilm sum, const ErrorSums& errors, uint32_t films, ThreadPool& pool);
   // No pass follows: gives back memory that passes alone need.
   void end_passes() { pass_.release(); }
 

@@ -23,6 +23,9 @@ class CameraTracer {
   CameraTracer(Scene& scene, const Lights& lights, const Camera& camera, uint32_t seed)
       : scene_(scene), lights_(lights), camera_(camera), seed_(seed) {}
 
+  // Of the samples from now on.
+  void set_seed(uint32_t seed) { seed_ = seed; }
+
   // Which tiles of the picture one call traces. Scouts: an eighth of them, all over the picture, or
   // all of a small one. Rest: those that have been no scouts; of scouts the pixels with gather
   // points where paths go on by now. Again: the same of all tiles.

@@ -35,6 +35,11 @@ void BeamMap::begin_again() {
   before_ = tracer_.counts();
 }
 
+void BeamMap::begin_part() {
+  passes_ = 0;
+  before_ = tracer_.counts();
+}
+
 void BeamMap::learn() {
   Timer timer(context_.seconds.pilot);
   const uint64_t paths = std::min(paths_, kPilotPaths);
@@ -57,14 +62,15 @@ void BeamMap::learn() {
 void BeamMap::trace_pass() {
   Timer timer(context_.seconds.photons);
   if (!tree_.learnt()) learn();
+  const RenderPart& part = context_.options.part;
   tracer_.trace(passes_ * paths_, paths_, static_cast<double>(paths_),
-                stream_seed(seed_, RandomStream::kPhotons), {}, context_.cancel);
-  ++passes_;
+                part.own(stream_seed(seed_, RandomStream::kPhotons)), {}, context_.cancel);
   const float factor = context_.options.radius_scale *
-                       static_cast<float>(std::pow(static_cast<double>(passes_), kShrinkExponent));
+                       static_cast<float>(std::pow(part.passes(passes_), kShrinkExponent));
+  ++passes_;
   tree_.fill(tracer_.beams(), *context_.scene.media(),
-             stream_seed(seed_, RandomStream::kPointGrid) + passes_, factor, context_.scene.pool(),
-             context_.cancel);
+             part.own(stream_seed(seed_, RandomStream::kPointGrid)) + passes_, factor,
+             context_.scene.pool(), context_.cancel);
 }
 
 }  // namespace photon_splat

@@ -14,6 +14,8 @@ class BeamMap {
 
   // Another view or another render of the same scene: passes begin anew.
   void begin_again();
+  // The passes that follow are those of a part: paths begin anew, and what has been learnt stays.
+  void begin_part();
   // The beams of the next pass; the first time a pilot chooses radii.
   void trace_pass();
   const BeamTree& tree() const { return tree_; }

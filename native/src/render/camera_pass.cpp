@@ -19,12 +19,18 @@ constexpr size_t kLaterLooks = 16;     // one gather point in so many, in each p
 }  // namespace
 
 CameraPass::CameraPass(const RenderContext& context, Lights& lights, const Camera& camera)
-    : context_(context),
-      lights_(lights),
-      tracer_(context.scene, lights, camera,
-              stream_seed(context.options.seed, RandomStream::kCamera)) {
+    : context_(context), lights_(lights), tracer_(context.scene, lights, camera, common_seed()) {
   guide_.reset(lights.environment());
   lights.set_guide(&guide_);
+}
+
+uint32_t CameraPass::common_seed() const {
+  return stream_seed(context_.options.seed, RandomStream::kCamera);
+}
+
+void CameraPass::begin_part() {
+  tracer_.set_seed(context_.options.part.own(common_seed()));
+  context_.sampler.begin_part();
 }
 
 void CameraPass::reset_view(const PackedFilm& film, const PhotonMaps& maps) {
@@ -40,6 +46,7 @@ void CameraPass::reset_view(const PackedFilm& film, const PhotonMaps& maps) {
                          std::move(photons));
   strategy_.reset();
   chosen_ = false;
+  tracer_.set_seed(common_seed());
   focus_ = {};
   gather_points_ = nullptr;
 }

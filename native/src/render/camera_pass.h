@@ -18,6 +18,8 @@ class CameraPass {
 
   // Another view: all is learnt anew. The film is that of the passes to come.
   void reset_view(const PackedFilm& film, const PhotonMaps& maps);
+  // The samples that follow are those of the part alone.
+  void begin_part();
   // Camera samples of the pass into `film`, which then holds them alone. The first pass after
   // reset_view() chooses the strategy; a pilot of the indirect photon map is part of that.
   void trace(uint32_t pass, const PhotonMaps& maps, PackedFilm& film);
@@ -52,6 +54,7 @@ class CameraPass {
   const CameraTracer& tracer() const { return tracer_; }
 
  private:
+  uint32_t common_seed() const;
   void teach(PhotonMap& map, const SurfaceFilter& seen, bool all_surfaces);
   bool try_paths(uint32_t pass, const PhotonMaps& maps, PackedFilm& film);
   void choose(uint32_t pass, bool scouts, const PhotonMaps& maps, PackedFilm& film);

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <string>
 
+#include "render/render_part.h"
+
 namespace photon_splat {
 
 // What brings indirect light: photons where camera paths first meet a diffuse surface, or after one
@@ -31,6 +33,7 @@ struct RenderOptions {
   // are aimed at what the view sees; else each pass has the same photons and radii whatever the
   // view, and traces those beyond this budget again.
   size_t kept_photon_bytes = 0;
+  RenderPart part{};
   float fixed_radius = 0;  // of all discs in all passes, metres; 0: chosen. For comparison
 
   bool gathers() const { return indirect_light >= IndirectLight::kFinalGather; }

@@ -61,10 +61,23 @@ PhotonMap::PhotonMap(const RenderContext& context, const Lights& lights, const C
 }
 
 void PhotonMap::reset_view(int width, int height) {
-  adaptive_radius_.reset(width, height);
+  adaptive_radius_.reset(width, height, context_.options.part.count,
+                         context_.options.part.passes_before);
   first_path_ = 0;
   points_.forget_clear_regions();
   if (!context_.options.keeps_photons()) radii_.reset();
+}
+
+void PhotonMap::set_radius_factors(std::vector<float> factors) {
+  if (factors.size() != adaptive_radius_.factors().size())
+    throw std::invalid_argument("there is one radius factor for each pixel");
+  adaptive_radius_.set_factors(std::move(factors));
+}
+
+void PhotonMap::begin_part() {
+  first_path_ = 0;
+  pilot_ = since(before_, tracer_.counts());
+  used_ = reused_ = 0;
 }
 
 void PhotonMap::begin_again() {
@@ -111,7 +124,7 @@ uint64_t PhotonMap::paths_per_pass() const {
 }
 
 float PhotonMap::radius_factor() const {
-  const double paths = static_cast<double>(first_path_ + paths_per_pass());
+  const double paths = context_.options.part.paths(number_, first_path_, paths_per_pass());
   return context_.options.radius_scale *
          static_cast<float>(std::pow(
              std::max(1.0, paths / std::max(1.0, double(first_pass_paths_))), kShrinkExponent));
@@ -138,7 +151,8 @@ void PhotonMap::place_points(const GatherPoints& gather_points, uint32_t pass) {
     s.occlusion = options.boundary_correction && options.occlusion;
     s.fixed_radius = options.fixed_radius;
     if (options.adaptive_radius) s.pixel_factors = adaptive_radius_.factors().data();
-    points_.build(context_.scene, gather_points, *radii_, s, pass, seed_, context_.cancel);
+    points_.build(context_.scene, gather_points, *radii_, s, pass, options.part.own(seed_),
+                  context_.cancel);
     groups_.reset(points_.blocks(), context_.scene.light_groups);
   }
   if (options.boundary_correction) {
@@ -163,7 +177,7 @@ void PhotonMap::trace(uint64_t first, uint64_t count) {
     SurfaceFilter everywhere;
     if (keep) everywhere.add_all();
     batch_ = &tracer_.trace(from, count, static_cast<double>(paths_per_pass()),
-                            stream_seed(seed_, RandomStream::kPhotons),
+                            context_.options.part.own(stream_seed(seed_, RandomStream::kPhotons)),
                             keep ? everywhere : points_.keys(), context_.cancel);
     batch_groups_ = &tracer_.light_groups();
     if (keep) context_.kept_bytes += cache_.add(from, count, *batch_, *batch_groups_, most - there);

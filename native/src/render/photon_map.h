@@ -33,6 +33,11 @@ class PhotonMap {
   bool caustic() const { return stream_ == PhotonStream::kCaustic; }
   // Another view: passes begin anew, with a pilot of their own where photons are aimed at it.
   void reset_view(int width, int height);
+  // Factors on the radii per pixel that an earlier generation has found, after reset_view().
+  void set_radius_factors(std::vector<float> factors);
+  const std::vector<float>& radius_factors() const { return adaptive_radius_.factors(); }
+  // The passes that follow are those of a part: paths begin anew, and what has been learnt stays.
+  void begin_part();
   // Another render of the same scene: counts begin anew, kept photons stay.
   void begin_again();
 
@@ -82,6 +87,7 @@ class PhotonMap {
   // their light.
   uint64_t paths_per_pass() const;
   uint64_t first_pass_paths() const { return first_pass_paths_; }
+  uint64_t paths_done() const { return first_path_; }  // of the passes of this render
   double photons_per_disc() const { return photons_per_disc_; }
   // On all radii in the pass to come: the user's scale, and shrinking over passes.
   float radius_factor() const;
@@ -106,7 +112,7 @@ class PhotonMap {
   PhotonStream stream_;
   size_t number_;
   double photons_per_disc_;  // wanted from one pass, before radii shrink
-  uint32_t seed_;
+  uint32_t seed_;            // of what is learnt; passes have that of the part
   uint64_t first_pass_paths_;
   const Lights& lights_;
   PhotonTracer tracer_;

@@ -11,10 +11,14 @@ constexpr uint64_t kKeptPathsPerBatch = 1 << 18;
 // Batches of a pass, at least, where another device splats one while the CPU traces the next; and
 // paths in a batch, at least
 constexpr uint64_t kBatchesElsewhere = 8, kFewestPathsElsewhere = 1 << 14;
+// Of a part, before its own ones: radii and samples have been chosen twice or three times by then
+constexpr uint32_t kCommonPasses = 4;
 
 }  // namespace
 
 void Renderer::render_pass(uint32_t pass, const PassLimits& limits, ExternalSplatter* elsewhere) {
+  if (!begun_ && !options.part.whole()) learn_in_common(elsewhere);
+  begun_ = true;
   PassClock clock(limits.seconds);
   const double before = seconds_.camera;
   // 1. Camera paths: direct light into the film, gather points where photons are wanted.
@@ -66,6 +70,32 @@ bool Renderer::splat_photons(double seconds, uint64_t paths_per_batch_wanted,
   if (elsewhere) map.find_masses();
   if (traced < wanted) map.end_photons(traced);
   return true;
+}
+
+// Time limits do not count here: it is a pilot, and counts as one.
+void Renderer::learn_in_common(ExternalSplatter* elsewhere) {
+  const double began = PassClock::now();
+  const StageSeconds before = seconds_;
+  const RenderPart part = options.part;
+  options.part = {};
+  begun_ = learns_ = true;
+  try {
+    for (uint32_t pass = 0; pass < kCommonPasses; ++pass) render_pass(pass, {}, elsewhere);
+  } catch (...) {
+    options.part = part;
+    begun_ = learns_ = false;
+    throw;
+  }
+  options.part = part;
+  learns_ = false;
+  bad_light_ = 0;
+  camera_pass_->begin_part();
+  for (const auto& map : maps_) map->begin_part();
+  if (beams_) beams_->begin_part();
+  const double took = PassClock::now() - began;
+  seconds_ = before;
+  seconds_.pilot += took;
+  seconds_.photons += took;
 }
 
 DataPasses Renderer::data_passes(const DataLabels& labels, DataSettings settings) {
@@ -133,6 +163,7 @@ void Renderer::check_light_groups() const {
 void Renderer::reset_film() {
   film_.reset(camera_settings.region_width, camera_settings.region_height, scene.light_groups);
   bad_light_ = 0;
+  begun_ = false;
   camera_pass_->reset_view(film_.sum(), maps_);
   if (beams_) beams_->begin_again();
   for (const auto& map : maps_) map->reset_view(film_.sum().width, film_.sum().height);
@@ -218,6 +249,7 @@ void Renderer::resolve() {
 }
 
 void Renderer::finish_pass() {
+  if (learns_) return;
   {
     Timer timer(seconds_.error);
     film_.errors().add(film_.pass(), scene.pool());
@@ -227,6 +259,8 @@ void Renderer::finish_pass() {
 
 void Renderer::trace_reference(uint32_t sample) {
   map();
+  if (!begun_ && !options.part.whole()) camera_pass_->begin_part();
+  begun_ = true;
   camera_pass_->trace_reference(sample, film_.begin_pass());
   finish_pass();
 }

@@ -43,6 +43,9 @@ class Renderer {
   // Less in the passes to come; one camera sample in each pixel at the least.
   void limit_pass(const PassSize& most);
 
+  // A part of a picture (RenderOptions::part) first has passes of no part, which all parts have in
+  // common and which teach photon maps, radii and samples as those of a render do.
+
   // --- the stages of a pass ---
   // Camera samples with their direct light; gather points where photons are wanted.
   void trace_camera(uint32_t pass);
@@ -103,6 +106,7 @@ class Renderer {
   void check_light_groups() const;
   void reset_film();
   void finish_pass();
+  void learn_in_common(ExternalSplatter* elsewhere);
   bool splat_photons(double seconds, uint64_t paths_per_batch, ExternalSplatter* elsewhere);
 
   CancelFlag cancel_;
@@ -118,6 +122,8 @@ class Renderer {
   const VisiblePoints no_points_{};
   const Photons no_photons_{};
   RenderFilm film_;
+  bool begun_ = false;      // the film has a pass, or what comes before has been learnt
+  bool learns_ = false;     // passes teach, and are not for the film
   uint64_t bad_light_ = 0;  // gather points whose light from photons was not finite
 };
 

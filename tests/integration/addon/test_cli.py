@@ -188,7 +188,7 @@ def test_options_that_make_no_sense(
         ),
         (["render", "scene.blend", "-o", "folder.exr"], "folder.exr is a folder"),
         (["paint"], "invalid choice: 'paint'"),
-        ([], "the following arguments are required: render"),
+        ([], "the following arguments are required: COMMAND"),
     ],
 )
 def test_files_that_make_no_sense(

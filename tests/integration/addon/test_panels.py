@@ -49,11 +49,11 @@ def _draw(panel: Any) -> list[str]:
 
 
 def _panels() -> list[Any]:
-    from photon_splat.blender.panels import motion, render, report, view_layer
+    from photon_splat.blender.panels import farm, motion, render, report, view_layer
 
     return [
         cls
-        for part in (render, motion, view_layer, report)
+        for part in (render, farm, motion, view_layer, report)
         for cls in part.CLASSES
         if "_PT_" in cls.__name__
     ]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from tests.support import stage
 
 
@@ -16,9 +18,48 @@ def save(folder: str) -> None:
     wall.rotation_euler = (0.0, 1.5708, 0.0)
     wall.data.materials[0] = stage.material("Red", (0.8, 0.1, 0.1))
     write("room")
+    layers(scene)
+    write("layers")
+    bpy.data.objects["POINT"].data.energy = 101
+    write("layers_brighter")
+    bpy.ops.wm.open_mainfile(filepath=f"{folder}/room.blend")
+    missing_texture()
+    write("missing_texture")
+    bpy.ops.wm.open_mainfile(filepath=f"{folder}/room.blend")
+    scene = bpy.context.scene
     for frame, x in ((1, 0.0), (3, 0.5)):
         scene.camera.location.x = x
         scene.camera.keyframe_insert("location", frame=frame)
     write("moving")
     scene.render.use_persistent_data = True
     write("persistent")
+
+
+def layers(scene: Any) -> None:
+    """Two view layers, mattes, a light group, a border, and a transparent film."""
+    import bpy
+
+    first = scene.view_layers[0]
+    first.use_pass_cryptomatte_object = True
+    first.lightgroups.add(name="Key")
+    bpy.data.objects["POINT"].lightgroup = "Key"
+    stage.lamp(energy=50, location=(1, 1, 1.5)).name = "Fill"
+    scene.view_layers.new("Second")
+    render = scene.render
+    render.film_transparent = True
+    render.use_border = True
+    render.border_min_x, render.border_max_x = 0.0, 0.75
+    render.border_min_y, render.border_max_y = 0.25, 1.0
+    scene.camera.location.z = 7
+
+
+def missing_texture() -> None:
+    import bpy
+
+    made, tree = stage.empty_material("Photo")
+    shader, photo = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("BsdfDiffuse", "TexImage"))
+    photo.image = bpy.data.images.new("photo", 1, 1)
+    photo.image.source, photo.image.filepath = "FILE", "//gone.png"
+    tree.links.new(photo.outputs["Color"], shader.inputs["Color"])
+    stage.surface(tree, shader)
+    bpy.data.objects["Plane"].data.materials[0] = made

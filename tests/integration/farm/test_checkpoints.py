@@ -1,0 +1,143 @@
+"""Renders that are ended in the middle, by the command line."""
+
+from __future__ import annotations
+
+import random
+import signal
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from photon_splat.core.render.sums_file import SumsFile
+
+from tests.integration.farm.command import call, equal, picture, start
+
+
+def _until_a_pass_is_done(process: object) -> None:
+    for line in process.stderr:  # type: ignore[attr-defined]
+        if " % " in line:
+            return
+
+
+def _mean(path: Path) -> np.ndarray:
+    read = picture(path)
+    return np.stack([read[c] for c in "RGB"], axis=-1)
+
+
+def test_sigterm_leaves_a_checkpoint_and_the_same_command_goes_on(
+    scenes: Path, tmp_path: Path
+) -> None:
+    command = ("render", scenes / "room.blend", "-o", "out.exr", "--checkpoint", "c.exr")
+    process = start(tmp_path, *command, "--passes", 100000)
+    try:
+        _until_a_pass_is_done(process)
+        time.sleep(0.3)
+        process.send_signal(signal.SIGTERM)
+        _, errors = process.communicate()
+    finally:
+        process.kill()
+    assert process.returncode == 75
+    assert errors.splitlines()[-1] == (
+        "photon-splat: interrupted; the checkpoint c.exr is written, and the same command goes on "
+        "from it"
+    )
+    assert not (tmp_path / "out.exr").exists()
+    (there,) = SumsFile(tmp_path / "c.exr").headers()
+    done = there.passes
+    assert done >= 1
+    status, _, errors = call(tmp_path, *command, "--passes", done + 3)
+    assert status == 0, errors
+    assert errors.startswith(f"photon-splat: going on from c.exr ({done} passes)\n")
+    (after,) = SumsFile(tmp_path / "c.exr").headers()
+    assert [film.passes for film in after.films] == [done, 3]
+    assert [film.generation for film in after.films] == [0, 1]
+    status, output, _ = call(tmp_path, "info", "c.exr")
+    assert "  part 1, generation 1: 3 passes, " in output
+    # The picture is that of the checkpoint, which is a part like others
+    assert call(tmp_path, "merge", "c.exr", "-o", "merged.exr")[0] == 0
+    assert equal(tmp_path / "out.exr", tmp_path / "merged.exr")
+
+
+def test_checkpoints_change_no_picture(scenes: Path, tmp_path: Path) -> None:
+    """Nor do view layers, light groups and mattes get lost in them."""
+    scene = scenes / "layers.blend"
+    assert call(tmp_path, "render", scene, "-o", "plain.exr", "--passes", 2)[0] == 0
+    command = ("render", scene, "-o", "out.exr", "--passes", 2, "--checkpoint", "c.exr")
+    for _ in range(2):  # the second time there is nothing left to do
+        status, _, errors = call(tmp_path, *command, "--checkpoint-every", 0)
+        assert status == 0, errors
+        plain, out = picture(tmp_path / "plain.exr"), picture(tmp_path / "out.exr")
+        assert plain.keys() == out.keys()
+        for name in plain:
+            if not name.endswith("Error.X"):
+                assert plain[name].tobytes() == out[name].tobytes(), name
+
+
+@pytest.mark.parametrize("kills", [3, pytest.param(20, marks=pytest.mark.slow)])
+def test_killed_at_any_moment_no_checkpoint_is_broken(
+    kills: int, scenes: Path, tmp_path: Path
+) -> None:
+    """And the picture is as good as that of a render that nobody has killed."""
+    command = ("render", scenes / "room.blend", "-o", "out.exr", "--checkpoint", "c.exr")
+    options = ("--photons-per-pass", 60000, "--no-adaptive-samples", "--passes")
+    command = (*command, "--checkpoint-every", 0, *options)
+    numbers, passes, rounds = random.Random(7), 0, 0
+    while rounds < kills:
+        process = start(tmp_path, *command, 100000)
+        try:
+            _until_a_pass_is_done(process)
+            time.sleep(numbers.uniform(0.0, 0.6))
+        finally:
+            process.kill()
+            process.communicate()
+        if (tmp_path / "c.exr").exists():
+            (there,) = SumsFile(tmp_path / "c.exr").read()
+            assert there.passes >= passes
+            passes, rounds = there.passes, rounds + 1
+    status, _, errors = call(tmp_path, *command, passes + 1)
+    assert status == 0, errors
+    whole = ("render", scenes / "room.blend", "-o", "whole.exr", *options, passes + 1)
+    assert call(tmp_path, *whole)[0] == 0
+    reference = ("render", scenes / "room.blend", "-o", "reference.exr", "--seed", 9, *options)
+    assert call(tmp_path, *reference, 8 * passes + 64)[0] == 0
+    truth = _mean(tmp_path / "reference.exr")
+    errors_of = [
+        np.sqrt(np.mean((_mean(tmp_path / f"{name}.exr") - truth) ** 2))
+        for name in ("out", "whole")
+    ]
+    assert errors_of[0] < (1.05 if kills > 10 else 1.5) * errors_of[1]
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["--checkpoint-every", "5"], "--checkpoint-every needs --checkpoint"),
+        (["--checkpoint", "c.png"], "c.png does not end in .exr: checkpoints are OpenEXR"),
+        (["--checkpoint", "out.exr"], "--checkpoint and --output name the same file"),
+        (["--part", "0/3"], "argument --part: '0/3' is not a part I/N"),
+        (["--part", "3"], "argument --part: '3' is not a part I/N"),
+    ],
+)
+def test_options_that_make_no_sense(
+    options: list[str],
+    words: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    from photon_splat.cli import main
+
+    monkeypatch.chdir(tmp_path)
+    Path("scene.blend").touch()
+    assert main(["render", "scene.blend", "-o", "out.exr", *options]) == 1
+    assert words in capsys.readouterr().err
+
+
+def test_a_checkpoint_that_is_none_is_left_alone(scenes: Path, tmp_path: Path) -> None:
+    (tmp_path / "c.exr").write_text("of somebody else")
+    command = ("render", scenes / "room.blend", "-o", "out.exr", "--checkpoint", "c.exr")
+    status, _, errors = call(tmp_path, *command)
+    assert status == 1
+    assert errors.startswith("photon-splat: c.exr cannot be read: ")
+    assert (tmp_path / "c.exr").read_text() == "of somebody else"

@@ -1,0 +1,1 @@
+"""Parts against the whole, and against parts that know nothing of each other."""
