@@ -22,7 +22,7 @@ CXX_SOURCES = $(shell find native -path native/.cache -prune -o -type f \( -name
 # What is built in the virtual environment must find its tools there: cmake and ninja.
 IN_VENV = PATH="$(CURDIR)/$(@D)/bin:$$PATH"
 
-.PHONY: help setup setup-old setup-rivals render test lint format test-native test-python test-old extension extension-all extension-test wine-test cross-check release viewport-test update-test bench bench-viewport bench-persistent bench-gpu bench-nodes chart defaults stability convergence calibration references scenes reference oracle agreement wild nodes node-list sanitize wheel clean
+.PHONY: help setup setup-old setup-rivals render test lint format test-native test-python test-old extension extension-all extension-test wine-test cross-check release viewport-test update-test farm-test bench bench-viewport bench-persistent bench-gpu bench-nodes chart defaults stability convergence calibration references scenes reference oracle agreement wild nodes node-list sanitize wheel clean
 
 help:
 	@sed -n 's/^\([a-z-]*\):.*## /  make \1\t/p' $(MAKEFILE_LIST) | expand -t 20
@@ -140,6 +140,9 @@ wine-test: extension-all ## the extension for Windows under Wine (needs Linux, r
 
 release: extension-all ## dist/release: the zips, checksums, and index.json of an extension repository
 	$(PY) tools/release.py dist/release dist/photon_splat-*.zip
+
+farm-test: setup ## jobs of photon-splat farm on a Slurm of one node, whose daemons are Debian's packages, not installed
+	$(PY) tools/farm_test.py .cache/slurm
 
 viewport-test: extension ## the extension in a Blender with a window (VIEWPORT_OPTIONS: see tools/viewport_test.py --help)
 	$(PY) tools/viewport_test.py dist/photon_splat-*-linux_x64.zip $(VIEWPORT_OPTIONS)
