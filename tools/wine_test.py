@@ -34,11 +34,10 @@ OUT = ROOT / "out" / "wine"
 PRODUCT = CACHE / "product"
 """What the archive holds, as importable modules."""
 SECONDS = 3000.0
-ORACLE = "splat and (cornell_box or area_ or glossy or principled)"
 FOLDERS = {
     "closed forms": ["tests/reference/closed_form", "-m", "not slow"],
     "robustness": ["tests/robustness", "-m", "not slow"],
-    "Cycles": ["tests/reference/cycles/test_cycles.py", "-m", "not slow", "-k", ORACLE],
+    "Cycles": ["tests/reference/cycles/test_cycles.py", "-m", "not slow"],
 }
 ROUNDING, DENOISED_ROUNDING = 1e-3, 1e-2
 """Most that a value of a picture may differ between the systems, relative to the larger of it and
