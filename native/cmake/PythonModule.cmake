@@ -40,6 +40,9 @@ endif()
 target_include_directories(photon_splat_native PRIVATE "${CMAKE_CURRENT_SOURCE_DIR}") # bench/
 target_link_libraries(photon_splat_native PRIVATE photon_splat_core)
 
+if(CMAKE_CROSSCOMPILING AND APPLE)
+  set(CMAKE_CXX_CREATE_SHARED_MODULE "<CMAKE_AR> qc <TARGET> <OBJECTS>") # see toolchains/macos-arm64.cmake
+endif()
 if(CMAKE_CROSSCOMPILING AND WIN32)
   # This machine's Python knows another suffix.
   set_target_properties(photon_splat_native PROPERTIES SUFFIX .pyd)
