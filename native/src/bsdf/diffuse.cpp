@@ -116,8 +116,8 @@ namespace {
 float bump_shadow(const View& view, const Vec3& n, const Vec3& wi) {
   const float d = dot(view.bent, n), i = dot(view.bent, wi);
   if (d > 1 - 1e-6f) return 1;
-  if (!(d > 0 && i > 0)) return 0;
-  const float alpha2 = saturate(0.125f * (1 / sqr(d) - 1)), tan2 = 1 / sqr(i) - 1;
+  if (!(d >= 0 && i > 1e-6f)) return 0;
+  const float alpha2 = saturate(0.125f * (1 / sqr(d) - 1)), tan2 = std::max(1 / sqr(i) - 1, 0.0f);
   return 2 / (1 + std::sqrt(1 + alpha2 * tan2));
 }
 

@@ -122,12 +122,11 @@ bool CameraTracer::passes_below(const Surface& hit, const Vec3& to_light) const 
   return !(scene_.bent(hit) && dot(to_light, hit.ns) > 0);
 }
 
-Vec3 CameraTracer::shadow_origin(const Surface& hit, const Vec3& direction,
-                                 const Path& path) const {
+Vec3 CameraTracer::shadow_origin(const Surface& hit, const Vec3& direction, const Path& path,
+                                 float offset) const {
   if (hit.on_strand()) return hit.position;
-  const float epsilon = ray_epsilon(hit.position, hit.distance);
   return scene_.shadow_ray_origin(hit, direction, path.info.time) +
-         hit.ng * (passes_below(hit, direction) ? -epsilon : epsilon);
+         hit.ng * (passes_below(hit, direction) ? -offset : offset);
 }
 
 // The ray starts off the surface, so it is aimed anew; before an emissive surface it stops as far
@@ -135,11 +134,13 @@ Vec3 CameraTracer::shadow_origin(const Surface& hit, const Vec3& direction,
 Rgb CameraTracer::light_through(const LightSample& light, const Surface& hit, Path& path) const {
   const float epsilon = ray_epsilon(hit.position, hit.distance);
   const bool below = passes_below(hit, light.direction);
-  const Vec3 origin = shadow_origin(hit, light.direction, path);
   if (light.exact >= 0 &&
-      lights_.blocked_exactly(static_cast<uint32_t>(light.exact), origin, light.place,
+      lights_.blocked_exactly(static_cast<uint32_t>(light.exact),
+                              shadow_origin(hit, light.direction, path, epsilon), light.place,
                               path.info.time, exact_blockers(path.info)))
     return {};
+  const Vec3 origin =
+      shadow_origin(hit, light.direction, path, ray_offset(hit.position, hit.distance));
   MediumStack media = path.media;
   if (scene_.media() && below) scene_.media()->cross(media, hit);
   if (!std::isfinite(light.distance))

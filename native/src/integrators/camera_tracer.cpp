@@ -207,8 +207,9 @@ void CameraTracer::add_ambient_occlusion(Path& path, const Surface& hit, const B
   if (scene_.media() && passes_below(hit, direction)) scene_.media()->cross(media, hit);
   Random random = path.random;  // the path goes on as if nobody had looked
   const Rgb stays = Rgb{1, 1, 1} - (bsdf.transparency() - bsdf.straight());
-  const Rgb open = transmittance(shadow_origin(hit, direction, path), direction, ambient_distance_,
-                                 path.info, ~uint64_t{0}, media, random);
+  const Vec3 origin = shadow_origin(hit, direction, path, ray_offset(hit.position, hit.distance));
+  const Rgb open =
+      transmittance(origin, direction, ambient_distance_, path.info, ~uint64_t{0}, media, random);
   ++path.tile.rays;
   add_finite(path.pixel.ambient_occlusion, path.throughput * stays * open, path.tile.bad_samples);
 }
@@ -230,7 +231,7 @@ CameraTracer::Passing CameraTracer::pass_through(Path& path, const Surface& hit,
   if (++path.info.transparent_depth > kMaxTransparent || path.random.next() >= survival)
     return Passing::kAbsorbed;
   path.scale(Rgb{1, 1, 1} / survival);
-  path.near = std::nextafter(hit.distance + ray_epsilon(hit.position, hit.distance), INFINITY);
+  path.near = past(hit);
   if (scene_.media()) scene_.media()->cross(path.media, hit);
   if (!is_black(bsdf.straight())) pass_glass(path, hit);
   return Passing::kPasses;

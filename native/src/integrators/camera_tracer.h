@@ -167,7 +167,9 @@ class CameraTracer {
   void see_world(Path& path, const Receiver& from, const Vec3& direction, const Rgb& light,
                  bool ray) const;
   bool passes_below(const Surface& hit, const Vec3& to_light) const;
-  Vec3 shadow_origin(const Surface& hit, const Vec3& direction, const Path& path) const;
+  // `offset`: off the surface, m
+  Vec3 shadow_origin(const Surface& hit, const Vec3& direction, const Path& path,
+                     float offset) const;
   Rgb light_through(const LightSample& light, const Surface& hit, Path& path) const;
   Rgb transmittance(const Vec3& origin, const Vec3& direction, float far, const RayInfo& ray,
                     uint64_t blockers, const MediumStack& media, Random& random) const;

@@ -50,7 +50,7 @@ bool PhotonTracer::go_below(Path& path, const Surface& hit, const Bsdf& bsdf, co
   path.caustic = 0;
   ++path.bounces;
   path.travelled = 0;
-  origin = s.position + s.ng * ray_epsilon(s.position, hit.distance);
+  origin = s.position + s.ng * ray_offset(s.position, hit.distance);
   direction = leaving->wo;
   return true;
 }

@@ -25,20 +25,27 @@ struct Surface {
   bool on_strand() const { return mark != 0; }
 };
 
-// A ray offset that clears the rounding error of a hit at `position` found `distance` away.
+// Places this close to `position`, found `distance` away, are the same but for rounding, whoever
+// has computed them.
 inline float ray_epsilon(const Vec3& position, float distance) {
   return 4e-6f * std::max(max_abs(position), distance);
+}
+// How far off its surface a ray starts: past the rounding error of the hit, and no further, as
+// light would leak where surfaces run into each other. Eight times as much made a lamp that apples
+// hide shine out along the seams of drops on them, 11 % of the picture's light.
+inline float ray_offset(const Vec3& position, float distance) {
+  return 0.125f * ray_epsilon(position, distance);
 }
 // Where a ray starts that leaves `s` that way. On strands no distance is far enough: rays that
 // leave one do not meet it (Surface::mark).
 inline Vec3 leave(const Surface& s, const Vec3& direction) {
   if (s.on_strand()) return s.position;
   return s.position +
-         s.ng * std::copysign(ray_epsilon(s.position, s.distance), dot(direction, s.ng));
+         s.ng * std::copysign(ray_offset(s.position, s.distance), dot(direction, s.ng));
 }
 // Where the ray goes on that found `s` and takes no notice of it.
 inline float past(const Surface& s) {
-  return std::nextafter(s.distance + ray_epsilon(s.position, s.distance), INFINITY);
+  return std::nextafter(s.distance + ray_offset(s.position, s.distance), INFINITY);
 }
 
 }  // namespace photon_splat

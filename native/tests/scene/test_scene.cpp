@@ -79,3 +79,18 @@ TEST_CASE("indices that point nowhere are refused") {
   CHECK_THROWS_AS(scene.add_instance(0, identity, {1}), std::invalid_argument);
   CHECK_THROWS_AS(scene.add_instance(0, identity, {}), std::invalid_argument);
 }
+
+TEST_CASE(
+    "a ray that leaves a surface meets what lies as close behind it as rounding tells apart") {
+  Scene scene(1);
+  fill(scene, make_grid(1), {moved(0, 0, 0), moved(0, 0, -1.5e-5)});
+  Surface top, below;
+  const Vec3 down{0, 0, -1};
+  REQUIRE(scene.intersect({0.3f, 0.6f, 10}, down, 0, 100, true, top));
+  CHECK(top.position.z == doctest::Approx(0));
+  REQUIRE(scene.intersect(leave(top, down), down, 0, 100, false, below));
+  CHECK(below.instance != top.instance);
+  CHECK_FALSE(scene.occluded(leave(top, -down), -down, 0, 100));
+  REQUIRE(scene.intersect({0.3f, 0.6f, 10}, down, past(top), 100, false, below));
+  CHECK(below.instance != top.instance);
+}
