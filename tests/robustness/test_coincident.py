@@ -24,3 +24,22 @@ def test_the_last_of_two_twins_is_seen(thing: c.Mesh, integrator: Integrator) ->
         seen = c.picture(twins, integrator, passes=2)[8:16, 8:16].mean((0, 1))
         assert np.argmax(seen) == np.argmax(last)
         assert seen.max() > 10.0 * seen.min()
+
+
+def test_a_mesh_with_double_faces_is_as_bright_as_without() -> None:
+    """A plate whose two triangles stand in its mesh twice, over a floor."""
+    view = c.perspective((0.0, -3.0, 2.0), (0.0, 0.0, 0.2), 48, 36)
+    plate = [(-0.4, 0.3, 0.6), (0.4, 0.3, 0.6), (0.4, 0.5, 0.1), (-0.4, 0.5, 0.104)]
+    faces = [(0, 1, 2), (0, 2, 3)]
+    sun = c.lamp(LightKind.SUN, 3.0, (0.0, 0.0, 5.0), (1.0, 1.0, 0.0), angle=0.05)
+
+    def pictures(faces: list) -> list[np.ndarray]:
+        things = [(c.mesh(plate, faces), c.lambert(0.8)), (c.quad(2.0), c.lambert(0.8))]
+        what = c.scene(view, things, [sun], 0.6)
+        return [c.picture(what, way, passes=16, photons_per_pass=50_000) for way in c.BOTH]
+
+    once, twice = pictures(faces), pictures([*faces, *faces])
+    for splat, reference in (once, twice):
+        assert splat.mean() == pytest.approx(reference.mean(), rel=0.005)
+        assert splat.max() < 1.2 * reference.max()
+    assert twice[1].mean() == pytest.approx(once[1].mean(), rel=0.005)

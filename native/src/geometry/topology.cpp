@@ -44,6 +44,7 @@ std::vector<uint32_t> weld(std::span<const Vec3> positions, const CancelFlag& ca
 struct HalfEdges {
   struct End {
     uint32_t other, id;  // id = 3 * triangle + corner
+    bool upwards;        // from the smaller vertex to the other one
   };
   std::vector<uint32_t> first;
   LargeArray<End> ends;
@@ -53,17 +54,19 @@ struct HalfEdges {
       : first(welded.size() + 1), ends(3 * triangles.size()) {
     const auto vertices = [&](uint32_t half) {
       const Triangle& t = triangles[half / 3];
-      const uint32_t a = welded[t[half % 3]], b = welded[t[(half + 1) % 3]];
-      return std::pair(std::min(a, b), std::max(a, b));
+      return std::pair(welded[t[half % 3]], welded[t[(half + 1) % 3]]);
     };
     const uint32_t count = static_cast<uint32_t>(ends.size());
-    for (uint32_t h = 0; h < count; ++h) ++first[vertices(h).first + 1];
+    for (uint32_t h = 0; h < count; ++h) {
+      const auto [a, b] = vertices(h);
+      ++first[std::min(a, b) + 1];
+    }
     std::partial_sum(first.begin(), first.end(), first.begin());
     std::vector<uint32_t> next(first.begin(), first.end() - 1);
     for (uint32_t h = 0; h < count; ++h) {
       check_now_and_then(h, cancel);
-      const auto [low, high] = vertices(h);
-      ends[next[low]++] = {high, h};
+      const auto [a, b] = vertices(h);
+      ends[next[std::min(a, b)]++] = {std::max(a, b), h, a < b};
     }
     for (size_t v = 0; v + 1 < first.size(); ++v)
       std::sort(ends.begin() + first[v], ends.begin() + first[v + 1],
@@ -72,7 +75,8 @@ struct HalfEdges {
 };
 
 // partner[half] is the one other half-edge on the same edge, or kNone where there is none or more
-// than one.
+// than one. It goes the other way: two that go the same way are of a triangle and its double, not
+// of neighbours, or of one that is turned over.
 LargeArray<uint32_t> find_partners(const HalfEdges& half, const CancelFlag& cancel) {
   LargeArray<uint32_t> partner(half.ends.size(), kNone);
   for (size_t v = 0; v + 1 < half.first.size(); ++v) {
@@ -81,7 +85,7 @@ LargeArray<uint32_t> find_partners(const HalfEdges& half, const CancelFlag& canc
       for (end = begin + 1;
            end < half.first[v + 1] && half.ends[end].other == half.ends[begin].other;)
         ++end;
-      if (end - begin != 2) continue;
+      if (end - begin != 2 || half.ends[begin].upwards == half.ends[begin + 1].upwards) continue;
       partner[half.ends[begin].id] = half.ends[begin + 1].id;
       partner[half.ends[begin + 1].id] = half.ends[begin].id;
     }

@@ -57,6 +57,15 @@ TEST_CASE("a smooth sphere is one patch without an end, and knows its curvature"
     CHECK(topology.curvature_of(t) == doctest::Approx(1).epsilon(0.5));
 }
 
+TEST_CASE("a triangle and its double are no neighbours") {
+  Mesh mesh = make_grid(1);
+  const size_t once = mesh.triangles.size();
+  for (size_t t = 0; t < once; ++t) mesh.triangles.push_back(mesh.triangles[t]);
+  const Topology topology = topology_of(mesh);
+  CHECK(std::set(topology.patch.begin(), topology.patch.end()).size() == 2 * once);
+  CHECK(topology.edges.size() == 3 * 2 * once);
+}
+
 TEST_CASE("vertices at one place are one vertex") {
   Mesh mesh = make_cube(), split;
   for (const Triangle& t : mesh.triangles) {
