@@ -9,9 +9,11 @@ namespace {
 // Times the emitter's radius; from further off all of it looks alike
 constexpr float kClose = 16;
 constexpr float kLeastSolidAngle = 5e-3f;  // of each triangle, sr: smaller ones lose digits
-constexpr float kMostSolidAngle = 5;       // of all
-constexpr float kMostByCosine = 2;         // of all: cosines are taken as linear over a triangle
-constexpr float kLeastCosine = 0.1f;       // of the largest
+// Of all, seen from a surface: the nearest places are left to rays as well. In a medium nothing but
+// the solid angle bounds a sample where lamps have no multiple importance.
+constexpr float kMostSolidAngle = 5;
+constexpr float kMostByCosine = 2;    // of all: cosines are taken as linear over a triangle
+constexpr float kLeastCosine = 0.1f;  // of the largest
 
 // A number in [0, 1] of a density that is linear from a to b there, not both 0.
 float sample_linear(float u, float a, float b) {
@@ -46,7 +48,7 @@ bool CloseLight::add(const Vec3& a, const Vec3& b, const Vec3& c) {
 namespace {
 
 bool finish(const Receiver& to, CloseLight& out) {
-  if (!(out.total < kMostSolidAngle)) return false;
+  if (!is_black(to.n) && !(out.total < kMostSolidAngle)) return false;
   if (out.total < kMostByCosine && to.diffuse()) out.weigh_by_cosine(to.ns);
   return true;
 }

@@ -92,3 +92,24 @@ TEST_CASE("of many lamps rays look for the strongest") {
   }
   CHECK(near > 600);
 }
+
+TEST_CASE(
+    "light at a place in a medium right before an area lamp is bounded by half of all directions") {
+  Scene scene(1);
+  fill(scene, make_grid(1, 10), {identity});
+  LampSettings settings = lamp_at(LampKind::kArea, {0, 0, 3});
+  const Lights lights(scene, {settings});
+  Random random(3, 4);
+  for (const float before : {0.3f, 1e-2f, 1e-3f, 1e-4f}) {
+    const Receiver receiver{{0.1f, 0.05f, 3 - before}, {}, true};
+    double sum = 0, most = 0;
+    for (int i = 0; i < kCount; ++i)
+      if (const auto light =
+              lights.sample(receiver, random.next(), {random.next(), random.next()})) {
+        sum += light->weight.x / kCount;
+        most = std::max(most, double(light->weight.x));
+      }
+    CHECK(most < 1.01 * sum);
+    if (before < 1e-2f) CHECK(sum == doctest::Approx(10 / (kPi * 0.25) * 2 * kPi).epsilon(0.02));
+  }
+}
