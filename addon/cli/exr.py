@@ -8,15 +8,11 @@ from pathlib import Path
 import numpy as np
 
 from ..core.files import WriteError, real_path, replace_file, try_file
+from ..core.image_rows import write_rows
 from ..core.render.result import Passes, infos_of
 from ..core.scene import Frame
 
 __all__ = ["WriteError", "channels_of", "real_path", "replace_file", "try_file", "write_exr"]
-
-ROWS_AT_ONCE = 64
-"""Rows that are written at a time: interleaved channels of the whole picture would take as much
-memory as the picture again.
-"""
 
 
 def channels_of(
@@ -66,20 +62,4 @@ def write_exr(
     for key, value in metadata.items():
         spec.attribute(key, value)
 
-    def write(temporary: Path) -> None:
-        output = oiio.ImageOutput.create(str(temporary))
-        if output is None:
-            raise OSError(oiio.geterror() or "OpenImageIO knows no such format")
-        done = output.open(str(temporary), spec)
-        for first in range(0, height, ROWS_AT_ONCE):
-            last = min(first + ROWS_AT_ONCE, height)
-            rows = np.concatenate(
-                [plane[height - last : height - first][::-1] for plane in planes],
-                axis=-1,
-                dtype=np.float32,
-            )
-            done = done and output.write_scanlines(spec.y + first, spec.y + last, spec.z, rows)
-        if not (done and output.close()):
-            raise OSError(output.geterror() or oiio.geterror() or "OpenImageIO did not say why")
-
-    replace_file(path, write)
+    write_rows(path, spec, planes)

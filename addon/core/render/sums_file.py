@@ -13,12 +13,13 @@ from typing import Any
 
 import numpy as np
 
-from ..files import WriteError, replace_file
+from ..files import WriteError
+from ..image_rows import write_rows
 from .sums import FORMAT, FilmInfo, Sums
 
 HEADER = "photon_splat:sums"
 ROWS = 64
-"""Rows that are read or written at a time."""
+"""Rows that are read at a time."""
 COMPRESSION = "zip:1"
 
 
@@ -68,26 +69,7 @@ def write_sums(path: Path, layers: Sequence[Sums], *, durable: bool = False) -> 
     spec.attribute("compression", COMPRESSION)
     spec.attribute(HEADER, json.dumps({"format": FORMAT, "layers": told}))
 
-    def write(temporary: Path) -> None:
-        output = oiio.ImageOutput.create(str(temporary))
-        if output is None:
-            raise OSError(oiio.geterror() or "OpenImageIO knows no such format")
-        done = output.open(str(temporary), spec)
-        for first in range(0, height, ROWS):
-            last = min(first + ROWS, height)
-            rows = np.concatenate(
-                [plane[height - last : height - first][::-1] for plane in planes],
-                axis=-1,
-                dtype=np.float32,
-            )
-            done = done and output.write_scanlines(first, last, 0, rows)
-        if not (done and output.close()):
-            raise OSError(output.geterror() or oiio.geterror() or "OpenImageIO did not say why")
-        if durable:
-            with open(temporary, "rb+") as file:
-                os.fsync(file.fileno())
-
-    replace_file(path, write)
+    write_rows(path, spec, planes, durable=durable)
 
 
 class SumsFile:
