@@ -7,10 +7,14 @@ import pytest
 from photon_splat.core.render.persistent import start_anew
 from photon_splat.core.render.result import film_arrays, passes_from_film
 from photon_splat.core.render.settings import RenderSettings
+from photon_splat.core.scene import Material
 
 from tests.robustness.test_degenerate import room
+from tests.support import corescene
+from tests.support.programs import closure
 
 LIGHT = ("diffuse", "glossy", "transmission", "volume")
+MIRROR, RED = (0.9, 0.8, 0.7), (0.8, 0.2, 0.1)
 
 
 def test_arrays_by_name_are_those_of_the_whole_film() -> None:
@@ -38,3 +42,29 @@ def test_arrays_by_name_are_those_of_the_whole_film() -> None:
         assert list(passes_from_film(some)) == ["Combined", "Normal"]
     with pytest.raises(ValueError, match="no array of such a name"):
         renderer.film(["combined", "colour"])
+
+
+def mirrored(roughness: float) -> dict[str, np.ndarray]:
+    """The film of a mirror that shows a red plane above the camera."""
+    material = Material("mirror", program=0)
+    things = [(corescene.quad(), material), (corescene.quad(4.0, z=5.0), corescene.lambert(RED))]
+    what = corescene.scene(corescene.ortho_down(2.0, 1.0, 8), things, world=1.0)
+    what.programs = [closure("Glossy", color=MIRROR, roughness=roughness)]
+    start = start_anew(what, RenderSettings(photons_per_pass=0))
+    start.prepare()
+    for number in range(16):
+        start.renderer.render_pass(number)
+    return start.renderer.film(["albedo", "normal", "feature_normal"])
+
+
+def test_a_denoiser_is_told_what_a_mirror_shows() -> None:
+    film = mirrored(0.0)
+    assert np.allclose(film["albedo"], np.multiply(MIRROR, RED), rtol=0.02)
+    assert np.allclose(film["feature_normal"], (0.0, 0.0, -1.0), atol=1e-3)
+    assert np.allclose(film["normal"], (0.0, 0.0, 1.0), atol=1e-3)
+
+
+def test_a_rough_surface_shows_itself() -> None:
+    film = mirrored(0.5)
+    assert film["albedo"].min() > 0.6
+    assert np.allclose(film["feature_normal"], (0.0, 0.0, 1.0), atol=1e-3)

@@ -10,9 +10,9 @@ from .result import Passes, film_arrays, passes_from_film
 from .settings import RenderSettings
 from .shadow_catcher import shadow_arrays, split_off_shadow
 
-OF_DENOISING = ("Combined", "Normal")
+OF_DENOISING = ("Combined",)
 """Passes that the denoiser reads."""
-FOR_DENOISING = ("albedo", "variance", "diffuse_direct")
+FOR_DENOISING = ("albedo", "feature_normal", "variance", "diffuse_direct")
 """Arrays of the film that the denoiser reads and that are no passes."""
 
 

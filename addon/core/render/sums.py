@@ -12,13 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..native.library import load
-from ..scene import Camera, Frame, Labels, PixelFilter, Scene
+from ..scene import Aperture, Camera, Frame, Labels, PixelFilter, Scene
 from .fingerprint import fingerprint
 from .result import Passes
 from .settings import RenderSettings
 from .shadow_catcher import has_catchers
 
-FORMAT = 1
+FORMAT = 2
 OF_LENGTH = ("passes", "time_limit", "error_threshold", "threads", "backend")
 """Settings in which renders of one picture may differ."""
 ADDED = ("sum", "error", "group")
@@ -98,7 +98,8 @@ class Sums:
     def scene(self) -> Scene:
         """An empty scene that asks for the same passes of the same frame."""
         told, labels = self.picture, self.picture["labels"]
-        scene = Scene(Camera(np.eye(4), (-1.0, 1.0, -1.0, 1.0)), self.frame)
+        lens = Aperture(**told["aperture"]) if told["aperture"] else None
+        scene = Scene(Camera(np.eye(4), (-1.0, 1.0, -1.0, 1.0), aperture=lens), self.frame)
         scene.light_groups, scene.shadow_pass = list(told["light_groups"]), told["shadow_pass"]
         if told["catchers"]:
             scene.instances.catcher = np.zeros(0, bool)
@@ -171,6 +172,7 @@ def picture_of(
             name: list(value) if isinstance(value, tuple) else value for name, value in kept.items()
         },
         "frame": frame | {"border": list(frame["border"]) if frame["border"] else None},
+        "aperture": asdict(scene.camera.aperture) if scene.camera.aperture else None,
         "light_groups": list(scene.light_groups),
         "catchers": has_catchers(scene),
         "shadow_pass": scene.shadow_pass,

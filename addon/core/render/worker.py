@@ -169,7 +169,7 @@ class Worker(threading.Thread):
         runs = 0.0
         if self.settings.denoise:
             before = self.record.samples_before
-            options = denoising_options(before + self.samples_done + samples)
+            options = denoising_options(before + self.samples_done + samples, self.scene)
             runs = denoising_runs(**options) + has_catchers(self.scene)
         after = self.ending.seconds(self.passes_done + 1, runs)
         return self.started + self.settings.time_limit - time.monotonic() - after

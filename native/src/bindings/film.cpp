@@ -141,6 +141,7 @@ const Source kSources[] = {
     mean_of<&Pixel::diffuse_color>("diffuse_color"),
     mean_of<&Pixel::ambient_occlusion>("ambient_occlusion"),
     mean_of<&Pixel::albedo>("albedo"),
+    mean_of<&Pixel::feature_normal>("feature_normal"),
     light_of<&Pixel::emission>("emission"),
     light_of<&Pixel::environment>("environment"),
     mean_of<&Pixel::normal>("normal"),

@@ -37,6 +37,7 @@ const Member kSummed[] = {
     {"normal", channels_of(&Pixel::normal)},
     {"ambient_occlusion", channels_of(&Pixel::ambient_occlusion)},
     {"albedo", channels_of(&Pixel::albedo)},
+    {"feature_normal", channels_of(&Pixel::feature_normal)},
     {"caught", channels_of(&Pixel::caught)},
     {"caught_alone", channels_of(&Pixel::caught_alone)},
     {"backdrop", channels_of(&Pixel::backdrop)},

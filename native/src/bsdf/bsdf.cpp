@@ -164,12 +164,15 @@ Rgb Bsdf::below_weight() const {
 
 bool Bsdf::has_rest() const { return rest_; }
 
-Rgb Bsdf::albedo() const {
-  Rgb sum = below_weight();
+Rgb Bsdf::albedo() const { return below_weight() + sharp_albedo(1); }
+
+Rgb Bsdf::sharp_albedo(float roughness) const {
+  Rgb sum{};
   for (const Lobe& lobe : lobes_)
-    sum += lobe.of_facets() || lobe.kind == LobeKind::kPrincipledHair ? lobe.scale * lobe.layer
-           : lobe.diffuse()                                           ? lobe.gather
-                                                                      : lobe.weight;
+    if (roughness >= 1 || lobe.roughness() <= roughness)
+      sum += lobe.of_facets() || lobe.kind == LobeKind::kPrincipledHair ? lobe.scale * lobe.layer
+             : lobe.diffuse()                                           ? lobe.gather
+                                                                        : lobe.weight;
   return sum;
 }
 

@@ -143,6 +143,8 @@ class Bsdf {
   bool has_rest() const;  // scatters beyond what is gathered: camera paths go on
   // Directional albedo towards wo, about; for the denoiser and Russian roulette
   Rgb albedo() const;
+  // Of its lobes of at most that roughness.
+  Rgb sharp_albedo(float roughness) const;
   // Unit, of the lobes by what they scatter, on wo's side; ns where nothing scatters. Blender's
   // Normal pass
   Vec3 mean_normal() const;

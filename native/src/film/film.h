@@ -16,7 +16,10 @@ struct Pixel {
       transmission_indirect, volume_direct, volume_indirect;
   Rgb diffuse_color, emission, environment, normal;
   Rgb ambient_occlusion;  // what is open of the hemisphere above what is seen, if it is wanted
-  Rgb albedo;  // of all lobes, for a denoiser: what diffuse_color calls black may be copper
+  // For a denoiser, of the first surface that is no mirror and no clear glass: see
+  // CameraTracer::show_features(). Albedo is of all lobes: what diffuse_color calls black may be
+  // copper
+  Rgb albedo, feature_normal;
   // Light of shadow catchers, which none of the above holds: among all things, and as if there were
   // nothing but catchers; the world behind them
   Rgb caught, caught_alone, backdrop;

@@ -53,6 +53,7 @@ void CameraTracer::catch_shadows(Path& path, const Surface& hit) const {
   pixel.normal += among_all.normal;
   pixel.diffuse_color += among_all.diffuse_color;
   pixel.albedo += among_all.albedo;
+  pixel.feature_normal += among_all.feature_normal;
   pixel.ambient_occlusion += among_all.ambient_occlusion;
   pixel.depth = among_all.depth;
   pixel.surface_id = among_all.surface_id;

@@ -43,7 +43,10 @@ CameraTracer::InMedium CameraTracer::pass_media(Path& path, const Surface* hit, 
       path.pixel.surface_id = static_cast<float>(hit->key & 0xffffff);
     }
   }
-  if (path.vertex == 0) path.pixel.albedo += path.throughput * flight.point.scattering;
+  if (path.shows_features) {
+    path.pixel.albedo += path.features * flight.point.scattering;
+    path.shows_features = false;
+  }
   return scatter_in_medium(path, flight, !single) ? InMedium::kScattered : InMedium::kAbsorbed;
 }
 
@@ -117,7 +120,7 @@ bool CameraTracer::scatter_in_medium(Path& path, const Flight& flight, bool dire
   path.world_emission = world_before * weight;
   path.world_throughput = last ? Rgb{} : world_before * weight;
   const float strength = max_abs(path.emission_throughput + path.world_emission);
-  const float survival = std::min(1.0f, strength * (path.vertex < kSureBounces ? kRoulette : 1.2f));
+  const float survival = path.survival(strength);
   if (!is_finite(path.emission_throughput) || !is_finite(path.world_emission)) {
     ++path.tile.bad_samples;
     return false;

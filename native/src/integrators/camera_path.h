@@ -9,7 +9,7 @@ namespace photon_splat {
 inline constexpr float kRoulette = 8;
 // The same factor at the first vertex: what a dark surface mirrors is most of what is seen there
 inline constexpr float kFirstRoulette = 100;
-inline constexpr int kSureBounces = 3;  // from here on at most with the throughput itself
+inline constexpr int kSureBounces = 3;  // from here on with the root of their throughput
 
 // Dimensions of the camera's low-discrepancy sequence, in pairs.
 enum Dimension : uint32_t {
@@ -140,6 +140,11 @@ struct CameraTracer::Path {
   // by paths alone
   Rgb world_throughput{}, world_emission{};
   LobeCategory category = LobeCategory::kDiffuse;
+  // What mirrors on the way leave of a denoiser's features, which are still to come, and the normal
+  // of the first one
+  Rgb features{1, 1, 1};
+  bool shows_features = true;
+  Vec3 mirror_normal{};
   // The last vertex
   Receiver from{{}, {}, true, ~uint64_t{0}, nullptr, 1, ray_bit(RayInfo::kCamera)};
   float pdf = INFINITY;  // of the direction, by its BSDF
@@ -155,6 +160,13 @@ struct CameraTracer::Path {
     withheld *= factor;
     world_throughput *= factor;
     world_emission *= factor;
+    features *= factor;
+  }
+  // The chance to go on, for a path of that throughput. The root keeps the work of deep paths in
+  // bounds, and what they bring too: a path of throughput t that goes on is worth sqrt(t) then, and
+  // not 1, when it meets a lamp.
+  float survival(float strength) const {
+    return std::min(1.0f, vertex < kSureBounces ? strength * kRoulette : std::sqrt(strength));
   }
   // Numbers for the next vertex: the low-discrepancy sequence at the first one.
   Vec2 numbers(Dimension pair) {

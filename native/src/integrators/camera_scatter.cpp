@@ -99,10 +99,8 @@ bool CameraTracer::scatter(Path& path, const Surface& hit, const Bsdf& bsdf,
   }
   const float strength = std::max(max_abs(path.throughput + path.world_throughput),
                                   max_abs(path.emission_throughput + path.world_emission));
-  const float worth = path.vertex == 0             ? kFirstRoulette
-                      : path.vertex < kSureBounces ? kRoulette
-                                                   : 1.2f;
-  const float survival = std::min(1.0f, strength * worth);
+  const float survival =
+      path.vertex == 0 ? std::min(1.0f, strength * kFirstRoulette) : path.survival(strength);
   if (path.random.next() >= survival) return false;
   path.scale(Rgb{1, 1, 1} / survival);
 

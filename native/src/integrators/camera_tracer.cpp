@@ -10,6 +10,8 @@ constexpr float kDiffuseShared = 0.5f, kDiffuseLeast = 0.05f;
 // a path.
 constexpr float kSunny = 0.7f;
 constexpr int kSunnyVertices = 2;
+// What a denoiser looks through: nothing but lobes up to this roughness, but for a quarter
+constexpr float kMirrorRoughness = 0.27f, kMirrorShare = 0.75f;
 constexpr int kMaxTransparent = 4096;  // layers that let a path through before it is given up
 
 struct Moments {
@@ -102,6 +104,10 @@ void CameraTracer::follow(Path& path) const {
     }
     if (!found) {
       add_world(path);
+      if (path.vertex > 0 && path.shows_features) {  // what is mirrored is even there
+        path.pixel.albedo += path.features;
+        path.pixel.feature_normal += path.mirror_normal;
+      }
       return;
     }
     if (scene_.has_catchers() && catches(path, hit)) return catch_shadows(path, hit);
@@ -124,10 +130,9 @@ bool CameraTracer::meet_surface(Path& path, const Surface& hit) const {
   if (path.vertex == 0 && path.info.transparent_depth == 0) path.pixel.normal += bsdf.mean_normal();
   const bool scatters =
       !holdout && bsdf.scatters() && max_abs(path.throughput + path.world_throughput) > 0;
-  if (path.vertex == 0 && !holdout) {
+  if (path.vertex == 0 && !holdout)
     path.pixel.diffuse_color += bsdf.diffuse_albedo() * path.throughput;
-    path.pixel.albedo += bsdf.albedo() * path.throughput;
-  }
+  const Rgb mirrored = path.shows_features && !holdout ? show_features(path, bsdf) : Rgb{};
   if (ambient_distance_ > 0 && path.vertex == 0 && !holdout && !path.through_glass)
     add_ambient_occlusion(path, hit, bsdf);
   // Light is gathered whether the path then stays or not: it has no part in that choice
@@ -144,6 +149,7 @@ bool CameraTracer::meet_surface(Path& path, const Surface& hit) const {
     if (path.vertex == 0 && !path.through_glass) path.pixel.alpha += 1;
     return false;
   }
+  if (path.shows_features && !holdout) end_features(path, bsdf, mirrored);
   if (path.vertex == 0 && !holdout && !path.through_glass)
     show_first(path, hit, 1 - bsdf.holdout());
   return scatters && (body ? meet_body(path, hit, bsdf) : go_on(path, hit, bsdf, *meeting));
@@ -189,6 +195,27 @@ bool CameraTracer::go_on(Path& path, const Surface& hit, const Bsdf& bsdf,
   if (!scatter(path, hit, bsdf, meeting.receiver, meeting.continued)) return false;
   if (lights_.shadow_linked()) add_linked(path);
   return true;
+}
+
+// Tells a denoiser what the pixel shows. A mirror or clear glass shows what the path finds from
+// there on, as in Cycles: returns the albedo of its sharp lobes then, else nothing.
+Rgb CameraTracer::show_features(Path& path, const Bsdf& bsdf) const {
+  const Rgb all = bsdf.albedo(), sharp = bsdf.sharp_albedo(kMirrorRoughness);
+  if (average(sharp) > kMirrorShare * average(all)) return sharp;
+  path.pixel.albedo += path.features * all;
+  return {};
+}
+
+// Where the path stays at a surface.
+void CameraTracer::end_features(Path& path, const Bsdf& bsdf, const Rgb& mirrored) const {
+  const Vec3 normal = bsdf.mean_normal();
+  if (is_black(mirrored)) {
+    path.pixel.feature_normal += normal;
+    path.shows_features = false;
+    return;
+  }
+  if (is_black(path.mirror_normal)) path.mirror_normal = normal;
+  path.features *= mirrored;
 }
 
 void CameraTracer::show_first(Path& path, const Surface& hit, float alpha) const {
