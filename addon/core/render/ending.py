@@ -12,11 +12,11 @@ import numpy as np
 
 from .denoise import DenoiserMissing, denoise
 
-SMALL_SIDE, LARGE_SIDE = 24, 128
+SMALL_SIDE, LARGE_SIDE = 32, 128
 """Sides, in pixels, of the two squares that are denoised as a trial. The difference between their
-times gives the time per pixel.
+times gives the time per pixel. Both are multiples of SMALL_SIDE, as the library fills sides up.
 """
-TRIAL_SHARE = 1 / 16
+TRIAL_SHARE = 1 / 6
 """Largest share of the picture's pixels that the large square may have."""
 OF_SECOND_PART = 1.1
 """Extra work of denoising direct light separately, in runs of the denoiser."""
@@ -59,12 +59,12 @@ class Ending:
 
     def try_denoiser(self, threads: int) -> None:
         large = int(min(LARGE_SIDE, (TRIAL_SHARE * self.pixels) ** 0.5))
-        if large < 2 * SMALL_SIDE:
-            large = 2 * SMALL_SIDE
+        large = max(large // SMALL_SIDE, 2) * SMALL_SIDE
         try:
             _denoise_seconds(SMALL_SIDE, threads)  # loads the library
             small = _denoise_seconds(SMALL_SIDE, threads)
-            seconds = _denoise_seconds(large, threads)
+            # The lesser of two: what holds up one of them would count many times over
+            seconds = min(_denoise_seconds(large, threads) for _ in range(2))
         except (DenoiserMissing, RuntimeError):  # denoise() itself tells the user
             return
         area = large**2 - SMALL_SIDE**2
