@@ -14,7 +14,8 @@ from .denoise import DenoiserMissing, denoise
 
 SMALL_SIDE, LARGE_SIDE = 32, 128
 """Sides, in pixels, of the two squares that are denoised as a trial. The difference between their
-times gives the time per pixel. Both are multiples of SMALL_SIDE, as the library fills sides up.
+times gives the time per pixel. The larger one is a multiple of the other, as the library fills
+sides up. Of tiny pictures the small one is half as wide.
 """
 TRIAL_SHARE = 1 / 6
 """Largest share of the picture's pixels that the large square may have."""
@@ -59,15 +60,16 @@ class Ending:
 
     def try_denoiser(self, threads: int) -> None:
         large = int(min(LARGE_SIDE, (TRIAL_SHARE * self.pixels) ** 0.5))
-        large = max(large // SMALL_SIDE, 2) * SMALL_SIDE
+        side = SMALL_SIDE if large >= 2 * SMALL_SIDE else SMALL_SIDE // 2
+        large = max(large // side, 2) * side
         try:
-            _denoise_seconds(SMALL_SIDE, threads)  # loads the library
-            small = _denoise_seconds(SMALL_SIDE, threads)
+            _denoise_seconds(side, threads)  # loads the library
+            small = _denoise_seconds(side, threads)
             # The lesser of two: what holds up one of them would count many times over
             seconds = min(_denoise_seconds(large, threads) for _ in range(2))
         except (DenoiserMissing, RuntimeError):  # denoise() itself tells the user
             return
-        area = large**2 - SMALL_SIDE**2
+        area = large**2 - side**2
         self._denoise_once, self._denoise_pixels = (
             small,
             max(seconds - small, 0.0) / area * self.pixels + BLEND_SECONDS * self.pixels,
