@@ -12,7 +12,7 @@ constexpr size_t kUnscouted = 16;
 // Samples of a pixel in a pass where photons light what paths meet: theirs is most of the noise
 constexpr uint32_t kGatheredSamples = 4;
 constexpr uint32_t kTrialSamples = 4;  // of a pixel, to tell their variance
-constexpr uint32_t kPathSamples = 16;  // the same where paths bring all of the indirect light
+constexpr uint32_t kPathSamples = 8;   // the same where paths bring all of the indirect light
 constexpr double kServedWell = 0.5;    // share of places
 constexpr size_t kLaterLooks = 16;     // one gather point in so many, in each pass but the first
 
