@@ -23,7 +23,8 @@ camera paths more, and adapts radii and samples for itself.
 class Part:
     """number: from 1 on; one beyond `count` is one more. count: parts that the picture is planned
     for; photon discs are as small as those of the whole. generation: how often the part has been
-    interrupted. before: passes, and photon paths by photon map, of the generations before.
+    interrupted. before: passes, and photon paths by photon map, of the generations before, in
+    whose sequences of random numbers this one goes on.
     """
 
     number: int = 1

@@ -18,6 +18,8 @@ from .sums_file import SumsFile, WriteError, write_sums
 
 SECONDS = 600.0
 """Between two checkpoints, unless somebody asks for another time."""
+SAMPLES = "samples"
+"""Plane of a checkpoint: what has been seen and chosen of samples."""
 
 
 class Checkpoint:
@@ -107,6 +109,8 @@ class Record:
             return
         why = difference(self.earlier.picture, self.picture)
         wrong = next((film for film in self.earlier.films if film.part != self.part.number), None)
+        if not why and SAMPLES not in self.earlier.planes:
+            why = "it is a part file"
         if not why and wrong is not None:
             why = f"it holds part {wrong.part}, and this is part {self.part.number}"
         if why:
@@ -129,9 +133,13 @@ class Record:
     def built(self, renderer: Any, data: Passes) -> None:
         """data: the passes that no film makes."""
         self.data = data
-        for name, plane in (self.earlier.planes if self.earlier else {}).items():
+        if self.earlier is None:
+            return
+        for name, plane in self.earlier.planes.items():
+            if name == SAMPLES:
+                renderer.set_samples_known(plane[0], self.earlier.films[-1].photons)
             if name.startswith("radius."):
-                renderer.set_radius_factors(int(name.removeprefix("radius.")), plane[0, ..., 0])
+                renderer.set_radii_known(int(name.removeprefix("radius.")), plane[0])
 
     def pass_done(self, renderer: Any, passes: int, samples: float) -> None:
         """After each pass: writes a checkpoint where one is due. samples: of a pixel so far."""
@@ -174,6 +182,8 @@ class Record:
         return [f"There is no checkpoint of the last passes: {failure}"] if failure else []
 
     def _all(self, renderer: Any, passes: int, samples: float) -> Sums:
+        resumable = self.checkpoint is not None
+        samples_known, photons = renderer.samples_known if resumable else (None, [])
         film = FilmInfo(
             self.part.number,
             self.part.generation,
@@ -181,12 +191,14 @@ class Record:
             samples,
             time.monotonic() - self.started,
             list(renderer.paths_done),
+            photons,
         )
         mine = from_film(self.picture, film, renderer.film_sums(), self.data)
         total = mine if self.earlier is None else added([self.earlier, mine])
-        for name in [name for name in total.planes if name.startswith("radius.")]:
+        for name in [n for n in total.planes if n == SAMPLES or n.startswith("radius.")]:
             del total.planes[name]
-        if self.checkpoint is not None:
-            for i, factors in enumerate(renderer.radius_factors):
-                total.planes[f"radius.{i}"] = factors[None, ..., None]
+        if samples_known is not None:
+            for i, known in enumerate(renderer.radii_known):
+                total.planes[f"radius.{i}"] = known[None]
+            total.planes[SAMPLES] = samples_known[None]
         return total

@@ -18,7 +18,7 @@ from .result import Passes
 from .settings import RenderSettings
 from .shadow_catcher import has_catchers
 
-FORMAT = 2
+FORMAT = 3
 OF_LENGTH = ("passes", "time_limit", "error_threshold", "threads", "backend")
 """Settings in which renders of one picture may differ."""
 ADDED = ("sum", "error", "group")
@@ -34,7 +34,7 @@ class DifferentPictures(ValueError):
 @dataclass(slots=True)
 class FilmInfo:
     """One render whose film is in the sums. samples: of a pixel, on average. paths: by photon
-    map.
+    map. photons: likewise those of the next pass over those of the first.
     """
 
     part: int
@@ -43,6 +43,7 @@ class FilmInfo:
     samples: float
     seconds: float
     paths: list[int]
+    photons: list[float]
 
     @property
     def name(self) -> tuple[int, int]:

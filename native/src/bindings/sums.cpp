@@ -238,24 +238,62 @@ void bind_sums(nb::module_& m, RendererClass& renderer) {
           },
           "Photon paths of each photon map in the passes of this render.")
       .def_prop_ro(
-          "radius_factors",
+          "radii_known",
           [](const Renderer& r) {
             const size_t width = r.film().sum().width, height = r.film().sum().height;
-            std::vector<nb::object> factors;
-            for (const auto& map : r.maps())
-              factors.push_back(
-                  nb::cast(to_numpy(std::vector<float>(map->radius_factors()), {height, width})));
-            return factors;
+            std::vector<nb::object> maps;
+            for (const auto& map : r.maps()) {
+              std::vector<float> values;
+              for (const auto& known : map->radii_known())
+                values.insert(values.end(), known.begin(), known.end());
+              maps.push_back(nb::cast(to_numpy(std::move(values), {height, width, size_t{3}})));
+            }
+            return maps;
           },
-          "Of each photon map what passes have found: (height, width) float32, on the radii of a pixel.")
+          "Of each photon map what passes have found of its radii: (height, width, 3) float32, the factor on those of\n"
+          "a pixel, and sums that the next choice is made from.")
       .def(
-          "set_radius_factors",
-          [](Renderer& r, size_t map, const Array<float, nb::ndim<2>>& factors) {
-            r.maps().at(map)->set_radius_factors({factors.data(), factors.data() + factors.size()});
+          "set_radii_known",
+          [](Renderer& r, size_t map, const Array<float, nb::ndim<3>>& values) {
+            std::vector<AdaptiveRadius::Known> known(values.size() / 3);
+            if (values.shape(2) != 3)
+              throw std::invalid_argument("three numbers are known of a pixel's radii");
+            std::copy_n(values.data(), values.size(), known.data()->data());
+            r.maps().at(map)->set_radii_known(std::move(known));
           },
-          "map"_a, "factors"_a,
-          "After build(), before the first pass: those that an earlier render of the same has found. ValueError for\n"
-          "another size, IndexError for another map.");
+          "map"_a, "values"_a,
+          "After build(), before the first pass: those that an earlier generation has found in the passes before.\n"
+          "ValueError for another size, IndexError for another map.")
+      .def_prop_ro(
+          "samples_known",
+          [](Renderer& r) {
+            const AdaptiveSampler::Known known = r.sampler().seen();
+            std::vector<float> values;
+            values.reserve(known.pixels.size() * AdaptiveSampler::Known::kNumbers);
+            for (const auto& pixel : known.pixels)
+              values.insert(values.end(), pixel.begin(), pixel.end());
+            const PackedFilm& film = r.film().sum();
+            const std::initializer_list<size_t> shape = {static_cast<size_t>(film.height),
+                                                         static_cast<size_t>(film.width),
+                                                         size_t{AdaptiveSampler::Known::kNumbers}};
+            return nb::make_tuple(nb::cast(to_numpy(std::move(values), shape)), known.photons);
+          },
+          "What passes have seen and chosen of samples: (height, width, 9) float32, and for each photon map the photons\n"
+          "of the next pass over those of the first.")
+      .def(
+          "set_samples_known",
+          [](Renderer& r, const Array<float, nb::ndim<3>>& values, std::vector<double> photons) {
+            if (values.shape(2) != AdaptiveSampler::Known::kNumbers)
+              throw std::invalid_argument("nine numbers are known of a pixel's samples");
+            AdaptiveSampler::Known known;
+            known.pixels.resize(values.shape(0) * values.shape(1));
+            std::copy_n(values.data(), values.size(), known.pixels.data()->data());
+            known.passes = r.options.part.passes_before;
+            known.photons = std::move(photons);
+            r.sampler().go_on(std::move(known));
+          },
+          "values"_a, "photons"_a,
+          "Likewise: what an earlier generation has seen. ValueError for another size.");
   nb::class_<SummedFilm>(m, "SummedFilm", "A film of sums, without a scene: what it shows.")
       .def(
           nb::init<int, int, int, float, bool, bool, int>(), "width"_a, "height"_a,

@@ -19,9 +19,10 @@ constexpr float kLeast = 0.1f, kMost = 2.0f;           // of all together
 
 }  // namespace
 
-void AdaptiveRadius::reset(int width, int height, uint32_t parts, uint32_t before) {
+void AdaptiveRadius::reset(int width, int height, uint32_t parts) {
   parts_ = parts;
-  before_ = before;
+  before_ = 0;
+  earlier_ = {};
   width_ = width;
   height_ = height;
   passes_ = since_ = 0;
@@ -40,6 +41,28 @@ void AdaptiveRadius::end_pass(ThreadPool& pool) {
     }
   });
   if (++passes_ >= kFirstChoice && std::has_single_bit(passes_)) choose(pool);
+}
+
+std::vector<AdaptiveRadius::Known> AdaptiveRadius::known() const {
+  std::vector<Known> out(factors_.size());
+  for (size_t i = 0; i < out.size(); ++i) out[i] = {factors_[i], sum_[i], squares_[i]};
+  return out;
+}
+
+void AdaptiveRadius::go_on(std::vector<Known> known, uint32_t passes) {
+  earlier_ = std::move(known);
+  before_ = passes;
+}
+
+void AdaptiveRadius::begin_part() {
+  if (earlier_.empty()) return;
+  passes_ = before_;
+  since_ = passes_ < kFirstChoice ? 0 : std::bit_floor(passes_);
+  for (size_t i = 0; i < earlier_.size(); ++i) {
+    detail_[i] = 0;
+    factors_[i] = earlier_[i][0], sum_[i] = earlier_[i][1], squares_[i] = earlier_[i][2];
+  }
+  earlier_ = {};
 }
 
 void AdaptiveRadius::choose(ThreadPool& pool) {
@@ -73,8 +96,7 @@ void AdaptiveRadius::choose(ThreadPool& pool) {
         4 * (is_seen(i) ? squares[i] - variances[i] / n
                         : share * std::max(0.0f, far_squares[i] - far_variances[i] / n));
     // Variance of the mean of all parts by the time of the next choice
-    const float noise2 =
-        variances[i] / (static_cast<float>(parts_) * static_cast<float>(before_ + passes_));
+    const float noise2 = variances[i] / (static_cast<float>(parts_) * static_cast<float>(passes_));
     float step = 1;
     if (noise2 > 0 || bias2 > 0)
       step = std::clamp(std::pow(noise2 / std::max(2 * bias2, 1e-30f), 1.0f / 6), kLeastStep,

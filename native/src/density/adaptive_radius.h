@@ -2,6 +2,7 @@
 // wide where they do not.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "util/parallel.h"
@@ -15,10 +16,15 @@ namespace photon_splat {
 // passes that follow: photons never judge themselves.
 class AdaptiveRadius {
  public:
-  // `parts` such renders make the picture together, and each has had `before` passes before these.
-  void reset(int width, int height, uint32_t parts = 1, uint32_t before = 0);
-  // Instead of 1, where an earlier render of the same has found them.
-  void set_factors(std::vector<float> factors) { factors_ = std::move(factors); }
+  // `parts` such renders make the picture together.
+  void reset(int width, int height, uint32_t parts = 1);
+  // What is known of a pixel: its factor, and sums since the last choice of d and of its square.
+  using Known = std::array<float, 3>;
+  std::vector<Known> known() const;
+  // Where an earlier generation has stopped after `passes`: counts once begin_part() is called.
+  void go_on(std::vector<Known> known, uint32_t passes);
+  // After the passes that parts have in common.
+  void begin_part();
   // What d adds to each pixel's luminance in this pass; written by the renderer, then taken by
   // end_pass().
   std::vector<float>& detail() { return detail_; }
@@ -31,6 +37,7 @@ class AdaptiveRadius {
   int width_ = 0, height_ = 0;
   uint32_t passes_ = 0, since_ = 0;  // in all; at the last choice
   uint32_t parts_ = 1, before_ = 0;
+  std::vector<Known> earlier_;  // of an earlier generation of `before_` passes
   std::vector<float> detail_, sum_, squares_, factors_;
 };
 

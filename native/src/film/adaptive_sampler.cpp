@@ -2,6 +2,8 @@
 
 #include <bit>
 #include <numeric>
+#include <stdexcept>
+#include <utility>
 
 namespace photon_splat {
 namespace {
@@ -77,8 +79,61 @@ void AdaptiveSampler::reset(int width, int height, uint32_t least, std::vector<P
   for (PhotonSet& set : photons_) set.noise.assign(pixels, 0.0f);
   by_photons_.assign(pixels, 0.0f);
   samples_.assign(pixels, 0.0f);
+  earlier_ = {};
+  then_ = samples_then_ = {};
   extra_.assign(pixels, 0);
   count_.assign(pixels, 1);
+}
+
+AdaptiveSampler::Known AdaptiveSampler::seen() const {
+  Known out;
+  out.passes = passes_;
+  for (const PhotonSet& set : photons_) out.photons.push_back(set.count);
+  out.pixels.resize(samples_.size());
+  for (size_t i = 0; i < samples_.size(); ++i) {
+    Known::Pixel& to = out.pixels[i];
+    to[Known::kCamera] = camera_.sum[i], to[Known::kCameraSquares] = camera_.squares[i];
+    to[Known::kAll] = all_.sum[i], to[Known::kAllSquares] = all_.squares[i];
+    to[Known::kByPhotons] = by_photons_[i];
+    to[Known::kSamples] = samples_[i];
+    if (!then_.empty()) to[Known::kThen] = then_[i], to[Known::kSamplesThen] = samples_then_[i];
+    to[Known::kCount] = static_cast<float>(count_[i]);
+  }
+  return out;
+}
+
+void AdaptiveSampler::go_on(Known earlier) {
+  if (earlier.pixels.size() != samples_.size())
+    throw std::invalid_argument("the samples of each pixel are known or of none");
+  earlier_ = std::move(earlier);
+}
+
+void AdaptiveSampler::begin_part() {
+  extra_.assign(extra_.size(), 0);
+  if (earlier_.pixels.empty()) return;
+  const Known earlier = std::exchange(earlier_, {});
+  then_.resize(samples_.size());
+  samples_then_.resize(samples_.size());
+  for (size_t i = 0; i < earlier.pixels.size(); ++i) {
+    const Known::Pixel& from = earlier.pixels[i];
+    camera_.sum[i] = from[Known::kCamera], camera_.squares[i] = from[Known::kCameraSquares];
+    all_.sum[i] = from[Known::kAll], all_.squares[i] = from[Known::kAllSquares];
+    by_photons_[i] = from[Known::kByPhotons];
+    samples_[i] = from[Known::kSamples];
+    extra_[i] = static_cast<uint32_t>(from[Known::kSamples]);
+    then_[i] = from[Known::kThen], samples_then_[i] = from[Known::kSamplesThen];
+    count_[i] = static_cast<uint16_t>(std::clamp<double>(from[Known::kCount], 1, kMost));
+  }
+  passes_ = earlier.passes;
+  to_choose_ = std::has_single_bit(passes_);
+  for (size_t s = 0; s < photons_.size() && s < earlier.photons.size(); ++s) {
+    PhotonSet& set = photons_[s];  // its noise and work are of the last pass here
+    const double more = earlier.photons[s] / set.last;
+    if (!(more > 0)) continue;
+    for (float& noise : set.noise) noise /= static_cast<float>(std::sqrt(more));
+    set.work *= more;
+    set.last = set.count = earlier.photons[s];
+  }
 }
 
 void AdaptiveSampler::see(const PackedFilm& pass, Moments& moments, ThreadPool& pool) const {
@@ -112,6 +167,13 @@ double AdaptiveSampler::photon_count() const {
   return first > 0 ? next / first : 1;
 }
 
+void AdaptiveSampler::count_pass() {
+  for (size_t i = 0; i < count_.size(); ++i) {
+    samples_[i] += count_[i];
+    extra_[i] += count_[i] - 1u;
+  }
+}
+
 void AdaptiveSampler::end_pass(const PackedFilm& pass, const PassWork& work, ThreadPool& pool) {
   see(pass, all_, pool);
   const CancelFlag never;
@@ -119,10 +181,8 @@ void AdaptiveSampler::end_pass(const PackedFilm& pass, const PassWork& work, Thr
     PackedFilm::Sums sums;
     pass.see(t, sums);
     pass.each(t, [&](size_t i, size_t place) {
-      samples_[i] += sums.samples[place];
       for (const PhotonSet& set : photons_)
         by_photons_[i] += sums.samples[place] * set.noise[i] * set.noise[i];
-      extra_[i] += count_[i] - 1u;
     });
   });
   for (PhotonSet& set : photons_) set.last = set.count;

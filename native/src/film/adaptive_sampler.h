@@ -2,6 +2,7 @@
 // work beside them, from what the passes before have shown.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "film/packed_film.h"
@@ -52,8 +53,34 @@ class AdaptiveSampler {
   // Sets the samples of each pixel in the first pass
   void begin_with(uint32_t count) { count_.assign(count_.size(), static_cast<uint16_t>(count)); }
 
-  // What has been learnt stays, and samples begin anew.
-  void begin_part() { extra_.assign(extra_.size(), 0); }
+  // What an earlier generation has seen and chosen, as one that follows goes on from it.
+  struct Known {
+    // Of a pixel: moments of the camera's light and of all light, what photons add to the variance
+    // of one sample, samples so far, camera's light and samples at the last choice, and samples in
+    // the next pass
+    enum {
+      kCamera,
+      kCameraSquares,
+      kAll,
+      kAllSquares,
+      kByPhotons,
+      kSamples,
+      kThen,
+      kSamplesThen,
+      kCount,
+      kNumbers
+    };
+    using Pixel = std::array<float, kNumbers>;
+    std::vector<Pixel> pixels;
+    uint32_t passes = 0;
+    std::vector<double> photons;  // of each set in the next pass, over those of the first
+  };
+  Known seen() const;
+  // Counts once begin_part() is called. std::invalid_argument for another number of pixels.
+  void go_on(Known earlier);
+  // What has been learnt stays, and samples begin anew, or go on where the earlier generation has
+  // ended.
+  void begin_part();
 
   // Before the samples of a pass are asked for; again does no harm.
   void begin_pass(ThreadPool& pool);
@@ -72,7 +99,9 @@ class AdaptiveSampler {
 
   // The pass' film when it holds what camera paths found, and again when photons have been added.
   void see_camera(const PackedFilm& pass, ThreadPool& pool);
-  // Noise and work of the photons are known by now.
+  // The samples of a pass are done: the next begins after them.
+  void count_pass();
+  // After that. Noise and work of the photons are known by now.
   void end_pass(const PackedFilm& pass, const PassWork& work, ThreadPool& pool);
 
  private:
@@ -98,6 +127,7 @@ class AdaptiveSampler {
   void choose_photons(const std::vector<float>& weights, double limit, double camera_variance);
 
   int width_ = 0, height_ = 0;
+  Known earlier_;
   uint32_t passes_ = 0, least_ = 1;
   bool to_choose_ = false;
   PassWork work_;  // of the last pass

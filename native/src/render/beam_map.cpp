@@ -63,14 +63,16 @@ void BeamMap::trace_pass() {
   Timer timer(context_.seconds.photons);
   if (!tree_.learnt()) learn();
   const RenderPart& part = context_.options.part;
-  tracer_.trace(passes_ * paths_, paths_, static_cast<double>(paths_),
+  const uint64_t done = part.passes_before + passes_;
+  tracer_.trace(done * paths_, paths_, static_cast<double>(paths_),
                 part.own(stream_seed(seed_, RandomStream::kPhotons)), {}, context_.cancel);
   const float factor = context_.options.radius_scale *
                        static_cast<float>(std::pow(part.passes(passes_), kShrinkExponent));
   ++passes_;
-  tree_.fill(tracer_.beams(), *context_.scene.media(),
-             part.own(stream_seed(seed_, RandomStream::kPointGrid)) + passes_, factor,
-             context_.scene.pool(), context_.cancel);
+  tree_.fill(
+      tracer_.beams(), *context_.scene.media(),
+      part.own(stream_seed(seed_, RandomStream::kPointGrid)) + static_cast<uint32_t>(done) + 1,
+      factor, context_.scene.pool(), context_.cancel);
 }
 
 }  // namespace photon_splat

@@ -228,7 +228,8 @@ void CameraPass::trace_reference(uint32_t sample, PackedFilm& film) {
   Timer timer(context_.seconds.camera);
   film.reset(film.width, film.height, film.light_groups);
   tracer_.look_around(context_.options.ambient_distance);
-  tracer_.trace_reference(sample, context_.options.max_bounces, film, context_.cancel);
+  tracer_.trace_reference(context_.options.part.passes_before + sample,
+                          context_.options.max_bounces, film, context_.cancel);
 }
 
 void CameraPass::forget_gather_points() {

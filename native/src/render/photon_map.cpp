@@ -61,21 +61,21 @@ PhotonMap::PhotonMap(const RenderContext& context, const Lights& lights, const C
 }
 
 void PhotonMap::reset_view(int width, int height) {
-  adaptive_radius_.reset(width, height, context_.options.part.count,
-                         context_.options.part.passes_before);
+  adaptive_radius_.reset(width, height, context_.options.part.count);
   first_path_ = 0;
   points_.forget_clear_regions();
   if (!context_.options.keeps_photons()) radii_.reset();
 }
 
-void PhotonMap::set_radius_factors(std::vector<float> factors) {
-  if (factors.size() != adaptive_radius_.factors().size())
-    throw std::invalid_argument("there is one radius factor for each pixel");
-  adaptive_radius_.set_factors(std::move(factors));
+void PhotonMap::set_radii_known(std::vector<AdaptiveRadius::Known> known) {
+  if (known.size() != adaptive_radius_.factors().size())
+    throw std::invalid_argument("radii are known of each pixel or of none");
+  adaptive_radius_.go_on(std::move(known), context_.options.part.passes_before);
 }
 
 void PhotonMap::begin_part() {
   first_path_ = 0;
+  adaptive_radius_.begin_part();
   pilot_ = since(before_, tracer_.counts());
   used_ = reused_ = 0;
 }
@@ -151,8 +151,8 @@ void PhotonMap::place_points(const GatherPoints& gather_points, uint32_t pass) {
     s.occlusion = options.boundary_correction && options.occlusion;
     s.fixed_radius = options.fixed_radius;
     if (options.adaptive_radius) s.pixel_factors = adaptive_radius_.factors().data();
-    points_.build(context_.scene, gather_points, *radii_, s, pass, options.part.own(seed_),
-                  context_.cancel);
+    points_.build(context_.scene, gather_points, *radii_, s, options.part.passes_before + pass,
+                  options.part.own(seed_), context_.cancel);
     groups_.reset(points_.blocks(), context_.scene.light_groups);
   }
   if (options.boundary_correction) {
@@ -176,7 +176,8 @@ void PhotonMap::trace(uint64_t first, uint64_t count) {
     const bool keep = most > there && !cache_.full();
     SurfaceFilter everywhere;
     if (keep) everywhere.add_all();
-    batch_ = &tracer_.trace(from, count, static_cast<double>(paths_per_pass()),
+    batch_ = &tracer_.trace(context_.options.part.paths_done(number_, from), count,
+                            static_cast<double>(paths_per_pass()),
                             context_.options.part.own(stream_seed(seed_, RandomStream::kPhotons)),
                             keep ? everywhere : points_.keys(), context_.cancel);
     batch_groups_ = &tracer_.light_groups();

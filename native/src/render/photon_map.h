@@ -33,9 +33,9 @@ class PhotonMap {
   bool caustic() const { return stream_ == PhotonStream::kCaustic; }
   // Another view: passes begin anew, with a pilot of their own where photons are aimed at it.
   void reset_view(int width, int height);
-  // Factors on the radii per pixel that an earlier generation has found, after reset_view().
-  void set_radius_factors(std::vector<float> factors);
-  const std::vector<float>& radius_factors() const { return adaptive_radius_.factors(); }
+  // What an earlier generation has known of the radii, after reset_view().
+  void set_radii_known(std::vector<AdaptiveRadius::Known> known);
+  std::vector<AdaptiveRadius::Known> radii_known() const { return adaptive_radius_.known(); }
   // The passes that follow are those of a part: paths begin anew, and what has been learnt stays.
   void begin_part();
   // Another render of the same scene: counts begin anew, kept photons stay.

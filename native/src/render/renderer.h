@@ -86,6 +86,7 @@ class Renderer {
   // After build(); options.seed decides the samples.
   DataPasses data_passes(const DataLabels& labels, DataSettings settings);
 
+  AdaptiveSampler& sampler() { return sampler_; }
   RenderFilm& film() { return film_; }
   const RenderFilm& film() const { return film_; }
   void make_error_estimate();

@@ -23,7 +23,7 @@ TEST_CASE("parts that have done the same end their passes one after the other") 
     }
 }
 
-TEST_CASE("a generation goes on where the one before has ended, with other numbers") {
+TEST_CASE("a generation goes on where the one before has ended, in the same sequences") {
   RenderPart part;
   part.generation = 1;
   part.passes_before = 8;
@@ -32,11 +32,14 @@ TEST_CASE("a generation goes on where the one before has ended, with other numbe
   CHECK(part.paths(1, 100, 100) == 500);
   CHECK(part.paths(2, 100, 100) == 200);
   CHECK(part.passes(0) == 9);
-  CHECK(part.own(77) != 77);
+  CHECK(part.paths_done(0, 50) == 850);
+  CHECK(part.paths_done(2, 50) == 50);
+  CHECK(part.own(77) == 77);
+  part.number = 2;
   RenderPart other = part;
   other.generation = 2;
-  CHECK(part.own(77) != other.own(77));
-  other = part;
-  other.number = 2;
+  CHECK(part.own(77) != 77);
+  CHECK(part.own(77) == other.own(77));
+  other.number = 3;
   CHECK(part.own(77) != other.own(77));
 }

@@ -26,6 +26,9 @@ def save(folder: str) -> None:
     missing_texture()
     write("missing_texture")
     bpy.ops.wm.open_mainfile(filepath=f"{folder}/room.blend")
+    moving_in_fog(bpy.context.scene)
+    write("moving_in_fog")
+    bpy.ops.wm.open_mainfile(filepath=f"{folder}/room.blend")
     scene = bpy.context.scene
     for frame, x in ((1, 0.0), (3, 0.5)):
         scene.camera.location.x = x
@@ -51,6 +54,34 @@ def layers(scene: Any) -> None:
     render.border_min_x, render.border_max_x = 0.0, 0.75
     render.border_min_y, render.border_max_y = 0.25, 1.0
     scene.camera.location.z = 7
+
+
+def moving_in_fog(scene: Any) -> None:
+    """A glass ball that moves while the shutter is open, in a world full of fog: beams of photons,
+    light along camera rays, and two passes of volumes.
+    """
+    import bpy
+
+    glass, tree = stage.empty_material("Glass")
+    stage.surface(tree, tree.nodes.new("ShaderNodeBsdfGlass"))
+    bpy.ops.mesh.primitive_uv_sphere_add(radius=0.4, location=(0, 0, 0.6))
+    ball = bpy.context.object
+    ball.data.materials.append(glass)
+    for frame, x in ((0, -0.6), (2, 0.6)):
+        ball.location.x = x
+        ball.keyframe_insert("location", frame=frame)
+    world = bpy.data.worlds.new("Fog")
+    world.use_nodes = True
+    scatter = world.node_tree.nodes.new("ShaderNodeVolumeScatter")
+    scatter.inputs["Density"].default_value = 0.1
+    output = world.node_tree.nodes["World Output"]
+    world.node_tree.links.new(scatter.outputs["Volume"], output.inputs["Volume"])
+    world.node_tree.nodes["Background"].inputs["Strength"].default_value = 0.0
+    scene.world = world
+    scene.frame_set(1)
+    scene.render.use_motion_blur = True
+    layer = scene.view_layers[0]
+    layer.cycles.use_pass_volume_direct = layer.cycles.use_pass_volume_indirect = True
 
 
 def missing_texture() -> None:

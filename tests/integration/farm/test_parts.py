@@ -85,6 +85,25 @@ def test_the_merged_picture_is_one_of_a_render(parts: Path, scenes: Path, tmp_pa
     assert 0 < said["layers"][0]["error"]["relative_rmse"] < 1
 
 
+def test_parts_of_what_moves_in_fog(scenes: Path, tmp_path: Path) -> None:
+    """Beams, light along camera rays and the shutter's times: whatever the order of the parts, and
+    about the picture of one render of as many passes.
+    """
+    scene = scenes / "moving_in_fog.blend"
+    for number in (1, 2):
+        command = ("render", scene, "-o", f"p{number}.exr", "--part", f"{number}/2")
+        status, _, errors = call(tmp_path, *command, "--passes", 16)
+        assert status == 0, errors
+    for name, order in (("forth", ("p1.exr", "p2.exr")), ("back", ("p2.exr", "p1.exr"))):
+        assert call(tmp_path, "merge", *order, "-o", f"{name}.exr")[0] == 0
+    assert equal(tmp_path / "forth.exr", tmp_path / "back.exr")
+    assert call(tmp_path, "render", scene, "-o", "whole.exr", "--passes", 32)[0] == 0
+    merged, whole = picture(tmp_path / "forth.exr"), picture(tmp_path / "whole.exr")
+    assert merged.keys() == whole.keys()
+    for name in ("R", "G", "B", "Volume Direct.R", "Volume Indirect.R"):
+        assert 0 < merged[name].mean() == pytest.approx(whole[name].mean(), rel=0.05), name
+
+
 def test_missing_parts_are_told(parts: Path, tmp_path: Path) -> None:
     _copy(parts, tmp_path, "p1", "p3")
     command = ("merge", "p1.exr", "p3.exr", "-o", "out.exr")
