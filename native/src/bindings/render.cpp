@@ -73,8 +73,7 @@ void bind_options(nb::module_& m) {
       .def(nb::init<>(), "The whole.")
       .def_rw("number", &RenderPart::number, "From 1 on; more than there are is one more.")
       .def_rw("count", &RenderPart::count, "Discs shrink with the paths of so many parts together.")
-      .def_rw("generation", &RenderPart::generation,
-              "How often the part has been interrupted.")
+      .def_rw("generation", &RenderPart::generation, "How often the part has been interrupted.")
       .def_rw("passes_before", &RenderPart::passes_before, "Of the generations before.")
       .def_rw("paths_before", &RenderPart::paths_before,
               "Likewise: photon paths of each photon map.");
