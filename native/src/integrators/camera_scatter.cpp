@@ -19,9 +19,12 @@ bool CameraTracer::continues(Path& path, const Surface& hit, const Bsdf& bsdf) c
     return true;
   ++path.tile.places;
   const uint32_t key = here ? hit.key : hit.key ^ 1u;
-  if (!(path.badly_served && !strategy_->knows(key)) &&
-      !strategy_->at(key, place_of(path, hit), hit.instance, hit.triangle, radius_factor_,
-                     path.tile.near))
+  const Vec3 place = place_of(path, hit);
+  const bool close = strategy_->kind() == IndirectStrategy::Kind::kFinalGather &&
+                     strategy_->too_close(hit.distance, key, place, hit.instance, hit.triangle,
+                                          radius_factor_, path.tile.near);
+  if (!close && !(path.badly_served && !strategy_->knows(key)) &&
+      !strategy_->at(key, place, hit.instance, hit.triangle, radius_factor_, path.tile.near))
     return false;
   ++path.tile.continued;
   path.badly_served = true;

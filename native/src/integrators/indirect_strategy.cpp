@@ -52,6 +52,13 @@ void IndirectStrategy::see_crowds(std::vector<Look>& looks, ThreadPool& pool,
     if (look.crowded) crowded_.add(look.region);
 }
 
+bool IndirectStrategy::too_close(float way, uint32_t key, const Vec3& x, uint32_t instance,
+                                 uint32_t triangle, float radius_factor,
+                                 RadiusMap::Memory& memory) const {
+  return radii_ && way < std::min(radius_factor * radii_->radius(key, x, photons_, paths_, memory),
+                                  curvature_radius_limit(scene_, instance, triangle));
+}
+
 bool IndirectStrategy::at(uint32_t key, const Vec3& x, uint32_t instance, uint32_t triangle,
                           float radius_factor, RadiusMap::Memory& memory) const {
   if (kind_ == Kind::kPathTraced) return true;

@@ -49,6 +49,11 @@ class IndirectStrategy {
 
   Kind kind() const { return kind_; }
   bool knows(uint32_t key) const { return !radii_ || known_.contains(key); }
+  // Whether x is closer to the last vertex of a path, `way` metres, than the radius of a disc about
+  // it: what is so close shades or lights the disc unevenly, and the path sees but the part of the
+  // disc that is next to it. A gathering path then goes on. The other arguments are those of at().
+  bool too_close(float way, uint32_t key, const Vec3& x, uint32_t instance, uint32_t triangle,
+                 float radius_factor, RadiusMap::Memory& memory) const;
   // Whether too few photons of a pass come into the largest disc about x that neither bends nor
   // reaches past its patch. `radius_factor`: on all radii of that pass. `memory`: of this
   // IndirectStrategy's map.

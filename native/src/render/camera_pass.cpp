@@ -125,11 +125,9 @@ void CameraPass::make_strategy(const PhotonMap& indirect, const SurfaceFilter& k
                    static_cast<double>(indirect.first_pass_paths()));
 }
 
-// Nothing in view needs it.
+// Nothing in view needs it, except paths that gather: they may come too close to a disc.
 void CameraPass::forget_strategy() {
-  strategy_.reset();
-  if (context_.options.gathers())
-    strategy_.emplace(context_.scene, IndirectStrategy::Kind::kFinalGather);
+  if (!context_.options.gathers()) strategy_.reset();
 }
 
 // Gather points of the first pass are all looked at, later ones now and then.

@@ -81,6 +81,30 @@ def test_shadows_of_contacts_are_not_blurred() -> None:
     assert bias(ON) < 0.5 * bias(FinalGather.OFF)
 
 
+def board_on_wall() -> Scene:
+    """The lower side of a board of 4 cm on a wall, with the wall beside it, both lit by what the
+    room reflects: light in the corner changes within centimetres.
+    """
+    board = c.box((-0.6, 0.96, 0.9), (0.6, 1.0, 1.4))
+    things = [
+        (c.box((-1, -1, 0), (1, 1, 2), inwards=True), c.lambert(0.7)),
+        (board, c.lambert(0.7)),
+    ]
+    return c.scene(
+        c.perspective((0.0, 0.4, 0.5), (0.0, 0.97, 0.88), 32, 32, 0.25),
+        things,
+        [c.lamp(c.LightKind.POINT, 30.0, (0.0, 0.0, 1.7))],
+    )
+
+
+def test_what_is_closer_than_the_radius_of_discs_is_not_lit_by_them() -> None:
+    reference = c.picture(board_on_wall(), Integrator.REFERENCE, passes=2000, max_bounces=12)
+    same = {"passes": 60, "photons_per_pass": 3_000, "max_bounces": 12, "final_gather": ON}
+    one, two = (c.picture(board_on_wall(), seed=s, **same) for s in (2, 3))
+    off = (0.5 * (one + two) / reference - 1).mean(axis=(1, 2))  # row by row: the board is level
+    assert np.abs(off).max() < 0.02
+
+
 @pytest.mark.parametrize(
     ("settings", "decided"),
     [
