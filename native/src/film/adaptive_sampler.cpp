@@ -175,6 +175,7 @@ void AdaptiveSampler::count_pass() {
 }
 
 void AdaptiveSampler::end_pass(const PackedFilm& pass, const PassWork& work, ThreadPool& pool) {
+  count_pass();
   see(pass, all_, pool);
   const CancelFlag never;
   pool.for_each(pass.tiles(), never, [&](size_t t, int) {

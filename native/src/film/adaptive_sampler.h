@@ -99,9 +99,9 @@ class AdaptiveSampler {
 
   // The pass' film when it holds what camera paths found, and again when photons have been added.
   void see_camera(const PackedFilm& pass, ThreadPool& pool);
-  // The samples of a pass are done: the next begins after them.
+  // The samples of a pass are done: the next begins after them. Enough where nothing is adaptive.
   void count_pass();
-  // After that. Noise and work of the photons are known by now.
+  // The same, for choices to come. Noise and work of the photons are known by now.
   void end_pass(const PackedFilm& pass, const PassWork& work, ThreadPool& pool);
 
  private:

@@ -231,7 +231,7 @@ void Renderer::resolve() {
     bad_light_ += map->add_to_film(gather_points, ranges, false, pass);
     map->adapt_radii();
   }
-  sampler_.count_pass();
+  if (!adaptive) sampler_.count_pass();
   if (adaptive) {
     PassWork work;
     work.samples = camera_pass_->work_of_samples(pass);
