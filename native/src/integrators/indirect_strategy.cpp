@@ -19,9 +19,10 @@ bool IndirectStrategy::bent(uint32_t instance, uint32_t triangle) const {
   return !topology.planar[topology.patch[triangle]];
 }
 
-float IndirectStrategy::first_radius(uint32_t key, const Vec3& x, uint32_t instance,
-                                     uint32_t triangle, RadiusMap::Memory& memory) const {
-  return std::min(radii_->radius(key, x, photons_, paths_, memory),
+float IndirectStrategy::disc_radius(uint32_t key, const Vec3& x, uint32_t instance,
+                                    uint32_t triangle, float radius_factor,
+                                    RadiusMap::Memory& memory) const {
+  return std::min(radius_factor * radii_->radius(key, x, photons_, paths_, memory),
                   curvature_radius_limit(scene_, instance, triangle));
 }
 
@@ -29,7 +30,7 @@ IndirectStrategy::Look IndirectStrategy::look_at(const Place& place,
                                                  RadiusMap::Memory& memory) const {
   Look look{place, 0};
   if (!bent(place.instance, place.triangle)) return look;
-  look.h = first_radius(place.key, place.position, place.instance, place.triangle, memory);
+  look.h = disc_radius(place.key, place.position, place.instance, place.triangle, 1, memory);
   look.region = ClearRegions::region(place.key, place.position, look.h);
   return look;
 }
@@ -55,8 +56,7 @@ void IndirectStrategy::see_crowds(std::vector<Look>& looks, ThreadPool& pool,
 bool IndirectStrategy::too_close(float way, uint32_t key, const Vec3& x, uint32_t instance,
                                  uint32_t triangle, float radius_factor,
                                  RadiusMap::Memory& memory) const {
-  return radii_ && way < std::min(radius_factor * radii_->radius(key, x, photons_, paths_, memory),
-                                  curvature_radius_limit(scene_, instance, triangle));
+  return radii_ && way < disc_radius(key, x, instance, triangle, radius_factor, memory);
 }
 
 bool IndirectStrategy::at(uint32_t key, const Vec3& x, uint32_t instance, uint32_t triangle,
@@ -65,15 +65,14 @@ bool IndirectStrategy::at(uint32_t key, const Vec3& x, uint32_t instance, uint32
   if (!radii_) return false;
   if (!crowded_.empty() && bent(instance, triangle) &&
       crowded_.count(
-          ClearRegions::region(key, x, first_radius(key, x, instance, triangle, memory))))
+          ClearRegions::region(key, x, disc_radius(key, x, instance, triangle, 1, memory))))
     return true;
   const Instance& placed = scene_.instances[instance];
   const Topology& topology = scene_.meshes[placed.mesh].topology;
   const uint32_t patch = topology.patch[triangle];
   const float area = topology.patch_area[patch] * placed.scale * placed.scale,
               rim = topology.patch_rim[patch] * placed.scale;
-  const float wished = radius_factor * radii_->radius(key, x, photons_, paths_, memory);
-  const float h = std::min(wished, curvature_radius_limit(scene_, instance, triangle));
+  const float h = disc_radius(key, x, instance, triangle, radius_factor, memory);
   // Photons per square metre: all that the pilot saw on the patch, spread over it; or more, as it
   // saw them near by.
   const double density =

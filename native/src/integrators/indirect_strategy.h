@@ -67,9 +67,9 @@ class IndirectStrategy {
     float h = 0;  // 0: none
     bool crowded = false;
   };
-  // The radius that a disc has in the first pass, bent surfaces considered.
-  float first_radius(uint32_t key, const Vec3& x, uint32_t instance, uint32_t triangle,
-                     RadiusMap::Memory& memory) const;
+  // The radius that a disc has, bent surfaces considered; `radius_factor` is 1 in the first pass.
+  float disc_radius(uint32_t key, const Vec3& x, uint32_t instance, uint32_t triangle,
+                    float radius_factor, RadiusMap::Memory& memory) const;
   Look look_at(const Place& place, RadiusMap::Memory& memory) const;
   void see_crowds(std::vector<Look>& looks, ThreadPool& pool, const CancelFlag& cancel);
   bool bent(uint32_t instance, uint32_t triangle) const;

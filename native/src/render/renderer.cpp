@@ -231,7 +231,6 @@ void Renderer::resolve() {
     bad_light_ += map->add_to_film(gather_points, ranges, false, pass);
     map->adapt_radii();
   }
-  if (!adaptive) sampler_.count_pass();
   if (adaptive) {
     PassWork work;
     work.samples = camera_pass_->work_of_samples(pass);
@@ -243,6 +242,8 @@ void Renderer::resolve() {
         work.fixed += cost::kPointBoundary * static_cast<double>(maps_[i]->points().size());
     }
     sampler_.end_pass(pass, work, scene.pool());
+  } else {
+    sampler_.count_pass();
   }
   for (const auto& map : maps_) map->end_pass();
   camera_pass_->look_for_crowds(film_.sum().passes);
