@@ -12,6 +12,7 @@ from ..farm import Animation, FarmError, Job, Still, System, write_bundle
 from .arguments import CommandError
 from .frames import frame_list
 from .process import silence_blender
+from .progress import say
 
 
 def add_command(commands: Any) -> None:
@@ -75,6 +76,8 @@ def run(options: argparse.Namespace) -> None:
         then = write_bundle(job, System(options.system), options.output)
     except FarmError as error:
         raise CommandError(str(error)) from error
+    if job.doubt():
+        say(f"photon-splat: warning: {job.doubt()}\n")
     sys.stdout.write(f"{options.output} is written. Next: {then}\n")
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from ..core.render.parts import FEWEST_PASSES, Part
+from ..core.render.parts import Part, too_small
 from ..core.render.record import SECONDS, Checkpoint, Record
 from ..core.render.settings import RenderSettings
 from ..core.render.sums_file import SumsFileError, write_sums
@@ -79,8 +79,6 @@ def warn_of_small_parts(part: Part | None, settings: RenderSettings) -> None:
     """Where the number of passes alone ends the render."""
     if part is None or part.count == 1 or settings.time_limit or settings.error_threshold:
         return
-    if settings.passes < FEWEST_PASSES:
-        say(
-            f"photon-splat: warning: a part of {settings.passes} passes does little beside its "
-            f"export and its pilot: fewer parts of {FEWEST_PASSES} passes or more take less time\n"
-        )
+    sentence = too_small(settings.passes)
+    if sentence:
+        say(f"photon-splat: warning: {sentence}\n")

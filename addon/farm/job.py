@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
+from ..core.render.parts import too_small
+
 MOST_TASKS = 1024
 """Values that Open Job Description lets a task have."""
 
@@ -116,3 +118,16 @@ class Job:
     def merge(self, output: str, count: str) -> list[str]:
         """Arguments of what follows the parts."""
         return ["merge", f"{output}/parts", "-o", f"{output}/{self.name}.exr", "--expect", count]
+
+    def doubt(self) -> str:
+        """A sentence if passes alone end its parts, and these are too few to pay; else none."""
+        if not isinstance(self.what, Still) or self.what.parts == 1:
+            return ""
+        given: dict[str, str] = {}
+        for i, word in enumerate(self.options):
+            name, equals, value = word.partition("=")
+            given[name] = value if equals else "".join(self.options[i + 1 : i + 2])
+        passes = given.get("--passes", "")
+        if "--seconds" in given or "--error" in given or not passes.isdecimal():
+            return ""
+        return too_small(int(passes))

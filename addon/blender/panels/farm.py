@@ -42,6 +42,8 @@ class PHOTON_SPLAT_OT_farm(bpy.types.Operator):
             return {"CANCELLED"}
         if bpy.data.is_dirty:
             self.report({"WARNING"}, "The file has changes that are not saved, and not in the job")
+        if job.doubt():
+            self.report({"WARNING"}, job.doubt().capitalize())
         self.report({"INFO"}, f"{folder} is written. Next: {then}")
         return {"FINISHED"}
 

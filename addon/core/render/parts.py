@@ -14,9 +14,19 @@ if TYPE_CHECKING:
     from photon_splat_native import Renderer
 
 FEWEST_PASSES = 16
-"""Of a part, below which parts do not pay: each exports the scene, traces a pilot and one pass of
-camera paths more, and adapts radii and samples for itself.
+"""Of a part, below which parts do not pay: each exports the scene, traces a pilot, and the passes
+that all have in common (kCommonPasses, native/src/render/renderer.cpp).
 """
+
+
+def too_small(passes: int) -> str:
+    """A sentence for who asks for parts of so few passes; else none."""
+    if passes >= FEWEST_PASSES:
+        return ""
+    return (
+        f"a part of {passes} passes does little beside its export and its pilot: fewer parts of "
+        f"{FEWEST_PASSES} passes or more take less time"
+    )
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from photon_splat.core.render import sums_file
 from photon_splat.core.render.sums_file import SumsFile
 
 from tests.integration.farm.command import call, equal, picture, start
@@ -152,6 +153,21 @@ def test_a_checkpoint_that_is_none_is_left_alone(scenes: Path, tmp_path: Path) -
     assert status == 1
     assert errors.startswith("photon-splat: c.exr cannot be read: ")
     assert (tmp_path / "c.exr").read_text() == "of somebody else"
+
+
+def test_a_checkpoint_of_an_older_version_is_refused(
+    scenes: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    command = ("render", scenes / "room.blend", "-o", "out.exr", "--checkpoint", "c.exr")
+    assert call(tmp_path, *command, "--passes", 1)[0] == 0
+    layers = SumsFile(tmp_path / "c.exr").read()
+    monkeypatch.setattr(sums_file, "FORMAT", 1)
+    sums_file.write_sums(tmp_path / "c.exr", layers)
+    before = (tmp_path / "c.exr").read_bytes()
+    status, _, errors = call(tmp_path, *command)
+    assert status == 1
+    assert "c.exr is of version 1 of the format; this is 3" in errors
+    assert (tmp_path / "c.exr").read_bytes() == before
 
 
 def test_a_part_file_is_no_checkpoint(scenes: Path, tmp_path: Path) -> None:

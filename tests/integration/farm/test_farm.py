@@ -41,6 +41,27 @@ def test_jobs_that_make_no_sense() -> None:
 
 
 @pytest.mark.parametrize(
+    ("what", "options", "doubts"),
+    [
+        (Still(1, 4), ("--passes", "8"), True),
+        (Still(1, 4), ("--passes=8",), True),
+        (Still(1, 4), ("--passes", "16"), False),
+        (Still(1, 4), ("--passes", "8", "--seconds", "60"), False),
+        (Still(1, 1), ("--passes", "8"), False),
+        (Still(1, 4), (), False),
+        (Animation((1, 2), 1), ("--passes", "8"), False),
+    ],
+)
+def test_parts_of_few_passes_are_doubted(
+    what: Still | Animation, options: tuple[str, ...], doubts: bool
+) -> None:
+    sentence = Job("s", "s.blend", "out", what, options=options).doubt()
+    assert bool(sentence) is doubts
+    if doubts:
+        assert sentence.startswith("a part of 8 passes does little")
+
+
+@pytest.mark.parametrize(
     ("arguments", "words"),
     [
         (["gone.blend", "--still", "2"], "gone.blend does not exist"),
@@ -69,7 +90,9 @@ def test_commands_that_make_no_sense(
 
 def test_limits_of_the_file_are_those_of_all_parts(scenes: Path, tmp_path: Path) -> None:
     """The file has 4 passes; frames are those of the scene."""
-    assert call(tmp_path, "farm", scenes / "room.blend", "--still", 3, "-o", "still")[0] == 0
+    status, _, errors = call(tmp_path, "farm", scenes / "room.blend", "--still", 3, "-o", "still")
+    assert status == 0
+    assert "warning: a part of 2 passes does little" in errors
     template = json.loads((tmp_path / "still/template.json").read_text())
     arguments = template["steps"][0]["script"]["actions"]["onRun"]["args"]
     assert arguments[arguments.index("--passes") + 1] == "2"
