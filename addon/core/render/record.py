@@ -50,6 +50,11 @@ class Checkpoint:
             self.failure = str(error)
         self._last = time.monotonic()
 
+    def forget_planes(self, layer: str) -> None:
+        """Of a view layer that is put again when more of it is done."""
+        if layer in self.layers:
+            self.layers[layer] = replace(self.layers[layer], planes={})
+
     def drop(self, layer: str) -> None:
         """A view layer that is finished; with the last one the file goes."""
         self.layers.pop(layer, None)
@@ -145,6 +150,7 @@ class Record:
         """After each pass: writes a checkpoint where one is due. samples: of a pixel so far."""
         if self.checkpoint is not None and self.checkpoint.due:
             self.checkpoint.put(self._all(renderer, passes, samples))
+            self.checkpoint.forget_planes(self.picture["layer"])
 
     def end(self, renderer: Any, passes: int, samples: float) -> Any:
         """When no pass follows, the render cancelled or not: keeps what there is, and returns what
