@@ -286,15 +286,12 @@ def _from_file(path: str) -> tuple[NDArray, int] | None:
         oiio.geterror()
         return None
     pixels = np.asarray(pixels).reshape(spec.height, spec.width, channels)
-    rgba = np.full(
-        (spec.height, spec.width, 4),
-        255 if eight_bit else 1.0,
-        np.uint8 if eight_bit else np.float32,
-    )
+    if channels == 4:
+        return np.ascontiguousarray(pixels[::-1]), channels
+    rgba = np.empty((spec.height, spec.width, 4), pixels.dtype)
     gray = channels < 3
-    rgba[..., :3] = pixels[::-1, :, :1] if gray else pixels[::-1, :, :3]
-    if channels in {2, 4}:
-        rgba[..., 3] = pixels[::-1, :, -1]
+    rgba[..., :3] = pixels[::-1, :, :1] if gray else pixels[::-1]
+    rgba[..., 3] = pixels[::-1, :, 1] if channels == 2 else 255 if eight_bit else 1.0
     return rgba, channels
 
 
@@ -323,8 +320,10 @@ def _own_pixels(image: Any) -> NDArray | None:
     would hold: to ask Blender for them takes several times as long.
     """
     packed = image.packed_file
-    if packed and not image.is_dirty and image.file_format in {"PNG", "JPEG"}:
-        found = _from_data(packed.data, image)
+    # To ask for the image's file_format would make Blender decode it
+    data = packed.data if packed and not image.is_dirty else b""
+    if data.startswith((b"\x89PNG", b"\xff\xd8\xff")):
+        found = _from_data(data, image)
         if found is not None and found[0].dtype == np.uint8:
             return found[0]
     return _from_blender(image)
