@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import stats
+from scipy import ndimage, stats
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 """Weights of linear RGB with Rec. 709 primaries."""
@@ -33,9 +33,17 @@ def rmse_two_halves(picture: Array, half_1: Array, half_2: Array) -> float:
     return max(mse_two_halves(picture, half_1, half_2), 0.0) ** 0.5
 
 
-def rel_mse(picture: Array, half_1: Array, half_2: Array, epsilon: float = 0.01) -> float:
-    """Mean of squared error / (reference^2 + epsilon), the numerator free of reference noise."""
+def rel_mse(
+    picture: Array, half_1: Array, half_2: Array, epsilon: float = 0.01, window: int = 1
+) -> float:
+    """Mean of squared error / (reference^2 + epsilon), the numerator free of reference noise.
+
+    window: pixels, along each side, that the reference of the denominator is the mean of. With 1
+    the noise of a pixel is in both: a noisy reference adds to every picture's error.
+    """
     reference = (half_1 + half_2) / 2
+    if window > 1:
+        reference = ndimage.uniform_filter(reference, (window, window, 1), mode="nearest")
     return float(np.mean((picture - half_1) * (picture - half_2) / (reference**2 + epsilon)))
 
 

@@ -14,6 +14,8 @@ constexpr double kMost = 256;     // samples of a pixel in one pass
 constexpr double kMostMean = 8;   // of all pixels: passes stay short
 constexpr double kOutlier = 100;  // times the mean deviation: more counts as that much
 constexpr double kLeastWork = 0.05;
+// Of the camera's work, what photons may cost for noise that no pixel shows
+constexpr double kCheap = 0.25;
 // Errors count beside the light around them; where there is less than this part of the picture's
 // mean, beside about that.
 constexpr float kDark = 0.2f;
@@ -410,11 +412,12 @@ void AdaptiveSampler::choose_photons(const std::vector<float>& weights, double l
   for (PhotonSet& set : photons_) {
     const double variance = set.variance(weights, limit);
     if (!(set.work > 0)) continue;
-    const double wanted =
+    const double pays =
         variance > 0
             ? std::sqrt(kWithBlur * variance / camera_variance * (others / set.unit_work()))
             : 0;
-    set.count = std::clamp(stepped(wanted), set.fewest, set.most);
+    const double cheap = std::min(set.wanted, kCheap * others / set.unit_work());
+    set.count = std::clamp(stepped(std::max(pays, cheap)), set.fewest, set.most);
   }
 }
 

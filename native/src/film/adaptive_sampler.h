@@ -19,6 +19,8 @@ struct PhotonSet {
   double work = 0;                 // of the last pass, in the unit of PassWork
   double last = 1, count = 1;      // in the last pass and in the next, over those of the first
   double fewest = 0.25, most = 8;  // bounds of that; both 1 where all passes have to have as many
+  // So many for noise that no pixel shows, as far as they are cheap beside the camera's samples
+  double wanted = 0;
 
   // Sum of the squared errors of all pixels, each error times its weight, for as many photons as
   // the first pass has; noise above `limit` counts as `limit`

@@ -62,6 +62,7 @@ class CameraPass {
                   PackedFilm& film);
   void make_strategy(const PhotonMap& indirect, const SurfaceFilter& known);
   void forget_strategy();
+  void want_photons(const PhotonMap& indirect);
   bool photons_pay(const PhotonMap& indirect) const;
 
   const RenderContext context_;

@@ -113,7 +113,10 @@ void PhotonMap::learn(const PilotTask& task) {
   radii_ = std::make_unique<RadiusMap>(
       context_.scene, *pilot, static_cast<double>(paths),
       RadiusMap::Settings{task.middle, caustic() ? INFINITY : task.reach, caustic()});
-  if (caustic()) dispersion_ = power_dispersion(*pilot);
+  const float dispersion = power_dispersion(*pilot);
+  if (caustic()) dispersion_ = dispersion;
+  effective_photons_ = static_cast<double>(pilot->size()) / dispersion *
+                       static_cast<double>(first_pass_paths_) / static_cast<double>(paths);
   pilot_ = since(before_, tracer_.counts());
 }
 

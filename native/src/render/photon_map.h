@@ -100,6 +100,8 @@ class PhotonMap {
   double work() const;
   // Likewise, of a first pass by what the pilot has just shown.
   double pilot_work_per_pass() const;
+  // Photons of equal power that would be as noisy as those of a first pass, by the pilot.
+  double effective_photons() const { return effective_photons_; }
   uint64_t rays() const { return tracer_.counts().rays - before_.rays; }
   const std::string& kernel_name() const { return splatter_->kernel_name(); }
   PhotonMapStatistics statistics() const;
@@ -117,6 +119,7 @@ class PhotonMap {
   const Lights& lights_;
   PhotonTracer tracer_;
   std::unique_ptr<RadiusMap> radii_;
+  double effective_photons_ = 0;
   float dispersion_ = 1;  // of the power of caustic photons: their noise over that of equal ones
   std::unique_ptr<Splatter> splatter_;
   VisiblePoints points_;

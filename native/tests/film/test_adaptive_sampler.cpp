@@ -13,10 +13,11 @@ constexpr int kWidth = 32, kHeight = 24;
 // deviations of one sample of each kind.
 template <class Camera, class Photons>
 AdaptiveSampler after(uint32_t passes, Camera&& camera_noise, Photons&& photon_noise,
-                      uint32_t least = 1, const PassWork& work = {1, 0}) {
+                      uint32_t least = 1, const PassWork& work = {1, 0},
+                      const PhotonSet& asked = {}) {
   ThreadPool pool(2);
   AdaptiveSampler choice;
-  choice.reset(kWidth, kHeight, least, {PhotonSet{}});
+  choice.reset(kWidth, kHeight, least, {asked});
   Film film;
   film.reset(kWidth, kHeight);
   Random random(3, 5);
@@ -96,6 +97,20 @@ TEST_CASE(
   // Of photons is the noise
   CHECK(total(after(4, stripe, [](int) { return 5.0f; }, 4)) == kWidth * kHeight);
   CHECK(total(after(4, nothing, nothing, 4)) == kWidth * kHeight);
+}
+
+TEST_CASE(
+    "photons that no pixel's variance asks for are had where they are cheap beside the camera") {
+  const auto count = [&](double wanted, double camera) {
+    PhotonSet asked;
+    asked.wanted = wanted;
+    return after(4, even, nothing, 1, {camera, 0}, asked).photons(0).count;
+  };
+  CHECK(count(0, 100) == doctest::Approx(0.25));  // the fewest
+  CHECK(count(4, 1000) == doctest::Approx(4));
+  CHECK(count(100, 1e6) == doctest::Approx(8));  // the most
+  // A quarter of the camera's work, of eight samples in a pixel, in steps of a quarter octave
+  CHECK(count(4, 0.5) == doctest::Approx(1).epsilon(0.2));
 }
 
 TEST_CASE("limited samples keep where they go, and number on") {

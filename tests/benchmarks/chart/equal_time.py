@@ -25,6 +25,8 @@ PAIRS = (
     (Method.CYCLES, Method.SPLAT),
     (Method.CYCLES_DENOISED, Method.SPLAT_DENOISED),
 )
+WINDOW = 7
+"""Of relMSE's denominator: the references are noisy ones."""
 SIZE = """
 import bpy, sys
 bpy.ops.wm.open_mainfile(filepath=sys.argv[1], load_ui=False, use_scripts=False)
@@ -54,7 +56,7 @@ def compare(case: Case, seconds: list[float]) -> list[list[object]]:
             cycles = runs.shot(case, theirs, asked, 1)
             mine = runs.shot(case, ours, round(cycles.seconds, 1), 1)
             points = [
-                figures.point(asked, [shot.picture], [shot.seconds], halves)
+                figures.point(asked, [shot.picture], [shot.seconds], halves, WINDOW)
                 for shot in (cycles, mine)
             ]
             errors = [p.rel_mse for p in points]

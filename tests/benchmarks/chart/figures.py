@@ -47,8 +47,13 @@ def flip(picture: Array, reference: Array) -> float:
 
 
 def point(
-    budget: float, pictures: list[Array], seconds: list[float], halves: tuple[Array, Array]
+    budget: float,
+    pictures: list[Array],
+    seconds: list[float],
+    halves: tuple[Array, Array],
+    window: int = 1,
 ) -> Point:
+    """window: that of rel_mse()."""
     reference = (halves[0] + halves[1]) / 2
     wide = [picture.astype(np.float64) for picture in pictures]
     errors = [rmse_two_halves(picture, *halves) for picture in wide]
@@ -58,7 +63,7 @@ def point(
         median(errors),
         float(np.quantile(errors, 0.1)),
         float(np.quantile(errors, 0.9)),
-        median(max(rel_mse(picture, *halves, EPSILON), 0.0) for picture in wide),
+        median(max(rel_mse(picture, *halves, EPSILON, window), 0.0) for picture in wide),
         flip(pictures[0], reference),
         median(float(picture.mean() / reference.mean()) for picture in wide),
         len(pictures),
