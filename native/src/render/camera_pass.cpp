@@ -15,7 +15,7 @@ constexpr uint32_t kGatheredSamples = 4;
 // as many were no better in gi_demo and interior.
 constexpr double kGatheredPhotons = 20000;
 constexpr uint32_t kTrialSamples = 4;  // of a pixel, to tell their variance
-constexpr uint32_t kPathSamples = 8;   // the same where paths bring all of the indirect light
+constexpr uint32_t kPathSamples = 8;   // of a pixel in a pass where paths bring all indirect light
 constexpr double kServedWell = 0.5;    // share of places
 constexpr size_t kLaterLooks = 16;     // one gather point in so many, in each pass but the first
 
