@@ -16,6 +16,10 @@ constexpr float kFarShare = 0.1f;
 constexpr float kQuietPairs = 3, kQuietShare = 0.1f;
 // Statistics of how many pixels one has, its near neighbours' included
 constexpr float kLent = 4;
+// Times the picture's mean, straight from a source, in this part of all passes: such pixels tell
+// nothing of those beside them
+constexpr double kBright = 4;
+constexpr float kOften = 0.25f;
 constexpr int kSlopes = 9;  // a = 1, 1.25, ... 3
 constexpr float kSlopeStep = 0.25f;
 constexpr int kGroups = 10;  // of pixels that are equally far off, by their estimates
@@ -24,6 +28,8 @@ constexpr uint32_t kFirstGroups = 4, kAllGroups = 8;
 constexpr size_t kSorted = 20000;  // pixels that tell where groups end
 // A group counts as so many pixels at most: errors of neighbouring pixels are correlated
 constexpr float kLentInGroup = 20;
+// Blocks tell the variance of a group once they hold this part of all passes
+constexpr float kKnown = 0.75f;
 constexpr float kGroupStep = 4;  // at most, of the variance, up or down
 constexpr float kMost = 1e37f;
 constexpr float kNoisePerDetail = 2;  // squared: see AdaptiveRadius
@@ -34,6 +40,20 @@ double mean_of(const std::vector<float>& values) {
   double sum = 0;
   for (float v : values) sum += v;
   return values.empty() ? 0 : sum / static_cast<double>(values.size());
+}
+
+// blur(), but pixels where `apart` is 1 lend nothing to those where it is 0. Empty: there are none.
+void blur_apart(const std::vector<float>& in, const std::vector<float>& apart, int width,
+                int height, int r, std::vector<float>& out) {
+  blur(in, width, height, r, out);
+  if (apart.empty()) return;
+  std::vector<float> rest(in), lenders, of_rest;
+  for (size_t i = 0; i < rest.size(); ++i)
+    if (apart[i] > 0) rest[i] = 0;
+  blur(apart, width, height, r, lenders);
+  blur(rest, width, height, r, of_rest);
+  for (size_t i = 0; i < rest.size(); ++i)
+    if (!(apart[i] > 0)) out[i] = of_rest[i] / (1 - lenders[i]);
 }
 
 // c k^-a / (2 - 2^(1-a)) fitted to D(k) = c k^-a at several k, with a prior on a.
@@ -96,8 +116,8 @@ void ErrorEstimate::reset(int width, int height) {
   passes_ = estimated_ = 0;
   levels_.clear();
   const size_t pixels = static_cast<size_t>(width) * height;
-  for (auto* sum : {&luminance_, &samples_, &noises_, &detail_, &detail_squares_, &error_,
-                    &variance_, &squared_bias_})
+  for (auto* sum : {&luminance_, &samples_, &sources_, &source_passes_, &noises_, &detail_,
+                    &detail_squares_, &error_, &variance_, &squared_bias_})
     sum->assign(pixels, 0.0f);
   figures_ = {};
 }
@@ -121,6 +141,8 @@ void ErrorEstimate::add(const PackedFilm& pass, ThreadPool& pool) {
       const float detail = sums.detail[place] / samples;
       luminance_[i] += block;
       samples_[i] += samples;
+      sources_[i] += sums.sources[place];
+      source_passes_[i] += sums.sources[place] > 0;
       noises_[i] += noise;
       detail_[i] += detail;
       detail_squares_[i] += detail * detail;
@@ -167,11 +189,12 @@ void ErrorEstimate::estimate_variance(ThreadPool& pool) {
         own[i][at] = levels_[i].squares[at] / levels_[i].weights[at] * scale * noises_[at] /
                      (samples_[at] * samples_[at]);
     });
+  const std::vector<float> sources = beside_sources();
   std::vector<std::vector<float>> around(k.size());
   pool.for_each(2 * k.size(), never, [&](size_t i, int) {
     const size_t level = i / 2;
-    i % 2 ? blur(own[level], width_, height_, kFar, around[level])
-          : blur(own[level], width_, height_, kNear, lent[level]);
+    i % 2 ? blur_apart(own[level], sources, width_, height_, kFar, around[level])
+          : blur_apart(own[level], sources, width_, height_, kNear, lent[level]);
   });
   pool.for_each(k.size(), never, [&](size_t i, int) {
     const std::vector<float>& far = around[i];
@@ -186,7 +209,31 @@ void ErrorEstimate::estimate_variance(ThreadPool& pool) {
     for (size_t at = row * width_; at < (row + 1) * width_; ++at)
       variance_[at] = law.variance([&](size_t i) { return lent[i][at]; });
   });
-  if (passes_ >= kFirstGroups) correct_by_group(own, k, pairs);
+  if (passes_ >= kFirstGroups) correct_by_group(own, sources, k, pairs);
+}
+
+// 1 where a source is seen that outshines the picture, as a lamp does, and next to there; 0
+// elsewhere. The rim of a lamp varies from pass to pass by more than all else, which shows nothing
+// of the pixels that never see it. What is met rarely, as a lamp out of focus, may be anywhere
+// around. Empty where there are none.
+std::vector<float> ErrorEstimate::beside_sources() const {
+  double light = 0;
+  for (size_t i = 0; i < luminance_.size(); ++i) light += luminance_[i] / samples_[i];
+  const double bright =
+      kBright * light / std::max<double>(static_cast<double>(luminance_.size()), 1);
+  std::vector<float> result;
+  for (int y = 0; y < height_; ++y)
+    for (int x = 0; x < width_; ++x) {
+      const size_t i = static_cast<size_t>(y) * width_ + x;
+      if (!(sources_[i] / samples_[i] > bright) ||
+          source_passes_[i] < kOften * static_cast<float>(passes_))
+        continue;
+      result.resize(luminance_.size());
+      for (int at = std::max(y - 1, 0); at <= std::min(y + 1, height_ - 1); ++at)
+        for (int along = std::max(x - 1, 0); along <= std::min(x + 1, width_ - 1); ++along)
+          result[static_cast<size_t>(at) * width_ + along] = 1;
+    }
+  return result;
 }
 
 // After one pass.
@@ -208,28 +255,35 @@ std::vector<float> ErrorEstimate::differences_of_neighbours(ThreadPool& pool) co
 
 // A pixel's slope is that of its small blocks, of which there are many. Large blocks are few, but a
 // tenth of the picture has enough of them: its variance is taken from blocks of a quarter of all
-// passes or more. They say nothing about which pixel falls into which tenth, so that no tenth is
-// made of those that happened to look noisy.
+// passes or more, and from smaller ones where those leave passes out. They say nothing about which
+// pixel falls into which tenth, so that no tenth is made of those that happened to look noisy.
+// Pixels beside sources are a group of their own: one lamp would speak for a tenth of the picture.
 void ErrorEstimate::correct_by_group(const std::vector<std::vector<float>>& own,
-                                     const std::vector<float>& k, const std::vector<float>& pairs) {
+                                     const std::vector<float>& sources, const std::vector<float>& k,
+                                     const std::vector<float>& pairs) {
   std::vector<size_t> large;
   std::vector<float> large_k, large_pairs;
-  for (size_t i = 0; i < k.size(); ++i)
-    if (4 * k[i] >= static_cast<float>(passes_)) {
-      large.push_back(i);
-      large_k.push_back(k[i]);
-      large_pairs.push_back(pairs[i]);
-    }
+  const float passes = static_cast<float>(passes_);
+  float known = 0;  // the most passes that pairs of one size hold
+  for (size_t i = k.size(); i-- > 0;) {
+    if (4 * k[i] < passes && known >= kKnown * passes) break;
+    known = std::max(known, 2 * k[i] * pairs[i]);
+    large.push_back(i);
+    large_k.push_back(k[i]);
+    large_pairs.push_back(pairs[i]);
+  }
   std::vector<float> sorted;
   for (size_t at = 0, step = 1 + variance_.size() / kSorted; at < variance_.size(); at += step)
-    sorted.push_back(variance_[at]);
+    if (sources.empty() || !(sources[at] > 0)) sorted.push_back(variance_[at]);
   std::sort(sorted.begin(), sorted.end());
   float limits[kGroups - 1];
-  for (int g = 0; g + 1 < kGroups; ++g) limits[g] = sorted[sorted.size() * (g + 1) / kGroups];
-  const auto group_of = [&](size_t at) {
+  for (int g = 0; g + 1 < kGroups; ++g)
+    limits[g] = sorted.empty() ? 0 : sorted[sorted.size() * (g + 1) / kGroups];
+  const auto group_of = [&](size_t at) -> long {
+    if (!sources.empty() && sources[at] > 0) return kGroups;
     return std::upper_bound(limits, limits + kGroups - 1, variance_[at]) - limits;
   };
-  std::vector<double> sums(kGroups * (large.size() + 1)), count(kGroups);
+  std::vector<double> sums((kGroups + 1) * (large.size() + 1)), count(kGroups + 1);
   for (size_t at = 0; at < variance_.size(); ++at) {
     const size_t g = static_cast<size_t>(group_of(at));
     for (size_t i = 0; i < large.size(); ++i) sums[g * (large.size() + 1) + i] += own[large[i]][at];
@@ -237,8 +291,8 @@ void ErrorEstimate::correct_by_group(const std::vector<std::vector<float>>& own,
     ++count[g];
   }
   const PowerLaw law(passes_, large_k, large_pairs, kLentInGroup, kOfGroup);
-  float factor[kGroups];
-  for (size_t g = 0; g < kGroups; ++g) {
+  float factor[kGroups + 1];
+  for (size_t g = 0; g <= kGroups; ++g) {
     const double* sum = &sums[g * (large.size() + 1)];
     const float variance = law.variance(
         [&](size_t i) { return static_cast<float>(sum[i] / std::max(count[g], 1.0)); });

@@ -51,7 +51,9 @@ class ErrorEstimate {
  private:
   void estimate_variance(ThreadPool& pool);
   std::vector<float> differences_of_neighbours(ThreadPool& pool) const;
-  void correct_by_group(const std::vector<std::vector<float>>& own, const std::vector<float>& k,
+  std::vector<float> beside_sources() const;
+  void correct_by_group(const std::vector<std::vector<float>>& own,
+                        const std::vector<float>& sources, const std::vector<float>& k,
                         const std::vector<float>& pairs);
   void estimate_bias(ThreadPool& pool);
   void make_figures();
@@ -65,9 +67,11 @@ class ErrorEstimate {
     uint32_t pairs = 0;
   };
   int width_ = 0, height_ = 0;
-  uint32_t passes_ = 0, estimated_ = 0;         // so far; at the last update()
-  std::vector<Level> levels_;                   // of blocks of 1, 2, 4, ... passes
-  std::vector<float> luminance_, samples_;      // sums over samples
+  uint32_t passes_ = 0, estimated_ = 0;  // so far; at the last update()
+  std::vector<Level> levels_;            // of blocks of 1, 2, 4, ... passes
+  // Sums over samples; sources_: the part of luminance_ that comes straight from what emits, and in
+  // how many passes there was some
+  std::vector<float> luminance_, samples_, sources_, source_passes_;
   std::vector<float> noises_;                   // sum over passes of the root of their samples
   std::vector<float> detail_, detail_squares_;  // sums over passes, each its mean
   std::vector<float> error_, variance_, squared_bias_;

@@ -153,10 +153,16 @@ void PackedFilm::see(size_t t, Sums& sums) const {
   }
   const Reader::Channel samples = channels[channel_of(&Pixel::samples)],
                         detail = channels[channel_of(&Pixel::detail)];
+  const size_t emission = channel_of(&Pixel::emission),
+               environment = channel_of(&Pixel::environment);
+  const auto seen = [&](size_t c, size_t i) {
+    return luminance(Rgb{channels[c][i], channels[c + 1][i], channels[c + 2][i]});
+  };
   for (size_t i = 0; i < kPixels; ++i) {
     sums.luminance[i] = luminance(light[i]);
     sums.samples[i] = samples[i];
     sums.detail[i] = detail[i];
+    sums.sources[i] = seen(emission, i) + seen(environment, i);
   }
 }
 

@@ -38,6 +38,7 @@ class PackedFilm {
   using Tile = std::array<Pixel, kSide * kSide>;
   struct Sums {
     float luminance[kSide * kSide], samples[kSide * kSide], detail[kSide * kSide];
+    float sources[kSide * kSide];  // the part of luminance that comes straight from what emits
   };
 
   int width = 0, height = 0;

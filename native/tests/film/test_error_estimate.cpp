@@ -115,6 +115,38 @@ TEST_CASE("what narrower discs would change is bias, unless it is noise") {
   CHECK(with_detail(0).figures().bias < 0.01);
 }
 
+TEST_CASE("a lamp's rim says nothing of pixels that do not see it; lights met rarely do") {
+  // Lit evenly but for a little noise, and a lamp of nine pixels, those at its rim half covered.
+  constexpr int kLamp = 15, kFirst = 14, kLast = 16;
+  const float noise = 0.01f, sigma = noise / std::sqrt(12.0f);
+  const ErrorEstimate lamp = estimate(16, [&](uint32_t p, uint32_t i, Pixel& pixel) {
+    const int x = static_cast<int>(i) % kWidth, y = static_cast<int>(i) / kWidth;
+    const float v = 1 + noise * Random(p, i).next();
+    pixel.diffuse_direct = {v, v, v};
+    if (x < kFirst || x > kLast || y < kFirst || y > kLast) return;
+    if ((x == kLamp && y == kLamp) || Random(p + 1000, i).next() < 0.5f)
+      pixel.emission = {500, 500, 500};
+  });
+  double told = 0;
+  int pixels = 0;
+  for (int y = kFirst - 8; y <= kLast + 8; ++y)
+    for (int x = kFirst - 8; x <= kLast + 8; ++x) {
+      if (x >= kFirst - 1 && x <= kLast + 1 && y >= kFirst - 1 && y <= kLast + 1) continue;
+      told += lamp.variance()[static_cast<size_t>(y) * kWidth + x];
+      ++pixels;
+    }
+  CHECK(std::sqrt(told / pixels) == doctest::Approx(sigma / std::sqrt(16.0)).epsilon(0.2));
+  const double rim = lamp.variance()[static_cast<size_t>(kLamp) * kWidth + kFirst];
+  CHECK(std::sqrt(rim) > 20);
+  // As often bright as a lamp out of focus that one sample in two hundred meets
+  const ErrorEstimate rare = estimate(16, [&](uint32_t p, uint32_t i, Pixel& pixel) {
+    if (Random(p, i).next() < 0.005f) pixel.emission = {100, 100, 100};
+  });
+  const double true_error = 100 * std::sqrt(0.005 * 0.995 / 16);
+  CHECK(root_mean_square(rare.variance()) > 0.7 * true_error);
+  CHECK(root_mean_square(rare.variance()) < 1.3 * true_error);
+}
+
 TEST_CASE(
     "one pass is judged by its neighbours; a black picture has no error; no passes, no estimate") {
   const ErrorEstimate one = estimate(
