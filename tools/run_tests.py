@@ -1,8 +1,10 @@
 """Runs the Python tests, each folder that holds some in a pytest process of its own.
 
-Usage: run_tests.py [-m MARKERS] [FOLDER ...]
+Usage: run_tests.py [-m MARKERS] [-j JOBS] [FOLDER ...]
 
-Tests that are marked as slow run with `-m slow` only (make reference).
+Tests that are marked as slow run with `-m slow` only (make reference). Folders run side by side, as
+much of a test is Blender's start and export, which take one core; what a folder prints comes whole
+when it has ended.
 
 Blender keeps its state for a whole process, may hang when it exits, and may die there after the
 last test has passed. So every process gets a clean Blender user folder, and writes pytest's exit
@@ -21,6 +23,8 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -29,6 +33,8 @@ sys.path.insert(0, str(ROOT))  # for tests
 from tests.support.hang import POLL_SECONDS, HangGuard  # noqa: E402
 
 NO_TESTS_COLLECTED = 5
+LONGEST = ("tests/reference/cycles", "tests/integration/addon", "tests/integration/farm")
+"""Begun first, so that none of them is left to run alone."""
 LAST_WORDS_SECONDS = 10.0
 """For a process that hangs to say where."""
 
@@ -55,24 +61,30 @@ def main() -> int:
     parser.add_argument(
         "-m", dest="marker", default="not slow", help="pytest's expression of markers (%(default)s)"
     )
+    parser.add_argument(
+        "-j", dest="jobs", type=int, default=2, help="folders side by side (%(default)s)"
+    )
     options = parser.parse_args()
     pytest_options = ["-m", options.marker]
     folders = [Path(folder).resolve() for folder in options.folders] or all_folders()
 
     failures: list[str] = []
     ran = False
-    for folder in folders:
-        name = folder.relative_to(ROOT).as_posix()
-        print(f"== {name}", flush=True)
-        began = time.monotonic()
-        status = run_folder(folder, pytest_options)
-        print(f"   {time.monotonic() - began:.0f} s", flush=True)
-        if isinstance(status, str):
-            failures.append(f"{name}: {status}")
-        elif status != NO_TESTS_COLLECTED:
-            ran = True
-            if status != 0:
-                failures.append(f"{name}: pytest gave status {status}")
+    running: set[subprocess.Popen[bytes]] = set()
+    with ThreadPoolExecutor(max(options.jobs, 1)) as pool, ended_on_interrupt(pool, running):
+        runs = {
+            pool.submit(run_folder, folder, pytest_options, running): folder for folder in folders
+        }
+        for run in as_completed(runs):
+            name = runs[run].relative_to(ROOT).as_posix()
+            status, said, seconds = run.result()
+            print(f"== {name}\n{said}   {seconds:.0f} s", flush=True)
+            if isinstance(status, str):
+                failures.append(f"{name}: {status}")
+            elif status != NO_TESTS_COLLECTED:
+                ran = True
+                if status != 0:
+                    failures.append(f"{name}: pytest gave status {status}")
     if not ran and not failures:
         failures.append("not one test was found")
     for failure in failures:
@@ -80,12 +92,32 @@ def main() -> int:
     return 1 if failures else 0
 
 
+@contextlib.contextmanager
+def ended_on_interrupt(
+    pool: ThreadPoolExecutor, running: set[subprocess.Popen[bytes]]
+) -> Iterator[None]:
+    """Ctrl-C reaches this process alone: the tests have sessions of their own."""
+    try:
+        yield
+    except BaseException:
+        pool.shutdown(wait=False, cancel_futures=True)
+        for process in list(running):
+            end(process)
+        raise
+
+
 def all_folders() -> list[Path]:
-    return sorted({file.parent for file in (ROOT / "tests").rglob("test_*.py")})
+    found = sorted({file.parent for file in (ROOT / "tests").rglob("test_*.py")})
+    return sorted(found, key=lambda folder: folder.relative_to(ROOT).as_posix() not in LONGEST)
 
 
-def run_folder(folder: Path, options: list[str]) -> int | str:
-    """pytest's exit status in that folder, or why there is none."""
+def run_folder(
+    folder: Path, options: list[str], running: set[subprocess.Popen[bytes]]
+) -> tuple[int | str, str, float]:
+    """pytest's exit status in that folder, or why there is none; what it printed; seconds. Its
+    process is among `running` while it is.
+    """
+    began = time.monotonic()
     with tempfile.TemporaryDirectory(prefix="photon_splat_test_") as scratch:
         status_file, current = Path(scratch, "status"), Path(scratch, "current")
         environment = os.environ | {
@@ -93,16 +125,29 @@ def run_folder(folder: Path, options: list[str]) -> int | str:
             "PYTHONUNBUFFERED": "1",
         }
         command = [sys.executable, "-c", CHILD, str(status_file), str(current), str(folder)]
-        process = subprocess.Popen(
-            [*command, *options], cwd=ROOT, env=environment, start_new_session=True
+        output = Path(scratch, "output")
+        with output.open("wb") as log:
+            process = subprocess.Popen(
+                [*command, *options],
+                cwd=ROOT,
+                env=environment,
+                stdout=log,
+                stderr=subprocess.STDOUT,
+                start_new_session=True,
+            )
+            running.add(process)
+            try:
+                hang = watch(process, current)
+            finally:
+                end(process)
+                running.discard(process)
+        said = output.read_text(errors="replace")
+        status: int | str = (
+            int(status_file.read_text())
+            if status_file.exists()
+            else hang or f"the process ended with status {process.returncode} in {test_of(current)}"
         )
-        try:
-            hang = watch(process, current)
-        finally:
-            end(process)
-        if status_file.exists():
-            return int(status_file.read_text())
-        return hang or (f"the process ended with status {process.returncode} in {test_of(current)}")
+        return status, said, time.monotonic() - began
 
 
 def watch(process: subprocess.Popen[bytes], current: Path) -> str | None:
