@@ -1,0 +1,1 @@
+"""Adaptive subdivision: meshes in triangles that are as small as a camera wants them."""
