@@ -152,7 +152,7 @@ def export_contents(
     objects = Objects(materials, shading, kept, exported.light_groups, moving, labelled)
     objects.collect(depsgraph, visible)
     objects.collect_shading(depsgraph, shading.around.wants, *shading.wanted)
-    objects.displace(camera)
+    objects.displace(depsgraph, camera, frame)
     world = getattr(view_layer, "world_override", None) or scene.world
     if not view_layer.use_sky:
         world = None

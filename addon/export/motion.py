@@ -173,8 +173,12 @@ class Moving:
     def _steps_of(self, ob: Any, parent: Any = None) -> int:
         return VECTOR_STEPS if self._blur.vectors else steps_of(ob, parent)
 
-    def add(self, instance: Any, row: int, mesh: Mesh, flat: bool) -> None:
-        """An instance that has become `row`; `mesh` as it is before displacement."""
+    def add(
+        self, instance: Any, row: int, mesh: Mesh, flat: bool = False, diced: bool = False
+    ) -> None:
+        """An instance that has become `row`; `mesh` as it is before displacement. `flat`: its scale
+        flattens it; `diced`: it is subdivided adaptively.
+        """
         ob = instance.object
         parent = instance.parent if instance.is_instance else None
         steps = self._steps_of(ob, parent)
@@ -188,6 +192,13 @@ class Moving:
         key = key_of(instance)
         vanishes = instance.is_instance and instance.particle_system is not None
         self._placed.setdefault(key, _Placed([], steps, vanishes)).rows.append(row)
+        if diced:
+            if self._changes(ob, parent):
+                self._report.warn(
+                    f"{self._about}: meshes that are subdivided adaptively keep their shape: {{}}",
+                    ob.name,
+                )
+            return
         of_hair = mesh.strands is not None and ob.type == "MESH"
         shape = self._shape((*key, HAIR) if of_hair else key, ob, parent, steps, mesh)
         if shape is not None:
@@ -196,11 +207,8 @@ class Moving:
     def _shape(self, key: Key, ob: Any, parent: Any, steps: int, mesh: Mesh) -> _Shape | None:
         if id(mesh) in self._shape_of:
             return self._shape_of[id(mesh)]
-        asked = [getattr(one, "cycles", None) for one in (ob, parent) if one is not None]
         shape = None
-        may_change = self._blur.vectors or all(
-            getattr(one, "use_deform_motion", True) for one in asked
-        )
+        may_change = self._may_change(ob, parent)
         if not mesh.shading.grids and may_change:
             of_hair = mesh.strands is not None and ob.type == "MESH"
             velocity, places = None if of_hair else _velocities(ob.data), _places(mesh)
@@ -221,6 +229,16 @@ class Moving:
         if shape is not None:
             self._shapes[key] = shape
         return shape
+
+    def _may_change(self, ob: Any, parent: Any) -> bool:
+        asked = [getattr(one, "cycles", None) for one in (ob, parent) if one is not None]
+        return self._blur.vectors or all(getattr(one, "use_deform_motion", True) for one in asked)
+
+    def _changes(self, ob: Any, parent: Any) -> bool:
+        """Whether the shape of a mesh does."""
+        return self._may_change(ob, parent) and (
+            _velocities(ob.data) is not None or ob.is_deform_modified(self._scene, "RENDER")
+        )
 
     def add_camera(self, ob: Any, report: Report) -> None:
         self._camera_steps = self._steps_of(ob)

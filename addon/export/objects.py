@@ -8,15 +8,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.scene import NO_LIGHT_GROUP, NO_PROGRAM, Camera, Instances, Light, Mesh
-from ..core.scene.displacement import Normals
+from ..core.scene import NO_LIGHT_GROUP, NO_PROGRAM, Camera, Frame, Instances, Light, Mesh
 from ..core.scene.shading import InstanceAttribute
-from .geometry.displacement import Displaced, slots_of, smooth_normals
+from .geometry.adaptive import Adaptive, adaptive_of, eye_of, levels_of
+from .geometry.displacement import Displaced, slots_of
 from .geometry.flatness import is_flat
 from .geometry.object_shading import ObjectShading
 from .geometry.particle_hair import hair_of
 from .geometry.rows import Rows, Traits
-from .geometry.shapes import Shapes, mesh_key, sources, with_mesh
+from .geometry.shapes import Shapes
 from .geometry.strands import STRANDS, look_of, uv_layer
 from .geometry.volumes import density_of, is_volume
 from .kept import Kept
@@ -27,7 +27,6 @@ from .material_sets import MaterialSets
 from .materials import Materials, Shading, grid_interpolation
 from .motion import Moving
 from .nodes.node import Wants
-from .report import Report
 from .visibility import FLAGS, Visibility, report_unsupported, terminator_offset
 
 SEEING_RAYS = sum(FLAGS.values())
@@ -62,7 +61,8 @@ class Objects:
         self._light_group_of = {name: i for i, name in enumerate(light_groups)}
         self._object_shading = ObjectShading(self._shapes, self._rows, shading, kept)
         self._attributes: list[InstanceAttribute] = []
-        self._displaced = Displaced(self._shapes.list, kept, self._report)
+        go_on = shading.around.watch.go_on
+        self._displaced = Displaced(self._shapes.list, kept, self._report, go_on)
 
     @property
     def meshes(self) -> list[Mesh]:
@@ -130,8 +130,10 @@ class Objects:
             depsgraph, self._rows_of, wants, of_meshes, of_instances
         )
 
-    def displace(self, camera: Camera) -> None:
-        """Moves the meshes that materials displace, after collect_shading()."""
+    def displace(self, depsgraph: Any, camera: Camera, frame: Frame) -> None:
+        """Dices the meshes that are subdivided adaptively, and moves those that materials displace;
+        after collect_shading().
+        """
         if not self._displaced.found:
             return
         self._displaced.move(
@@ -140,6 +142,8 @@ class Objects:
             self._shading.around.textures.list,
             camera,
             self._shading.asks_old_normals,
+            eye_of(depsgraph, camera, frame),
+            levels_of(depsgraph.scene_eval),
         )
         # not those that stand nowhere undisplaced
         self._shapes.list = [self._shapes.list[i] for i in self._rows.keep_used_meshes()]
@@ -166,7 +170,7 @@ class Objects:
                 self._add_volume(ob, matrix, depsgraph, override)
         elif instance.show_self and ob.type == "MESH":
             if view_layer.use_solid:
-                self._add_mesh(ob, matrix, override)
+                self._add_mesh(ob, matrix, override, adaptive_of(ob, depsgraph))
         elif instance.show_self and (strands_shown or ob.type != "CURVES"):
             index = self._shapes.of_strands(ob, look_of(depsgraph.scene_eval))
             layer = uv_layer(ob.data) if ob.type == "CURVES" else None
@@ -230,7 +234,9 @@ class Objects:
         report_unsupported(ob, self._report)
         self._rows.add(index, self._sets.index((own,)), matrix, density_of(ob, matrix))
 
-    def _add_mesh(self, ob: Any, matrix: NDArray[np.float64], override: Any) -> None:
+    def _add_mesh(
+        self, ob: Any, matrix: NDArray[np.float64], override: Any, adaptive: Adaptive | None
+    ) -> None:
         index = self._shapes.of_mesh(ob)
         if index is None:
             return
@@ -238,7 +244,7 @@ class Objects:
         if flat is None:
             return
         materials = self._material_set(ob.data.as_pointer(), ob, index, _uv_map(ob.data), override)
-        index = self._displaced_index(ob, index, materials, flat)
+        index = self._displaced_index(ob, index, materials, adaptive, flat)
         if flat:
             flattened = self._shapes.flattened(index, matrix, ob.name)
             if flattened is None:
@@ -246,24 +252,24 @@ class Objects:
             index, matrix = flattened, np.eye(4)
         self._rows.add(index, materials, matrix)
 
-    def _displaced_index(self, ob: Any, index: int, materials: int, flat: bool) -> int:
-        """That of the mesh to be displaced, if one of its materials does so; else its own."""
-        exported = self.meshes[index]
+    def _displaced_index(
+        self, ob: Any, index: int, materials: int, adaptive: Adaptive | None, flat: bool
+    ) -> int:
+        """That of the mesh to be diced, or displaced by one of its materials; else its own."""
         slots = slots_of(
-            exported, self.material_sets[materials].tolist(), self._materials.displacements
+            self.meshes[index],
+            self.material_sets[materials].tolist(),
+            self._materials.displacements,
         )
-        if slots is None:
+        if slots is None and adaptive is None:
             return index
         if flat:
-            self._report.warn("Objects that their scale flattens are not displaced: {}", ob.name)
+            if slots is not None:
+                self._report.warn(
+                    "Objects that their scale flattens are not displaced: {}", ob.name
+                )
             return index
-
-        def normals(_: Report) -> Normals:
-            return with_mesh(ob, lambda mesh: smooth_normals(mesh, exported, ob.name))
-
-        return self._displaced.index(
-            ob, slots, index, len(self._rows), mesh_key(ob), sources(ob), normals
-        )
+        return self._displaced.index(ob, slots, adaptive, index, len(self._rows))
 
     def _material_set(
         self, shape: int, ob: Any, index: int, uv_map: str | None, override: Any
@@ -282,7 +288,8 @@ class Objects:
         strands = self.meshes[own].strands is not None or bool(self.meshes[own].shading.grids)
         index = own if strands else self._shapes.of_mesh(instance.object)
         assert index is not None
-        self._moving.add(instance, row, self.meshes[index], own in self._shapes.flat)
+        flat, diced = own in self._shapes.flat, self._displaced.is_diced(own)
+        self._moving.add(instance, row, self.meshes[index], flat, diced)
 
 
 def _uv_map(mesh: Any) -> str | None:

@@ -1,32 +1,41 @@
-"""Meshes that the displacement of their materials moves: each has vertices of its own then, as
-Cycles has it, for every set of materials.
+"""Meshes that the displacement of their materials moves, and those that are subdivided adaptively:
+each has vertices of its own then, as Cycles has it, for every set of materials.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.dicing.dice import MAX_TRIANGLES, Faces, diced
+from ...core.dicing.eye import Eye
+from ...core.dicing.measure import Wanted
 from ...core.native.displace import displaced, textures_of
+from ...core.render.memory import free_memory_bytes
 from ...core.scene import Camera, Mesh, Texture
 from ...core.scene.displacement import Displacement, Normals
 from ...core.scene.shading import Domain, InstanceAttribute, MeshAttribute
 from ..arrays import read
 from ..kept import Kept
 from ..report import Report
+from .adaptive import Adaptive, faces_of, wanted_of
 from .mesh import sound_part, sound_triangles
+from .shapes import mesh_key, sources, with_mesh
 
 Slots = tuple[Displacement | None, ...]
+
+DICING_BYTES = 400
+"""Of memory that a triangle takes while it is made."""
 
 
 @dataclass(slots=True)
 class _Job:
-    """A mesh to be displaced: where it stands in the list of meshes, and which instance says
-    where it is.
+    """A mesh to be displaced or diced: where it stands in the list of meshes, and which instance
+    says where it is. `slots` None: nothing moves; `adaptive` None: it has the triangles it has.
     """
 
     mesh: int
@@ -34,45 +43,56 @@ class _Job:
     name: str
     known_as: tuple[int, ...]
     sources: tuple[int, ...]
-    normals: Normals
-    slots: Slots
+    normals: Normals | Faces
+    slots: Slots | None
+    adaptive: Adaptive | None
 
 
 class Displaced:
-    """The meshes of one export that are displaced."""
+    """The meshes of one export that are displaced or diced."""
 
-    def __init__(self, meshes: list[Mesh], kept: Kept, report: Report) -> None:
-        self._meshes, self._kept, self._report = meshes, kept, report
-        self._index_of: dict[tuple[int, ...], int] = {}
+    def __init__(
+        self, meshes: list[Mesh], kept: Kept, report: Report, go_on: Callable[[], None]
+    ) -> None:
+        self._meshes, self._kept, self._report, self._go_on = meshes, kept, report, go_on
+        self._index_of: dict[tuple[Hashable, ...], int] = {}
         self._jobs: list[_Job] = []
 
     @property
     def found(self) -> bool:
         return bool(self._jobs)
 
+    def is_diced(self, index: int) -> bool:
+        return any(job.mesh == index and job.adaptive is not None for job in self._jobs)
+
     def index(
         self,
         ob: Any,
-        slots: Slots,
+        slots: Slots | None,
+        adaptive: Adaptive | None,
         index: int,
         row: int,
-        known_as: tuple[int, ...],
-        sources: tuple[int, ...],
-        normals: Callable[[Report], Normals],
     ) -> int:
         """Index of the mesh that the materials of `slots` make of that of `index`, where the
         instance of `row` stands.
         """
         by_object = any(slot.link == "OBJECT" for slot in ob.material_slots)
         own = ob.original.as_pointer() if by_object else 0
-        key = (index, own, *(id(slot) for slot in slots))
+        key = (index, own, adaptive, *(id(slot) for slot in slots or ()))
         if key not in self._index_of:
-            report_adaptive(ob, self._report)
-            found = self._kept.get(("normals", *known_as), sources, self._report, normals)
+            exported = self._meshes[index]
+            known_as, made_of = mesh_key(ob), sources(ob)
+
+            def make(_: Report) -> Normals | Faces:
+                if adaptive is None:
+                    return with_mesh(ob, lambda mesh: smooth_normals(mesh, exported, ob.name))
+                return with_mesh(ob, lambda mesh: faces_of(mesh, exported, adaptive, ob.name))
+
+            found = self._kept.get(("normals", adaptive, *known_as), made_of, self._report, make)
             self._index_of[key] = len(self._meshes)
-            job = _Job(len(self._meshes), row, ob.name, known_as, sources, found, slots)
+            job = _Job(len(self._meshes), row, ob.name, known_as, made_of, found, slots, adaptive)
             self._jobs.append(job)
-            self._meshes.append(self._meshes[index])
+            self._meshes.append(exported)
         return self._index_of[key]
 
     def move(
@@ -82,24 +102,38 @@ class Displaced:
         textures: Sequence[Texture],
         camera: Camera,
         keep_normals: bool,
+        eye: Eye,
+        levels: int,
     ) -> None:
-        """Displaces them all, with everything known that programs ask for."""
+        """Dices and displaces them all, with everything known that programs ask for; `eye` and
+        `levels`: how finely.
+        """
         for job in self._jobs:
             own = [
                 InstanceAttribute(one.id, one.values[job.row : job.row + 1]) for one in attributes
             ]
-            matrix, mesh = matrices[job.row], self._meshes[job.mesh]
-            key = self._key(job, mesh, matrix, own, textures, camera, keep_normals)
+            matrix, mesh, normals = matrices[job.row], self._meshes[job.mesh], job.normals
+            if job.adaptive is not None:
+                wanted = wanted_of(job.adaptive, eye, levels)
+                mesh, normals = self._diced(job, mesh, matrix, wanted)
+            if job.slots is None:
+                self._meshes[job.mesh] = mesh
+                continue
+            assert isinstance(normals, Normals)
+            slots = job.slots
+            key = self._key(job, slots, normals, mesh, matrix, own, textures, camera, keep_normals)
 
             def make(
                 report: Report,
                 job: _Job = job,
+                slots: Slots = slots,
+                normals: Normals = normals,
                 mesh: Mesh = mesh,
                 matrix: NDArray[np.float64] = matrix,
                 own: list[InstanceAttribute] = own,
             ) -> tuple[Mesh, Any]:
                 moved, lost = displaced(
-                    mesh, job.normals, job.slots, matrix, own, textures, camera, keep_normals
+                    mesh, normals, slots, matrix, own, textures, camera, keep_normals
                 )
                 if lost:
                     report.warn(
@@ -108,13 +142,47 @@ class Displaced:
                         job.name,
                     )
                 # what the key names by its place in memory has to stay there
-                return _with_area(moved, job.name, report), (mesh, job.normals, textures)
+                return _with_area(moved, job.name, report), (mesh, normals, textures)
 
             self._meshes[job.mesh], _ = self._kept.get(key, job.sources, self._report, make)
+
+    def _diced(
+        self, job: _Job, mesh: Mesh, matrix: NDArray[np.float64], wanted: Wanted
+    ) -> tuple[Mesh, Normals]:
+        faces = job.normals
+        assert isinstance(faces, Faces)
+        key = (
+            "diced",
+            *job.known_as,
+            id(mesh.positions),
+            id(faces),
+            wanted.length,
+            wanted.levels,
+            None if wanted.eye is None else (matrix.tobytes(), wanted.eye.known_as()),
+            *((one.id, id(one.values)) for one in mesh.shading.attributes),
+        )
+
+        def make(report: Report) -> tuple[Mesh, Normals, Any]:
+            free = free_memory_bytes()
+            limit = MAX_TRIANGLES if free is None else min(MAX_TRIANGLES, free // DICING_BYTES)
+            fine, normals, coarse = diced(mesh, faces, wanted, matrix, limit, self._go_on)
+            if coarse:
+                report.warn(
+                    "Adaptive subdivision ends at "
+                    f"{len(fine.triangles):,} triangles, coarser than its pixel size asks for; "
+                    "there is no memory for more: {}",
+                    job.name,
+                )
+            return _with_area(fine, job.name, Report()), normals, (mesh, faces)
+
+        fine, normals, _ = self._kept.get(key, job.sources, self._report, make)
+        return fine, normals
 
     @staticmethod
     def _key(
         job: _Job,
+        slots: Slots,
+        normals: Normals,
         mesh: Mesh,
         matrix: NDArray[np.float64],
         attributes: list[InstanceAttribute],
@@ -122,14 +190,14 @@ class Displaced:
         camera: Camera,
         keep_normals: bool,
     ) -> tuple[Any, ...]:
-        programs = [slot.program for slot in job.slots if slot is not None]
+        programs = [slot.program for slot in slots if slot is not None]
         read = [textures[i] for i in sorted({i for one in programs for i in textures_of(one)})]
         return (
             "displaced",
             *job.known_as,
             id(mesh.positions),
-            id(job.normals),
-            *(None if s is None else (_code(s), s.bumps) for s in job.slots),
+            id(normals),
+            *(None if s is None else (_code(s), s.bumps) for s in slots),
             matrix.tobytes(),
             *((one.id, one.values.tobytes()) for one in attributes),
             *((one.id, id(one.values)) for one in mesh.shading.attributes),
@@ -175,26 +243,6 @@ def smooth_normals(mesh: Any, exported: Mesh, name: str) -> Normals:
         smooth_ones,
         own_corners=domain == "CORNER",
     )
-
-
-def report_adaptive(ob: Any, report: Report) -> None:
-    """Says so where Cycles would subdivide as finely as the camera sees it."""
-    original = ob.original
-    last = original.modifiers[-1] if len(original.modifiers) else None
-    if last is None or last.type != "SUBSURF":
-        return
-    # before Blender 5.0 a property of the object
-    adaptive = getattr(
-        last,
-        "use_adaptive_subdivision",
-        getattr(getattr(original, "cycles", None), "use_adaptive_subdivision", False),
-    )
-    if adaptive:
-        report.warn(
-            "Adaptive subdivision is not supported; displaced as finely as the modifier's own "
-            "levels subdivide: {}",
-            ob.name,
-        )
 
 
 def _with_area(mesh: Mesh, name: str, report: Report) -> Mesh:

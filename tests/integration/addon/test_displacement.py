@@ -181,25 +181,6 @@ def test_it_is_rendered_where_nothing_is_left() -> None:
 
 
 @in_blender
-def test_adaptive_subdivision_is_told() -> None:
-    import bpy
-
-    if bpy.app.version < (5, 0, 0):
-        return
-    ob = _moved()
-    modifier = ob.modifiers.new("Subdivision", "SUBSURF")
-    modifier.render_levels = 2
-    assert stage.exported().warnings == []
-    modifier.use_adaptive_subdivision = True
-    what = stage.exported()
-    assert stage.the_one_warning(what) == (
-        "Adaptive subdivision is not supported; displaced as finely as the modifier's own levels "
-        "subdivide: 'Sheet'"
-    )
-    assert len(_mesh(what).triangles) > 32
-
-
-@in_blender
 def test_what_scale_flattens_is_not_displaced() -> None:
     ob = _moved()
     ob.scale = (1.0, 1.0, 0.0)
