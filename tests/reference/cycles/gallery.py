@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from tests.reference.cycles.adaptive import ADAPTIVE
 from tests.reference.cycles.cases import CASES, Case
 from tests.reference.cycles.catchers import CATCHERS
 from tests.reference.cycles.displacement import DISPLACEMENT
@@ -437,6 +438,7 @@ ALL: tuple[Case, ...] = (
     + CATCHERS
     + FILM
     + DISPLACEMENT
+    + ADAPTIVE
     + TERMINATOR
     + MOTION
     + PASSES

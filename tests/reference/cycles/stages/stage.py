@@ -28,6 +28,7 @@ def build(case: Case) -> bpy.types.Scene:
     """Make the case's scene the current one, at the case's resolution."""
     from tests.reference.caustics import pictures
     from tests.reference.cycles.stages import (
+        adaptive_stage,
         catchers_stage,
         displacement_stage,
         film_stage,
@@ -51,6 +52,7 @@ def build(case: Case) -> bpy.types.Scene:
         | vars(passes_stage)
         | vars(grids_stage)
         | vars(displacement_stage)
+        | vars(adaptive_stage)
         | vars(terminator_stage)
         | vars(motion_stage)
         | vars(strands_stage)
