@@ -160,6 +160,7 @@ class Displaced:
             wanted.levels,
             None if wanted.eye is None else (matrix.tobytes(), wanted.eye.known_as()),
             *((one.id, id(one.values)) for one in mesh.shading.attributes),
+            _space(mesh),
         )
 
         def make(report: Report) -> tuple[Mesh, Normals, Any]:
@@ -201,10 +202,16 @@ class Displaced:
             matrix.tobytes(),
             *((one.id, one.values.tobytes()) for one in attributes),
             *((one.id, id(one.values)) for one in mesh.shading.attributes),
+            _space(mesh),
             *((id(t.pixels), t.srgb, t.interpolation, t.extension) for t in read),
             camera.matrix.tobytes(),
             keep_normals,
         )
+
+
+def _space(mesh: Mesh) -> tuple[Any, ...] | None:
+    space = mesh.shading.generated
+    return None if space is None else (space.scale, space.offset)
 
 
 def _code(displacement: Displacement) -> tuple[bytes, bytes]:

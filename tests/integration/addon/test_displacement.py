@@ -111,6 +111,30 @@ def test_what_has_not_changed_is_not_moved_again() -> None:
 
 
 @in_blender
+def test_what_another_program_asks_for_comes_along() -> None:
+    """A surface shader that begins to ask for Generated coordinates gets them, though the
+    displacement has not changed.
+    """
+    import bpy
+    from photon_splat.core.scene.shading import GENERATED
+    from photon_splat.export import export_scene
+    from photon_splat.export.kept import Kept
+
+    ob, kept = _moved(), Kept()
+    stage.camera()
+
+    def exported() -> Mesh:
+        return _mesh(export_scene(bpy.context.evaluated_depsgraph_get(), kept=kept))
+
+    assert GENERATED not in {one.id for one in exported().shading.attributes}
+    tree = ob.active_material.node_tree
+    where = tree.nodes.new("ShaderNodeTexCoord")
+    shader = next(one for one in tree.nodes if one.type == "BSDF_DIFFUSE")
+    tree.links.new(where.outputs["Generated"], shader.inputs["Color"])
+    assert GENERATED in {one.id for one in exported().shading.attributes}
+
+
+@in_blender
 def test_vertices_without_a_place_stay() -> None:
     ob = _moved("ShaderNodeMath")
     node = next(one for one in ob.active_material.node_tree.nodes if one.type == "MATH")
