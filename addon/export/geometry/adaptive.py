@@ -40,7 +40,9 @@ class Adaptive:
 
 
 def adaptive_of(ob: Any, depsgraph: Any) -> Adaptive | None:
-    """Of an evaluated object; None where it is not subdivided adaptively."""
+    """Of an evaluated object; None where it is not subdivided adaptively, as in viewports of a
+    scene without a camera.
+    """
     modifiers = ob.modifiers
     last = modifiers[-1] if ob.type == "MESH" and len(modifiers) else None
     if last is None or last.type != "SUBSURF":
@@ -59,7 +61,7 @@ def adaptive_of(ob: Any, depsgraph: Any) -> Adaptive | None:
         if own is None or getattr(cycles, "feature_set", "") != "EXPERIMENTAL":
             return None
         wanted, length = own.use_adaptive_subdivision, own.dicing_rate
-    if not wanted:
+    if not wanted or (pixels and not final and _dicing_camera(depsgraph) is None):
         return None
     rate = 1.0 if final else 8.0
     if cycles is not None:
@@ -95,14 +97,21 @@ def eye_of(depsgraph: Any, camera: Camera, frame: Frame) -> Eye:
     """The dicing camera, or else the one that is rendered."""
     scene = depsgraph.scene_eval
     cycles = getattr(scene, "cycles", None)
-    if cycles is None:
-        return Eye(camera, frame.width, frame.height, 4.0)
-    offscreen = float(cycles.offscreen_dicing_scale)
-    chosen = cycles.dicing_camera
-    if chosen is None or chosen.type != "CAMERA":
+    offscreen = 4.0 if cycles is None else float(cycles.offscreen_dicing_scale)
+    chosen = _dicing_camera(depsgraph)
+    if chosen is None:
         return Eye(camera, frame.width, frame.height, offscreen)
     given = export_camera(chosen.evaluated_get(depsgraph), scene, Report())
     return Eye(given, *resolution(scene.render), offscreen)
+
+
+def _dicing_camera(depsgraph: Any) -> Any:
+    """In viewports the scene's camera decides, so that looking around dices nothing anew."""
+    scene = depsgraph.scene_eval
+    chosen = getattr(getattr(scene, "cycles", None), "dicing_camera", None)
+    if chosen is None and depsgraph.mode == "VIEWPORT":
+        chosen = scene.camera
+    return chosen if chosen is not None and chosen.type == "CAMERA" else None
 
 
 def faces_of(mesh: Any, exported: Mesh, adaptive: Adaptive, name: str) -> Faces:

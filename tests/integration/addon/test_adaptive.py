@@ -199,3 +199,26 @@ def test_a_changing_shape_keeps_still() -> None:
     assert stage.the_one_warning(what) == (
         "Motion blur: meshes that are subdivided adaptively keep their shape: 'Sheet'"
     )
+
+
+@in_blender
+def test_viewports_dice_for_the_scene_s_camera() -> None:
+    """Wherever they look from; without a camera the modifier's own level is shown."""
+    import bpy
+    from photon_splat.blender.viewport.live import NOWHERE
+    from photon_splat.core.scene import Frame
+    from photon_splat.export import export_contents
+    from photon_splat.export.report import Report
+
+    _sheet()
+    scene = bpy.context.scene
+    scene.cycles.preview_dicing_rate = 1.0
+
+    def shown() -> Mesh:
+        graph = bpy.context.evaluated_depsgraph_get()
+        return export_contents(graph, NOWHERE, Frame(1, 1), Report()).meshes[0]
+
+    pixel = 4.0 * 36.0 / 50.0 / 32.0
+    assert 0.6 * pixel < _edge(shown()) < 1.4 * pixel
+    scene.camera = None
+    assert len(shown().triangles) == 8
