@@ -167,13 +167,16 @@ def viewport(**settings: Any) -> Iterator[Viewport]:
     def tell(scene: Any, depsgraph: Any) -> None:
         made.update(depsgraph)
 
-    bpy.app.handlers.depsgraph_update_post.append(tell)
+    told_of = (bpy.app.handlers.depsgraph_update_post, bpy.app.handlers.frame_change_post)
+    for handlers in told_of:
+        handlers.append(tell)
     try:
         made.update(bpy.context.evaluated_depsgraph_get())
         yield made
     finally:
-        if tell in bpy.app.handlers.depsgraph_update_post:  # a file that is loaded takes it away
-            bpy.app.handlers.depsgraph_update_post.remove(tell)
+        for handlers in told_of:
+            if tell in handlers:  # a file that is loaded takes it away
+                handlers.remove(tell)
         close_all()
 
 

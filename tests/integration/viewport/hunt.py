@@ -14,9 +14,9 @@ from tests.support import stage
 from tests.support.window import viewport
 
 
-def hunt(seed: int, edits: int) -> Counter[str]:
-    """How often each kind of edit was done. AssertionError where the viewport's scene is not the
-    one there is.
+def hunt(seed: int, edits: int, told: Callable[[int], None] | None = None) -> Counter[str]:
+    """How often each kind of edit was done; `told` gets the number of each. AssertionError
+    where the viewport's scene is not the one there is.
     """
     import bpy
     from photon_splat.blender.viewport.live import NOWHERE
@@ -32,6 +32,8 @@ def hunt(seed: int, edits: int) -> Counter[str]:
             EDITS[name](chance)
             bpy.context.view_layer.update()
             done[name] += 1
+            if told is not None:
+                told(number)
             eye = np.eye(4)
             eye[:3, 3] = chance.uniform(-1, 1), chance.uniform(-1, 1), chance.uniform(3, 6)
             if chance.random() < 0.5:
@@ -203,6 +205,55 @@ def _mode(chance: random.Random) -> None:
     bpy.ops.object.mode_set(mode="OBJECT")
 
 
+def _hair(chance: random.Random) -> None:
+    """Particles that are shown as hair, or none."""
+    import bpy
+
+    ob = _pick(chance)
+    if ob.particle_systems:
+        ob.modifiers.clear()
+        return
+    bpy.context.view_layer.objects.active = ob
+    ob.modifiers.new("Hair", "PARTICLE_SYSTEM")
+    settings = ob.particle_systems[-1].settings
+    settings.type, settings.count, settings.hair_length = "HAIR", 20, 0.3
+
+
+def _displace(chance: random.Random) -> None:
+    """A material that moves its surface by noise."""
+    mesh = _pick(chance).data
+    material = stage.material(f"Moved{chance.randrange(100)}")
+    tree = material.node_tree
+    node, noise = tree.nodes.new("ShaderNodeDisplacement"), tree.nodes.new("ShaderNodeTexNoise")
+    node.inputs["Scale"].default_value = chance.uniform(-0.5, 0.5)
+    tree.links.new(noise.outputs[0], node.inputs["Height"])
+    output = next(one for one in tree.nodes if one.type == "OUTPUT_MATERIAL")
+    tree.links.new(node.outputs[0], output.inputs["Displacement"])
+    material.displacement_method = chance.choice(("DISPLACEMENT", "BOTH"))
+    mesh.materials.clear()
+    mesh.materials.append(material)
+
+
+def _dice(chance: random.Random) -> None:
+    """Adaptive subdivision, in a Blender that has it in its modifier."""
+    modifier = _pick(chance).modifiers.new("Adaptive", "SUBSURF")
+    if hasattr(modifier, "use_adaptive_subdivision"):
+        modifier.use_adaptive_subdivision = True
+        modifier.subdivision_type = chance.choice(("SIMPLE", "CATMULL_CLARK"))
+        modifier.levels = chance.randrange(3)
+
+
+def _moving(chance: random.Random) -> None:
+    """An animation, and motion blur, which viewports do not show."""
+    import bpy
+
+    ob = _pick(chance)
+    for frame in (1, 50):
+        ob.location = [chance.uniform(-1, 1) for _ in range(3)]
+        ob.keyframe_insert("location", frame=frame)
+    bpy.context.scene.render.use_motion_blur = chance.random() < 0.5
+
+
 EDITS: dict[str, Callable[[random.Random], None]] = {
     "move": _move,
     "scale": _scale,
@@ -222,4 +273,8 @@ EDITS: dict[str, Callable[[random.Random], None]] = {
     "settings": _settings,
     "frame": _frame,
     "edit mode": _mode,
+    "hair": _hair,
+    "displace": _displace,
+    "dice": _dice,
+    "moving": _moving,
 }

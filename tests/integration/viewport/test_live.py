@@ -307,3 +307,28 @@ def test_random_edits_end_where_a_fresh_export_ends(seed: int) -> None:
     counts = hunt(seed, 60)
     assert sum(counts.values()) == 60
     assert _threads() == []
+
+
+@pytest.mark.slow
+@in_blender
+def test_five_hundred_edits_leave_no_memory() -> None:
+    """With hair, motion, displacement and adaptive subdivision among them: what is resident at the
+    end of the second half is what it was at its beginning, but for a few scenes' worth.
+    """
+    from photon_splat.core.render.memory import current_memory_bytes
+
+    from tests.integration.viewport.hunt import hunt
+
+    _room()
+    memory: dict[int, int] = {}
+
+    def note(number: int) -> None:
+        memory[number] = current_memory_bytes()
+
+    counts = hunt(7, 500, note)
+    assert sum(counts.values()) == 500
+    assert min(counts[kind] for kind in ("hair", "displace", "dice", "moving")) > 5
+    assert _threads() == []
+    halfway, end = (max(memory[k] for k in range(a, a + 50)) for a in (225, 450))
+    print("MiB", halfway >> 20, end >> 20)
+    assert end - halfway < 64 << 20
