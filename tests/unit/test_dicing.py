@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from photon_splat.core.dicing.catmull_clark import Surface
-from photon_splat.core.dicing.dice import Faces, diced
+from photon_splat.core.dicing.dice import diced
 from photon_splat.core.dicing.eye import Eye
 from photon_splat.core.dicing.measure import Wanted
+from photon_splat.core.dicing.values import Faces
 from photon_splat.core.scene import Camera, Mesh
 from photon_splat.core.scene.shading import Domain, MeshAttribute, MeshShading
 

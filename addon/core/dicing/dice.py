@@ -3,36 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..scene import Mesh
 from ..scene.displacement import Normals
-from ..scene.shading import Domain, MeshAttribute
-from .catmull_clark import Surface
 from .measure import Measure, Wanted, lengths_between
 from .split import Pieces, halved
+from .values import Faces, mixed_at, of_triangles, with_values
 
 MAX_TRIANGLES = 32_000_000
 FLATNESS = 0.15
 """Of a wanted edge: by so much a face of a smooth surface may miss it."""
 MAX_CONTROL_FACES = 2_000_000
-
-
-@dataclass(slots=True)
-class Faces:
-    """What the triangles of a mesh were before.
-
-    surface   the control mesh, if the surface is smooth; its corners are those of `corners`
-    corners   (T, 3) corner of each triangle's corner
-    smooth    (T,) bool, triangles that are not shaded flat; None: all
-    """
-
-    surface: Surface | None
-    corners: NDArray[np.int32]
-    smooth: NDArray[np.bool_] | None
 
 
 def diced(
@@ -51,10 +35,11 @@ def diced(
     quads = faces.surface is not None
     pieces, complete = halved(pieces, Measure(wanted, matrix), levels, limit, go_on)
     go_on()
-    fine = _with_values(mesh, faces, pieces, quads)
-    smooth = None if faces.smooth is None else _of_triangles(faces, pieces, quads)
+    pieces, corners = _in_order_of_use(pieces)
+    fine = with_values(mesh, faces, pieces, corners, quads)
+    smooth = None if faces.smooth is None else of_triangles(faces, pieces, quads)
     normals = (
-        _between(mesh, pieces)
+        _between(mesh, pieces, corners)
         if faces.surface is None
         else _vertex_normals(fine.positions, fine.triangles)
     )
@@ -124,92 +109,36 @@ def _finer_places(places: NDArray[np.float32]) -> NDArray[np.float32]:
     return np.stack([places, after, centre, before], axis=2).reshape(-1, 4, 2)
 
 
-def _with_values(mesh: Mesh, faces: Faces, pieces: Pieces, quads: bool) -> Mesh:
-    """What `mesh` has at its corners and triangles, taken over by the pieces."""
-    triangles = pieces.triangles
-    x, y = pieces.places[..., 0], pieces.places[..., 1]
-    weights = ((1 - x) * (1 - y), x * (1 - y), x * y, (1 - x) * y) if quads else (1 - x - y, x, y)
-
-    def at_corners(values: NDArray) -> NDArray:
-        """(3 T, K) of values at the corners of the mesh's triangles (3 T, K)."""
-        known = _quad_values(faces, values) if quads else values.reshape(-1, 3, values.shape[-1])
-        parts = (w[..., None] * known[pieces.source, None, i] for i, w in enumerate(weights))
-        mixed = sum(parts, np.float32(0.0)).reshape(-1, values.shape[-1])
-        if values.dtype == np.uint8:
-            return np.clip(np.rint(mixed), 0, 255).astype(np.uint8)
-        return np.asarray(mixed, values.dtype)
-
-    def part(attribute: MeshAttribute) -> MeshAttribute:
-        values = attribute.values
-        if attribute.domain == Domain.FACE:
-            return replace(attribute, values=_of_triangles(faces, pieces, quads, values))
-        if attribute.domain == Domain.CORNER:
-            return replace(attribute, values=at_corners(values))
-        corners = at_corners(values[mesh.triangles.ravel()])
-        of_vertices = np.zeros((len(pieces.positions), values.shape[1]), values.dtype)
-        of_vertices[triangles.ravel()] = corners
-        return replace(attribute, values=of_vertices)
-
-    shading = replace(mesh.shading, attributes=[part(one) for one in mesh.shading.attributes])
-    return replace(
-        mesh,
-        positions=pieces.positions.astype(np.float32),
-        triangles=triangles.astype(np.uint32),
-        corner_normals=None,
-        vertex_normals=None,
-        uv=None if mesh.uv is None else at_corners(mesh.uv.reshape(-1, 2)).reshape(-1, 3, 2),
-        slots=None
-        if mesh.slots is None
-        else _of_triangles(faces, pieces, quads, mesh.slots[:, None])[:, 0],
-        shading=shading,
-        motion=None,
-    )
+def _in_order_of_use(pieces: Pieces) -> tuple[Pieces, NDArray[np.int64]]:
+    """With vertices in the order in which triangles name them, so that what is near in space is so
+    in memory; and the first corner (of 3 T) that each vertex is at.
+    """
+    flat = pieces.triangles.ravel()
+    first = np.full(len(pieces.positions), -1, np.int64)
+    first[flat[::-1]] = np.arange(len(flat) - 1, -1, -1)
+    order = np.argsort(first)
+    order = order[np.searchsorted(first, 0, sorter=order) :]  # without those that no triangle has
+    number = np.zeros(len(first), np.int32)
+    number[order] = np.arange(len(order), dtype=np.int32)
+    triangles = np.take(number, pieces.triangles)
+    moved = Pieces(pieces.positions[order], triangles, pieces.source, pieces.places)
+    return moved, first[order]
 
 
-def _quad_values(faces: Faces, values: NDArray) -> NDArray:
-    """(L, 4, K) at the corners of the first quads, of values at those of triangles (3 T, K)."""
-    surface = faces.surface
-    assert surface is not None
-    own = np.zeros((len(surface.corners), values.shape[-1]), np.float32)
-    own[faces.corners.ravel()] = values
-    after = 0.5 * (own + own[surface.next])
-    sizes = np.diff(surface.starts)[:, None]
-    centre = (np.add.reduceat(own, surface.starts[:-1]) / sizes)[surface.face_of]
-    return np.stack([own, after, centre, after[surface.previous]], axis=1)
-
-
-def _of_triangles(
-    faces: Faces, pieces: Pieces, quads: bool, values: NDArray | None = None
-) -> NDArray:
-    """Of each piece what its triangle has: `values` (T, K), or whether it is smooth."""
-    values = faces.smooth if values is None else values
-    assert values is not None
-    if not quads:
-        return values[pieces.source]
-    surface = faces.surface
-    assert surface is not None
-    of_faces = np.zeros((len(surface.starts) - 1, *values.shape[1:]), values.dtype)
-    of_faces[surface.face_of[faces.corners[:, 0]]] = values
-    return of_faces[surface.face_of[pieces.source]]
+def _between(mesh: Mesh, pieces: Pieces, first: NDArray[np.int64]) -> NDArray[np.float32]:
+    """Unit normals of the pieces' vertices, between those of the mesh's own vertices."""
+    own = mesh.vertex_normals
+    if own is None:
+        own = _vertex_normals(mesh.positions, mesh.triangles)
+    faces = Faces(None, np.zeros((0, 3), np.int32), None)
+    normals = mixed_at(faces, pieces, False, own[mesh.triangles.ravel()], first)
+    size = np.sqrt(np.einsum("ij,ij->i", normals, normals))[:, None]
+    return np.where(size > 0, normals / np.maximum(size, 1e-30), (0, 0, 1)).astype(np.float32)
 
 
 def _face_normals(positions: NDArray[np.float32], triangles: NDArray) -> NDArray[np.float64]:
     a, b, c = (positions[triangles[:, i]].astype(np.float64) for i in range(3))
     return np.cross(b - a, c - a)
-
-
-def _between(mesh: Mesh, pieces: Pieces) -> NDArray[np.float32]:
-    """Unit normals of the pieces' vertices, between those of the mesh's own vertices."""
-    own = mesh.vertex_normals
-    if own is None:
-        own = _vertex_normals(mesh.positions, mesh.triangles)
-    x, y = pieces.places[..., 0], pieces.places[..., 1]
-    corners = mesh.triangles[pieces.source]
-    normals = np.empty((len(pieces.positions), 3), np.float32)
-    parts = (w[..., None] * own[corners[:, None, i]] for i, w in enumerate((1 - x - y, x, y)))
-    normals[pieces.triangles.ravel()] = sum(parts, np.float32(0.0)).reshape(-1, 3)
-    size = np.linalg.norm(normals, axis=1, keepdims=True)
-    return np.where(size > 0, normals / np.maximum(size, 1e-30), (0, 0, 1)).astype(np.float32)
 
 
 def _vertex_normals(positions: NDArray[np.float32], triangles: NDArray) -> NDArray[np.float32]:

@@ -96,14 +96,15 @@ def _halve(
         chosen = np.flatnonzero(number == cuts)
         if not len(chosen):
             continue
-        for v, p in _cut(pieces, positions, middles, chosen, cuts, done):
-            triangles.append(v)
-            places.append(p)
-            source.append(pieces.source[done + chosen])
-    parts = Pieces(
+        parts = _cut(pieces, positions, middles, chosen, cuts, done)
+        # Parts of a triangle stay beside each other, also in memory.
+        triangles.append(np.stack([v for v, _ in parts], axis=1).reshape(-1, 3))
+        places.append(np.stack([p for _, p in parts], axis=1).reshape(-1, 3, 2))
+        source.append(np.repeat(pieces.source[done + chosen], len(parts)))
+    made = Pieces(
         positions, np.concatenate(triangles), np.concatenate(source), np.concatenate(places)
     )
-    return parts, done + len(whole)
+    return made, done + len(whole)
 
 
 def _cut(

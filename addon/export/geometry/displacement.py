@@ -11,9 +11,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.dicing.dice import MAX_TRIANGLES, Faces, diced
+from ...core.dicing.dice import MAX_TRIANGLES, diced
 from ...core.dicing.eye import Eye
 from ...core.dicing.measure import Wanted
+from ...core.dicing.values import Faces
 from ...core.native.displace import displaced, textures_of
 from ...core.render.memory import free_memory_bytes
 from ...core.scene import Camera, Mesh, Texture
