@@ -22,7 +22,7 @@ CXX_SOURCES = $(shell find native -path native/.cache -prune -o -type f \( -name
 # What is built in the virtual environment must find its tools there: cmake and ninja.
 IN_VENV = PATH="$(CURDIR)/$(@D)/bin:$$PATH"
 
-.PHONY: help setup setup-old setup-rivals render test lint format test-native test-python test-old extension extension-all extension-test wine-test cross-check release viewport-test update-test farm-test bench bench-viewport bench-persistent bench-gpu bench-nodes chart defaults stability convergence calibration references scenes reference oracle agreement wild nodes node-list sanitize wheel clean
+.PHONY: help setup setup-old setup-rivals render test lint format test-native test-python test-old extension extension-all extension-test wine-test cross-check release viewport-test update-test farm-test bench bench-viewport bench-persistent bench-gpu bench-nodes bench-large chart defaults stability convergence calibration references scenes reference oracle agreement wild nodes node-list sanitize wheel clean
 
 help:
 	@sed -n 's/^\([a-z-]*\):.*## /  make \1\t/p' $(MAKEFILE_LIST) | expand -t 20
@@ -220,6 +220,9 @@ bench-persistent: setup ## seconds of a frame with Persistent Data and without
 
 bench-nodes: setup ## a hit on a shader of 200 nodes, beside Cycles'
 	$(PY) -m tests.benchmarks.bench.nodes200
+
+bench-large: setup ## a million strands, five million displaced triangles and eight million diced ones, beside Cycles
+	$(PY) -m tests.benchmarks.bench.large
 
 bench-gpu: setup ## the GPU splatter on a graphics card (GPU_OPTIONS: see python -m tests.benchmarks.bench.gpu --help)
 	$(PY) -m tests.benchmarks.bench.gpu $(GPU_OPTIONS)
