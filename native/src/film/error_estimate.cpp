@@ -42,18 +42,19 @@ double mean_of(const std::vector<float>& values) {
   return values.empty() ? 0 : sum / static_cast<double>(values.size());
 }
 
-// blur(), but pixels where `apart` is 1 lend nothing to those where it is 0. Empty: there are none.
-void blur_apart(const std::vector<float>& in, const std::vector<float>& apart, int width,
-                int height, int r, std::vector<float>& out) {
+// blur(), but pixels where `apart` is 1 lend nothing to those where it is 0. share_apart: blur() of
+// it. Empty: there are none.
+void blur_apart(const std::vector<float>& in, const std::vector<float>& apart,
+                const std::vector<float>& share_apart, int width, int height, int r,
+                std::vector<float>& out) {
   blur(in, width, height, r, out);
   if (apart.empty()) return;
-  std::vector<float> rest(in), lenders, of_rest;
+  std::vector<float> rest(in), of_rest;
   for (size_t i = 0; i < rest.size(); ++i)
     if (apart[i] > 0) rest[i] = 0;
-  blur(apart, width, height, r, lenders);
   blur(rest, width, height, r, of_rest);
   for (size_t i = 0; i < rest.size(); ++i)
-    if (!(apart[i] > 0)) out[i] = of_rest[i] / (1 - lenders[i]);
+    if (!(apart[i] > 0)) out[i] = of_rest[i] / (1 - share_apart[i]);
 }
 
 // c k^-a / (2 - 2^(1-a)) fitted to D(k) = c k^-a at several k, with a prior on a.
@@ -190,11 +191,16 @@ void ErrorEstimate::estimate_variance(ThreadPool& pool) {
                      (samples_[at] * samples_[at]);
     });
   const std::vector<float> sources = beside_sources();
+  std::vector<float> sources_near, sources_far;
+  if (!sources.empty()) {
+    blur(sources, width_, height_, kNear, sources_near);
+    blur(sources, width_, height_, kFar, sources_far);
+  }
   std::vector<std::vector<float>> around(k.size());
   pool.for_each(2 * k.size(), never, [&](size_t i, int) {
     const size_t level = i / 2;
-    i % 2 ? blur_apart(own[level], sources, width_, height_, kFar, around[level])
-          : blur_apart(own[level], sources, width_, height_, kNear, lent[level]);
+    i % 2 ? blur_apart(own[level], sources, sources_far, width_, height_, kFar, around[level])
+          : blur_apart(own[level], sources, sources_near, width_, height_, kNear, lent[level]);
   });
   pool.for_each(k.size(), never, [&](size_t i, int) {
     const std::vector<float>& far = around[i];
