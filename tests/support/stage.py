@@ -159,6 +159,25 @@ def exports(**operator: Any) -> list[Scene]:
     return seen
 
 
+def rendered_layers(folder: str) -> list[Any]:
+    """The specifications (OpenImageIO.ImageSpec) of all parts of the multi-layer EXR that Blender
+    writes of a render; it writes a part for each pass.
+    """
+    import bpy
+    import OpenImageIO as oiio
+
+    image = scene().render.image_settings
+    if hasattr(image, "media_type"):
+        image.media_type = "MULTI_LAYER_IMAGE"
+    image.file_format = "OPEN_EXR_MULTILAYER"
+    scene().render.filepath = f"{folder}/out.exr"
+    bpy.ops.render.render(write_still=True)
+    file, specs = oiio.ImageInput.open(scene().render.filepath), []
+    while file.seek_subimage(len(specs), 0):
+        specs.append(file.spec())
+    return specs
+
+
 @contextmanager
 def replaced(name: str, value: Any) -> Iterator[None]:
     """`value` in the place of `name` of photon_splat.blender.job."""
