@@ -11,6 +11,7 @@ from typing import Any
 from ..farm import Animation, FarmError, Job, Still, System, write_bundle
 from .arguments import CommandError
 from .frames import frame_list
+from .opening import open_file
 from .process import silence_blender
 from .progress import say
 
@@ -109,14 +110,4 @@ def _open(path: Path) -> Any:
     output = os.fdopen(os.dup(1), "w", encoding="utf-8", errors="backslashreplace")
     silence_blender()
     sys.stdout = output
-    try:
-        import bpy
-
-        from .. import register
-
-        register()
-        bpy.ops.wm.open_mainfile(filepath=str(path.resolve()), load_ui=False, use_scripts=False)
-    except (ImportError, RuntimeError) as error:
-        reason = " ".join(str(error).split()).removeprefix("Error: ")
-        raise CommandError(f"{path} cannot be opened: {reason}") from error
-    return bpy.context.scene
+    return open_file(path)

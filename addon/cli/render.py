@@ -16,6 +16,7 @@ from ..core.scene import Frame
 from .arguments import CommandError, Interrupted, settings_of
 from .exr import channels_of, replace_file, write_exr
 from .frames import of_each_frame
+from .opening import open_file
 from .progress import OpenJdProgress, ProgressBar, say
 from .records import Records, warn_of_small_parts
 
@@ -51,23 +52,9 @@ def render_frames(
 
 
 def open_scene(options: argparse.Namespace) -> Any:
-    try:
-        import bpy
-    except ImportError as error:
-        raise CommandError(f"Blender's Python module bpy cannot be loaded: {error}") from error
-    from .. import register
-
-    register()
-    try:
-        bpy.ops.wm.open_mainfile(
-            filepath=str(options.scene.resolve()), load_ui=False, use_scripts=False
-        )
-    except RuntimeError as error:
-        reason = " ".join(str(error).split()).removeprefix("Error: ")
-        raise CommandError(f"{options.scene} cannot be opened: {reason}") from error
-    scene = bpy.context.scene
+    scene = open_file(options.scene)
     if options.strict or options.part is not None:
-        _check_libraries(bpy)
+        _check_libraries()
     warn_of_small_parts(options.part, settings_of(options)(_settings(scene)))
     render = scene.render
     render.engine = "PHOTON_SPLAT"
@@ -92,7 +79,9 @@ def _settings(scene: Any) -> RenderSettings:
     return render_settings(scene)
 
 
-def _check_libraries(bpy: Any) -> None:
+def _check_libraries() -> None:
+    import bpy
+
     for library in bpy.data.libraries:
         path = bpy.path.abspath(library.filepath)
         if not library.packed_file and not os.path.isfile(path):

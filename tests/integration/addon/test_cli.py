@@ -69,6 +69,10 @@ def scenes(blender: Blender, tmp_path_factory: pytest.TempPathFactory) -> Path:
     (folder / "broken.blend").write_bytes(whole[: len(whole) // 3])
     (folder / "text.blend").write_text("no scene at all\n" * 100)
     (folder / "empty.blend").write_bytes(b"")
+    # The embedded node tree loses its name, for which Blender reports an error and goes on.
+    (folder / "complaint.blend").write_bytes(
+        whole.replace(b"NTShader Nodetree", b"\0\0Shader Nodetree")
+    )
     return folder
 
 
@@ -255,6 +259,17 @@ def test_scenes_that_cannot_be_rendered(
     assert words in errors
     assert errors.count("\n") == 1, errors
     assert _left(tmp_path) == []
+
+
+def test_a_file_that_blender_opens_with_complaints_is_rendered(
+    scenes: Path, tmp_path: Path
+) -> None:
+    assert b"NTShader Nodetree" in (scenes / "room.blend").read_bytes()
+    status, errors = _render(tmp_path, scenes / "complaint.blend", "-o", "out.exr")
+    assert status == 0, errors
+    assert "complaint.blend: Blender reports: Data-block '" in errors
+    assert "had an invalid embedded node group" in errors
+    assert _left(tmp_path) == ["out.exr"]
 
 
 def _small_disk() -> None:
