@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 from photon_splat.core.scene import LightKind, Mesh, Scene
 
@@ -11,13 +13,20 @@ from tests.support.paths import ROOT
 
 def from_blend(name: str, width: int | None = None, height: int | None = None) -> Scene:
     """blend_scenes/NAME.blend as the exporter sees it. Needs bpy."""
+    return from_file(ROOT / "blend_scenes" / f"{name}.blend", width, height)
+
+
+def from_file(path: Path, width: int | None = None, height: int | None = None) -> Scene:
+    """Any .blend file as the exporter sees it; a width alone keeps its shape. Needs bpy."""
     import bpy
     from photon_splat.export import export_scene
 
-    bpy.ops.wm.open_mainfile(filepath=str(ROOT / "blend_scenes" / f"{name}.blend"))
+    bpy.ops.wm.open_mainfile(filepath=str(path), load_ui=False, use_scripts=False)
     render = bpy.context.scene.render
-    if width and height:
-        render.resolution_x, render.resolution_y, render.resolution_percentage = width, height, 100
+    if width:
+        x, y = render.resolution_x, render.resolution_y
+        render.resolution_x, render.resolution_y = width, height or max(round(width * y / x), 1)
+        render.resolution_percentage = 100
     return export_scene(bpy.context.evaluated_depsgraph_get())
 
 

@@ -1,5 +1,6 @@
-"""Splat against reference on random scenes: python -m tests.reference.agreement.run [--first N]
-[--count N] [--passes N] [--samples N] [OUT]
+"""Splat against reference on random scenes, or on .blend files:
+python -m tests.reference.agreement.run [--first N] [--count N] [--passes N] [--samples N]
+[--files FILE ... --width N] [--out OUT]
 
 A line a scene: mean and blocks off against the reference integrator, the told error over the true
 one; scenes that differ leave a sheet in OUT (reference, splat, signed difference: red is brighter,
@@ -11,6 +12,7 @@ from __future__ import annotations
 import argparse
 import hashlib
 import time
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +21,7 @@ from numpy.typing import NDArray
 from photon_splat.core.render.settings import Integrator
 from photon_splat.core.scene import Scene
 
+from tests.benchmarks.bench.scenes import from_file
 from tests.reference.agreement import generator
 from tests.reference.agreement.compare import Agreement, agreement
 from tests.reference.agreement.generator import random_scene
@@ -78,18 +81,25 @@ def sheet(path: Path, pictures: list[NDArray]) -> None:
         .repeat(4, 0)
         .repeat(4, 1)
     )
-    image = np.concatenate(
-        [
-            np.clip(reference * scale, 0, 1) ** (1 / 2.2),
-            np.clip(ours * scale, 0, 1) ** (1 / 2.2),
-            signed,
-        ],
-        1,
-    )
+    height, width = signed.shape[:2]
+    toned = [np.clip(picture * scale, 0, 1) ** (1 / 2.2) for picture in (reference, ours)]
+    image = np.concatenate([*(picture[:height, :width] for picture in toned), signed], 1)
     image = np.ascontiguousarray(image[::-1].repeat(3, 0).repeat(3, 1), np.float32)
     buffer = oiio.ImageBuf(oiio.ImageSpec(image.shape[1], image.shape[0], 3, "uint8"))
     buffer.set_pixels(oiio.ROI(0, image.shape[1], 0, image.shape[0], 0, 1, 0, 3), image)
     buffer.write(str(path))
+
+
+def scenes(options: argparse.Namespace) -> Iterator[tuple[str, Scene, str]]:
+    """Name, scene, and what tells one version of it from another."""
+    if options.files:
+        for file in options.files:
+            version = hashlib.sha256(file.read_bytes()).hexdigest()[:8]
+            yield file.stem, from_file(file.resolve(), options.width), f"{version}-{options.width}"
+        return
+    version = hashlib.sha256(Path(generator.__file__).read_bytes()).hexdigest()[:8]
+    for seed in options.only or range(options.first, options.first + options.count):
+        yield str(seed), random_scene(seed), version
 
 
 def main() -> None:
@@ -99,20 +109,20 @@ def main() -> None:
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--count", type=int, default=200)
     parser.add_argument("--only", type=int, nargs="*")
+    parser.add_argument("--files", type=Path, nargs="*", help="instead of random scenes")
+    parser.add_argument("--width", type=int, default=160, help="of the files' pictures")
     parser.add_argument("--passes", type=int, default=12)
     parser.add_argument("--samples", type=int, default=256)
     parser.add_argument("--out", type=Path, default=Path("out/agreement"))
     options = parser.parse_args()
     options.out.mkdir(parents=True, exist_ok=True)
-    version = hashlib.sha256(Path(generator.__file__).read_bytes()).hexdigest()[:8]
-    seeds = options.only or range(options.first, options.first + options.count)
     means = offs = tolds = tried = 0
-    for seed in seeds:
+    for name, what, version in scenes(options):
         began = time.monotonic()
-        kept = options.out / f"{seed}-{options.samples}-{version}.npy"
-        result, pictures = measure(random_scene(seed), options.passes, options.samples, kept)
+        kept = options.out / f"{name}-{options.samples}-{version}.npy"
+        result, pictures = measure(what, options.passes, options.samples, kept)
         if not pictures[2].any():
-            print(f"{seed:4} black", flush=True)
+            print(f"{name:4} black", flush=True)
             continue
         ratio = result.told_over_true
         told_right = ratio is None or TOLD_WITHIN[0] <= ratio <= TOLD_WITHIN[1]
@@ -124,12 +134,12 @@ def main() -> None:
             tolds + faults[2],
         )
         if any(faults[:2]):
-            sheet(options.out / f"{seed}.png", pictures)
+            sheet(options.out / f"{name}.png", pictures)
         words = " ".join(
             word for word, fault in zip(("MEAN", "BLOCKS", "TOLD"), faults, strict=True) if fault
         )
         print(
-            f"{seed:4} mean {result.mean:.4f} +- {result.mean_error:.4f} off "
+            f"{name:4} mean {result.mean:.4f} +- {result.mean_error:.4f} off "
             f"{100 * result.off:4.1f} % error {result.error:.4f} "
             f"told/true {'unknown' if ratio is None else f'{ratio:.2f}'} "
             f"{time.monotonic() - began:5.1f} s {words}",
