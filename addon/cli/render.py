@@ -14,6 +14,7 @@ from ..core.render.result import RenderResult
 from ..core.render.settings import RenderSettings
 from ..core.scene import Frame
 from .arguments import CommandError, Interrupted, settings_of
+from .drawn_over import has_drawings, take_drawings
 from .exr import channels_of, replace_file, write_exr
 from .frames import of_each_frame
 from .opening import open_file
@@ -122,7 +123,13 @@ def render_layers(
         raise CommandError("Blender rendered no view layer; is at least one enabled for rendering?")
     names = [layer.name for layer in scene.view_layers if layer.use]
     names += [f"Layer {i}" for i in range(len(names), len(results))]
-    return [(name, result, frame) for name, (result, frame) in zip(names, results, strict=False)]
+    layers = [(name, result, frame) for name, (result, frame) in zip(names, results, strict=False)]
+    if has_drawings(scene):
+        if options.part is not None:
+            say("photon-splat: warning: grease pencil objects are not drawn over parts\n")
+        else:
+            take_drawings(scene, layers)
+    return layers
 
 
 def write_files(

@@ -30,9 +30,8 @@ from .nodes.node import Wants
 from .visibility import FLAGS, Visibility, report_unsupported, terminator_offset
 
 SEEING_RAYS = sum(FLAGS.values())
-UNSUPPORTED = {
-    "GREASEPENCIL": "grease pencil objects",
-}
+PENCILS = {"GREASEPENCIL", "GPENCIL"}
+"""Of Blender 4.3 and of older ones."""
 
 
 class Objects:
@@ -115,9 +114,11 @@ class Objects:
             elif kind == "LIGHT":
                 if instance.show_self:
                     self._add_light(ob, np.array(instance.matrix_world, np.float64), linking)
-            elif kind in UNSUPPORTED and instance.show_self:
+            elif kind in PENCILS and instance.show_self:
                 self._report.warn(
-                    f"Not supported yet and left out, {UNSUPPORTED[kind]}: {{}}", ob.name
+                    "Blender draws grease pencil objects over the picture; they cast no shadow, "
+                    "and nothing mirrors them: {}",
+                    ob.name,
                 )
 
     def collect_shading(

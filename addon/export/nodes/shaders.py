@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 from ...core.scene.shading import Feature
 from .assemble import Statement, statement
 from .node import LEAST_IOR, Node
@@ -421,22 +419,10 @@ def _matte(n: Node, weight: Value, emission_color: Value, emission_strength: Val
     )
 
 
-def _as_diffuse(what: str, color: str) -> Callable[[Node, Value], Made]:
-    def compile_diffuse(n: Node, weight: Value) -> Made:
-        n.unsupported(f"is not supported; {what}")
-        made = statement(
-            "Diffuse",
-            weight=weight,
-            color=n.color(color, (0.5, 0.5, 0.5)),
-            normal=n.closure_normal(),
-            roughness=ZERO,
-        )
-        return [made], Feature.GATHERS
-
-    return compile_diffuse
-
-
-specular_workflow = _as_diffuse("taken as diffuse with its base colour", "Base Color")
+def of_eevee(n: Node, weight: Value) -> Made:
+    """Cycles knows no such shader and shows black."""
+    n.unsupported("is for EEVEE only; left out, which is black, as in Cycles")
+    return [], Feature(0)
 
 
 def ray_portal(n: Node, weight: Value) -> Made:

@@ -64,7 +64,7 @@ NODES: dict[str, Entry] = {
         "the model of Huang is taken as that of Chiang",
     ),
     "BSDF_RAY_PORTAL": Entry("shader", "Ray Portal BSDF", s.ray_portal, "taken as transparent"),
-    "EEVEE_SPECULAR": Entry("shader", "Specular BSDF", s.specular_workflow, "taken as diffuse"),
+    "EEVEE_SPECULAR": Entry("shader", "Specular BSDF", s.of_eevee, "black, as in Cycles"),
     "VOLUME_ABSORPTION": Entry("shader", "Volume Absorption", m.absorption),
     "VOLUME_SCATTER": Entry("shader", "Volume Scatter", m.scatter, m.NO_FOURNIER),
     "VOLUME_COEFFICIENTS": Entry("shader", "Volume Coefficients", m.coefficients, m.NO_FOURNIER),
