@@ -61,3 +61,25 @@ def test_a_difference_is_found() -> None:
         "statistics.photons.caustic: unknown key more",
         "statistics.photons.caustic.stored: 1.0 is no int",
     ]
+
+
+@pytest.mark.parametrize(
+    ("settings", "named"),
+    [
+        ({"time_limit": 0.01, "passes": 100_000}, True),
+        ({"time_limit": 0.01, "passes": 100_000, "denoise": True}, False),
+        ({"passes": 1}, False),
+        ({"time_limit": 60.0, "passes": 1}, False),
+    ],
+    ids=["ended by time", "denoised", "passes", "ended by passes"],
+)
+def test_a_picture_that_the_time_limit_leaves_noisy_is_named(
+    settings: dict[str, Any], named: bool
+) -> None:
+    """One path a pixel: the light's noise is some 100 %."""
+    said = c.shoot(room(pixels=32), **({"integrator": Integrator.REFERENCE} | settings)).statistics
+    assert said["error"]["relative_rmse"] > 0.2
+    words = [warning for warning in said["warnings"] if "is noisy" in warning]
+    assert len(words) == named
+    if named:
+        assert "time limit of 0.01 s has ended it at an estimated error of " in words[0]

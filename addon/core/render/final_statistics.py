@@ -10,8 +10,14 @@ from ..scene import Scene
 from .memory import peak_memory_bytes
 from .persistent import Start
 from .plan import make_plan, pilot_sentences
+from .settings import RenderSettings
 from .statistics import Statistics
 from .worker import Worker
+
+NOISY = 0.2
+"""Relative RMSE from which a picture is named noisy. Of 26 files that artists have published, after
+8 s at 200 pixels, 17 lie below .18 and 9 above .21, among them all that differ from Cycles.
+"""
 
 
 def final_statistics(
@@ -51,3 +57,17 @@ def final_statistics(
             "any film, and have been left out."
         )
     return statistics
+
+
+def still_noisy(statistics: Statistics, settings: RenderSettings, *, cancelled: bool) -> list[str]:
+    """A warning where the time limit has ended a raw picture while it was noisy: who sets a number
+    of passes has asked for just that.
+    """
+    error = statistics["error"]["relative_rmse"]
+    in_time = settings.time_limit > 0.0 and statistics["passes"] < settings.passes
+    if settings.denoise or cancelled or not in_time or error < NOISY:
+        return []
+    return [
+        f"The picture is noisy: the time limit of {settings.time_limit:g} s has ended it at an "
+        f"estimated error of {100.0 * error:.0f} %. Give it more time, or denoise it."
+    ]

@@ -10,7 +10,7 @@ import numpy as np
 from ..scene import Scene
 from .denoise_result import denoise_result
 from .final_film import OF_DENOISING, final_arrays, final_passes
-from .final_statistics import final_statistics
+from .final_statistics import final_statistics, still_noisy
 from .memory import check_picture_fits
 from .persistent import Persistent, start_anew
 from .record import Record
@@ -106,6 +106,7 @@ def render(
         denoising = time.monotonic() - began
     statistics = final_statistics(start, worker, scene, started, export_seconds)
     statistics["error"] = record.error(statistics["error"])
+    statistics["warnings"] += still_noisy(statistics, settings, cancelled=worker.cancelled)
     if settings.denoise:
         statistics["seconds"]["denoise"] = denoising
     if persistent is not None and worker.prepared:
