@@ -17,7 +17,14 @@ from .images import Textures
 from .nodes.aovs import AovOutputs
 from .nodes.assemble import statement
 from .nodes.compiler import Compiled, Compiler
-from .nodes.links import hollow_groups, label, output_node, report_foreign_output, uses_nodes
+from .nodes.links import (
+    hollow_groups,
+    is_linked,
+    label,
+    output_node,
+    report_foreign_output,
+    uses_nodes,
+)
 from .nodes.node import Owner, Surroundings, Wants
 from .nodes.reduce import lambertian
 from .nodes.trees import Groups, Trees
@@ -203,7 +210,7 @@ def true_displacement(material: Any, owner: Owner, shading: Shading) -> Displace
     """How a material moves the surface itself; None where it does not."""
     method = displacement_method(material)
     output = output_node(material.node_tree) if uses_nodes(material) else None
-    if method == "BUMP" or output is None or not output.inputs["Displacement"].is_linked:
+    if method == "BUMP" or output is None or not is_linked(output, "Displacement"):
         return None
     compiled = shading.displacement(owner, output.inputs["Displacement"])
     if compiled is None:
@@ -232,7 +239,9 @@ def export_material(material: Any, owner: Owner, shading: Shading, grids: bool =
             f"{owner.name}, node '{label(group)}': the group has no output; links from it count "
             "as not there"
         )
-    volume = shading.around.trees.feed(output.inputs["Volume"], ())
+    volume = None
+    if is_linked(output, "Volume"):
+        volume = shading.around.trees.feed(output.inputs["Volume"], ())
     medium = export_volume(
         Owner(
             owner.name,
@@ -245,12 +254,10 @@ def export_material(material: Any, owner: Owner, shading: Shading, grids: bool =
         output,
         shading,
     )
-    displacement = output.inputs["Displacement"]
     method = displacement_method(material)
-    bumps = displacement.is_linked and method != "DISPLACEMENT"
-    compiled = shading.compile(
-        owner, output.inputs["Surface"], displacement if bumps else None, method == "BOTH"
-    )
+    bumps = is_linked(output, "Displacement") and method != "DISPLACEMENT"
+    displacement = output.inputs["Displacement"] if bumps else None
+    compiled = shading.compile(owner, output.inputs["Surface"], displacement, method == "BOTH")
     # a volume alone, as in Cycles: its surface is not there
     if compiled.empty and volume is not None and volume.node is not None:
         clear = statement("Transparent", weight=ONE, color=vector((1.0, 1.0, 1.0)))
@@ -271,6 +278,8 @@ def export_volume(owner: Owner, name: str, output: Any, shading: Shading) -> int
     """Index of the program of the medium that an output node's Volume describes; NO_PROGRAM where
     there is none.
     """
+    if not is_linked(output, "Volume"):
+        return NO_PROGRAM
     compiled = shading.compile(owner, output.inputs["Volume"])
     if not compiled.statements:
         return NO_PROGRAM

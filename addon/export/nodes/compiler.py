@@ -140,7 +140,7 @@ class Compiler:
                 continue
             state[key] = False
             stack.append((feed, True))
-            if feed.node.type not in MIXERS:
+            if feed.node is None or feed.node.type not in MIXERS:
                 leaves[key] = feed
                 continue
             mixer = mixers[key] = _Mixer([])
@@ -209,8 +209,8 @@ class Compiler:
         """Where what is linked to `socket` (an output node's Displacement) moves a vertex; None
         where that is nothing.
         """
-        feed = self.around.trees.feed(socket, ())
-        if feed is None or feed.node is None or not self._gives(feed):
+        feed = self._value_feed(socket, ())
+        if feed.node is None:
             return None
         self._evaluate(feed, UNMOVED)
         moved = self._result(feed, "VECTOR", UNMOVED)
@@ -220,14 +220,7 @@ class Compiler:
         """The sum of what AOV outputs give, as a vector; each with the groups that it is in."""
         total = ORIGIN
         for node, groups in outputs:
-            socket = node.inputs["Color" if is_color else "Value"]
-            feed = self.around.trees.feed(socket, groups)
-            if feed is None:
-                self._report_loop(node)
-            if feed is None or (feed.node is not None and not self._gives(feed)):
-                feed = Feed(None, socket, groups)
-            self._evaluate(feed, UNMOVED)
-            found = self._result(feed, socket.type, UNMOVED)
+            found = self.value(node.inputs["Color" if is_color else "Value"], groups)
             if not is_color:
                 found = self.graph.one("Spread", value=found)
             total = found if total == ORIGIN else self.graph.one("AddVector", a=total, b=found)
@@ -237,15 +230,8 @@ class Compiler:
         """The shading normal bent by a displacement taken as bump; None where there is no
         displacement.
         """
-        feed = self.around.trees.feed(socket, ())
-        if feed is None or feed.node is None:
-            return None
-        entry = NODES.get(feed.node.type)
-        if entry is not None and entry.compile is None:
-            self.around.report.warn(
-                f"{self.owner.name}, node '{label(feed.node)}': {feed.node.bl_label} is not "
-                f"supported; {entry.instead}"
-            )
+        feed = self._value_feed(socket, ())
+        if feed.node is None:
             return None
         normal = self.graph.one("Geometry", what="NORMAL")
         heights = []
@@ -290,12 +276,18 @@ class Compiler:
 
     def value(self, socket: Any, groups: Groups) -> Value:
         """What an input (of numbers, vectors or colours) gets, in its own kind."""
+        feed = self._value_feed(socket, groups)
+        self._evaluate(feed, UNMOVED)
+        return self._result(feed, socket.type, UNMOVED)
+
+    def _value_feed(self, socket: Any, groups: Groups) -> Feed:
+        """What feeds an input: itself, with its own value, where links count as not there."""
         feed = self.around.trees.feed(socket, groups)
         if feed is None:
             self._report_loop(socket.node)
-            feed = Feed(None, socket, groups)
-        self._evaluate(feed, UNMOVED)
-        return self._result(feed, socket.type, UNMOVED)
+        if feed is None or (feed.node is not None and not self._gives(feed)):
+            return Feed(None, socket, groups)
+        return feed
 
     def _result(self, feed: Feed, to_type: str, offset: BumpOffset) -> Value:
         """The evaluated value of `feed` as it arrives in a socket of kind `to_type`."""
@@ -363,12 +355,7 @@ class Compiler:
         for socket in n.node.inputs:
             if not socket.is_linked or not socket.enabled or socket.type in {"SHADER", "CUSTOM"}:
                 continue
-            feed = self.around.trees.feed(socket, n.groups)
-            if feed is None:
-                self._report_loop(n.node)
-                continue
-            if feed.node is not None and not self._gives(feed):
-                continue
+            feed = self._value_feed(socket, n.groups)
             if feed.node is None and feed.socket == socket:
                 continue  # it is not linked after all
             if n.node.type == "BUMP" and socket.identifier == "Height":

@@ -37,8 +37,10 @@ class Source:
 
 
 def source(socket: Any, groups: tuple[Any, ...] = ()) -> Source:
-    """Follow `socket` (an input) upstream to what really feeds it."""
-    while True:
+    """Follow `socket` (an input) upstream to what really feeds it; nothing does in a circle."""
+    seen: set[tuple[int, int]] = set()
+    while (here := (socket.as_pointer(), len(groups))) not in seen:
+        seen.add(here)
         link = next((link for link in socket.links if not link.is_muted), None)
         if link is None:
             return Source(None, socket, groups)
@@ -73,6 +75,7 @@ def source(socket: Any, groups: tuple[Any, ...] = ()) -> Source:
             socket, groups = outer, groups[:-1]
         else:
             return Source(node, output, groups)
+    return Source(None, socket, groups)
 
 
 def output_node(tree: Any) -> Any:
@@ -80,6 +83,13 @@ def output_node(tree: Any) -> Any:
     of all renderers.
     """
     return tree.get_output_node("CYCLES")
+
+
+def is_linked(output: Any, name: str) -> bool:
+    """Whether an output node has an input of that name and it is linked: a lamp's output, which may
+    stand in any tree, has a Surface alone.
+    """
+    return name in output.inputs and output.inputs[name].is_linked
 
 
 def report_foreign_output(tree: Any, owner: str, report: Report) -> None:

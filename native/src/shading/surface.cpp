@@ -121,6 +121,7 @@ Affine Frame::object_to_world() const {
   if (point.lamp) return point.lamp->to_world;
   if (pose) return pose->to_world;
   Affine m;
+  if (!is_on_mesh()) return m;  // the world's medium
   const auto& exact = scene.instances[point.instance].exact;
   for (size_t i = 0; i < 12; ++i) m.m[i] = static_cast<float>(exact[i]);
   return m;
