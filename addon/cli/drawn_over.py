@@ -11,10 +11,7 @@ import numpy as np
 
 from ..core.render.result import RenderResult
 from ..core.scene import Frame
-from .arguments import CommandError
-
-PENCILS = {"GREASEPENCIL", "GPENCIL"}
-"""Types of objects, of Blender 4.3 and of older ones."""
+from .progress import say
 
 MOST_PARTS = 10_000
 """Of a file: more than Blender writes."""
@@ -24,13 +21,23 @@ Layer = tuple[str, RenderResult, Frame]
 
 
 def has_drawings(scene: Any) -> bool:
+    from ..export.objects import PENCILS
+
     return any(ob.type in PENCILS and not ob.hide_render for ob in scene.objects)
 
 
 def take_drawings(scene: Any, layers: Sequence[Layer]) -> None:
     """Replaces Combined of each view layer by that of Blender's render result, which has the
-    drawings. Raises CommandError.
+    drawings. Where that fails, as on a full disk, the picture stays as it is, with a warning.
     """
+    try:
+        _take_all(scene, layers)
+    except (OSError, RuntimeError) as error:
+        reason = " ".join(str(error).split()).removeprefix("Error: ")
+        say(f"photon-splat: warning: grease pencil objects are missing: {reason}\n")
+
+
+def _take_all(scene: Any, layers: Sequence[Layer]) -> None:
     import OpenImageIO as oiio
 
     with tempfile.TemporaryDirectory(prefix="photon_splat_") as folder:
@@ -38,7 +45,7 @@ def take_drawings(scene: Any, layers: Sequence[Layer]) -> None:
         _save(scene, path)
         file = oiio.ImageInput.open(str(path))
         if file is None:
-            raise CommandError(f"the render result cannot be read: {oiio.geterror()}")
+            raise RuntimeError(f"the render result cannot be read: {oiio.geterror()}")
         try:
             for part in range(MOST_PARTS):
                 if not file.seek_subimage(part, 0):
@@ -60,7 +67,7 @@ def _take(file: Any, part: int, layers: Sequence[Layer]) -> None:
         if drawn.shape[:2] == (frame.height, frame.width):  # all of it, whatever the border
             drawn = drawn[y : y + height, x : x + width]
         if drawn.shape[:2] != (height, width):
-            raise CommandError(
+            raise RuntimeError(
                 f"Blender's render result has {drawn.shape[1]} x {drawn.shape[0]} pixels, "
                 f"not {width} x {height}"
             )
@@ -72,7 +79,7 @@ def _save(scene: Any, path: Path) -> None:
 
     image = bpy.data.images.get("Render Result")
     if image is None:
-        raise CommandError("Blender has no render result")
+        raise RuntimeError("Blender has no render result")
     settings = scene.render.image_settings
     if hasattr(settings, "media_type"):  # Blender 5
         settings.media_type = "MULTI_LAYER_IMAGE"
