@@ -68,7 +68,8 @@ class Media::Walk {
       const float x = size[a] > 0 ? (place[a] - lower[a]) / size[a] : 0;
       // On the border between two cells it is in the one it goes to.
       i[a] = static_cast<int>(std::floor(x + (way[a] > 0 ? 1e-4f : -1e-4f)));
-      if (i[a] < 0 || i[a] >= grid_->size[a]) outside = true;
+      // What is flat has no inside: within it a ray would go on by no distance at all, for ever.
+      if (i[a] < 0 || i[a] >= grid_->size[a] || !(size[a] > 0)) outside = true;
       if (way[a] == 0) continue;
       const float border = way[a] > 0 ? lower[a] + size[a] * static_cast<float>(i[a] + 1)
                                       : lower[a] + size[a] * static_cast<float>(i[a]);
