@@ -2,8 +2,8 @@
 
 What this has found: a circle of reroutes in a world and a hang; a colour of a group linked to a
 shader, shaders linked to a Mix Shader's factor or to Displacement, a lamp's output in a material,
-and an exception; coordinates of an object in the world's volume, and a crash; a volume with a texture in a flat mesh,
-and a pass without end.
+and an exception; coordinates of an object in the world's volume, and a crash; a volume with a
+texture in a flat mesh, and a pass without end.
 """
 
 from __future__ import annotations
