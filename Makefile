@@ -48,7 +48,7 @@ $(VENV_OLD)/.made:
 	$(@D)/bin/python tools/fetch_libraries.py
 	@touch $@
 
-%/.native: %/.packages $(NATIVE_SOURCES)
+%/.native: %/.packages $(NATIVE_SOURCES) addon/blender_manifest.toml
 	@echo "== $(@D): building the native module"
 	$(IN_VENV) $(@D)/bin/python -m pip install --disable-pip-version-check --no-build-isolation --no-deps --force-reinstall -v ./native
 	@touch $@

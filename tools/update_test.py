@@ -82,6 +82,8 @@ def judge(found: dict[str, object], folder: Path) -> list[str]:
         "the update did not finish": found["upgraded"] == ["FINISHED"],
         "the new version is not there after the update": found["after"] == current,
         "the extension is not enabled after the update": found["enabled"],
+        "the older native module was not loaded": found["native before"] == repositories.OLD,
+        "the new native module is not loaded": found["native after"] == current,
         "the first picture is black": first.mean() > 0.05,
         "the second picture differs": np.array_equal(first, second),
     }

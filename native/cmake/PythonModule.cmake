@@ -28,7 +28,12 @@ set(lto "")
 if(PHOTON_SPLAT_LTO)
   set(lto LTO)
 endif()
-nanobind_add_module(photon_splat_native STABLE_ABI NB_STATIC NOMINSIZE NB_SUPPRESS_WARNINGS ${lto} ${module_sources})
+# After an update a process has the modules of two versions: neither may take the other's types for its own.
+string(REPLACE "." "_" versioned "photon_splat_native_${PROJECT_VERSION}")
+nanobind_add_module(photon_splat_native STABLE_ABI NB_STATIC NOMINSIZE NB_SUPPRESS_WARNINGS NB_DOMAIN ${versioned} ${lto}
+  ${module_sources})
+set_source_files_properties(src/bindings/module.cpp PROPERTIES COMPILE_DEFINITIONS
+  "PHOTON_SPLAT_VERSION=\"${PROJECT_VERSION}\"")
 if(CMAKE_CROSSCOMPILING OR APPLE)
   # nanobind's headers name stderr, and leave it to others to include <cstdio>; libc++ does not.
   foreach(target nanobind-static nanobind-static-abi3 photon_splat_native)
@@ -79,4 +84,6 @@ if(NOT PHOTON_SPLAT_SANITIZE AND NOT CMAKE_CROSSCOMPILING) # this machine's Pyth
   install(FILES "${stubs}" DESTINATION photon_splat_native-stubs)
 endif()
 
-install(TARGETS photon_splat_native LIBRARY DESTINATION . RUNTIME DESTINATION .)
+# Windows lets no file be replaced that a process has loaded: an update brings a file of another name.
+get_target_property(suffix photon_splat_native SUFFIX)
+install(PROGRAMS "$<TARGET_FILE:photon_splat_native>" DESTINATION . RENAME "${versioned}${suffix}")

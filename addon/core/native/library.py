@@ -3,15 +3,21 @@
 The module asks the dynamic linker for Embree by its name alone. In Blender, and after `import bpy`,
 that library is in the process already. Elsewhere (tests of the core) it is loaded here from where
 Blender keeps it.
+
+The module's file has the engine's version in its name. After an update the process still has the
+older module, which no system lets go, and Windows lets nobody replace its file; the new one is
+loaded beside it.
 """
 
 from __future__ import annotations
 
 import ctypes
-import importlib
+import functools
+import importlib.util
 import sys
 from types import ModuleType
 
+from ... import version
 from .blender_libraries import EMBREE, is_loaded, places
 
 MODULE = "photon_splat_native"
@@ -21,23 +27,27 @@ def load() -> ModuleType:
     """The native module. ImportError, with one sentence, where it or a fitting Embree is
     missing.
     """
-    if MODULE in sys.modules:
-        return sys.modules[MODULE]
+    loaded = sys.modules.get(MODULE)
+    if loaded is not None and loaded.__version__ == engine_version():
+        return loaded
+    file = find()
+    if file is None:
+        raise ImportError(
+            f"Photon Splat's native module {MODULE} {engine_version()} is not installed for this "
+            f"Python ({sys.executable})."
+        )
     there = is_loaded(EMBREE)
     if not there:
         for library in places(EMBREE):
             ctypes.CDLL(str(library))
             there = True
             break
+    spec = importlib.util.spec_from_file_location(MODULE, file)
+    assert spec is not None
+    assert spec.loader is not None
     try:
-        return importlib.import_module(MODULE)
-    except ModuleNotFoundError as error:
-        if error.name != MODULE:
-            raise
-        raise ImportError(
-            f"Photon Splat's native module {MODULE} is not installed for this Python "
-            f"({sys.executable})."
-        ) from error
+        module = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(module)
     except ImportError as error:
         reason = _reason(str(error), there)
         if reason is None:
@@ -45,6 +55,20 @@ def load() -> ModuleType:
         raise ImportError(
             f"Photon Splat needs the Embree 4 that Blender ships, but {reason}."
         ) from error
+    sys.modules[MODULE] = module
+    return module
+
+
+def find() -> str | None:
+    """The file of the native module of the engine's version, in a folder that Python looks in."""
+    importlib.invalidate_caches()
+    spec = importlib.util.find_spec(f"{MODULE}_{engine_version().replace('.', '_')}")
+    return None if spec is None else spec.origin
+
+
+@functools.cache
+def engine_version() -> str:
+    return version()
 
 
 def _reason(message: str, embree_is_there: bool) -> str | None:

@@ -12,6 +12,7 @@ NB_MODULE(photon_splat_native, m) {
     throw nb::import_error(e.what());
   }
   m.doc() = "Photon tracer and splatter of Photon Splat.";
+  m.attr("__version__") = PHOTON_SPLAT_VERSION;
   nb::exception<Cancelled>(m, "Cancelled");
   RendererClass renderer(
       m, "Renderer",

@@ -39,9 +39,9 @@ def version(method: str) -> str:
 
     if not method.startswith(("Photon", "reference-photons")):
         return bpy.app.version_string
-    import photon_splat_native
+    from photon_splat.core.native.library import load
 
-    digest = hashlib.sha256(Path(photon_splat_native.__file__).read_bytes())
+    digest = hashlib.sha256(Path(load().__file__ or "").read_bytes())
     for path in sorted((ROOT / "addon").rglob("*.py")):
         digest.update(path.read_bytes())
     return digest.hexdigest()[:12]

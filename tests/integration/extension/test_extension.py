@@ -127,7 +127,7 @@ def test_the_archive_bundles_nothing_of_blender() -> None:
             names += inside
             if "photon_splat_native" in wheel:
                 stub, module = sorted(name for name in inside if ".dist-info/" not in name)
-                assert re.fullmatch(r"photon_splat_native\.\S+\.so", module)
+                assert re.fullmatch(r"photon_splat_native_\d+_\d+_\d+\.\S+\.so", module)
                 assert stub.endswith(".pyi")
     assert not [name for name in names if any(part.lower() in name.lower() for part in SHIPPED)]
     assert {re.match(r"wheels/(\w+)-", wheel)[1] for wheel in wheels} == {

@@ -90,6 +90,7 @@ def test_an_update_is_offered_installed_and_renders(
     assert found["after"] == current
     assert found["enabled"]
     assert found["native"].startswith(str(tmp_path / "blender/extensions/.local"))
+    assert (found["native before"], found["native after"]) == (OLD, current)
     first, second = (np.load(tmp_path / f"{name}.npy") for name in ("first", "second"))
     assert first.mean() > 0.05
     assert np.array_equal(first, second)

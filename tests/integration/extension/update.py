@@ -38,6 +38,7 @@ def main(old: str, new: str, folder: str) -> dict[str, Any]:
     found["installed"] = version()
     render(f"{folder}/first.npy")
     found["native"] = sys.modules["photon_splat_native"].__file__
+    found["native before"] = sys.modules["photon_splat_native"].__version__
 
     shutil.rmtree(served)
     shutil.copytree(new, served)
@@ -47,6 +48,7 @@ def main(old: str, new: str, folder: str) -> dict[str, Any]:
     found["after"] = version()
     found["enabled"] = MODULE in bpy.context.preferences.addons
     render(f"{folder}/second.npy")
+    found["native after"] = sys.modules["photon_splat_native"].__version__
     return found
 
 

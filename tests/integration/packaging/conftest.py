@@ -12,6 +12,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from photon_splat.core.native import library
 
 RunPython = Callable[..., subprocess.CompletedProcess[str]]
 
@@ -19,10 +20,9 @@ RunPython = Callable[..., subprocess.CompletedProcess[str]]
 @pytest.fixture(scope="session")
 def module_path() -> Path:
     """The shared object of photon_splat_native, which is not imported."""
-    spec = importlib.util.find_spec("photon_splat_native")
-    assert spec is not None, "photon_splat_native is not installed"
-    assert spec.origin is not None
-    return Path(spec.origin)
+    file = library.find()
+    assert file is not None, "photon_splat_native is not installed"
+    return Path(file)
 
 
 @pytest.fixture(scope="session")
