@@ -136,7 +136,8 @@ extension-test: extension ## the extension installed into clean Blenders
 	@if [ -x $(PY_OLD) ]; then $(PY_OLD) tools/run_tests.py tests/integration/extension; fi
 
 wine-test: extension-all ## the extension for Windows under Wine (needs Linux, root, debootstrap and Maven)
-	$(PY) tools/wine_test.py dist/photon_splat-*-windows_x64.zip
+	@old=; if [ -x $(PY_OLD) ]; then old=$(PY_OLD); fi; \
+		$(PY) tools/wine_test.py dist/photon_splat-*-windows_x64.zip $$old
 
 release: extension-all ## dist/release: the zips, checksums, and index.json of an extension repository
 	$(PY) tools/release.py dist/release dist/photon_splat-*.zip

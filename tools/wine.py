@@ -20,17 +20,12 @@ from pathlib import Path
 import debian_chroot
 from windows_python import CACHE, ROOT, artifact, home
 
-VERSION = "3.13"
 PACKAGES = ["wine", "wine64"]
 INSIDE = "/mnt/photon_splat"
 """Where the system inside has the repository."""
 PREFIX = "/root/wine"
 NATIVE = "ucrtbase,msvcp140,msvcp140_1,vcruntime140,vcruntime140_1"
 UCRT = "org.openjfx:javafx-graphics:21:jar:win"
-RUNTIME = CACHE / f"run-{VERSION}"
-SITE = CACHE / f"packages-{VERSION}"
-BARE = CACHE / f"bare-{VERSION}"
-"""Python itself; every package; what Blender brings along."""
 ONLY_FOR_TESTS = ("bpy", "numpy", "scipy", "pillow", "pytest", "hypothesis", "OpenImageIO")
 OURS = re.compile(r"moderngl|glcontext|_moderngl|pytest|_pytest|hypothesis|scipy|PIL|OpenImageIO")
 
@@ -40,16 +35,24 @@ class Unavailable(Exception):
 
 
 class Wine:
-    """The system, ready to run programs."""
+    """The system, ready to run programs with that version of Python (3.11, 3.13).
 
-    def __init__(self) -> None:
+    runtime, site, bare: folders of Python itself, of every package, and of what Blender brings
+    along.
+    """
+
+    def __init__(self, version: str) -> None:
+        self.version = version
+        self.runtime, self.site, self.bare = (
+            CACHE / f"{what}-{version}" for what in ("run", "packages", "bare")
+        )
         self.chroot = ROOT / ".cache" / "wine-trixie"
         try:
             debian_chroot.make("trixie", self.chroot, PACKAGES, "1 GB")
         except debian_chroot.Unavailable as reason:
             raise Unavailable(str(reason)) from reason
-        make_python()
-        make_packages()
+        make_python(version, self.runtime)
+        make_packages(version, self.site, self.bare)
 
     def python(self, *arguments: str, path: list[Path], seconds: float, log: Path) -> int | None:
         """The exit status of Python with these arguments, None if it was ended after so many
@@ -65,7 +68,7 @@ class Wine:
             "WINEPREFIX": PREFIX,
             "WINEDLLOVERRIDES": f"{NATIVE}=n,b;mscoree,mshtml,winedbg.exe=",
             "XDG_RUNTIME_DIR": "/tmp",
-            "PYTHONHOME": inside(RUNTIME),
+            "PYTHONHOME": inside(self.runtime),
             "PYTHONPATH": ";".join(map(inside, path)),
             "PYTHONDONTWRITEBYTECODE": "1",
             "PYTHONUTF8": "1",
@@ -73,7 +76,7 @@ class Wine:
         system = debian_chroot.inside(self.chroot, (ROOT, INSIDE))
         command = [*system, "env", "-i", "-C", INSIDE]
         command += [f"{name}={value}" for name, value in settings.items()]
-        command += ["wine", inside(RUNTIME / "python.exe"), *arguments]
+        command += ["wine", inside(self.runtime / "python.exe"), *arguments]
         with log.open("w") as file:
             try:
                 return subprocess.run(
@@ -92,52 +95,52 @@ def inside(path: Path) -> str:
     return "Z:" + f"{INSIDE}/{path.relative_to(ROOT).as_posix()}".replace("/", "\\")
 
 
-def make_python() -> None:
-    if RUNTIME.is_dir():
+def make_python(version: str, runtime: Path) -> None:
+    if runtime.is_dir():
         return
-    source = home(VERSION)
+    source = home(version)
     with tempfile.TemporaryDirectory(dir=CACHE) as scratch:
         made = Path(scratch, "run")
         # without _wmi: Python asks it for the name of the system, and Wine's answer takes seconds
         shutil.copytree(source / "lib", made / "Lib", ignore=shutil.ignore_patterns("_wmi.pyd"))
-        number = VERSION.replace(".", "")
-        for name in ("python.exe", f"python{number}.dll"):
-            shutil.copy(source / name, made)
-        forward(source / "libs/python3.lib", f"python{number}", made / "python3.dll")
+        library = f"python{version.replace('.', '')}"
+        for file in (source / "python.exe", source / f"{library}.dll", *source.glob("lib*.dll")):
+            shutil.copy(file, made)
+        forward(source / "libs/python3.lib", library, made / "python3.dll")
         with zipfile.ZipFile(artifact(UCRT, Path(scratch))) as jar:
             jar.extract("ucrtbase.dll", made)
-        pip(Path(scratch, "msvc"), "msvc-runtime==14.51.36231")
-        for library in Path(scratch, "msvc").rglob("*140*.dll"):
-            shutil.copy(library, made)
-        made.rename(RUNTIME)
+        pip("3.13", Path(scratch, "msvc"), "msvc-runtime==14.51.36231")  # the same for any Python
+        for file in Path(scratch, "msvc").rglob("*140*.dll"):
+            shutil.copy(file, made)
+        made.rename(runtime)
 
 
-def make_packages() -> None:
-    if not SITE.is_dir():
-        wanted = pinned(*ONLY_FOR_TESTS, "moderngl")
+def make_packages(version: str, site: Path, bare: Path) -> None:
+    if not site.is_dir():
+        wanted = pinned(version, *ONLY_FOR_TESTS, "moderngl")
         with tempfile.TemporaryDirectory(dir=CACHE) as scratch:
-            pip(Path(scratch, "site"), *wanted, "colorama")
-            Path(scratch, "site").rename(SITE)
-    shutil.rmtree(BARE, ignore_errors=True)
-    BARE.mkdir()
-    for entry in SITE.iterdir():
+            pip(version, Path(scratch, "site"), *wanted, "colorama")
+            Path(scratch, "site").rename(site)
+    shutil.rmtree(bare, ignore_errors=True)
+    bare.mkdir()
+    for entry in site.iterdir():
         if not OURS.match(entry.name):
-            (BARE / entry.name).symlink_to(os.path.relpath(entry, BARE))
+            (bare / entry.name).symlink_to(os.path.relpath(entry, bare))
 
 
-def pinned(*names: str) -> list[str]:
+def pinned(version: str, *names: str) -> list[str]:
     """Requirements with the versions of requirements-dev.txt."""
     lines = (ROOT / "requirements-dev.txt").read_text().splitlines()
     found = [line for line in lines if re.split("[=;]", line)[0] in names]
     return [
-        line.split(";")[0].strip() for line in found if ";" not in line or f'"{VERSION}"' in line
+        line.split(";")[0].strip() for line in found if ";" not in line or f'"{version}"' in line
     ]
 
 
-def pip(folder: Path, *requirements: str) -> None:
+def pip(version: str, folder: Path, *requirements: str) -> None:
     command = [sys.executable, "-m", "pip", "-q", "--disable-pip-version-check", "install"]
     command += ["--no-compile", "--only-binary", ":all:", "--platform", "win_amd64"]
-    command += ["--python-version", VERSION, "--implementation", "cp", "--target", str(folder)]
+    command += ["--python-version", version, "--implementation", "cp", "--target", str(folder)]
     done = subprocess.run([*command, *requirements], capture_output=True, text=True, check=False)
     if done.returncode:
         raise Unavailable(f"pip could not fetch {' '.join(requirements)} for Windows")
