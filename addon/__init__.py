@@ -10,7 +10,8 @@ def version() -> str:
     import tomllib
     from pathlib import Path
 
-    return tomllib.loads(Path(__file__).with_name("blender_manifest.toml").read_text())["version"]
+    manifest = Path(__file__).with_name("blender_manifest.toml")
+    return tomllib.loads(manifest.read_text(encoding="utf-8"))["version"]
 
 
 def register() -> None:

@@ -89,7 +89,7 @@ def tests(name: str, trial: Trial) -> dict[str, Any]:
         for number, what in re.findall(r"(\d+) (passed|failed|skipped|error)", "".join(last))
     }
     if not counts.get("passed"):
-        trial.failures.append(f"{name}: no test passed")
+        trial.fail(f"{name}: no test passed")
     return counts | {"seconds": seconds}
 
 

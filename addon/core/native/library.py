@@ -15,21 +15,28 @@ import ctypes
 import functools
 import importlib.util
 import sys
+import threading
 from types import ModuleType
 
 from ... import version
 from .blender_libraries import EMBREE, is_loaded, places
 
 MODULE = "photon_splat_native"
+_loading = threading.Lock()
 
 
 def load() -> ModuleType:
     """The native module. ImportError, with one sentence, where it or a fitting Embree is
     missing.
     """
-    loaded = sys.modules.get(MODULE)
-    if loaded is not None and loaded.__version__ == engine_version():
+    with _loading:  # the viewport loads it on a thread of its own
+        loaded = sys.modules.get(MODULE)
+        if loaded is None or loaded.__version__ != engine_version():
+            loaded = sys.modules[MODULE] = _load()
         return loaded
+
+
+def _load() -> ModuleType:
     file = find()
     if file is None:
         raise ImportError(
@@ -55,7 +62,6 @@ def load() -> ModuleType:
         raise ImportError(
             f"Photon Splat needs the Embree 4 that Blender ships, but {reason}."
         ) from error
-    sys.modules[MODULE] = module
     return module
 
 

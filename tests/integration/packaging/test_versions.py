@@ -46,3 +46,27 @@ def test_the_new_module_is_loaded_beside_the_older_one(
     assert process.returncode == 0, process.stderr
     assert process.stdout.splitlines() == [f"{OLDER} {current} True", "False True", "True"]
     assert "nanobind" not in process.stderr
+
+
+AT_ONCE = """
+import threading
+import bpy
+from photon_splat.core.native import library
+start, found = threading.Barrier(8), []
+def load():
+    start.wait()
+    found.append(library.load())
+threads = [threading.Thread(target=load) for _ in range(8)]
+for thread in threads:
+    thread.start()
+for thread in threads:
+    thread.join()
+print(len(found), len(set(map(id, found))))
+"""
+
+
+def test_threads_that_load_it_at_once_get_one_module(run_python: RunPython) -> None:
+    process = run_python(AT_ONCE)
+    assert process.returncode == 0, process.stderr
+    assert process.stdout.split() == ["8", "1"]
+    assert "nanobind" not in process.stderr
