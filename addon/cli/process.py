@@ -14,7 +14,7 @@ from typing import TextIO
 def open_standard_streams() -> None:
     """Opens the standard streams that the caller has closed, on the null device. Otherwise a file
     that is opened later would take a stream's number, and messages for the user would be written
-    into it.
+    into it. All are UTF-8: a code page of Windows lacks characters that names of files may have.
     """
     while (number := os.open(os.devnull, os.O_RDWR)) < 3:
         pass
@@ -22,6 +22,7 @@ def open_standard_streams() -> None:
     for name in ("stdout", "stderr"):
         if getattr(sys, name) is None:
             setattr(sys, name, open(os.devnull, "w"))  # noqa: SIM115
+        getattr(sys, name).reconfigure(encoding="utf-8", errors="backslashreplace")
 
 
 def silence_blender() -> None:

@@ -103,6 +103,16 @@ def test_limits_of_the_file_are_those_of_all_parts(scenes: Path, tmp_path: Path)
     assert (task["range"][0], task["range"][-1], len(task["range"])) == ("1-5", "246-250", 50)
 
 
+def test_names_that_the_code_page_lacks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is said there through a pipe is UTF-8."""
+    monkeypatch.setenv("PYTHONIOENCODING", "cp1252")
+    (tmp_path / "Küche 部屋.blend").touch()
+    arguments = ("Küche 部屋.blend", "--animation", "--frames", "1-3", "-o", "Auftrag 光")
+    status, output, errors = call(tmp_path, "farm", *arguments)
+    assert status == 0, errors
+    assert output.startswith("Auftrag 光 is written. Next: ")
+
+
 # --- Open Job Description, by its own command ---
 
 
