@@ -60,23 +60,7 @@ class Wine:
 
         path: folders of modules.
         """
-        settings = {
-            "HOME": "/root",
-            "PATH": "/usr/bin:/bin",
-            "LANG": "C.UTF-8",  # or file names could hold nothing but ASCII
-            "WINEDEBUG": "-all",
-            "WINEPREFIX": PREFIX,
-            "WINEDLLOVERRIDES": f"{NATIVE}=n,b;mscoree,mshtml,winedbg.exe=",
-            "XDG_RUNTIME_DIR": "/tmp",
-            "PYTHONHOME": inside(self.runtime),
-            "PYTHONPATH": ";".join(map(inside, path)),
-            "PYTHONDONTWRITEBYTECODE": "1",
-            "PYTHONUTF8": "1",
-        }
-        system = debian_chroot.inside(self.chroot, (ROOT, INSIDE))
-        command = [*system, "env", "-i", "-C", INSIDE]
-        command += [f"{name}={value}" for name, value in settings.items()]
-        command += ["wine", inside(self.runtime / "python.exe"), *arguments]
+        command = self.command(*arguments, path=path)
         with log.open("w") as file:
             try:
                 return subprocess.run(
@@ -85,9 +69,35 @@ class Wine:
             except subprocess.TimeoutExpired:
                 return None
             finally:
-                end = [*system, "env", f"WINEPREFIX={PREFIX}", "wineserver"]
-                subprocess.run([*end, "-k"], capture_output=True, check=False)
-                subprocess.run([*end, "-w"], capture_output=True, check=False)
+                self.end()
+
+    def command(self, *arguments: str, path: list[Path]) -> list[str]:
+        """What runs Python with these arguments."""
+        settings = {
+            "HOME": "/root",
+            "PATH": "/usr/bin:/bin",
+            "TERM": "xterm",
+            "LANG": "C.UTF-8",  # or file names could hold nothing but ASCII
+            "WINEDEBUG": "-all",
+            "WINEPREFIX": PREFIX,
+            "WINEDLLOVERRIDES": f"{NATIVE}=n,b;mscoree,mshtml,winedbg.exe=",
+            "XDG_RUNTIME_DIR": "/tmp",
+            "PYTHONHOME": inside(self.runtime),
+            "PYTHONPATH": ";".join(map(inside, path)),
+            "PYTHONDONTWRITEBYTECODE": "1",
+        }
+        command = [*self._system(), "env", "-i", "-C", INSIDE]
+        command += [f"{name}={value}" for name, value in settings.items()]
+        return [*command, "wine", inside(self.runtime / "python.exe"), *arguments]
+
+    def end(self) -> None:
+        """Ends every program for Windows."""
+        server = [*self._system(), "env", f"WINEPREFIX={PREFIX}", "wineserver"]
+        for option in ("-k", "-w"):
+            subprocess.run([*server, option], capture_output=True, check=False)
+
+    def _system(self) -> list[str]:
+        return debian_chroot.inside(self.chroot, (ROOT, INSIDE))
 
 
 def inside(path: Path) -> str:

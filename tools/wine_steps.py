@@ -28,18 +28,24 @@ APART = 0.02
 SPEED = 1.2
 """Most that our time over Cycles' may differ between the systems, as a factor."""
 CLEAN = (
+    "-X",
+    "utf8",
+    "-S",
+    "-c",
     "import os, sys, runpy; sys.argv = sys.argv[1:]; os.environ['BLENDER_USER_RESOURCES'] = "
-    "sys.argv[-1] + '/blender'; runpy.run_path(sys.argv[0], run_name='__main__')"
+    "sys.argv[-1] + '/blender'; runpy.run_path(sys.argv[0], run_name='__main__')",
 )
-"""Runs a script whose last argument is the folder of its Blender's user."""
+"""Runs a script whose last argument is the folder of its Blender's user. Blender's own Python takes
+no notice of the system's code page; that of the command line does.
+"""
 
 
 def install(trial: Trial) -> dict[str, Any]:
     """What tests/integration/extension/install.py found."""
-    folder = trial.out / "installed"
+    folder = trial.out / "installed für 光"
     folder.mkdir()
     script = "tests/integration/extension/install.py"
-    arguments = ["-S", "-c", CLEAN, script, inside(trial.archive), inside(folder)]
+    arguments = [*CLEAN, script, inside(trial.archive), inside(folder)]
     seconds = trial.run("install", *arguments, path=[trial.wine.bare])
     if seconds is None:
         return {}
@@ -61,12 +67,12 @@ def install(trial: Trial) -> dict[str, Any]:
 
 def update(trial: Trial) -> dict[str, Any]:
     """What tests/integration/extension/update.py found: an update while the module is loaded."""
-    folder = trial.out / "updated"
+    folder = trial.out / "updated für 光"
     repositories.make_old(folder / "old", trial.archive)
     repositories.make_new(folder / "new", trial.archive)
     script = "tests/integration/extension/update.py"
     arguments = [script, *(inside(folder / name) for name in ("old", "new")), inside(folder)]
-    seconds = trial.run("update", "-S", "-c", CLEAN, *arguments, path=[trial.wine.bare])
+    seconds = trial.run("update", *CLEAN, *arguments, path=[trial.wine.bare])
     if seconds is None:
         return {}
     for failure in judge(trial.answer("update"), folder):
