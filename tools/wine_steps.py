@@ -16,7 +16,7 @@ from wine_trial import Trial
 
 sys.path.insert(0, str(ROOT))
 from tests.integration.extension import repositories
-from tests.integration.windows.pictures import DENOISED, SCENES
+from tests.integration.windows.pictures import DENOISED, LARGE, SCENES
 
 ROUNDING, DENOISED_ROUNDING = 1e-3, 1e-2
 """Most that a value of a picture may differ between the systems, relative to the larger of it and
@@ -117,7 +117,7 @@ def pictures(trial: Trial) -> dict[str, Any]:
     if seconds is None:
         return {}
     found: dict[str, Any] = {"seconds": seconds}
-    for name in (*SCENES, DENOISED):
+    for name in (*SCENES, DENOISED, LARGE):
         ours, theirs = (combined(folder / f"{name}.exr") for folder in (linux, windows))
         difference = np.abs(ours - theirs).max(-1)
         scale = np.maximum(np.maximum(ours, theirs).max(-1), ours.mean())

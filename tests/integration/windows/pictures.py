@@ -1,6 +1,7 @@
 """Renders scenes by the command line, for a comparison of two systems: pictures.py FOLDER.
 
-Leaves FOLDER/SCENE.exr; `cornell_box_denoised` is denoised.
+Leaves FOLDER/SCENE.exr; `cornell_box_denoised` is denoised, the film of `cornell_box_large` is
+in memory of large pages (native/src/util/large_pages.h).
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ import sys
 from pathlib import Path
 
 SCENES = ("cornell_box", "instances", "light_types", "caustic_glass", "interior")
-DENOISED = "cornell_box_denoised"
+DENOISED, LARGE = "cornell_box_denoised", "cornell_box_large"
 OPTIONS = ("--resolution", "96x96", "--passes", "3", "--photons-per-pass", "20000", "--verbose")
 OPTIONS += ("--no-adaptive-samples",)
 """The adaptive sampler takes more samples here or there for a difference in the last digit, and
@@ -26,7 +27,11 @@ def main(folder: Path) -> int:
         status = render(photon_splat, name, folder / f"{name}.exr")
         if status:
             return status
-    return render(photon_splat, "cornell_box", folder / f"{DENOISED}.exr", "--denoise")
+    more = {DENOISED: ["--denoise"], LARGE: ["--resolution", "600x600", "--passes", "1"]}
+    return max(
+        render(photon_splat, "cornell_box", folder / f"{name}.exr", *options)
+        for name, options in more.items()
+    )
 
 
 def render(photon_splat, scene: str, output: Path, *more: str) -> int:  # type: ignore[no-untyped-def]
