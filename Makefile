@@ -148,7 +148,7 @@ farm-test: setup ## jobs of photon-splat farm on a Slurm of one node, whose daem
 viewport-test: extension ## the extension in a Blender with a window (VIEWPORT_OPTIONS: see tools/viewport_test.py --help)
 	$(PY) tools/viewport_test.py dist/photon_splat-*-linux_x64.zip $(VIEWPORT_OPTIONS)
 
-update-test: extension ## an update from an older version, in a Blender with a window (needs what viewport-test needs)
+update-test: extension ## an update from an older version, and a dropped link, in a Blender with a window (needs what viewport-test needs)
 	$(PY) tools/update_test.py dist/photon_splat-*-linux_x64.zip
 
 CMAKE_NATIVE = $(VENV)/bin/cmake -S native -G Ninja -DCMAKE_MAKE_PROGRAM=$(CURDIR)/$(VENV)/bin/ninja \

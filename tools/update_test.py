@@ -1,10 +1,10 @@
-"""Tests an update of the extension in a Blender with a window: update_test.py ARCHIVE [--suite
-SUITE].
+"""Tests installs and an update from a repository in a Blender with a window: update_test.py ARCHIVE
+[--suite SUITE].
 
-An older version is installed from a repository and renders; then the repository offers the
-archive's version, which Blender finds, installs over the loaded module, and renders with. As
-viewport_test.py it runs Debian's Blender under a virtual X server, in the same system. Figures are
-left in out/update-SUITE.
+An older version is installed and renders; then the repository offers the archive's version, which
+Blender finds, installs over the loaded module, and renders with. In another Blender the archive's
+link on the repository's page is dropped into the window. As viewport_test.py it runs Debian's
+Blender under a virtual X server, in the same system. Figures are left in out/update-SUITE.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ sys.path.insert(0, str(ROOT))
 from tests.integration.extension import repositories  # noqa: E402
 
 INSIDE = "/mnt/photon_splat"
-SCRIPT = "tests/integration/extension/update.py"
+SCRIPTS = "tests/integration/extension"
 SECONDS = 600
 
 
@@ -46,34 +46,38 @@ def main() -> int:
     shutil.rmtree(folder, ignore_errors=True)
     repositories.make_old(folder / "old", options.archive)
     repositories.make_new(folder / "new", options.archive)
-    run(chroot, folder)
-    found = json.loads((folder / "update.json").read_text())
-    print(json.dumps(found, indent=1))
-    failures = judge(found, folder)
+    there = f"{INSIDE}/{folder.relative_to(ROOT).as_posix()}"
+    run(chroot, folder, "update", f"{there}/old", f"{there}/new", there)
+    run(chroot, folder, "dropped", f"{there}/new", there)
+    found, dropped = (
+        json.loads((folder / f"{name}.json").read_text()) for name in ("update", "dropped")
+    )
+    print(json.dumps({"update": found, "dropped": dropped}, indent=1))
+    failures = judge(found, folder) + judge_dropped(dropped, folder)
     for failure in failures:
         print(f"FAILED {failure}", file=sys.stderr)
     return 1 if failures else 0
 
 
-def run(chroot: Path, folder: Path) -> None:
-    there = f"{INSIDE}/{folder.relative_to(ROOT).as_posix()}"
+def run(chroot: Path, folder: Path, script: str, *arguments: str) -> None:
+    """Each script has a Blender user of its own."""
     settings = {
         "HOME": "/tmp",
-        "BLENDER_USER_RESOURCES": f"{there}/blender",
+        "BLENDER_USER_RESOURCES": f"{INSIDE}/{folder.relative_to(ROOT).as_posix()}/{script}",
         "LIBGL_ALWAYS_SOFTWARE": "1",
     }
     command = [*debian_chroot.inside(chroot, (ROOT, INSIDE)), "env", "-C", INSIDE]
     command += [f"{name}={value}" for name, value in settings.items()]
     command += ["xvfb-run", "-a", "-s", f"-screen 0 {SCREEN}", "blender", "--factory-startup"]
-    command += ["--online-mode", "--python", SCRIPT, "--", f"{there}/old", f"{there}/new", there]
-    with (folder / "blender.log").open("w") as log:
+    command += ["--online-mode", "--python", f"{SCRIPTS}/{script}.py", "--", *arguments]
+    with (folder / f"{script}.log").open("w") as log:
         subprocess.run(command, stdout=log, stderr=log, timeout=SECONDS, check=False)
 
 
 def judge(found: dict[str, object], folder: Path) -> list[str]:
     """What is not as it should be."""
     if "error" in found:
-        return [f"Blender said {found['error']}; see {folder / 'blender.log'}"]
+        return [f"Blender said {found['error']}; see {folder / 'update.log'}"]
     current = repositories.current_version()
     first, second = (np.load(folder / f"{name}.npy") for name in ("first", "second"))
     checks = {
@@ -88,6 +92,14 @@ def judge(found: dict[str, object], folder: Path) -> list[str]:
         "the second picture differs": np.array_equal(first, second),
     }
     return [what for what, right in checks.items() if not right]
+
+
+def judge_dropped(found: dict[str, object], folder: Path) -> list[str]:
+    if not found.get("enabled"):
+        return [f"the dropped link installed nothing: {found}; see {folder / 'dropped.log'}"]
+    if np.array_equal(np.load(folder / "dropped.npy"), np.load(folder / "second.npy")):
+        return []
+    return ["the picture after the dropped link differs"]
 
 
 if __name__ == "__main__":

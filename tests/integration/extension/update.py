@@ -1,8 +1,8 @@
 """Installs an older version from a repository, updates it to the one that the repository offers
 next, and renders with both: update.py OLD_REPOSITORY NEW_REPOSITORY FOLDER.
 
-A repository is a folder with an index.json. Runs in a process of its own whose Blender user folder
-is FOLDER/blender. Prints one JSON object: what was found.
+A repository is a folder with an index.json. Runs in a process of its own, with a Blender user
+folder of its own. Prints one JSON object: what was found.
 """
 
 from __future__ import annotations
