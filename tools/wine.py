@@ -54,13 +54,20 @@ class Wine:
         make_python(version, self.runtime)
         make_packages(version, self.site, self.bare)
 
-    def python(self, *arguments: str, path: list[Path], seconds: float, log: Path) -> int | None:
+    def python(
+        self,
+        *arguments: str,
+        path: list[Path],
+        seconds: float,
+        log: Path,
+        program: Path | None = None,
+    ) -> int | None:
         """The exit status of Python with these arguments, None if it was ended after so many
         seconds; what it writes goes to the log.
 
-        path: folders of modules.
+        path: folders of modules. program: a python.exe elsewhere.
         """
-        command = self.command(*arguments, path=path)
+        command = self.command(*arguments, path=path, program=program)
         with log.open("w") as file:
             try:
                 return subprocess.run(
@@ -71,7 +78,7 @@ class Wine:
             finally:
                 self.end()
 
-    def command(self, *arguments: str, path: list[Path]) -> list[str]:
+    def command(self, *arguments: str, path: list[Path], program: Path | None = None) -> list[str]:
         """What runs Python with these arguments."""
         settings = {
             "HOME": "/root",
@@ -88,7 +95,7 @@ class Wine:
         }
         command = [*self._system(), "env", "-i", "-C", INSIDE]
         command += [f"{name}={value}" for name, value in settings.items()]
-        return [*command, "wine", inside(self.runtime / "python.exe"), *arguments]
+        return [*command, "wine", inside(program or self.runtime / "python.exe"), *arguments]
 
     def end(self) -> None:
         """Ends every program for Windows."""

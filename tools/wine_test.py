@@ -1,11 +1,11 @@
 """Tests the extension for Windows under Wine: wine_test.py ARCHIVE [OLD_PYTHON].
 
 The module and the add-on of the archive are run by Python 3.13 with Blender 5.2 for Windows (see
-wine.py): an install into a clean Blender, an update, names of files, a console, pictures and speed
-beside this system's, closed forms, robustness, some cases against Cycles, each instruction set.
-Python 3.11 with Blender 4.5 for Windows then installs and updates it, and renders pictures beside
-those of OLD_PYTHON, this system's Python 3.11. Where Wine cannot be had the test is skipped and
-says so. What the programs wrote, pictures and figures are left in out/wine.
+wine.py): an install into a clean Blender, an update, names of files, a console, places of Blender's
+libraries, pictures and speed beside this system's, closed forms, robustness, some cases against
+Cycles, each instruction set. Python 3.11 with Blender 4.5 for Windows then installs and updates it,
+and renders pictures beside those of OLD_PYTHON, this system's Python 3.11. Where Wine cannot be had
+the test is skipped and says so. What the programs wrote, pictures and figures are left in out/wine.
 """
 
 from __future__ import annotations
@@ -25,6 +25,7 @@ from windows_python import ROOT
 from windows_python import Unavailable as NoPython
 from wine import Unavailable, Wine, inside
 from wine_console import console
+from wine_libraries import libraries
 from wine_steps import files, install, pictures, speed, update
 from wine_trial import Trial
 
@@ -50,8 +51,8 @@ def main() -> int:
     began = time.monotonic()
     shutil.rmtree(OUT, ignore_errors=True)
     short: dict[str, Step] = {"install": install, "update": update, "pictures": pictures}
-    steps = short | {"files": files, "console": console, "speed": speed}
-    steps |= {name: functools.partial(tests, name) for name in FOLDERS}
+    steps = short | {"files": files, "console": console, "libraries": libraries}
+    steps |= {"speed": speed} | {name: functools.partial(tests, name) for name in FOLDERS}
     result: dict[str, Any] = {}
     failures: list[str] = []
     try:

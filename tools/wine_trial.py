@@ -33,10 +33,14 @@ class Trial:
         self.archive = Path(shutil.copy(archive, out))
         unpack(self.archive, self.product, wine.version)
 
-    def run(self, name: str, *arguments: str, path: list[Path]) -> float | None:
+    def run(
+        self, name: str, *arguments: str, path: list[Path], program: Path | None = None
+    ) -> float | None:
         """Seconds that Python under Wine took; None if it failed, which is said."""
         began = time.monotonic()
-        status = self.wine.python(*arguments, path=path, seconds=SECONDS, log=self.log(name))
+        status = self.wine.python(
+            *arguments, path=path, seconds=SECONDS, log=self.log(name), program=program
+        )
         seconds = time.monotonic() - began
         print(f"== {name}, Python {self.wine.version}: {seconds:.0f} s", flush=True)
         if status == 0:
