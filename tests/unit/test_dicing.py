@@ -8,8 +8,9 @@ from numpy.typing import NDArray
 from photon_splat.core.dicing.catmull_clark import Surface
 from photon_splat.core.dicing.dice import diced
 from photon_splat.core.dicing.eye import Eye
-from photon_splat.core.dicing.measure import Wanted
 from photon_splat.core.dicing.values import Faces
+from photon_splat.core.dicing.wanted import Wanted
+from photon_splat.core.native.library import load
 from photon_splat.core.scene import Camera, Mesh
 from photon_splat.core.scene.shading import Domain, MeshAttribute, MeshShading
 
@@ -194,3 +195,37 @@ def test_values_go_with_a_smooth_surface() -> None:
     outward = np.einsum("ij,ij->i", normals.vertices, fine.positions)
     assert outward.min() > 0
     assert (np.sign(cage[np.abs(cage) > 0.2]) == np.sign(fine.positions[np.abs(cage) > 0.2])).all()
+
+
+@pytest.mark.parametrize(
+    ("changed", "said"),
+    [
+        ({"triangles": np.array([(0, 1, 4)], np.uint32)}, "vertex that does not exist"),
+        ({"source": np.zeros(2, np.uint32)}, "do not fit their triangles"),
+        ({"places": np.zeros((2, 3, 2), np.float32)}, "do not fit their triangles"),
+    ],
+)
+def test_pieces_that_do_not_fit_are_refused(changed: dict[str, NDArray], said: str) -> None:
+    given = {
+        "positions": SQUARE.astype(np.float64),
+        "triangles": np.array([(0, 1, 2)], np.uint32),
+        "source": np.zeros(1, np.uint32),
+        "places": np.zeros((1, 3, 2), np.float32),
+    }
+    with pytest.raises(ValueError, match=said):
+        load().Pieces(**{**given, **changed})
+
+
+def test_what_go_on_raises_ends_it() -> None:
+    """The render was stopped, say."""
+    mesh, faces = _square()
+    asked = []
+
+    def go_on() -> None:
+        asked.append(1)
+        if len(asked) == 3:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        diced(mesh, faces, Wanted(1e-4, 12, None), np.eye(4), go_on=go_on)
+    assert len(asked) == 3

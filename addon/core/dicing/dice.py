@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..native.library import load
 from ..scene import Mesh
 from ..scene.displacement import Normals
-from .measure import Measure, Wanted, lengths_between
-from .split import Pieces, halved
-from .values import Faces, mixed_at, of_triangles, with_values
+from .values import Faces, of_triangles, with_values
+from .wanted import Wanted
+
+if TYPE_CHECKING:
+    import photon_splat_native
 
 MAX_TRIANGLES = 32_000_000
 FLATNESS = 0.15
@@ -32,16 +36,15 @@ def diced(
     triangles.
     """
     pieces, levels = _whole(mesh, faces, wanted, matrix, limit, go_on)
-    quads = faces.surface is not None
-    pieces, complete = halved(pieces, Measure(wanted, matrix), levels, limit, go_on)
+    complete = pieces.halve(wanted.native(matrix), levels, limit, go_on)
     go_on()
-    pieces, corners = _in_order_of_use(pieces)
-    fine = with_values(mesh, faces, pieces, corners, quads)
-    smooth = None if faces.smooth is None else of_triangles(faces, pieces, quads)
+    positions, triangles = pieces.take_mesh()
+    fine = with_values(mesh, faces, pieces, positions, triangles)
+    smooth = None if faces.smooth is None else of_triangles(faces, pieces)
     normals = (
-        _between(mesh, pieces, corners)
+        _between(mesh, pieces)
         if faces.surface is None
-        else _vertex_normals(fine.positions, fine.triangles)
+        else load().normals_by_area(positions, triangles)
     )
     if smooth is None or smooth.all():
         fine.vertex_normals, smooth = normals, None
@@ -61,40 +64,41 @@ def _whole(
     matrix: NDArray[np.float64],
     limit: int,
     go_on: Callable[[], None],
-) -> tuple[Pieces, int]:
+) -> tuple[photon_splat_native.Pieces, int]:
     """The triangles before any is halved, and how often an edge may still be."""
+    pieces_of = load().Pieces
     if faces.surface is None:
         count = len(mesh.triangles)
         corners = np.array([(0, 0), (1, 0), (0, 1)], np.float32)
-        pieces = Pieces(
+        pieces = pieces_of(
             mesh.positions.astype(np.float64),
-            mesh.triangles.astype(np.int32),
-            np.arange(count, dtype=np.int32),
+            np.ascontiguousarray(mesh.triangles, np.uint32),
+            np.arange(count, dtype=np.uint32),
             np.repeat(corners[None], count, axis=0),
         )
         return pieces, wanted.levels
     surface = faces.surface.refined()
     unit = np.array([(0, 0), (1, 0), (1, 1), (0, 1)], np.float32)
     places = np.repeat(unit[None], len(surface.corners) // 4, axis=0)
-    source = np.arange(len(places), dtype=np.int32)
-    ends, left = surface.limits(), max(wanted.levels - 1, 0)
+    source = np.arange(len(places), dtype=np.uint32)
+    ends, left, measure = surface.limits(), max(wanted.levels - 1, 0), wanted.native(matrix)
     while left and 4 * len(places) <= min(MAX_CONTROL_FACES, limit // 2):
         go_on()
         a, b = ends[surface.ends[:, 0]], ends[surface.ends[:, 1]]
-        if not (lengths_between(wanted, matrix, a, b) > 1.0).any():
+        if not (measure.lengths(a, b) > 1.0).any():
             break
         finer = surface.refined()
         then, count = finer.limits(), len(ends)
-        missed = lengths_between(wanted, matrix, 0.5 * (a + b), then[count : count + len(a)])
+        missed = measure.lengths(0.5 * (a + b), then[count : count + len(a)])
         if not (missed > FLATNESS).any() and not surface.half_sharp:
             break
         surface, ends, left = finer, then, left - 1
         places, source = _finer_places(places), np.repeat(source, 4)
     quads = surface.corners.reshape(-1, 4)
     halves = np.array([(0, 1, 2), (0, 2, 3)])
-    pieces = Pieces(
+    pieces = pieces_of(
         ends,
-        quads[:, halves].reshape(-1, 3).astype(np.int32),
+        quads[:, halves].reshape(-1, 3).astype(np.uint32),
         np.repeat(source, 2),
         places[:, halves].reshape(-1, 3, 2),
     )
@@ -109,47 +113,14 @@ def _finer_places(places: NDArray[np.float32]) -> NDArray[np.float32]:
     return np.stack([places, after, centre, before], axis=2).reshape(-1, 4, 2)
 
 
-def _in_order_of_use(pieces: Pieces) -> tuple[Pieces, NDArray[np.int64]]:
-    """With vertices in the order in which triangles name them, so that what is near in space is so
-    in memory; and the first corner (of 3 T) that each vertex is at.
-    """
-    flat = pieces.triangles.ravel()
-    first = np.full(len(pieces.positions), -1, np.int64)
-    first[flat[::-1]] = np.arange(len(flat) - 1, -1, -1)
-    order = np.argsort(first)
-    order = order[np.searchsorted(first, 0, sorter=order) :]  # without those that no triangle has
-    number = np.zeros(len(first), np.int32)
-    number[order] = np.arange(len(order), dtype=np.int32)
-    triangles = np.take(number, pieces.triangles)
-    moved = Pieces(pieces.positions[order], triangles, pieces.source, pieces.places)
-    return moved, first[order]
-
-
-def _between(mesh: Mesh, pieces: Pieces, first: NDArray[np.int64]) -> NDArray[np.float32]:
+def _between(mesh: Mesh, pieces: photon_splat_native.Pieces) -> NDArray[np.float32]:
     """Unit normals of the pieces' vertices, between those of the mesh's own vertices."""
     own = mesh.vertex_normals
     if own is None:
-        own = _vertex_normals(mesh.positions, mesh.triangles)
-    faces = Faces(None, np.zeros((0, 3), np.int32), None)
-    normals = mixed_at(faces, pieces, False, own[mesh.triangles.ravel()], first)
-    size = np.sqrt(np.einsum("ij,ij->i", normals, normals))[:, None]
-    return np.where(size > 0, normals / np.maximum(size, 1e-30), (0, 0, 1)).astype(np.float32)
+        own = load().normals_by_area(mesh.positions, np.ascontiguousarray(mesh.triangles))
+    return pieces.mixed(np.ascontiguousarray(own[mesh.triangles], np.float32), True, True)
 
 
 def _face_normals(positions: NDArray[np.float32], triangles: NDArray) -> NDArray[np.float64]:
     a, b, c = (positions[triangles[:, i]].astype(np.float64) for i in range(3))
     return np.cross(b - a, c - a)
-
-
-def _vertex_normals(positions: NDArray[np.float32], triangles: NDArray) -> NDArray[np.float32]:
-    """Unit, weighted by area."""
-    count, normals = len(positions), _face_normals(positions, triangles)
-    sums = np.stack(
-        [
-            sum(np.bincount(triangles[:, k], normals[:, i], count) for k in range(3))
-            for i in range(3)
-        ],
-        axis=1,
-    )
-    size = np.linalg.norm(sums, axis=1, keepdims=True)
-    return np.where(size > 0, sums / np.maximum(size, 1e-300), (0, 0, 1)).astype(np.float32)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +11,9 @@ from numpy.typing import NDArray
 from ..scene import Mesh
 from ..scene.shading import Domain, MeshAttribute
 from .catmull_clark import Surface
-from .split import Pieces
+
+if TYPE_CHECKING:
+    import photon_splat_native
 
 
 @dataclass(slots=True)
@@ -28,32 +31,34 @@ class Faces:
 
 
 def with_values(
-    mesh: Mesh, faces: Faces, pieces: Pieces, first: NDArray[np.int64], quads: bool
+    mesh: Mesh,
+    faces: Faces,
+    pieces: photon_splat_native.Pieces,
+    positions: NDArray[np.float32],
+    triangles: NDArray[np.uint32],
 ) -> Mesh:
-    """What `mesh` has at its corners and triangles, taken over by the pieces; `first`: a corner of
-    each of their vertices.
-    """
+    """What `mesh` has at its corners and triangles, on the mesh of the pieces."""
 
     def part(attribute: MeshAttribute) -> MeshAttribute:
         values = attribute.values
         if attribute.domain == Domain.FACE:
-            return replace(attribute, values=of_triangles(faces, pieces, quads, values))
+            return replace(attribute, values=of_triangles(faces, pieces, values))
         if attribute.domain == Domain.CORNER:
-            return replace(attribute, values=mixed_at(faces, pieces, quads, values))
+            return replace(attribute, values=mixed_at(faces, pieces, values))
         known = values[mesh.triangles.ravel()]
-        return replace(attribute, values=mixed_at(faces, pieces, quads, known, first))
+        return replace(attribute, values=mixed_at(faces, pieces, known, of_vertices=True))
 
     shading = replace(mesh.shading, attributes=[part(one) for one in mesh.shading.attributes])
     uv = None
     if mesh.uv is not None:
-        uv = mixed_at(faces, pieces, quads, mesh.uv.reshape(-1, 2)).reshape(-1, 3, 2)
+        uv = mixed_at(faces, pieces, mesh.uv.reshape(-1, 2)).reshape(-1, 3, 2)
     slots = None
     if mesh.slots is not None:
-        slots = of_triangles(faces, pieces, quads, mesh.slots[:, None])[:, 0]
+        slots = of_triangles(faces, pieces, mesh.slots[:, None])[:, 0]
     return replace(
         mesh,
-        positions=pieces.positions.astype(np.float32),
-        triangles=pieces.triangles.astype(np.uint32),
+        positions=positions,
+        triangles=triangles,
         corner_normals=None,
         vertex_normals=None,
         uv=uv,
@@ -64,25 +69,14 @@ def with_values(
 
 
 def mixed_at(
-    faces: Faces,
-    pieces: Pieces,
-    quads: bool,
-    values: NDArray,
-    corners: NDArray[np.int64] | None = None,
+    faces: Faces, pieces: photon_splat_native.Pieces, values: NDArray, of_vertices: bool = False
 ) -> NDArray:
-    """(N, K) at `corners` of the pieces, or at all, of `values` at the corners of the mesh's
-    triangles (3 T, K).
+    """(N, K) at all corners of the pieces, or at their vertices, of `values` at the corners of the
+    mesh's triangles (3 T, K).
     """
-    places, source = pieces.places.reshape(-1, 2), np.repeat(pieces.source, 3)
-    if corners is not None:
-        places, source = places[corners], source[corners]
-    x, y = places.T
-    weights = ((1 - x) * (1 - y), x * (1 - y), x * y, (1 - x) * y) if quads else (1 - x - y, x, y)
-    known = _quad_values(faces, values) if quads else values.reshape(-1, 3, values.shape[-1])
-    mixed = np.zeros((len(x), values.shape[-1]), np.float32)
-    for i, weight in enumerate(weights):
-        for k in range(mixed.shape[1]):
-            mixed[:, k] += weight * np.take(np.ascontiguousarray(known[:, i, k]), source)
+    width = values.shape[-1]
+    known = values.reshape(-1, 3, width) if faces.surface is None else _quad_values(faces, values)
+    mixed = pieces.mixed(np.ascontiguousarray(known, np.float32), of_vertices)
     if values.dtype == np.uint8:
         return np.clip(np.rint(mixed), 0, 255).astype(np.uint8)
     return np.asarray(mixed, values.dtype)
@@ -101,15 +95,14 @@ def _quad_values(faces: Faces, values: NDArray) -> NDArray:
 
 
 def of_triangles(
-    faces: Faces, pieces: Pieces, quads: bool, values: NDArray | None = None
+    faces: Faces, pieces: photon_splat_native.Pieces, values: NDArray | None = None
 ) -> NDArray:
     """Of each piece what its triangle has: `values` (T, K), or whether it is smooth."""
     values = faces.smooth if values is None else values
     assert values is not None
-    if not quads:
-        return values[pieces.source]
     surface = faces.surface
-    assert surface is not None
+    if surface is None:
+        return values[pieces.source]
     of_faces = np.zeros((len(surface.starts) - 1, *values.shape[1:]), values.dtype)
     of_faces[surface.face_of[faces.corners[:, 0]]] = values
     return of_faces[surface.face_of[pieces.source]]

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from ...core.dicing.catmull_clark import Surface
 from ...core.dicing.eye import Eye
-from ...core.dicing.measure import Wanted
 from ...core.dicing.values import Faces
+from ...core.dicing.wanted import Wanted
 from ...core.scene import Camera, Frame, Mesh
 from ..arrays import read
 from ..camera import export_camera, resolution

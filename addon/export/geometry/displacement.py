@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from ...core.dicing.dice import MAX_TRIANGLES, diced
 from ...core.dicing.eye import Eye
-from ...core.dicing.measure import Wanted
 from ...core.dicing.values import Faces
+from ...core.dicing.wanted import Wanted
 from ...core.native.displace import displaced, textures_of
 from ...core.render.memory import free_memory_bytes
 from ...core.scene import Camera, Mesh, Texture

@@ -79,5 +79,7 @@ void bind_data_passes(RendererClass& renderer);
 void bind_splatting(RendererClass& renderer);
 // What a viewport and other renders of the scene need: other cameras, other light.
 void bind_viewport(RendererClass& renderer);
+// Adaptive subdivision.
+void bind_dicing(nanobind::module_& m);
 
 }  // namespace photon_splat

@@ -33,4 +33,5 @@ NB_MODULE(photon_splat_native, m) {
   bind_data_passes(renderer);
   bind_splatting(renderer);
   bind_viewport(renderer);
+  bind_dicing(m);
 }
