@@ -52,7 +52,9 @@ class Objects:
         self._materials, self._shading, self._report = materials, shading, shading.around.report
         self._moving = moving
         self._labelled = labelled
-        self._shapes = Shapes(kept, self._report, shading.around.watch.go_on)
+        # Edits of materials in a viewport change no mesh.
+        in_viewport = shading.around.depsgraph.mode == "VIEWPORT"
+        self._shapes = Shapes(kept, self._report, shading.around.watch.go_on, in_viewport)
         self._sets = MaterialSets(materials)
         self._set_of: dict[tuple[int, int], int] = {}
         self._rows = Rows()
@@ -127,8 +129,9 @@ class Objects:
         """What programs read from meshes and instances (ids of `wants`). The graph has not changed
         since collect().
         """
+        with_uv = wants.active_uv_map or depsgraph.view_layer.use_pass_uv
         self._attributes = self._object_shading.collect(
-            depsgraph, self._rows_of, wants, of_meshes, of_instances
+            depsgraph, self._rows_of, wants, of_meshes, of_instances, with_uv
         )
 
     def displace(self, depsgraph: Any, camera: Camera, frame: Frame) -> None:

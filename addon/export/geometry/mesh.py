@@ -48,23 +48,25 @@ def sound_triangles(mesh: Any, name: str, report: Report) -> Triangles | None:
     return Triangles(positions, corners, vertices, kept)
 
 
-def export_mesh(mesh: Any, name: str, report: Report) -> Mesh | None:
-    """The triangles of a bpy.types.Mesh, or None if it has none. `name` is the object that warnings
-    name.
+def export_mesh(
+    mesh: Any, name: str, report: Report
+) -> tuple[Mesh, NDArray[np.bool_] | None] | None:
+    """The triangles of a bpy.types.Mesh without their UV coordinates, and which of its own they are
+    (None: all), or None if it has none. `name` is the object that warnings name.
     """
     found = sound_triangles(mesh, name, report)
     if found is None:
         return None
     by_corner, by_vertex = _normals(mesh, found.positions, found.corners, found.vertices)
-    return Mesh(
+    exported = Mesh(
         name=mesh.name,
         positions=np.array(found.positions, np.float32),
         triangles=found.vertices.astype(np.uint32),
         corner_normals=by_corner,
         vertex_normals=by_vertex,
-        uv=_uv(mesh, found.corners),
         slots=_slots(mesh, found.kept),
     )
+    return exported, found.kept
 
 
 def flattened(
@@ -165,11 +167,17 @@ def _unit_normals(positions: NDArray, vertices: NDArray) -> NDArray[np.float32]:
     return (normals / np.linalg.norm(normals, axis=1, keepdims=True)).astype(np.float32)
 
 
-def _uv(mesh: Any, corners: NDArray) -> NDArray[np.float32] | None:
-    """The render-active UV map (T, 3, 2); coordinates that are not finite become 0."""
+def active_uv(mesh: Any, kept: NDArray[np.bool_] | None) -> NDArray[np.float32] | None:
+    """The render-active UV map (T, 3, 2) of a bpy.types.Mesh at those of its triangles that are
+    `kept` (None: all); coordinates that are not finite become 0.
+    """
     layer = next((layer for layer in mesh.uv_layers if layer.active_render), None)
     if layer is None or len(layer.uv) == 0:
         return None
+    mesh.calc_loop_triangles()
+    corners = read(mesh.loop_triangles, "loops", np.int32, 3)
+    if kept is not None:
+        corners = corners[kept]
     uv = np.take(read(layer.uv, "vector", np.float32, 2), corners, axis=0)
     return uv if np.isfinite(uv.sum()) else np.nan_to_num(uv, nan=0.0, posinf=0.0, neginf=0.0)
 

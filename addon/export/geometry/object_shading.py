@@ -34,12 +34,13 @@ class ObjectShading:
         wants: Wants,
         of_meshes: frozenset[int],
         of_instances: frozenset[int],
+        with_uv: bool,
     ) -> list[InstanceAttribute]:
         """Gives meshes what programs read from them, and returns what they read from instances: ids
         of `wants`. `rows_of`: by place in the graph's list of instances, which has not changed
-        since the rows were made.
+        since the rows were made. `with_uv`: meshes are to have their render-active UV maps.
         """
-        if not of_meshes and not of_instances:
+        if not of_meshes and not of_instances and not with_uv:
             return []
         names = {number: want for want, number in wants.ids.items()}
         mesh_wants = {number: names[number] for number in sorted(of_meshes)}
@@ -59,9 +60,14 @@ class ObjectShading:
             if rows is None:
                 continue
             self._watch.go_on()
-            for index in {self._rows.placed[row][0] for row in rows} - done if mesh_wants else ():
+            of_any = mesh_wants or with_uv
+            for index in {self._rows.placed[row][0] for row in rows} - done if of_any else ():
                 done.add(index)
                 ob = instance.object
+                if with_uv:
+                    self._shapes.give_uv(ob, index)
+                if not mesh_wants:
+                    continue
                 meshes[index] = replace(
                     meshes[index], shading=self._of_mesh(ob, index, mesh_wants, depsgraph)
                 )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any, TypeVar
 
 import numpy as np
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 from ...core.scene import Mesh
 from ..kept import Kept, identity
 from ..report import Report
-from .mesh import export_mesh, flattened
+from .mesh import active_uv, export_mesh, flattened
 from .particle_hair import System, export_hair, known_as, made_of
 from .strands import Look, export_strands
 from .volumes import known_volume, volume_mesh
@@ -21,28 +22,59 @@ Value = TypeVar("Value")
 
 class Shapes:
     """Indices point into `list`; None: nothing is left of it. `flat`: of meshes that a scale has
-    flattened which triangles are left. `hair`: which are hair of particles.
+    flattened which triangles are left. `hair`: which are hair of particles. `with_uv`: meshes have
+    their UV maps at once, and not only where give_uv() is asked to.
     """
 
-    def __init__(self, kept: Kept, report: Report, go_on: Callable[[], None]) -> None:
+    def __init__(
+        self, kept: Kept, report: Report, go_on: Callable[[], None], with_uv: bool
+    ) -> None:
         self.list: list[Mesh] = []
         self.flat: dict[int, NDArray[np.bool_] | None] = {}
         self.hair: set[int] = set()
         self._kept, self._report, self._go_on = kept, report, go_on
+        self._with_uv = with_uv
+        self._sound: dict[int, NDArray[np.bool_] | None] = {}  # by pointers of data
         self._index_of: dict[int, int | None] = {}  # by pointers of data; of hair negative
         self._volumes: dict[tuple[Any, ...], int | None] = {}
 
     def of_mesh(self, ob: Any) -> int | None:
         pointer = ob.data.as_pointer()
         if pointer not in self._index_of:
-            mesh = self._kept.get(
-                ("mesh", *mesh_key(ob)),
+            found = self._kept.get(
+                ("mesh", self._with_uv, *mesh_key(ob)),
                 sources(ob),
                 self._report,
-                lambda report: with_mesh(ob, lambda mesh: export_mesh(mesh, ob.name, report)),
+                lambda report: with_mesh(ob, lambda mesh: self._exported(mesh, ob.name, report)),
             )
+            mesh, self._sound[pointer] = found or (None, None)
             self._index_of[pointer] = self._append(mesh)
         return self._index_of[pointer]
+
+    def _exported(
+        self, mesh: Any, name: str, report: Report
+    ) -> tuple[Mesh, NDArray[np.bool_] | None] | None:
+        found = export_mesh(mesh, name, report)
+        if found is not None and self._with_uv:
+            found[0].uv = active_uv(mesh, found[1])
+        return found
+
+    def give_uv(self, ob: Any, index: int) -> None:
+        """Gives the mesh of `index`, which of_mesh(ob) is or was made of, its render-active UV
+        map.
+        """
+        mesh = self.list[index]
+        if self._with_uv or mesh.strands is not None or mesh.shading.grids:
+            return
+        kept = self._sound[ob.data.as_pointer()]
+        uv = self._kept.get(
+            ("uv", *mesh_key(ob)),
+            sources(ob),
+            self._report,
+            lambda _: with_mesh(ob, lambda mesh: active_uv(mesh, kept)),
+        )
+        left = self.flat.get(index)
+        self.list[index] = replace(mesh, uv=uv if uv is None or left is None else uv[left])
 
     def of_strands(self, ob: Any, look: Look) -> int | None:
         data = ob.data

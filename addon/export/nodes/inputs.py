@@ -43,7 +43,10 @@ def uv(n: Node, name: str) -> Value:
 def uv_id(n: Node, name: str) -> int:
     if name:
         n.owner.asked_uv_map = True
-    return NONE if name in {"", n.owner.uv_map} else n.around.wants.id("uv", name)
+    if name not in {"", n.owner.uv_map}:
+        return n.around.wants.id("uv", name)
+    n.around.wants.active_uv_map = True
+    return NONE
 
 
 def instance_value(n: Node, kind: str, name: str) -> Outputs:

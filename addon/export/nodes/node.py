@@ -31,7 +31,9 @@ class Want:
 
 
 class Wants:
-    """Ids of everything that programs of one scene read from meshes or instances."""
+    """Ids of everything that programs of one scene read from meshes or instances;
+    `active_uv_map`: whether some read the render-active UV map, which has none.
+    """
 
     def __init__(self) -> None:
         self.ids = {
@@ -41,6 +43,7 @@ class Wants:
         }
         # of tangents: (owner, node) by how warnings name them
         self.askers: dict[int, dict[tuple[str, str], None]] = {}
+        self.active_uv_map = False
 
     def id(self, kind: str, name: str = "") -> int:
         return self.ids.setdefault(Want(kind, name), len(self.ids))

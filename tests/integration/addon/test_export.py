@@ -267,6 +267,35 @@ def test_degenerate_and_broken_triangles_are_dropped_with_one_warning() -> None:
 
 
 @in_blender
+def test_uv_maps_that_nobody_reads_stay_behind() -> None:
+    """One on its own, one that a scale flattens, one that is subdivided adaptively."""
+    import bpy
+
+    picture = bpy.data.images.new("Picture", 2, 2)
+    made, tree = stage.empty_material("Painted")
+    shader, image = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("BsdfDiffuse", "TexImage"))
+    image.image = picture
+    stage.surface(tree, shader)
+    for name, depth in (("Plain", 1.0), ("Flat", 0.0), ("Fine", 1.0)):
+        ob = stage.plane(name)
+        ob.scale = (1.0, 1.0, depth)
+        corners = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)], np.float32)
+        ob.data.uv_layers.new(name="UV").uv.foreach_set("vector", corners.ravel())
+        ob.data.materials[0] = made
+    modifier = stage.scene().objects["Fine"].modifiers.new("Adaptive", "SUBSURF")
+    modifier.subdivision_type, modifier.levels, modifier.render_levels = "SIMPLE", 0, 0
+    modifier.use_adaptive_subdivision, modifier.adaptive_space = True, "OBJECT"
+    modifier.adaptive_object_edge_length = 0.1
+    assert [mesh.uv is None for mesh in stage.exported().meshes] == [True] * 3
+    tree.links.new(image.outputs["Color"], shader.inputs["Color"])
+    read = stage.exported().meshes
+    for mesh in read:
+        assert mesh.uv is not None
+        assert np.allclose(mesh.uv, mesh.positions[mesh.triangles][..., :2], atol=1e-6)
+    assert max(len(mesh.triangles) for mesh in read) > 500
+
+
+@in_blender
 def test_slots_uv_and_normals_follow_what_is_dropped() -> None:
     corners = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (2, 0, 0), (0, 1, 0)]
     data = stage.mesh("Data", corners, [(0, 1, 3), (0, 1, 2), (0, 2, 4)])
@@ -279,6 +308,7 @@ def test_slots_uv_and_normals_follow_what_is_dropped() -> None:
         data.materials.append(stage.material(name))
     data.polygons.foreach_set("material_index", [0, 1, 2])
     stage.add("Ob", data)
+    stage.scene().view_layers[0].use_pass_uv = True
     mesh = stage.exported().meshes[0]
     assert mesh.slots is not None
     assert mesh.slots.tolist() == [1, 2]
