@@ -65,11 +65,14 @@ def displaced(
         [float(c) for c in camera.screen],
         camera.orthographic,
     )
-    positions, corner_normals, lost = renderer.displace(
+    positions, corner_normals, vertex_normals, lost = renderer.displace(
         0, of_slots, normals.smooth, normals.own_corners
     )
     moved = replace(
-        with_old, positions=positions, corner_normals=corner_normals, vertex_normals=None
+        with_old,
+        positions=positions,
+        corner_normals=corner_normals,
+        vertex_normals=vertex_normals,
     )
     if keep_normals:
         shading = moved.shading

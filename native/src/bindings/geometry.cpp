@@ -16,6 +16,8 @@ using namespace nb::literals;
 namespace photon_splat {
 namespace {
 
+constexpr size_t kManyTriangles = 1 << 18;  // of a mesh, for its memory to matter
+
 // numpy's memory into the first `count` elements of ours, by all threads; visit(element) sees each.
 template <class T, class Source, class Visit>
 void copy_in_parts(ThreadPool& pool, const Source* from, LargeArray<T>* to, size_t count,
@@ -58,14 +60,12 @@ uint32_t add_mesh(Renderer& r, Array<float, nb::shape<-1, 3>> positions,
     copy_in_parts(r.scene.pool(), corner_normals->data(), &mesh.corner_normals, 3 * count,
                   [](const Vec3&) {});
   }
-  if (vertex_normals) {  // no vertex is named that does not exist
-    mesh.corner_normals.resize(3 * count);
-    const Vec3* normals = reinterpret_cast<const Vec3*>(vertex_normals->data());
-    r.scene.pool().for_parts(count, 1 << 15, CancelFlag{}, [&](size_t begin, size_t end) {
-      for (size_t t = begin; t < end; ++t)
-        for (size_t i = 0; i < 3; ++i)
-          mesh.corner_normals[3 * t + i] = normals[mesh.triangles[t][i]];
-    });
+  if (vertex_normals) {
+    mesh.vertex_normals.resize(vertices);
+    copy_in_parts(r.scene.pool(), vertex_normals->data(), &mesh.vertex_normals, vertices,
+                  [](const Vec3&) {});
+    // Those of corners are found sooner, but are six times as many.
+    if (count < kManyTriangles) mesh.spread_normals(r.scene.pool());
   }
   if (uv) {
     mesh.uv.resize(3 * count);
@@ -77,9 +77,12 @@ uint32_t add_mesh(Renderer& r, Array<float, nb::shape<-1, 3>> positions,
 }
 
 // Vec3s as rows of numbers for numpy.
-auto rows(const std::vector<Vec3>& values, std::initializer_list<size_t> shape) {
-  const float* first = reinterpret_cast<const float*>(values.data());
-  return to_numpy(std::vector<float>(first, first + 3 * values.size()), shape);
+auto rows(std::vector<Vec3>&& values, std::initializer_list<size_t> shape) {
+  auto kept = std::make_unique<std::vector<Vec3>>(std::move(values));
+  float* const data = reinterpret_cast<float*>(kept->data());
+  nb::capsule owner(kept.release(),
+                    [](void* p) noexcept { delete static_cast<std::vector<Vec3>*>(p); });
+  return nb::ndarray<nb::numpy, float>(data, shape, owner);
 }
 
 nb::tuple displace_mesh(Renderer& r, uint32_t instance,
@@ -94,11 +97,13 @@ nb::tuple displace_mesh(Renderer& r, uint32_t instance,
     nb::gil_scoped_release release;
     moved = displace(r.scene, instance, of_slots, smooth_ones, own_corners, CancelFlag{});
   }
-  const size_t corners = moved.corner_normals.size();
-  return nb::make_tuple(
-      rows(moved.positions, {moved.positions.size(), 3}),
-      corners ? nb::cast(rows(moved.corner_normals, {corners / 3, 3, 3})) : nb::object(nb::none()),
-      moved.not_finite);
+  const size_t corners = moved.corner_normals.size(), vertices = moved.positions.size();
+  const auto or_none = [](std::vector<Vec3>& normals, std::initializer_list<size_t> shape) {
+    return normals.empty() ? nb::object(nb::none()) : nb::cast(rows(std::move(normals), shape));
+  };
+  return nb::make_tuple(rows(std::move(moved.positions), {vertices, 3}),
+                        or_none(moved.corner_normals, {corners / 3, 3, 3}),
+                        or_none(moved.vertex_normals, {vertices, 3}), moved.not_finite);
 }
 
 Interpolation interpolation_named(const std::string& name) {
@@ -254,7 +259,7 @@ void bind_geometry(RendererClass& renderer) {
           "True displacement of an instance's mesh, before build(); the mesh, which must have normals, stays as it is.\n"
           "slots: of each (program or -1, whether a bump of its material bends the normals); smooth: (T,) bool, None: all;\n"
           "own_corners: corner normals are more than those of vertices. Returns (V, 3) positions, (T, 3, 3) corner normals\n"
-          "or None where all is flat, and how many vertices had no finite place to go to and stay.");
+          "or None, (V, 3) vertex normals instead or None (neither: all is flat), and how many vertices had no finite place to go to and stay.");
 }
 
 }  // namespace photon_splat

@@ -59,7 +59,7 @@ void set_mesh_motion(Renderer& r, uint32_t index, Array<float, nb::shape<-1, -1,
   const size_t steps = positions.shape(0), vertices = mesh.positions.size() - 1,
                triangles = mesh.triangles.size();
   check_steps(steps);
-  const bool smooth = !mesh.corner_normals.empty();
+  const bool smooth = mesh.is_smooth();
   if (positions.shape(1) != vertices)
     throw std::invalid_argument("a mesh's motion does not fit its vertices");
   if ((corner_normals &&
@@ -71,6 +71,7 @@ void set_mesh_motion(Renderer& r, uint32_t index, Array<float, nb::shape<-1, -1,
   for (size_t i = 0; i < 3 * steps * vertices; ++i)
     if (!std::isfinite(positions.data()[i]))
       throw std::invalid_argument("a mesh's motion has a vertex that is not finite");
+  if (corner_normals || vertex_normals) mesh.spread_normals(r.scene.pool());
   MeshMotion motion;
   motion.positions = steps_of(positions.data(), steps, vertices, 1);
   if (corner_normals)

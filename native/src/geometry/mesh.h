@@ -20,7 +20,8 @@ struct MeshGrid {
 struct Mesh {
   LargeArray<Vec3> positions;
   LargeArray<Triangle> triangles;
-  LargeArray<Vec3> corner_normals;  // 3 per triangle, or empty: flat
+  LargeArray<Vec3> corner_normals;  // 3 per triangle, or
+  LargeArray<Vec3> vertex_normals;  // one per vertex; both empty: flat
   LargeArray<Vec2> uv;              // 3 per triangle (1 per strand), or empty
   std::vector<uint16_t> slots;      // per triangle, or empty
   std::vector<MeshAttribute> attributes;
@@ -41,9 +42,25 @@ struct Mesh {
     return nullptr;
   }
   Vec3 position(uint32_t vertex, float time) const;
-  // Normals of a triangle's three corners, in a row; `moved` is where steps have some. Not for a
-  // flat mesh.
-  const Vec3* normals(uint32_t triangle, float time, Vec3 moved[3]) const;
+  bool is_smooth() const { return !corner_normals.empty() || !vertex_normals.empty(); }
+  // Normals of a triangle's three corners, in a row; `made` is where they are put that are not so
+  // in memory. Not for a flat mesh.
+  const Vec3* normals(uint32_t triangle, float time, Vec3 made[3]) const;
+  // The same of a mesh at rest.
+  const Vec3* normals(uint32_t triangle, Vec3 made[3]) const {
+    return normals_of(triangle, corner_normals.data(),
+                      vertex_normals.empty() ? nullptr : triangles.data(), vertex_normals.data(),
+                      made);
+  }
+  // vertices: triangles of a mesh that has `of_vertices`, else null
+  static const Vec3* normals_of(uint32_t triangle, const Vec3* of_corners, const Triangle* vertices,
+                                const Vec3* of_vertices, Vec3 made[3]) {
+    if (!vertices) return of_corners + 3 * static_cast<size_t>(triangle);
+    for (int k = 0; k < 3; ++k) made[k] = of_vertices[vertices[triangle][k]];
+    return made;
+  }
+  // Has normals of corners instead of those of vertices.
+  void spread_normals(ThreadPool& pool);
 };
 
 }  // namespace photon_splat

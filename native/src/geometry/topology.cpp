@@ -40,54 +40,44 @@ std::vector<uint32_t> weld(std::span<const Vec3> positions, const CancelFlag& ca
   return welded;
 }
 
-// The half-edges of all triangles, grouped by their smaller vertex and sorted by the other one.
-struct HalfEdges {
-  struct End {
-    uint32_t other, id;  // id = 3 * triangle + corner
-    bool upwards;        // from the smaller vertex to the other one
-  };
-  std::vector<uint32_t> first;
-  LargeArray<End> ends;
-
-  HalfEdges(const std::vector<uint32_t>& welded, std::span<const Triangle> triangles,
-            const CancelFlag& cancel)
-      : first(welded.size() + 1), ends(3 * triangles.size()) {
-    const auto vertices = [&](uint32_t half) {
-      const Triangle& t = triangles[half / 3];
-      return std::pair(welded[t[half % 3]], welded[t[(half + 1) % 3]]);
-    };
-    const uint32_t count = static_cast<uint32_t>(ends.size());
-    for (uint32_t h = 0; h < count; ++h) {
-      const auto [a, b] = vertices(h);
-      ++first[std::min(a, b) + 1];
+// partner[half] is the one other half-edge (3 * triangle + corner) on the same edge, or kNone where
+// there is none or more than one. It goes the other way: two that go the same way are of a triangle
+// and its double, not of neighbours, or of one that is turned over.
+LargeArray<uint32_t> find_partners(const std::vector<uint32_t>& welded,
+                                   std::span<const Triangle> triangles, const CancelFlag& cancel) {
+  // Lists of the half-edges by their smaller vertex, in the memory of their partners
+  std::vector<uint32_t> first(welded.size(), kNone);
+  LargeArray<uint32_t> partner(3 * triangles.size());
+  for (uint32_t t = 0; t < triangles.size(); ++t) {
+    check_now_and_then(t, cancel);
+    const Triangle& corners = triangles[t];
+    const uint32_t v[3] = {welded[corners[0]], welded[corners[1]], welded[corners[2]]};
+    for (uint32_t k = 0; k < 3; ++k) {
+      uint32_t& head = first[std::min(v[k], v[(k + 1) % 3])];
+      partner[3 * t + k] = head;
+      head = 3 * t + k;
     }
-    std::partial_sum(first.begin(), first.end(), first.begin());
-    std::vector<uint32_t> next(first.begin(), first.end() - 1);
-    for (uint32_t h = 0; h < count; ++h) {
-      check_now_and_then(h, cancel);
-      const auto [a, b] = vertices(h);
-      ends[next[std::min(a, b)]++] = {std::max(a, b), h, a < b};
-    }
-    for (size_t v = 0; v + 1 < first.size(); ++v)
-      std::sort(ends.begin() + first[v], ends.begin() + first[v + 1],
-                [](const End& a, const End& b) { return a.other < b.other; });
   }
-};
-
-// partner[half] is the one other half-edge on the same edge, or kNone where there is none or more
-// than one. It goes the other way: two that go the same way are of a triangle and its double, not
-// of neighbours, or of one that is turned over.
-LargeArray<uint32_t> find_partners(const HalfEdges& half, const CancelFlag& cancel) {
-  LargeArray<uint32_t> partner(half.ends.size(), kNone);
-  for (size_t v = 0; v + 1 < half.first.size(); ++v) {
+  struct End {
+    uint32_t other, id;
+    bool upwards;  // from the smaller vertex to the other one
+  };
+  std::vector<End> ends;
+  for (uint32_t v = 0; v < first.size(); ++v) {
     check_now_and_then(v, cancel);
-    for (uint32_t begin = half.first[v], end; begin < half.first[v + 1]; begin = end) {
-      for (end = begin + 1;
-           end < half.first[v + 1] && half.ends[end].other == half.ends[begin].other;)
-        ++end;
-      if (end - begin != 2 || half.ends[begin].upwards == half.ends[begin + 1].upwards) continue;
-      partner[half.ends[begin].id] = half.ends[begin + 1].id;
-      partner[half.ends[begin + 1].id] = half.ends[begin].id;
+    ends.clear();
+    for (uint32_t h = first[v]; h != kNone; h = partner[h]) {
+      const uint32_t a = welded[triangles[h / 3][h % 3]], b = welded[triangles[h / 3][(h + 1) % 3]];
+      ends.push_back({std::max(a, b), h, a < b});
+    }
+    for (const End& end : ends) partner[end.id] = kNone;
+    std::sort(ends.begin(), ends.end(),
+              [](const End& a, const End& b) { return a.other < b.other; });
+    for (size_t begin = 0, end; begin < ends.size(); begin = end) {
+      for (end = begin + 1; end < ends.size() && ends[end].other == ends[begin].other;) ++end;
+      if (end - begin != 2 || ends[begin].upwards == ends[begin + 1].upwards) continue;
+      partner[ends[begin].id] = ends[begin + 1].id;
+      partner[ends[begin + 1].id] = ends[begin].id;
     }
   }
   return partner;
@@ -103,8 +93,7 @@ uint32_t find_root(std::vector<uint32_t>& parent, uint32_t i) {
 Topology build_topology(std::span<const Vec3> positions, std::span<const Triangle> triangles,
                         const CancelFlag& cancel) {
   const uint32_t count = static_cast<uint32_t>(triangles.size());
-  const LargeArray<uint32_t> partner =
-      find_partners(HalfEdges(weld(positions, cancel), triangles, cancel), cancel);
+  const LargeArray<uint32_t> partner = find_partners(weld(positions, cancel), triangles, cancel);
   LargeArray<Vec3> normal(count);
   std::vector<float> area(count);
   for (uint32_t t = 0; t < count; ++t) {
@@ -120,7 +109,9 @@ Topology build_topology(std::span<const Vec3> positions, std::span<const Triangl
     const uint32_t other = partner[half];
     return other != kNone && dot(normal[half / 3], normal[other / 3]) > Topology::kCreaseCosine;
   };
-  std::vector<uint32_t> parent(count);
+  Topology out;
+  std::vector<uint32_t>& parent = out.patch;
+  parent.resize(count);
   std::iota(parent.begin(), parent.end(), 0u);
   for (uint32_t h = 0; h < 3 * count; ++h) {
     check_now_and_then(h, cancel);
@@ -130,18 +121,23 @@ Topology build_topology(std::span<const Vec3> positions, std::span<const Triangl
     }
   }
 
-  Topology out;
-  out.patch.resize(count);
-  uint32_t patches = 0;
+  // A triangle comes after its parent, and both hold the number of their patch in the end.
+  for (uint32_t t = 0; t < count; ++t) parent[t] = parent[parent[t]];
+  std::vector<uint32_t> root;  // of each patch, its first triangle
   for (uint32_t t = 0; t < count; ++t) {
-    const uint32_t root = find_root(parent, t);
-    out.patch[t] = root == t ? patches++ : out.patch[root];
+    if (parent[t] == t) {
+      parent[t] = static_cast<uint32_t>(root.size());
+      root.push_back(t);
+    } else {
+      parent[t] = parent[parent[t]];
+    }
   }
+  const size_t patches = root.size();
 
   out.planar.assign(patches, 1);
   bool all_planar = true;
   for (uint32_t t = 0; t < count; ++t)
-    if (dot(normal[t], normal[find_root(parent, t)]) < kPlanarCosine) {
+    if (dot(normal[t], normal[root[out.patch[t]]]) < kPlanarCosine) {
       out.planar[out.patch[t]] = 0;
       all_planar = false;
     }

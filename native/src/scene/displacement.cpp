@@ -49,6 +49,17 @@ class Displacer {
     out.not_finite = not_finite;
   }
 
+  // Where all is smooth corners at a vertex agree; false where some vertex has no normal then.
+  bool bend_vertices(DisplacedMesh& out) const {
+    out.vertex_normals = renewed(out);
+    for (size_t v = 0; v < out.vertex_normals.size(); ++v) {
+      Vec3& n = out.vertex_normals[v];
+      if (!(length2(n) > 0)) n = mesh_.vertex_normals[v];
+      if (!(length2(n) > 0)) return out.vertex_normals = {}, false;
+    }
+    return true;
+  }
+
   void bend_normals(DisplacedMesh& out, bool own_corners) const {
     if (own_corners)
       keep_differences(out);
@@ -81,9 +92,10 @@ class Displacer {
     const uint32_t triangle = corner / 3, k = corner % 3;
     const Affine& to_local = instance_.to_local;
     ShadingPoint vertex;
+    Vec3 made[3];
     vertex.position = instance_.to_world.point(mesh_.positions[mesh_.triangles[triangle][k]]);
     vertex.ng = unit_or_zero(to_local.transposed_vector(face_normal(mesh_.positions, triangle)));
-    vertex.ns = unit_or_zero(to_local.transposed_vector(mesh_.corner_normals[corner]));
+    vertex.ns = unit_or_zero(to_local.transposed_vector(mesh_.normals(triangle, made)[k]));
     if (length2(vertex.ns) == 0) vertex.ns = vertex.ng;
     vertex.instance = index_;
     vertex.triangle = triangle;
@@ -123,11 +135,15 @@ class Displacer {
     }
   }
 
+  std::vector<Vec3> renewed(const DisplacedMesh& out) const {
+    return vertex_normals(out.positions,
+                          [&](uint32_t t) { return slot(t).program >= 0 && !slot(t).bumps; });
+  }
+
   void renew_vertices(DisplacedMesh& out) const {
-    const auto counts = [&](uint32_t t) { return slot(t).program >= 0 && !slot(t).bumps; };
-    const std::vector<Vec3> renewed = vertex_normals(out.positions, counts);
+    const std::vector<Vec3> normals = renewed(out);
     set_normals(out, [&](uint32_t, uint32_t vertex, const Vec3& before) {
-      return length2(renewed[vertex]) > 0 ? renewed[vertex] : before;
+      return length2(normals[vertex]) > 0 ? normals[vertex] : before;
     });
   }
 
@@ -157,8 +173,8 @@ DisplacedMesh displace(Scene& scene, uint32_t index, const std::vector<SlotDispl
     throw std::invalid_argument("a displacement names an instance that does not exist");
   if (scene.embree()) throw std::invalid_argument("the scene is built: its meshes stay");
   Instance& instance = scene.instances[index];
-  const Mesh& mesh = scene.meshes[instance.mesh];
-  if (mesh.corner_normals.empty() || slots.empty() ||
+  Mesh& mesh = scene.meshes[instance.mesh];
+  if (!mesh.is_smooth() || slots.empty() ||
       !(smooth.empty() || smooth.size() == mesh.triangles.size()))
     throw std::invalid_argument("a displacement does not fit its mesh");
   for (const SlotDisplacement& slot : slots)
@@ -171,7 +187,15 @@ DisplacedMesh displace(Scene& scene, uint32_t index, const std::vector<SlotDispl
   const Displacer displacer(scene, index, slots, smooth);
   DisplacedMesh out;
   displacer.move_vertices(out, cancel);
-  if (!displacer.is_flat()) displacer.bend_normals(out, own_corners);
+  if (displacer.is_flat()) return out;
+  const auto bumps = [](const SlotDisplacement& slot) { return slot.bumps; };
+  if (!mesh.vertex_normals.empty()) {
+    if (smooth.empty() && !own_corners && std::none_of(slots.begin(), slots.end(), bumps) &&
+        displacer.bend_vertices(out))
+      return out;
+    mesh.spread_normals(scene.pool());
+  }
+  displacer.bend_normals(out, own_corners);
   return out;
 }
 

@@ -17,12 +17,13 @@ struct SlotDisplacement {
 
 struct DisplacedMesh {
   std::vector<Vec3> positions;
-  std::vector<Vec3> corner_normals;  // 3 per triangle; empty: flat everywhere
+  std::vector<Vec3> corner_normals;  // 3 per triangle, or
+  std::vector<Vec3> vertex_normals;  // where corners at a vertex agree; both empty: flat everywhere
   size_t not_finite = 0;             // vertices that were to go nowhere, and stay where they are
 };
 
 // The mesh of an instance of a scene that is not built, moved in its own coordinates as Cycles does
-// it: each vertex once, along the mesh's corner normals (which it must have), with what the first
+// it: each vertex once, along the mesh's normals (which it must have), with what the first
 // corner at it of a moving slot knows.
 //   smooth       per triangle; empty: all
 //   own_corners  its corner normals are more than those of its vertices: they keep their difference

@@ -64,7 +64,10 @@ bool Scene::intersect(const Vec3& origin, const Vec3& direction, float near, flo
 
 // Has the memory come while others are worked on.
 inline void Scene::Lookup::fetch_ahead(uint32_t triangle) const {
-  prefetch(normals + 3 * static_cast<size_t>(triangle & normals_mask));
+  if (corners)
+    prefetch(corners + triangle);
+  else
+    prefetch(normals + 3 * static_cast<size_t>(triangle & normals_mask));
   prefetch(patches + (triangle & patches_mask));
   prefetch(slots + (triangle & slots_mask));
 }
@@ -80,7 +83,8 @@ inline Vec3 Scene::smooth_normal(uint32_t index, uint32_t triangle, float u, flo
                                  float time) const {
   if (moves(index)) return moving_normal(index, triangle, u, v, time);
   const Lookup& lookup = lookups_[index];
-  const Vec3* n = lookup.normals + 3 * static_cast<size_t>(triangle & lookup.normals_mask);
+  Vec3 made[3];
+  const Vec3* n = lookup.normals_of(triangle, made);
   const Vec3 ns = n[0] * (1 - u - v) + n[1] * u + n[2] * v;
   return lookup.shared ? instances[index].to_local.transposed_vector(ns) : ns;
 }

@@ -229,7 +229,8 @@ class Scene {
   // lies at 0 of an array of its own, and its mask is 0 instead of ~0: so no branch asks which it
   // is, which nothing could foresee as rays meet one thing after another.
   struct alignas(64) Lookup {
-    const Vec3* normals;  // 3 per triangle
+    const Vec3* normals;      // 3 per triangle, or
+    const Triangle* corners;  // one for each vertex of these, if not null
     const uint32_t* patches;
     const uint16_t* slots;
     uint32_t normals_mask, patches_mask, slots_mask;
@@ -237,6 +238,9 @@ class Scene {
     bool shared;    // Instance::shared
     const Strands* strands;
 
+    const Vec3* normals_of(uint32_t triangle, Vec3 made[3]) const {
+      return Mesh::normals_of(triangle & normals_mask, normals, corners, normals, made);
+    }
     void fetch_ahead(uint32_t triangle) const;
     uint32_t key(uint32_t triangle, bool back) const;
   };

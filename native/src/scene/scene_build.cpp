@@ -96,6 +96,7 @@ void move_to_world(Mesh& mesh, const Instance& instance, ThreadPool& pool,
   };
   change_all(mesh.positions, pool, cancel, move);
   change_all(mesh.corner_normals, pool, cancel, turn);
+  change_all(mesh.vertex_normals, pool, cancel, turn);
   for (LargeArray<Vec3>& positions : mesh.motion.positions)
     change_all(positions, pool, cancel, move);
   for (LargeArray<Vec3>& normals : mesh.motion.corner_normals)
@@ -360,9 +361,12 @@ void Scene::make_lookups() {
   lookups_.clear();
   for (const Instance& instance : instances) {
     const Mesh& mesh = meshes[instance.mesh];
-    const bool flat = mesh.corner_normals.empty(), one_patch = mesh.topology.planar.size() <= 1,
-               one_slot = mesh.slots.empty();
-    lookups_.push_back({flat ? kNoNormals : mesh.corner_normals.data(),
+    const bool flat = !mesh.is_smooth(), one_patch = mesh.topology.planar.size() <= 1,
+               one_slot = mesh.slots.empty(), by_vertex = !mesh.vertex_normals.empty();
+    lookups_.push_back({flat        ? kNoNormals
+                        : by_vertex ? mesh.vertex_normals.data()
+                                    : mesh.corner_normals.data(),
+                        by_vertex ? mesh.triangles.data() : nullptr,
                         one_patch ? &kOnePatch : mesh.topology.patch.data(),
                         one_slot ? &kOneSlot : mesh.slots.data(), flat ? 0 : ~0u,
                         one_patch ? 0 : ~0u, one_slot ? 0 : ~0u, instance.seed, instance.shared,

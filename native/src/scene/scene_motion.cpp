@@ -39,12 +39,22 @@ Vec3 Mesh::position(uint32_t vertex, float time) const {
   return between(motion.positions, positions, vertex, time);
 }
 
-const Vec3* Mesh::normals(uint32_t triangle, float time, Vec3 moved[3]) const {
+const Vec3* Mesh::normals(uint32_t triangle, float time, Vec3 made[3]) const {
+  if (motion.corner_normals.empty()) return normals(triangle, made);
   const size_t first = 3 * static_cast<size_t>(triangle);
-  if (motion.corner_normals.empty()) return &corner_normals[first];
   for (size_t i = 0; i < 3; ++i)
-    moved[i] = between(motion.corner_normals, corner_normals, first + i, time);
-  return moved;
+    made[i] = between(motion.corner_normals, corner_normals, first + i, time);
+  return made;
+}
+
+void Mesh::spread_normals(ThreadPool& pool) {
+  if (vertex_normals.empty()) return;
+  corner_normals.resize(3 * triangles.size());
+  pool.for_parts(triangles.size(), 1 << 15, CancelFlag{}, [&](size_t begin, size_t end) {
+    for (size_t t = begin; t < end; ++t)
+      for (size_t k = 0; k < 3; ++k) corner_normals[3 * t + k] = vertex_normals[triangles[t][k]];
+  });
+  vertex_normals = {};
 }
 
 void Scene::find_moving() {
@@ -136,7 +146,7 @@ void Scene::corners(uint32_t index, uint32_t triangle, float time, Vec3 corner[3
 Vec3 Scene::moving_normal(uint32_t index, uint32_t triangle, float u, float v, float time) const {
   const Instance& instance = instances[index];
   const Mesh& mesh = meshes[instance.mesh];
-  if (mesh.corner_normals.empty()) return {};
+  if (!mesh.is_smooth()) return {};
   Vec3 moved[3];
   const Vec3* n = mesh.normals(triangle, time, moved);
   Vec3 ns = n[0] * (1 - u - v) + n[1] * u + n[2] * v;

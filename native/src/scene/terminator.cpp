@@ -50,9 +50,9 @@ Vec3 Scene::shadow_ray_origin(const Surface& s, const Vec3& to_light, float time
     return moving ? mesh.position(t[i], time) : mesh.positions[t[i]];
   };
   const Vec3 vertices[3] = {vertex(0), vertex(1), vertex(2)};
-  Vec3 moved[3];
-  const Vec3* const normals = moving ? mesh.normals(s.triangle, time, moved)
-                                     : lookup.normals + 3 * static_cast<size_t>(s.triangle);
+  Vec3 made[3];
+  const Vec3* const normals =
+      moving ? mesh.normals(s.triangle, time, made) : lookup.normals_of(s.triangle, made);
   const float weights[3] = {1 - s.u - s.v, s.u, s.v};
   const bool inwards = s.back != (smooth < 0);
   const float lift = lift_of(vertices, normals, weights, inwards ? -1.0f : 1.0f);

@@ -49,8 +49,7 @@ Vec3 tangent_frame(Frame& f, uint32_t tangent, uint32_t uv, float& sign) {
 // The surface's own normal in object coordinates, on its front, not normalised where it is smooth.
 Vec3 front_normal_in_object(const Frame& f) {
   const Mesh& mesh = f.mesh();
-  if (mesh.corner_normals.empty())
-    return f.normal_to_object(f.point.back ? -f.point.ng : f.point.ng);
+  if (!mesh.is_smooth()) return f.normal_to_object(f.point.back ? -f.point.ng : f.point.ng);
   Vec3 moved[3];
   const Vec3* n = mesh.normals(f.point.triangle, f.point.ray.time, moved);
   const bool shared = f.scene.instances[f.point.instance].shared;

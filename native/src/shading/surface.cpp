@@ -11,7 +11,7 @@ Vec3 origin_of(const Scene& scene) {
 
 // The shading normal at the shifted point, on the side that is looked at.
 Vec3 shifted_normal(Frame& f) {
-  if (!f.is_on_surface() || f.mesh().corner_normals.empty()) return f.normal();
+  if (!f.is_on_surface() || !f.mesh().is_smooth()) return f.normal();
   const auto [u, v] = f.uv_there();
   if (u == f.point.u && v == f.point.v) return f.normal();
   Vec3 moved[3];

@@ -71,6 +71,25 @@ TEST_CASE("a vertex that has no finite place to go to stays") {
   check_near(moved.positions[3], {1, 1, 0});
 }
 
+TEST_CASE("a mesh that has normals of vertices gets such again where all corners agree") {
+  const std::vector<bool> flat(8, false), smooth;
+  for (const SlotDisplacement slot : {SlotDisplacement{0, false}, SlotDisplacement{0, true}}) {
+    Sheet corners(leaning(), 2), vertices(leaning(), 2);
+    Mesh& mesh = vertices.scene.meshes[0];
+    mesh.corner_normals.clear();
+    mesh.vertex_normals.assign(mesh.positions.size() - 1, {0, 0, 1});
+    const DisplacedMesh expected = corners.displaced({slot}), found = vertices.displaced({slot});
+    for (size_t v = 0; v < 9; ++v) CHECK(length(found.positions[v] - expected.positions[v]) == 0);
+    CHECK(found.vertex_normals.size() == (slot.bumps ? 0 : 9));
+    CHECK(found.corner_normals.size() == (slot.bumps ? 24 : 0));
+    for (size_t c = 0; c < 24; ++c) {
+      const uint32_t v = mesh.triangles[c / 3][c % 3];
+      const Vec3 n = slot.bumps ? found.corner_normals[c] : found.vertex_normals[v];
+      CHECK(length(n - expected.corner_normals[c]) == 0);
+    }
+  }
+}
+
 TEST_CASE("a vertex moves once, by the first corner at it of a slot that moves") {
   Sheet sheet(moving({0, 0, 1}), 2);
   sheet.scene.meshes[0].slots = {0, 0, 1, 1, 0, 0, 0, 0};

@@ -64,3 +64,26 @@ TEST_CASE("shadow rays start on the surface itself where it is flat or the objec
   CHECK(length(lift(flat, 0, 0.3f, 0.3f, false, {1, 0, 0})) == 0);
   CHECK_FALSE(flat.bent(flat.surface_at(0, 0, 0.3f, 0.3f, false)));
 }
+
+TEST_CASE("normals of vertices do what those of corners do") {
+  // Once in the world, mirrored, and once in its own coordinates
+  constexpr Placement mirrored{-1, 0, 0, 1, 0, 1, 0, 2, 0, 0, 3, 0};
+  for (const std::vector<Placement>& places : {std::vector{mirrored}, {mirrored, doubled}}) {
+    Scene by_corner(1), by_vertex(1);
+    Mesh mesh = make_octant();
+    mesh.corner_normals.clear();
+    mesh.vertex_normals = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    fill(by_corner, make_octant(), places);
+    fill(by_vertex, std::move(mesh), places);
+    const Vec3 along = normalize({1, -1, 0.1f});
+    for (uint32_t i = 0; i < places.size(); ++i)
+      for (const auto& [u, v] : {std::pair{0.2f, 0.3f}, {0.7f, 0.1f}}) {
+        const Surface a = by_corner.surface_at(i, 0, u, v, false),
+                      b = by_vertex.surface_at(i, 0, u, v, false);
+        CHECK(length(a.ns - a.ng) > 0.1f);
+        CHECK(length(a.ns - b.ns) == 0);
+        CHECK(length(lift(by_corner, i, u, v, false, along) -
+                     lift(by_vertex, i, u, v, false, along)) == 0);
+      }
+  }
+}
