@@ -167,7 +167,7 @@ def _render(
         should_cancel=should_cancel,
         want_interim=not (bpy.app.background or engine.is_preview),
         persistent=held.persistent if held else None,
-        release_textures=True,
+        release=True,
         record=record,
         wanted=None
         if observer.on_result

@@ -32,15 +32,17 @@ def test_an_eight_bit_image_is_kept_once_in_eight_bits() -> None:
     pixels = np.random.default_rng(1).integers(0, 256, (SIDE, SIDE, 4), np.uint8)
     alive = weakref.ref(pixels)
     what = papered(pixels, 3)
+    mesh = weakref.ref(what.meshes[0].positions)
     del pixels
     result = render(
         what,
         RenderSettings(passes=1, photons_per_pass=0),
         started=time.monotonic(),
-        release_textures=True,
+        release=True,
     )
     assert STORED <= result.statistics["texture_bytes"] <= 1.1 * STORED
     assert alive() is None  # no second copy in Python
+    assert mesh() is None
 
 
 def test_pixels_stay_for_who_renders_again() -> None:

@@ -31,13 +31,13 @@ def render(
     should_cancel: Callable[[], bool] | None = None,
     want_interim: bool = False,
     persistent: Persistent | None = None,
-    release_textures: bool = False,
+    release: bool = False,
     wanted: Collection[str] | None = None,
     record: Record | None = None,
 ) -> RenderResult:
     """Renders `scene`. `started` is `time.monotonic()` when the render call began, export included;
     `persistent` holds what the last render has left for this one, and then what this one leaves.
-    `release_textures`: nobody renders `scene` again, so that its pixels need not be kept beside
+    `release`: nobody renders `scene` again, so that its pixels and meshes need not be kept beside
     native code's; not with `persistent`. `wanted`: names of the passes to give back besides those
     of light groups (None: all). `record`: what is kept of the film's sums, which are added to those
     of earlier renders; such a render leaves nothing in `persistent`, and finds nothing there.
@@ -58,9 +58,11 @@ def render(
     width, height = scene.frame.region[2:]
     if not start.reused:
         check_picture_fits(width, height)
-    if release_textures and persistent is None:
+    if release and persistent is None:
         for texture in scene.textures:
             texture.pixels = np.empty((0, 0, 4), texture.pixels.dtype)
+        for mesh in scene.meshes:
+            mesh.release()
     worker = Worker(start, settings, started, want_interim, wanted, scene, record)
     if should_cancel is not None and should_cancel():  # a small scene is done before it is asked
         worker.cancel()

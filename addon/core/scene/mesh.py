@@ -59,6 +59,12 @@ class Mesh:
             self.strands is not None and self.strands.motion is not None
         )
 
+    def release(self) -> None:
+        """Lets go of the arrays, which native code has by now. Motion and strands stay."""
+        self.positions, self.triangles = self.positions[:0].copy(), self.triangles[:0].copy()
+        self.corner_normals = self.vertex_normals = self.uv = self.slots = None
+        self.shading = MeshShading()
+
     @classmethod
     def of_strands(cls, name: str, strands: Strands) -> Mesh:
         return cls(name, np.zeros((0, 3), np.float32), np.zeros((0, 3), np.uint32), strands=strands)

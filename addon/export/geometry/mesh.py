@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.native.library import load
 from ...core.scene import Mesh
 from ..arrays import read
 from ..report import Report
@@ -94,6 +95,11 @@ def sound_part(
     positions: NDArray, vertices: NDArray, name: str, report: Report
 ) -> NDArray[np.bool_] | None:
     """Mask (T,) of the triangles that have finite corners and an area, or None if all have."""
+    if load().all_have_area(
+        np.ascontiguousarray(positions, np.float32),
+        np.ascontiguousarray(vertices).view(np.uint32),
+    ):
+        return None
     with np.errstate(all="ignore"):
         normals = scaled_normals(positions, vertices)
         areas = np.abs(normals[0])

@@ -56,7 +56,7 @@ E named(const std::string& name, std::initializer_list<std::pair<const char*, E>
 using RendererClass = nanobind::class_<Renderer>;
 
 // Textures, materials, meshes, instances.
-void bind_geometry(RendererClass& renderer);
+void bind_geometry(nanobind::module_& m, RendererClass& renderer);
 void bind_strands(RendererClass& renderer);
 // Volume grids.
 void bind_grids(RendererClass& renderer);

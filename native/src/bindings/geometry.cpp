@@ -8,6 +8,7 @@
 #include <atomic>
 
 #include "bindings/bindings.h"
+#include "geometry/areas.h"
 #include "scene/displacement.h"
 
 namespace nb = nanobind;
@@ -208,7 +209,19 @@ uint32_t add_instance(Renderer& r, uint32_t mesh, Matrix matrix, std::vector<int
 
 }  // namespace
 
-void bind_geometry(RendererClass& renderer) {
+void bind_geometry(nb::module_& m, RendererClass& renderer) {
+  m.def(
+      "all_have_area",
+      [](Array<float, nb::shape<-1, 3>> positions, Array<uint32_t, nb::shape<-1, 3>> triangles) {
+        const std::span places(reinterpret_cast<const Vec3*>(positions.data()), positions.shape(0));
+        const std::span all(reinterpret_cast<const Triangle*>(triangles.data()),
+                            triangles.shape(0));
+        nb::gil_scoped_release release;
+        return all_have_area(places, all);
+      },
+      "positions"_a, "triangles"_a,
+      "Whether all triangles, (T, 3) uint32 vertices of (V, 3) float32 positions, have an area that is more than 0 and\n"
+      "finite in single precision. ValueError for vertices that do not exist.");
   renderer
       .def(
           "set_origin",

@@ -19,7 +19,7 @@ NB_MODULE(photon_splat_native, m) {
       "One render: it is filled (set_origin() first, then textures, programs, materials, meshes, instances, lamps, camera,\n"
       "options), built, and asked for passes by render_pass(); film() tells what they made. Indices count from 0 in the\n"
       "order of adding. Stages raise Cancelled after cancel(), and may run for minutes with the GIL released.");
-  bind_geometry(renderer);
+  bind_geometry(m, renderer);
   bind_strands(renderer);
   bind_grids(renderer);
   bind_lights(m, renderer);
