@@ -44,7 +44,7 @@ struct SurfaceTree::Builder {
   std::span<const Triangle> triangles;
   SurfaceTree& tree;
   const CancelFlag& cancel;
-  std::vector<uint64_t> keys;  // patch << kPlaceBits | Morton code, sorted
+  LargeArray<uint64_t> keys;  // patch << kPlaceBits | Morton code, sorted
 
   Vec3 centroid(uint32_t t) const {
     const Triangle& v = triangles[t];
@@ -138,27 +138,42 @@ SurfaceTree::SurfaceTree(std::span<const Vec3> positions, std::span<const Triang
       ++count;
     }
   if (!count) return;
-  struct Placed {
-    uint64_t key;
-    uint32_t triangle;
+  const int key_bits = kPlaceBits + std::bit_width(patches - 1),
+            triangle_bits = std::bit_width(triangles.size() - 1);
+  const auto for_bent = [&](auto&& visit) {  // visit(key, triangle)
+    for (uint32_t t = 0; t < triangles.size(); ++t)
+      if (const uint32_t p = topology.patch[t]; !topology.planar[p])
+        visit(uint64_t{p} << kPlaceBits | place_in(bounds[p], builder.centroid(t)), t);
   };
-  LargeArray<Placed> sorted, scratch;
-  sorted.reserve(count);
-  for (uint32_t t = 0; t < triangles.size(); ++t)
-    if (const uint32_t p = topology.patch[t]; !topology.planar[p])
-      sorted.push_back({uint64_t{p} << kPlaceBits | place_in(bounds[p], builder.centroid(t)), t});
-  cancel.check();
-  radix_sort(sorted, scratch, 0, kPlaceBits + std::bit_width(patches - 1), nullptr,
-             [](const Placed& placed) { return placed.key; });
-  cancel.check();
-  order_.reserve(count);
-  builder.keys.reserve(count);
-  for (const auto& [key, triangle] : sorted) {
-    builder.keys.push_back(key);
-    order_.push_back(triangle);
+  LargeArray<uint64_t>& keys = builder.keys;
+  keys.reserve(count);
+  order_.resize(count);
+  if (key_bits + triangle_bits <= 64) {  // both in one number
+    for_bent([&](uint64_t key, uint32_t t) { keys.push_back(key << triangle_bits | t); });
+    cancel.check();
+    LargeArray<uint64_t> scratch;
+    radix_sort(keys, scratch, triangle_bits, triangle_bits + key_bits, nullptr,
+               [](uint64_t both) { return both; });
+    for (size_t i = 0; i < count; ++i) {
+      order_[i] = static_cast<uint32_t>(keys[i] & ((uint64_t{1} << triangle_bits) - 1));
+      keys[i] >>= triangle_bits;
+    }
+  } else {
+    struct Placed {
+      uint64_t key;
+      uint32_t triangle;
+    };
+    LargeArray<Placed> sorted, scratch;
+    sorted.reserve(count);
+    for_bent([&](uint64_t key, uint32_t t) { sorted.push_back({key, t}); });
+    cancel.check();
+    radix_sort(sorted, scratch, 0, key_bits, nullptr, [](const auto& one) { return one.key; });
+    for (size_t i = 0; i < count; ++i) {
+      keys.push_back(sorted[i].key);
+      order_[i] = sorted[i].triangle;
+    }
   }
-  sorted = {};
-  scratch = {};
+  cancel.check();
   nodes_.reserve(2 * count / kUsedOfLeaf);
   roots_.assign(patches, kNone);
   for (uint32_t first = 0, end; first < count; first = end) {
