@@ -77,28 +77,28 @@ def render_view_layer(engine: Any, depsgraph: Any) -> None:
     started = observer.started or time.monotonic()
     blender_result = result = None
     failed = True
+    # The graph may be gone when the render has ended.
+    scene_name, layer_name = depsgraph.scene.name, depsgraph.view_layer_eval.name
     try:
         held = held_for(engine, depsgraph)
         frame = export_frame(depsgraph.scene_eval)
         _, _, width, height = frame.region
-        blender_result = engine.begin_result(
-            0, 0, width, height, layer=depsgraph.view_layer_eval.name
-        )
+        blender_result = engine.begin_result(0, 0, width, height, layer=layer_name)
         result = _render(engine, depsgraph, frame, blender_result, started, held)
         fill_passes(blender_result, result.passes)
-        _finish(engine, depsgraph, result)
+        _finish(engine, scene_name, result)
         if observer.on_result:
             observer.on_result(result, frame)
         failed = False
     except NoCameraError as error:
         if not engine.is_preview:
-            _fail(engine, depsgraph, error)
+            _fail(engine, scene_name, error)
     except BaseException as error:
-        _fail(engine, depsgraph, error)
+        _fail(engine, scene_name, error)
     finally:
         engine.end_result(blender_result or engine.begin_result(0, 0, 1, 1), cancel=failed)
     if result is not None and result.labels is not None:
-        layer, whole = f"{depsgraph.view_layer_eval.name}.", engine.get_result()
+        layer, whole = f"{layer_name}.", engine.get_result()
         for key, value in manifests(result.labels, layer).items():
             whole.stamp_data_add_field(key, value)
 
@@ -144,6 +144,16 @@ def _render(
             if observer.record
             else record_of(depsgraph, scene)
         )
+
+    # As Cycles does where nobody edits meanwhile: Blender's evaluated copies of the scene. Of views
+    # of stereo pictures the next one needs them.
+    if (
+        bpy.app.background
+        and held is None
+        and not engine.is_preview
+        and not depsgraph.scene.render.use_multiview
+    ):
+        engine.free_blender_memory()
 
     def on_progress(progress: Progress) -> None:
         engine.update_progress(progress.fraction)
@@ -204,11 +214,11 @@ def fill_passes(blender_result: Any, passes: dict[str, np.ndarray]) -> None:
                 blender_pass.rect.foreach_set(np.ascontiguousarray(pixels, np.float32).reshape(-1))
 
 
-def _finish(engine: Any, depsgraph: Any, result: RenderResult) -> None:
+def _finish(engine: Any, scene_name: str, result: RenderResult) -> None:
     if engine.is_preview:
         return
     warnings = list(result.statistics["warnings"])
-    last_renders[depsgraph.scene.name] = LastRender(result.statistics, warnings)
+    last_renders[scene_name] = LastRender(result.statistics, warnings)
     engine.update_progress(1.0)
     for warning in warnings:
         short = (
@@ -219,7 +229,7 @@ def _finish(engine: Any, depsgraph: Any, result: RenderResult) -> None:
         engine.report({"WARNING"}, f"Photon Splat: {short}")
 
 
-def _fail(engine: Any, depsgraph: Any, error: BaseException) -> None:
+def _fail(engine: Any, scene_name: str, error: BaseException) -> None:
     """`report` makes the operator fail and save nothing; `error_set` shows the message in the
     picture's window.
     """
@@ -229,7 +239,7 @@ def _fail(engine: Any, depsgraph: Any, error: BaseException) -> None:
     engine.report({"ERROR"}, f"Photon Splat: {message}")
     engine.error_set(message)
     observer.on_error(error)
-    last_renders[depsgraph.scene.name] = LastRender(error=message)
+    last_renders[scene_name] = LastRender(error=message)
 
 
 def describe(error: BaseException) -> str:
