@@ -20,8 +20,8 @@ MAX_SLOT = np.iinfo(np.uint16).max
 class Triangles:
     """The triangles of a Blender mesh that are rendered. They may be views of Blender's memory.
 
-    positions (V, 3); corners (T, 3) indices of loops; vertices (T, 3); kept: mask of the mesh's own
-    triangles, None: all.
+    positions (V, 3); corners (T, 3) indices of loops; vertices (T, 3), never a view; kept: mask of
+    the mesh's own triangles, None: all.
     """
 
     positions: NDArray[np.float32]
@@ -62,7 +62,7 @@ def export_mesh(
     exported = Mesh(
         name=mesh.name,
         positions=np.array(found.positions, np.float32),
-        triangles=found.vertices.astype(np.uint32),
+        triangles=found.vertices.view(np.uint32),
         corner_normals=by_corner,
         vertex_normals=by_vertex,
         slots=_slots(mesh, found.kept),
