@@ -236,8 +236,7 @@ def test_every_warning_reaches_blenders_reports() -> None:
     engine = SimpleNamespace(
         is_preview=False, update_progress=lambda _: None, report=lambda _, text: said.append(text)
     )
-    depsgraph = SimpleNamespace(scene=SimpleNamespace(name="Odd"))
     warnings = [f"Thing {k} is left out" for k in range(5)]
-    job._finish(engine, depsgraph, SimpleNamespace(statistics={"warnings": warnings}))
+    job._finish(engine, "Odd", SimpleNamespace(statistics={"warnings": warnings}))
     assert said == [f"Photon Splat: {warning}" for warning in warnings]
     del job.last_renders["Odd"]
