@@ -45,11 +45,20 @@ class Case:
     render_pass: str = ""  # this one is compared instead of Combined
     passes: int = 32
     photons_per_pass: int = 20_000
+    reference_passes: int = 256  # of each of the path tracer's two pictures
 
 
 def _scene(name: str, width: int, height: int, samples: int, **more: Any) -> Case:
     return Case(
-        name, "open_scene", {"name": name}, width, height, samples, mean_tolerance=0.01, **more
+        name,
+        "open_scene",
+        {"name": name},
+        width,
+        height,
+        samples,
+        mean_tolerance=0.01,
+        reference_passes=96,
+        **more,
     )
 
 
@@ -64,6 +73,7 @@ def _textured(name: str, width: int, height: int, samples: int) -> Case:
         block_bias=0.06,
         reference_bias=0.01,
         photons_per_pass=60_000,
+        reference_passes=2000,  # a few paths bring much of their light
     )
 
 
@@ -207,7 +217,7 @@ CASES: tuple[Case, ...] = (
     _lamp("point_soft", "POINT", 40.0, shadow_soft_size=0.25),
     _lamp("point_sphere", "POINT", 40.0, shadow_soft_size=0.25, use_soft_falloff=False),
     _lamp("point_soft_large", "POINT", 20.0, shadow_soft_size=0.8, **_LOW),
-    Case("lamp_in_ball", "lamp_in_ball", splat=False),
+    Case("lamp_in_ball", "lamp_in_ball", samples=32768, splat=False, reference_passes=4096),
     _lamp(
         "point_sphere_cuts_floor",
         "POINT",

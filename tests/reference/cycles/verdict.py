@@ -93,7 +93,7 @@ def render(worker: Worker, case: Case, integrator: str, threads: int = 0) -> np.
     all of the machine's.
     """
     if integrator == "reference":
-        settings: dict[str, Any] = {"passes": 96 if case.name in SCENES else 256}
+        settings: dict[str, Any] = {"passes": case.reference_passes}
         return worker.render(
             case, integrator, [11, 12], max_bounces=64, threads=threads, **settings
         )[0]
