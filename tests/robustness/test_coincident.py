@@ -43,3 +43,33 @@ def test_a_mesh_with_double_faces_is_as_bright_as_without() -> None:
         assert splat.mean() == pytest.approx(reference.mean(), rel=0.005)
         assert splat.max() < 1.2 * reference.max()
     assert twice[1].mean() == pytest.approx(once[1].mean(), rel=0.005)
+
+
+def test_a_warning_names_what_lies_in_each_other() -> None:
+    """In view, beside it, and in one mesh; not what is near, or meets at an edge."""
+    view = c.perspective((0.0, -3.0, 2.0), (0.0, 0.0, 0.0), 24, 18)
+    sun = c.lamp(LightKind.SUN, 3.0, (0.0, 0.0, 5.0), angle=0.05)
+
+    def said(*things: c.Mesh) -> list[str]:
+        what = c.scene(view, [(thing, c.lambert(0.8)) for thing in things], [sun], 0.6)
+        return c.shoot(what, passes=1, photons_per_pass=1000).statistics["warnings"]
+
+    def named(name: str, mesh: c.Mesh) -> c.Mesh:
+        mesh.name = name
+        return mesh
+
+    floor, box = (
+        named("Floor", c.quad(2.0)),
+        named("Box", c.box((-0.3, -0.3, 0.0), (0.3, 0.3, 0.5))),
+    )
+    assert said(floor, box) == []
+    assert said(floor, named("Carpet", c.quad(1.0, 1e-4))) == []
+    [warning] = said(floor, named("Carpet", c.quad(1.0)))
+    assert "('Carpet' in 'Floor')" in warning
+    walls = [named(name, c.quad(2.0, 4.0)) for name in ("Ceiling", "Ceiling.001")]
+    [warning] = said(floor, *walls)
+    assert "('Ceiling' in 'Ceiling.001')" in warning
+    plate = [(-0.4, 0.3, 0.6), (0.4, 0.3, 0.6), (0.4, 0.5, 0.1), (-0.4, 0.5, 0.104)]
+    faces = [(0, 1, 2), (0, 2, 3)]
+    [warning] = said(floor, named("Plate", c.mesh(plate, [*faces, *faces])))
+    assert "('Plate' in itself)" in warning

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from typing import Any
 
+from ..native.coincident import coincident_surfaces
 from ..native.lights import lights_in_surfaces
 from ..scene import Scene
 from .memory import peak_memory_bytes
@@ -39,6 +40,7 @@ def final_statistics(
             *worker.warnings,
             *worker.record.warnings(),
             *lights_in_surfaces(start.renderer, scene),
+            *coincident_surfaces(start.renderer, scene),
         ],
     } | worker.splatter.statistics()
     if statistics["threads"] < statistics["threads_wanted"]:

@@ -3,6 +3,7 @@
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 #include <atomic>
@@ -207,6 +208,14 @@ uint32_t add_instance(Renderer& r, uint32_t mesh, Matrix matrix, std::vector<int
   return static_cast<uint32_t>(r.scene.instances.size() - 1);
 }
 
+std::vector<std::tuple<uint32_t, uint32_t, float>> coincident(const Renderer& r) {
+  nb::gil_scoped_release release;
+  std::vector<std::tuple<uint32_t, uint32_t, float>> found;
+  for (const Coincident& c : r.coincident_surfaces())
+    found.emplace_back(c.instance, c.other, c.share);
+  return found;
+}
+
 }  // namespace
 
 void bind_geometry(nb::module_& m, RendererClass& renderer) {
@@ -266,6 +275,10 @@ void bind_geometry(nb::module_& m, RendererClass& renderer) {
           "picture; terminator_offset: cosine below which shadow rays start off the surface that smooth normals promise,\n"
           "0: nowhere; catcher: shows the camera what other things take from its light, and no more. Returns the instance's\n"
           "index. After its mesh and materials.")
+      .def(
+          "coincident_surfaces", &coincident,
+          "Opaque surfaces that lie exactly in each other, in view or beside it, in a built scene, as (instance, instance\n"
+          "of the other, share of the picture), the largest share first; the two may be the same.")
       .def(
           "displace", &displace_mesh, "instance"_a, "slots"_a, "smooth"_a = nb::none(),
           "own_corners"_a = false,

@@ -282,6 +282,10 @@ std::vector<Lights::InSurface> Renderer::lights_in_surfaces() const {
   return lights_ ? lights_->in_surfaces() : std::vector<Lights::InSurface>{};
 }
 
+std::vector<Coincident> Renderer::coincident_surfaces() const {
+  return camera_ ? photon_splat::coincident_surfaces(scene, *camera_) : std::vector<Coincident>{};
+}
+
 RenderStatistics Renderer::statistics() {
   RenderStatistics out;
   out.seconds = seconds_;

@@ -9,6 +9,7 @@
 #include "render/camera_pass.h"
 #include "render/external_splatter.h"
 #include "render/photon_budget.h"
+#include "scene/coincident.h"
 
 namespace photon_splat {
 
@@ -97,6 +98,8 @@ class Renderer {
   const Photons& photons() const { return current_ ? current_->photons() : no_photons_; }
   // Area lamps that lie in the plane of a surface.
   std::vector<Lights::InSurface> lights_in_surfaces() const;
+  // Surfaces that lie exactly in each other, in view or beside it; nothing before build().
+  std::vector<Coincident> coincident_surfaces() const;
 
  private:
   RenderContext context();

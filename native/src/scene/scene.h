@@ -5,6 +5,7 @@
 #include <embree4/rtcore.h>
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -85,6 +86,9 @@ class Scene {
   };
   bool meets_itself(uint32_t instance, const Vec3& origin, const Vec3& direction, float near,
                     float far, float time, OwnHit& hit) const;
+  // The instance of another opaque surface, or of another triangle of the same one, that lies in
+  // this one to within rounding, where rays of light meet it.
+  std::optional<uint32_t> coincides(const Surface& s) const;
   // intersect() for `count` <= kPacket incoherent rays from 0 to infinity; bit k of the result
   // tells whether ray k hit.
   static constexpr uint32_t kPacket = 8;

@@ -1,0 +1,127 @@
+#include "scene/coincident.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+#include "math/sampling.h"
+
+namespace photon_splat {
+namespace {
+
+constexpr int kLooks = 64;        // camera rays along each side of the picture
+constexpr int kSteps = 8;         // surfaces that a camera ray may pass through
+constexpr float kBeside = 0.25f;  // share of light that comes from a surface beside the one in view
+constexpr float kRounding = 2e-7f;  // of a coordinate: further apart, surfaces are two
+constexpr float kParallel = 0.99f;  // least cosine of their normals
+
+// All that a short ray across a surface meets, by a filter that lets nothing stop it.
+struct Crossing {
+  static constexpr size_t kMost = 8;
+  struct Met {
+    uint32_t instance, triangle;
+    float u, v, distance;
+    Vec3 normal;
+  };
+  RTCRayQueryContext context;
+  std::array<Met, kMost> met;
+  size_t count = 0;
+
+  static void note(const RTCFilterFunctionNArguments* arguments) {
+    // The context is the first member of what was handed over.
+    Crossing& out = *reinterpret_cast<Crossing*>(arguments->context);
+    const auto* const hit = reinterpret_cast<const RTCHit*>(arguments->hit);
+    const auto* const ray = reinterpret_cast<const RTCRay*>(arguments->ray);
+    const bool instanced = hit->instID[0] != RTC_INVALID_GEOMETRY_ID;
+    if (arguments->valid[0] && out.count < kMost)
+      out.met[out.count++] = {
+          instanced ? hit->instID[0] : hit->geomID, hit->primID, hit->u, hit->v, ray->tfar,
+          Vec3{hit->Ng_x, hit->Ng_y, hit->Ng_z}};
+    arguments->valid[0] = 0;
+  }
+};
+
+}  // namespace
+
+std::optional<uint32_t> Scene::coincides(const Surface& s) const {
+  const float reach = ray_epsilon(s.position, s.distance);
+  const Vec3 start = s.position + s.ng * reach, way = -s.ng;
+  Crossing crossing;
+  rtcInitRayQueryContext(&crossing.context);
+  RTCIntersectArguments arguments;
+  rtcInitIntersectArguments(&arguments);
+  arguments.flags = static_cast<RTCRayQueryFlags>(RTC_RAY_QUERY_FLAG_INCOHERENT |
+                                                  RTC_RAY_QUERY_FLAG_INVOKE_ARGUMENT_FILTER);
+  arguments.filter = Crossing::note;
+  arguments.context = &crossing.context;
+  RTCRayHit hit;
+  hit.ray = {start.x, start.y, start.z,        0,         way.x,
+             way.y,   way.z,   kShutterCentre, 2 * reach, ray_bit(RayInfo::kShadow) | any_ray_,
+             0,       0};
+  hit.hit.geomID = hit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  rtcIntersect1(top_, &hit, &arguments);
+
+  const auto first = crossing.met.begin(), last = first + static_cast<long>(crossing.count);
+  const auto own = std::find_if(first, last, [&](const Crossing::Met& m) {
+    return m.instance == s.instance && m.triangle == s.triangle;
+  });
+  if (own == last) return {};
+  for (auto m = first; m != last; ++m) {
+    if (m == own || meshes[instances[m->instance].mesh].strands) continue;
+    if (!(std::abs(m->distance - own->distance) <= kRounding * max_abs(s.position))) continue;
+    const Surface other = surface_at(m->instance, m->triangle, m->u, m->v, false);
+    if (std::abs(dot(other.ng, s.ng)) >= kParallel && !may_be_transparent(other))
+      return m->instance;
+  }
+  return {};
+}
+
+namespace {
+
+// The first opaque surface on a ray's way.
+bool look(const Scene& scene, const Vec3& origin, const Vec3& direction, float near, float far,
+          RayInfo::Kind kind, Surface& s) {
+  for (int step = 0; step < kSteps; ++step, near = past(s)) {
+    if (!scene.intersect(origin, direction, near, far, kind == RayInfo::kCamera, s,
+                         ray_bit(kind)) ||
+        s.on_strand())
+      return false;
+    if (!scene.may_be_transparent(s)) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+std::vector<Coincident> coincident_surfaces(const Scene& scene, const Camera& camera) {
+  if (scene.bounds().empty()) return {};
+  const CameraSettings& frame = camera.settings();
+  std::map<std::pair<uint32_t, uint32_t>, float> found;
+  const auto note = [&](const Surface& s, float weight) {
+    if (const auto other = scene.coincides(s)) found[{s.instance, *other}] += weight;
+  };
+  for (int j = 0; j < kLooks; ++j)
+    for (int i = 0; i < kLooks; ++i) {
+      const auto ray =
+          camera.ray((2 * i + 1) * frame.region_width / (2 * kLooks),
+                     (2 * j + 1) * frame.region_height / (2 * kLooks), {0.5f, 0.5f}, {0.5f, 0.5f});
+      const uint32_t index = static_cast<uint32_t>(j * kLooks + i);
+      Surface seen, beside;
+      if (!ray ||
+          !look(scene, ray->origin, ray->direction, ray->near, ray->far, RayInfo::kCamera, seen))
+        continue;
+      note(seen, 1);
+      const Vec3 way = Basis(seen.ng).to_world(sample_cosine_hemisphere(sobol_2d(index, 0, 0)));
+      if (look(scene, leave(seen, way), way, 0, INFINITY, RayInfo::kDiffuse, beside))
+        note(beside, kBeside);
+    }
+  std::vector<Coincident> out;
+  for (const auto& [pair, weight] : found)
+    out.push_back({pair.first, pair.second, weight / (kLooks * kLooks)});
+  std::stable_sort(out.begin(), out.end(),
+                   [](const Coincident& a, const Coincident& b) { return a.share > b.share; });
+  return out;
+}
+
+}  // namespace photon_splat
