@@ -14,6 +14,7 @@ constexpr int kLooks = 64;        // camera rays along each side of the picture
 constexpr int kSteps = 8;         // surfaces that a camera ray may pass through
 constexpr float kBeside = 0.25f;  // share of light that comes from a surface beside the one in view
 constexpr float kRounding = 2e-7f;  // of a coordinate: further apart, surfaces are two
+constexpr float kEdge = 1e-3f;      // least barycentric coordinate that is within a triangle
 constexpr float kParallel = 0.99f;  // least cosine of their normals
 
 // All that a short ray across a surface meets, by a filter that lets nothing stop it.
@@ -66,7 +67,8 @@ std::optional<uint32_t> Scene::coincides(const Surface& s) const {
   const auto own = std::find_if(first, last, [&](const Crossing::Met& m) {
     return m.instance == s.instance && m.triangle == s.triangle;
   });
-  if (own == last) return {};
+  // Where it meets its neighbours both are met.
+  if (own == last || std::min({own->u, own->v, 1 - own->u - own->v}) < kEdge) return {};
   for (auto m = first; m != last; ++m) {
     if (m == own || meshes[instances[m->instance].mesh].strands) continue;
     if (!(std::abs(m->distance - own->distance) <= kRounding * max_abs(s.position))) continue;
