@@ -32,7 +32,7 @@ class PhotonSplatSettings(bpy.types.PropertyGroup):
 
     time_limit: FloatProperty(  # type: ignore[valid-type]
         name="Time Limit",
-        description="Stop after this many seconds, export included; 0 = no limit",
+        description="Stop each view layer after this many seconds, export included; 0 = no limit",
         default=DEFAULTS.time_limit,
         min=0.0,
         subtype="TIME_ABSOLUTE",

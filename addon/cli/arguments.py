@@ -99,7 +99,7 @@ def add_command(commands: Any) -> None:
         "--seconds",
         type=_number(float, 1e-3),
         metavar="S",
-        help="stop after S seconds; with no --passes, only then",
+        help="stop after S seconds, in each view layer; with no --passes, only then",
     )
     r.add_argument(
         "--error",
