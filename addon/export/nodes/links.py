@@ -41,7 +41,9 @@ def source(socket: Any, groups: tuple[Any, ...] = ()) -> Source:
     seen: set[tuple[int, int]] = set()
     while (here := (socket.as_pointer(), len(groups))) not in seen:
         seen.add(here)
-        link = next((link for link in socket.links if not link.is_muted), None)
+        link = next(
+            (link for link in socket.links if not link.is_muted and link.from_socket.enabled), None
+        )
         if link is None:
             return Source(None, socket, groups)
         node, output = link.from_node, link.from_socket

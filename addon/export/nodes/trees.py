@@ -44,7 +44,9 @@ class Trees:
         self._endings: dict[int, Any] = {}
 
     def link(self, socket: Any) -> Any:
-        """The link into an input that counts, or None."""
+        """The link into an input that counts, or None. One from an output that the node's mode
+        hides is kept by Blender, and left out by Cycles.
+        """
         if not socket.is_linked:
             return None
         tree = socket.id_data
@@ -52,7 +54,9 @@ class Trees:
         links = self._links.get(key)
         if links is None:
             links = self._links[key] = {
-                link.to_socket.as_pointer(): link for link in tree.links if not link.is_muted
+                link.to_socket.as_pointer(): link
+                for link in tree.links
+                if not link.is_muted and link.from_socket.enabled
             }
         return links.get(socket.as_pointer())
 

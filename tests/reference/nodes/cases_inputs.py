@@ -422,6 +422,37 @@ def _loose_reroute(tree: Any) -> Any:
     return invert.outputs[0]
 
 
+def _hidden_output(way: str) -> Callable[[Any], Any]:
+    """A link from an output that the node's mode hides since: straight, by a reroute, in a group or
+    into one.
+    """
+
+    def hide(tree: Any, target: Any) -> None:
+        mixed = tree.nodes.new("ShaderNodeMix")
+        mixed.data_type = "FLOAT"
+        output = next(s for s in mixed.outputs if s.identifier == "Result_Float")
+        if way == "reroute":
+            reroute = tree.nodes.new("NodeReroute")
+            tree.links.new(output, reroute.inputs[0])
+            output = reroute.outputs[0]
+        tree.links.new(output, target)
+        mixed.data_type = "RGBA"
+
+    def build(tree: Any) -> Any:
+        if way.startswith("group"):
+            outer = _number_group(tree).node
+            inner = outer.node_tree
+            ending = next(n for n in inner.nodes if n.type == "GROUP_OUTPUT")
+            hide(*((inner, ending.inputs[0]) if way == "group" else (tree, outer.inputs[0])))
+            return outer.outputs[0]
+        sum_of = tree.nodes.new("ShaderNodeMath")
+        sum_of.inputs[0].default_value, sum_of.inputs[1].default_value = 0.2, 0.4
+        hide(tree, sum_of.inputs[1])
+        return sum_of.outputs[0]
+
+    return build
+
+
 def _muted_group(tree: Any) -> Any:
     outer = _number_group(tree).node
     outer.mute = True
@@ -507,6 +538,10 @@ def _trees() -> list[Case]:
         "object coordinates": _object_coordinates,
     }
     made |= {"muted group": _muted_group, "whole group": _whole_group}
+    made |= {
+        f"hidden output {way}": _hidden_output(way)
+        for way in ("straight", "reroute", "group", "group input")
+    }
     made |= {
         f"texture mapping {kind}": _texture_mapping(kind)
         for kind in ("POINT", "TEXTURE", "VECTOR", "NORMAL")
