@@ -5,9 +5,11 @@ round.
 """
 
 from blend_scenes.scripts import (
+    car,
     caustic_glass,
     caustic_pool,
     caustic_ring,
+    classroom,
     cloudy_pool,
     cornell_box,
     fog_lens,
@@ -18,7 +20,9 @@ from blend_scenes.scripts import (
     many_lights,
     perfume,
     small_glass,
+    staircase,
     street,
+    village,
 )
 
 cornell_box.make("cornell_box", 0)
@@ -28,7 +32,7 @@ interior.make()
 instances.make()
 light_types.make()
 many_lights.make()
-for textured in (kitchen, perfume, street):
+for textured in (kitchen, perfume, street, car, village, staircase, classroom):
     textured.make()
 for caustics in (caustic_glass, caustic_ring, caustic_pool, small_glass, fog_lens, cloudy_pool):
     caustics.make()
