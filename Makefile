@@ -230,10 +230,10 @@ bench-gpu: setup ## the GPU splatter on a graphics card (GPU_OPTIONS: see python
 
 chart: setup ## error against time, ours, Cycles' and rivals': tests/benchmarks/chart (CHART_OPTIONS: see python -m tests.benchmarks.chart --help)
 	$(PY) -m tests.benchmarks.chart $(CHART_OPTIONS)
-	$(PY) -m tests.benchmarks.chart.seed_comparison
+	@if [ -z "$(CHART_OPTIONS)" ]; then $(PY) -m tests.benchmarks.chart.seed_comparison; fi
 
-defaults: setup ## what a click on Render gives, beside Cycles with its defaults: tests/benchmarks/chart/defaults.csv
-	$(PY) -m tests.benchmarks.chart.defaults
+defaults: setup ## what a click on Render gives, beside Cycles with its defaults: tests/benchmarks/chart/defaults.csv (CHART_OPTIONS: see python -m tests.benchmarks.chart.defaults --help)
+	$(PY) -m tests.benchmarks.chart.defaults $(CHART_OPTIONS)
 
 equal-time: setup ## any .blend files beside Cycles at equal time (FILES=..., EQUAL_TIME_OPTIONS: see python -m tests.benchmarks.chart.equal_time --help)
 	$(PY) -m tests.benchmarks.chart.equal_time $(EQUAL_TIME_OPTIONS) $(FILES)

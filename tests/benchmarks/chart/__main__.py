@@ -1,28 +1,24 @@
-"""Error against time, ours, Cycles' and rivals': `python -m tests.benchmarks.chart [--seeds N]
-[--budgets S,S,...] [SCENE ...]` (`make chart`).
+"""Error against time, ours, Cycles' and rivals' (`make chart`): `python -m tests.benchmarks.chart
+[--scenes SCENE ...] [--times S ...] [--size WIDTHxHEIGHT] [--seeds N]`.
 
-Writes tests/benchmarks/chart/SCENE.png, figures.csv and equal_time.png. Renders are kept in
-build/chart by scene and version: a second run only draws. Measure on a machine that does nothing
-else. Rivals (Mitsuba, LuxCore) are drawn where they are installed (`make setup-rivals`) and can say
-the scene exactly; one that gets another mean on the Cornell box is refused. `--long SCENE ...`
-gives Cycles a quarter of an hour there, by samples (plan.LONG); once made, it is drawn by every
-run.
+Writes SCENE.png, SCENE_equal_time.png and figures.csv beside this file; with --size to
+out/chart/WIDTHxHEIGHT. Renders and references are kept in build/chart by scene, version and size: a
+second run only draws. Measure on a machine that does nothing else. Rivals (Mitsuba, LuxCore) are
+drawn where they are installed (`make setup-rivals`) and can say the scene exactly; one that gets
+another mean on the Cornell box is refused. `--long SCENE ...` gives Cycles a quarter of an hour
+there, by samples (plan.LONG); once made, it is drawn by every run.
 """
 
 from __future__ import annotations
 
-import argparse
-import csv
 import dataclasses
 import sys
-from pathlib import Path
 
 import numpy as np
 
-from tests.benchmarks.chart import draw, figures, runs
+from tests.benchmarks.chart import draw, figures, options, runs, table
 from tests.benchmarks.chart.plan import (
     BETWEEN,
-    BUDGETS,
     CASES,
     LONG,
     MEAN_CASE,
@@ -35,7 +31,6 @@ from tests.benchmarks.chart.plan import (
 )
 from tests.benchmarks.chart.rivals import driver
 
-FOLDER = Path(__file__).resolve().parent
 METHODS = (Method.SPLAT, Method.SPLAT_DENOISED, Method.CYCLES, Method.CYCLES_DENOISED)
 
 
@@ -74,9 +69,10 @@ def measure(
     halves = runs.reference(case)
     methods = [*METHODS, *rivals_of(case)]
     ours = (Method.SPLAT, Method.SPLAT_DENOISED)
+    between = [BETWEEN] if min(budgets) < BETWEEN < max(budgets) else []
     asked = [
         (method, budget)
-        for budget in sorted({*budgets, BETWEEN})
+        for budget in sorted({*budgets, *between})
         for method in methods
         if budget in budgets or method in ours
     ]
@@ -108,7 +104,9 @@ def ratios(found: dict[Method, list[figures.Point]]) -> list[str]:
     """Equal error: at each error that Cycles reached, how much earlier we had it; and equal time
     against the denoised.
     """
-    lines = []
+    lines: list[str] = []
+    if lacking := [str(method) for method in METHODS if method not in found]:
+        return [f"   no comparison without a picture by {', '.join(lacking)}"]
     ours, cycles = found[Method.SPLAT], found[Method.CYCLES]
     for theirs in cycles:
         mine = figures.seconds_to(ours, theirs.rmse)
@@ -151,39 +149,11 @@ def ratios(found: dict[Method, list[figures.Point]]) -> list[str]:
 
 
 def main(arguments: list[str]) -> int:
-    parser = argparse.ArgumentParser(prog="python -m tests.benchmarks.chart")
-    parser.add_argument(
-        "scenes", nargs="*", metavar="SCENE", help="of " + ", ".join(case.scene for case in CASES)
-    )
-    parser.add_argument("--seeds", type=int, default=5)
-    parser.add_argument(
-        "--budgets", default=",".join(f"{b:g}" for b in BUDGETS), help="seconds, with commas"
-    )
-    parser.add_argument(
-        "--long",
-        nargs="+",
-        default=[],
-        metavar="SCENE",
-        help="Cycles for a quarter of an hour on these",
-    )
-    parser.add_argument(
-        "--rivals",
-        type=Path,
-        default=driver.python,
-        metavar="PYTHON",
-        help="that has mitsuba and pyluxcore",
-    )
-    options = parser.parse_args(arguments)
-    driver.python = options.rivals
-    budgets = [float(b) for b in options.budgets.split(",")]
-    named = {*options.scenes, *options.long}
-    wanted = [case for case in CASES if not named or case.scene in named]
-    if len(wanted) < len(named):
-        parser.error("no such scene")
-    rows: list[dict[str, object]] = []
-    for case in wanted:
+    asked = options.parsed(arguments)
+    rows: list[table.Row] = []
+    for case in asked.cases:
         print(f"== {case.scene} ({case.kind}), {case.width}x{case.height}", flush=True)
-        found = measure(case, budgets, options.seeds, case.scene in options.long)
+        found = measure(case, asked.budgets, asked.seeds, case.scene in asked.long)
         for method, points in found.items():
             for p in points:
                 print(
@@ -194,37 +164,15 @@ def main(arguments: list[str]) -> int:
                 rows.append({"scene": case.scene, "method": str(method)} | dataclasses.asdict(p))
             print(f"   {method:24} slope {figures.slope(points):.2f}")
         print("\n".join(ratios(found)), flush=True)
-        draw.chart(case, found, FOLDER / f"{case.scene}.png")
+        draw.chart(case, found, asked.folder / f"{case.scene}.png")
         draw.equal_time(
-            case, budgets, runs.reference(case), FOLDER / f"{case.scene}_equal_time.png"
+            case,
+            asked.budgets,
+            runs.reference(case),
+            asked.folder / f"{case.scene}_equal_time.png",
         )
-    rows = sorted(_old_rows(rows) + rows, key=_place)
-    with (FOLDER / "figures.csv").open("w", newline="") as file:
-        writer = csv.DictWriter(file, list(rows[0]))
-        writer.writeheader()
-        writer.writerows(
-            {k: f"{v:.5g}" if isinstance(v, float) else v for k, v in row.items()} for row in rows
-        )
+    table.write(asked.folder / "figures.csv", rows)
     return 0
-
-
-def _key(row: dict[str, object]) -> tuple[str, str, float]:
-    return str(row["scene"]), str(row["method"]), float(str(row["budget"]))
-
-
-def _place(row: dict[str, object]) -> tuple[int, int, float]:
-    scene, method, budget = _key(row)
-    return [case.scene for case in CASES].index(scene), list(Method).index(Method(method)), budget
-
-
-def _old_rows(anew: list[dict[str, object]]) -> list[dict[str, object]]:
-    """Of what has not been measured now."""
-    path = FOLDER / "figures.csv"
-    if not path.exists():
-        return []
-    replaced = {_key(row) for row in anew}
-    with path.open(newline="") as file:
-        return [row for row in map(dict, csv.DictReader(file)) if _key(row) not in replaced]
 
 
 if __name__ == "__main__":

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from pathlib import Path
 
@@ -62,6 +62,15 @@ class Case:
     reference_seconds: float = 75.0  # of each half
     file: Path | None = None  # elsewhere than in blend_scenes
 
+    def sized(self, size: tuple[int, int] | None, reference_seconds: float | None = None) -> Case:
+        """At another size. The mean error of a picture of n times as many pixels is known as well
+        against a reference of the square root of n times the seconds.
+        """
+        width, height = size or (self.width, self.height)
+        longer = max(width * height / (self.width * self.height), 0.25) ** 0.5
+        seconds = reference_seconds or self.reference_seconds * longer
+        return replace(self, width=width, height=height, reference_seconds=round(seconds, 1))
+
     @property
     def blend(self) -> Path:
         return self.file or ROOT / "blend_scenes" / f"{self.scene}.blend"
@@ -76,6 +85,11 @@ CASES = (
     # lamps all but touch surfaces: a few pixels have most of the noise
     Case("many_lights", 400, 266, "many lights", reference_seconds=300.0),
     Case("street", 360, 240, "outdoors", "photons", 150.0),  # the sun in its windows: as rare
+    Case("car", 384, 216, "car in a hall", "photons", 120.0),  # the sun in glass and chrome
+    # the sun in its panes, as in street
+    Case("village", 384, 216, "village, sun and sky", "photons", 150.0),
+    Case("staircase", 384, 216, "glossy interior", "photons", 150.0),  # the sun in its floor
+    Case("classroom", 384, 216, "classroom", reference_seconds=150.0),
     Case("caustic_glass", 400, 300, "caustic", "photons"),
     Case("caustic_pool", 400, 300, "pool", "photons"),
 )
