@@ -108,9 +108,7 @@ bool PhotonTracer::pass_before_lamp(Path& path, const Surface& hit, const Vec3& 
       ray.kind = RayInfo::kShadow;
       ray.transparent_depth = path.passed;
       ray.time = path.time;
-      Bsdf bsdf(Transport::kRadiance, -direction, hit.ng, hit.ns, hit.back);
-      scene_.shade(hit, -direction, ray, bsdf);
-      transparency = bsdf.transparency();
+      transparency = scene_.lets_through(hit, direction, ray);
     }
     const bool either = average(transparency) > 0;
     if (either && path.random.next() < 0.5f) {
@@ -271,8 +269,8 @@ bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const Phot
   scene_.shade(hit, -direction, ray, bsdf);
   const bool blocking = blocks(path, hit, start);
   Rgb transparency = blocking ? bsdf.transparency() : Rgb{1, 1, 1};
-  const bool passing_asked =
-      blocking && scene_.may_be_transparent(hit) && (direct ? hit.program->asks_shadow : asked);
+  const bool may_pass = blocking && scene_.may_be_transparent(hit),
+             passing_asked = may_pass && (direct ? hit.program->asks_shadow : asked);
   RayInfo passing_ray = ray;
   float passing_chance = 1;
   if (passing_asked) {
@@ -280,10 +278,9 @@ bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const Phot
     if (!path.guessed)
       passing_ray.kind =
           guess_kind(path.random, direct ? RayInfo::kShadow : receiver_kind_, &passing_chance);
-    Bsdf seen(Transport::kRadiance, -direction, hit.ng, hit.ns, hit.back);
-    scene_.shade(hit, -direction, passing_ray, seen);
-    transparency = seen.transparency();
   }
+  if (passing_asked || (may_pass && hit.program->asks_side))
+    transparency = scene_.lets_through(hit, direction, passing_ray);
   const bool accepted = lit(path, hit, start);
   if (accepted) store(path, hit, direction, visible, photons);
 

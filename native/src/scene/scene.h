@@ -181,6 +181,9 @@ class Scene {
   bool may_be_transparent(const Surface& s) const {
     return s.program && s.program->features & kProgramTransparent;
   }
+  // What of light along `direction` the surface lets straight on: as the ray sees it that looks
+  // back along the light's way, and so meets its other side.
+  Rgb lets_through(const Surface& s, const Vec3& direction, const RayInfo& ray) const;
   // Features of any material in use, as ProgramFeature bits; the plain ones gather and emit.
   uint32_t features() const { return features_; }
   // Whether some instance is not seen by every ray; and whether what happens to photons then

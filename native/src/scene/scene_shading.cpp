@@ -54,6 +54,18 @@ void Scene::shade(const Surface& s, const Vec3& wo, const RayInfo& ray, Bsdf& bs
   bsdf.finish();
 }
 
+Rgb Scene::lets_through(const Surface& s, const Vec3& direction, const RayInfo& ray) const {
+  Surface other = s;
+  if (!s.on_strand()) {
+    other.ng = -s.ng;
+    other.ns = -s.ns;
+    other.back = !s.back;
+  }
+  Bsdf bsdf(Transport::kRadiance, direction, other.ng, other.ns, other.back);
+  run_program(*this, *other.program, shading_point(other, direction, ray), bsdf);
+  return bsdf.transparency();
+}
+
 Vec3 Scene::value_at(const Program& program, const Surface& s, const Vec3& wo, const RayInfo& ray,
                      std::vector<float>& registers) const {
   return run_displacement(*this, program, shading_point(s, wo, ray), registers);

@@ -130,6 +130,24 @@ bool bends_subsurface(nodes::Op op, const uint32_t* w) {
   return false;
 }
 
+// Whether it tells from where the surface is seen.
+bool asks_side(nodes::Op op, const uint32_t* w) {
+  using nodes::Coordinates, nodes::GeometryVector;
+  switch (op) {
+    case nodes::Op::Fresnel:
+    case nodes::Op::LayerWeight:
+    case nodes::Op::Backfacing: return true;
+    case nodes::Op::Geometry:
+      return static_cast<GeometryVector>(w[1]) == GeometryVector::INCOMING ||
+             static_cast<GeometryVector>(w[1]) == GeometryVector::NORMAL ||
+             static_cast<GeometryVector>(w[1]) == GeometryVector::TRUE_NORMAL;
+    case nodes::Op::TextureCoordinate:
+      return static_cast<Coordinates>(w[1]) == Coordinates::REFLECTION ||
+             static_cast<Coordinates>(w[1]) == Coordinates::NORMAL;
+    default: return false;
+  }
+}
+
 }  // namespace
 
 void look_at_program(Program& program) {
@@ -145,6 +163,9 @@ void look_at_program(Program& program) {
     if (op == nodes::Op::AmbientOcclusion || op == nodes::Op::Bevel || op == nodes::Op::Raycast)
       program.features |= kProgramMeetsItself;
   }
+  program.asks_side = false;
+  for (size_t at = 0; at < program.code.size(); at += nodes::kWords[program.code[at]])
+    program.asks_side |= asks_side(static_cast<nodes::Op>(program.code[at]), &program.code[at + 1]);
   program.asks_shadow = program.asks_kind = program.asks_singular = program.asks_depth =
       program.asks_ray = false;
   for (size_t at = 0; at < program.code.size(); at += nodes::kWords[program.code[at]]) {

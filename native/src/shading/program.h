@@ -29,6 +29,7 @@ struct Program {
   bool asks_shadow = false, asks_kind = false;
   // And those of deltas, later ones, any others
   bool asks_singular = false, asks_depth = false, asks_ray = false;
+  bool asks_side = false;         // from where it is seen: what it lets through depends on the way
   bool bends_subsurface = false;  // light from below leaves about another normal than the surface's
 };
 

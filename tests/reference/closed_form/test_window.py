@@ -6,8 +6,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from photon_splat.core.native.library import load
 from photon_splat.core.render.settings import Integrator
-from photon_splat.core.scene import Mesh, Scene
+from photon_splat.core.scene import Material, Mesh, Scene
+from photon_splat.core.scene.shading import Feature, Program
 
 from tests.support import corescene as c
 
@@ -59,3 +61,47 @@ def test_same_light_less_noise(bounces: int) -> None:
     ) ** 0.5
     assert guided.mean() == pytest.approx(plain.mean(), rel=0.004, abs=4 * error)
     assert guided.var(0, ddof=1).mean() < 0.25 * plain.var(0, ddof=1).mean()
+
+
+def _pane() -> Program:
+    """Transparent where it is seen from behind; else black."""
+    operations = {name: made[0] for name, made in load().shader_operations().items()}
+    white, register = 1 << 31, 0
+    code = [
+        *(operations["Backfacing"], register),
+        *(operations["Transparent"], register, white),
+        operations["End"],
+    ]
+    return Program(
+        "pane", np.array(code, np.uint32), np.ones(3, np.float32), 1, Feature.TRANSPARENT
+    )
+
+
+def _mean(what: Scene, integrator: Integrator) -> np.ndarray:
+    return np.array(
+        [
+            c.picture(
+                what, passes=24, max_bounces=4, seed=seed, integrator=integrator,
+                photons_per_pass=40_000,
+            )[..., 0].mean(dtype=np.float64)
+            for seed in range(3)
+        ]
+    )  # fmt: skip
+
+
+def test_light_passes_a_pane_as_rays_back_along_its_way_see_it() -> None:
+    """Rays from the room meet the pane's back and pass it; the light itself meets its front."""
+    open_ = _room()
+    closed = _room()
+    pane = c.quad(0.2, 1.0)
+    closed.meshes.append(pane)
+    index = np.arange(3, dtype=np.uint32)
+    closed.instances = type(closed.instances)(index, np.tile(np.eye(4), (3, 1, 1)), index.copy())
+    closed.material_sets.append(np.array([2], np.int32))
+    closed.materials.append(Material("pane", program=0))
+    closed.programs = [_pane()]
+    reference, ours = _mean(open_, Integrator.REFERENCE), _mean(closed, Integrator.SPLAT)
+    error = (reference.std(ddof=1) ** 2 / 3 + ours.std(ddof=1) ** 2 / 3) ** 0.5
+    assert ours.mean() == pytest.approx(reference.mean(), rel=0.004, abs=4 * error)
+    pane.triangles[:] = pane.triangles[:, ::-1].copy()  # its back outside: no light comes in
+    assert _mean(closed, Integrator.SPLAT).max() < 1e-3 * reference.mean()
