@@ -27,11 +27,14 @@ from .material_sets import MaterialSets
 from .materials import Materials, Shading, grid_interpolation
 from .motion import Moving
 from .nodes.node import Wants
+from .repeats import Repeat, Repeats
 from .visibility import FLAGS, Visibility, report_unsupported, terminator_offset
 
 SEEING_RAYS = sum(FLAGS.values())
 PENCILS = {"GREASEPENCIL", "GPENCIL"}
 """Of Blender 4.3 and of older ones."""
+LOOKS = 64
+"""Of as many instances of known meshes, one asks whether the export has been cancelled."""
 
 
 class Objects:
@@ -84,35 +87,41 @@ class Objects:
         override = view_layer.material_override
         linking = Linking(depsgraph, self._report)
         visibility = Visibility(view_layer)
+        repeats = Repeats()
         for place, instance in enumerate(depsgraph.object_instances):
-            self._shading.around.watch.go_on()
             ob = instance.object
-            kind = ob.type
             if visible is not None and not visible(instance):
                 continue
+            key = Repeats.key(instance, ob)
+            known = repeats.get(key)
+            if known is None or place % LOOKS == 0:
+                self._shading.around.watch.go_on()
+            if known is not None:
+                self._repeat(place, instance, known)
+                continue
+            kind = ob.type
             if kind in {"MESH", "VOLUME"} or kind in STRANDS:
                 rays, holdout, catcher = visibility.of(instance)
                 if not rays & SEEING_RAYS:
                     continue
                 rows = self._add_rows(instance, depsgraph, override)
-                if rows:
-                    self._rows_of[place] = rows
-                for row in rows:
-                    self._add_moving(instance, row)
-                    if self._labelled is not None:
-                        self._labelled.add(ob)
-                    self._rows.add_traits(
-                        Traits(
-                            group=linking.group(instance),
-                            lit_groups=linking.lit_groups(ob),
-                            blockers=linking.blockers(ob),
-                            light_group=self._light_group(ob),
-                            seen_by=rays,
-                            holdout=holdout,
-                            catcher=catcher,
-                            terminator_offset=terminator_offset(ob, "geometry"),
-                        )
-                    )
+                if not rows:
+                    continue
+                traits = Traits(
+                    group=linking.group(instance),
+                    lit_groups=linking.lit_groups(ob),
+                    blockers=linking.blockers(ob),
+                    light_group=self._light_group(ob),
+                    seen_by=rays,
+                    holdout=holdout,
+                    catcher=catcher,
+                    terminator_offset=terminator_offset(ob, "geometry"),
+                )
+                self._describe(place, instance, rows, traits)
+                mesh, materials = self._rows.placed[rows.start]
+                # neither flattened nor displaced
+                if key is not None and len(rows) == 1 and mesh == self._shapes.of_mesh(ob):
+                    repeats.keep(key, Repeat(mesh, materials, traits))
             elif kind == "LIGHT":
                 if instance.show_self:
                     self._add_light(ob, np.array(instance.matrix_world, np.float64), linking)
@@ -122,6 +131,31 @@ class Objects:
                     "and nothing mirrors them: {}",
                     ob.name,
                 )
+
+    def _describe(self, place: int, instance: Any, rows: range, traits: Traits) -> None:
+        """Of an instance of the graph that has become these rows."""
+        self._rows_of[place] = rows
+        for row in rows:
+            self._add_moving(instance, row)
+            if self._labelled is not None:
+                self._labelled.add(instance.object)
+            self._rows.add_traits(traits)
+
+    def _repeat(self, place: int, instance: Any, known: Repeat) -> None:
+        """Places the mesh of an earlier instance."""
+        matrix, row = np.array(instance.matrix_world, np.float64), len(self._rows)
+        name = instance.object.name
+        flat = is_flat(matrix, name, self._report)
+        if flat is None:
+            return
+        mesh = known.mesh
+        if flat:
+            flattened = self._shapes.flattened(mesh, matrix, name)
+            if flattened is None:
+                return
+            mesh, matrix = flattened, np.eye(4)
+        self._rows.add(mesh, known.materials, matrix)
+        self._describe(place, instance, range(row, row + 1), known.traits)
 
     def collect_shading(
         self, depsgraph: Any, wants: Wants, of_meshes: frozenset[int], of_instances: frozenset[int]

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from itertools import chain
+from math import isfinite
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,19 +18,22 @@ def is_flat(matrix: NDArray[np.float64], name: str, report: Report) -> bool | No
     """False: an ordinary matrix. True: it flattens the mesh into a plane. None: it leaves nothing
     of the object `name`, which `report` is told.
     """
-    if not np.isfinite(matrix).all():
+    entries: list[list[float]] = matrix.tolist()
+    if not all(map(isfinite, chain.from_iterable(entries))):
         report.warn("Objects left out, as their transformation is not a finite number: {}", name)
         return None
-    x, y, z = matrix[:3, 0], matrix[:3, 1], matrix[:3, 2]
-    largest = np.abs(matrix[:3, :3]).max()
+    rows = [row[:3] for row in entries[:3]]
+    largest = max(map(abs, chain.from_iterable(rows)))
     if largest > 0.0:
-        x, y, z = x / largest, y / largest, z / largest
-        yz = np.array(
-            (y[1] * z[2] - y[2] * z[1], y[2] * z[0] - y[0] * z[2], y[0] * z[1] - y[1] * z[0])
-        )
-        if abs(x @ yz) > FLAT:
+        x, y, z = ([row[i] / largest for row in rows] for i in range(3))
+        yz = _cross(y, z)
+        if abs(x[0] * yz[0] + x[1] * yz[1] + x[2] * yz[2]) > FLAT:
             return False
-        if max(np.abs(yz).max(), np.abs(np.cross(x, y)).max(), np.abs(np.cross(x, z)).max()) > FLAT:
+        if max(map(abs, (*yz, *_cross(x, y), *_cross(x, z)))) > FLAT:
             return True
     report.warn("Objects left out, as their scale is zero: {}", name)
     return None
+
+
+def _cross(a: list[float], b: list[float]) -> tuple[float, float, float]:
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]

@@ -21,6 +21,9 @@ from .rows import Rows
 from .shapes import Shapes, mesh_key, sources, with_mesh
 from .strands import strand_shading
 
+LOOKS = 64
+"""Of as many instances one asks whether the export has been cancelled; so does each mesh."""
+
 
 class ObjectShading:
     def __init__(self, shapes: Shapes, rows: Rows, shading: Shading, kept: Kept) -> None:
@@ -54,14 +57,15 @@ class ObjectShading:
         }
         done: set[int] = set()
         of_nodes = InstanceAttributes(self._report)
-        meshes = self._shapes.list
+        meshes, of_any = self._shapes.list, bool(mesh_wants or with_uv)
         for place, instance in enumerate(depsgraph.object_instances):
             rows = rows_of.get(place)
             if rows is None:
                 continue
-            self._watch.go_on()
-            of_any = mesh_wants or with_uv
+            if place % LOOKS == 0:
+                self._watch.go_on()
             for index in {self._rows.placed[row][0] for row in rows} - done if of_any else ():
+                self._watch.go_on()
                 done.add(index)
                 ob = instance.object
                 if with_uv:
