@@ -117,7 +117,8 @@ def window(
         bars.append(((x0 + f, y0 + 0.02, z - 0.018), (x1 - f, y1 - 0.02, z + 0.018)))
     things = [p.boxes("Window frame", bars, frame, 0.006)]
     if z0 > 0.1:
-        things.append(p.box("Sill", (x0 - 0.05, y1, z0 - 0.04), (x1 + 0.05, 0.1, z0), sill, 0.012))
+        low, high = (x0 - 0.05, y1 - 0.02, z0 - 0.04), (x1 + 0.05, 0.1, z0 + 0.01)
+        things.append(p.box("Sill", low, high, sill, 0.008))
     if pane is not None:
         y = (y0 + y1) / 2
         things.append(sheet("Pane", [[(x0, y, z0), (x1, y, z0), (x1, y, z1), (x0, y, z1)]], pane))

@@ -44,7 +44,7 @@ def _room(s: Stuff) -> None:
                 [
                     ((0.0, 0.0, z), (thick, DEEP, z + tall)),
                     ((WIDE - thick, 0.0, z), (WIDE, DEEP, z + tall)),
-                    ((0.0, DEEP - thick, z), (WIDE, DEEP, z + tall)),
+                    ((thick, DEEP - thick, z), (WIDE - thick, DEEP, z + tall)),
                 ],
                 s["white"],
                 0.012,
@@ -54,8 +54,8 @@ def _room(s: Stuff) -> None:
     p.boxes("Wainscot", panels + rail, s["white"], 0.008)
     panels = [((x, DEEP - 0.018, 0.26), (x + 0.55, DEEP, 0.8)) for x in np.arange(0.15, 3.0, 0.68)]
     rail = [
-        ((0.0, DEEP - 0.035, 0.855), (WIDE, DEEP, 0.9)),
-        ((0.0, DEEP - 0.008, 0.18), (WIDE, DEEP, 0.855)),
+        ((0.035, DEEP - 0.035, 0.855), (WIDE, DEEP, 0.9)),
+        ((0.008, DEEP - 0.008, 0.18), (WIDE, DEEP, 0.855)),
     ]
     p.boxes("Wainscot", panels + rail, s["white"], 0.008)
 
