@@ -50,7 +50,8 @@ $(VENV_OLD)/.made:
 
 %/.native: %/.packages $(NATIVE_SOURCES) addon/blender_manifest.toml
 	@echo "== $(@D): building the native module"
-	$(IN_VENV) $(@D)/bin/python -m pip install --disable-pip-version-check --no-build-isolation --no-deps --force-reinstall -v ./native
+	$(IN_VENV) $(@D)/bin/python tools/kept_warnings.py build/warnings$(@D).json \
+		$(@D)/bin/python -m pip install --disable-pip-version-check --no-build-isolation --no-deps --force-reinstall -v ./native
 	@touch $@
 
 %/.addon: %/.packages pyproject.toml setup.py addon/blender_manifest.toml $(wildcard addon/__init__.py)
@@ -97,7 +98,8 @@ format: setup ## lays out Python and C++ as make lint wants them
 	@$(VENV)/bin/clang-format -i $(CXX_SOURCES)
 
 test-native: build/tests/.built ## C++ tests
-	$(VENV)/bin/ctest --test-dir build/tests --output-on-failure --timeout 1800 --no-tests=error
+	$(PY) tools/kept_warnings.py build/warnings$(VENV).json
+	$(VENV)/bin/ctest --test-dir build/tests -j 2 --output-on-failure --timeout 1800 --no-tests=error
 
 test-python: setup ## Python tests
 	$(PY) tools/run_tests.py
@@ -155,8 +157,10 @@ CMAKE_NATIVE = $(VENV)/bin/cmake -S native -G Ninja -DCMAKE_MAKE_PROGRAM=$(CURDI
 	-DPython_EXECUTABLE=$(CURDIR)/$(PY)
 CMAKE_TESTS = $(CMAKE_NATIVE) -DPHOTON_SPLAT_MODULE=OFF -DPHOTON_SPLAT_TESTS=ON
 
-build/tests/.built: $(VENV)/.packages $(NATIVE_SOURCES) $(shell find native/tests -type f)
-	$(CMAKE_TESTS) -B build/tests -DPHOTON_SPLAT_WERROR=ON
+# The tests are linked to the module's own code, where its build folder is there.
+build/tests/.built: $(VENV)/.native $(shell find native/tests -type f)
+	$(CMAKE_TESTS) -B build/tests -DPHOTON_SPLAT_WERROR=ON -DPHOTON_SPLAT_CORE_LIBRARY=$$( \
+		ls $(CURDIR)/build/native-$$($(PY) -c 'import sys; print(sys.implementation.cache_tag)')/libphoton_splat_core.a 2>/dev/null)
 	$(VENV)/bin/cmake --build build/tests
 	@touch $@
 
