@@ -78,17 +78,22 @@ def compare(name: str, ours: np.ndarray, reference: np.ndarray) -> None:
         )
 
 
+half_or_all = pytest.mark.parametrize("passes", [6, pytest.param(12, marks=pytest.mark.slow)])
+"""The comparison knows the noise of both."""
+
+
+@half_or_all
 @pytest.mark.parametrize(
     "name",
     # the pool, quickly: test_pool_seen_through_its_waves, whose light lands on the same floor
     ["glass", "ring", pytest.param("pool", marks=pytest.mark.slow)],
 )
-def test_light_lands_where_it_should(worker: Worker, name: str) -> None:
+def test_light_lands_where_it_should(worker: Worker, name: str, passes: int) -> None:
     ours, _ = worker.render(
         view_case(name),
         "splat",
         list(range(5)),
-        passes=12,
+        passes=passes,
         photons_per_pass=PHOTONS,
         max_bounces=64,
     )
@@ -104,12 +109,13 @@ def test_pool_seen_through_its_waves(worker: Worker) -> None:
     compare("pool_from_above", ours[..., :3], load("pool_from_above"))
 
 
-def test_small_glass_in_a_big_room(worker: Worker) -> None:
+@half_or_all
+def test_small_glass_in_a_big_room(worker: Worker, passes: int) -> None:
     ours, _ = worker.render(
         view_case("small_glass"),
         "splat",
         list(range(5)),
-        passes=12,
+        passes=passes,
         photons_per_pass=PHOTONS,
         max_bounces=64,
     )

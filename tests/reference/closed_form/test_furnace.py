@@ -119,7 +119,7 @@ def test_bounces_are_counted_alike() -> None:
                 furnace(16, 16),
                 integrator,
                 passes=200,
-                photons_per_pass=40_000,
+                photons_per_pass=8_000,
                 max_bounces=bounces,
                 seed=4,
             )

@@ -1,5 +1,6 @@
 """Photon Splat against Cycles on some cases of cases.py, by verdict.py's rules. `make oracle`
-renders them all.
+renders them all. Splats have half of their passes here, whose noise the verdict knows; `make
+reference` renders them whole.
 """
 
 from __future__ import annotations
@@ -63,12 +64,22 @@ SLOW = {
 FAILURES = ROOT / "out" / "failures"
 
 
-def marked(cases: list[Case], slow: set[str] = SLOW) -> list[Any]:
+def marked(cases: list[Case]) -> list[Any]:
     """Cases as parameters of a test."""
     return [
-        pytest.param(case, id=case.name, marks=[pytest.mark.slow] if case.name in slow else [])
+        pytest.param(case, id=case.name, marks=[pytest.mark.slow] if case.name in SLOW else [])
         for case in cases
     ]
+
+
+def in_part(parameters: tuple[Any, ...], name: str, slow: bool) -> list[Any]:
+    """A picture by photons with half of the passes, and with all of them for `make reference`."""
+    whole = pytest.param(*parameters, 1, id=f"{name}-whole", marks=[pytest.mark.slow])
+    return [whole] if slow else [pytest.param(*parameters, 2, id=name), whole]
+
+
+def splats(cases: list[Case], slow: set[str] = SLOW) -> list[Any]:
+    return [part for case in cases for part in in_part((case,), case.name, case.name in slow)]
 
 
 def compare(case: Case, integrator: str, ours: np.ndarray) -> None:
@@ -82,14 +93,14 @@ def compare(case: Case, integrator: str, ours: np.ndarray) -> None:
         )
 
 
-@pytest.mark.parametrize("case", marked(QUICK_SPLAT))
-def test_splat(worker: Worker, case: Case) -> None:
-    compare(case, "splat", render(worker, case, "splat"))
+@pytest.mark.parametrize(("case", "part"), splats(QUICK_SPLAT))
+def test_splat(worker: Worker, case: Case, part: int) -> None:
+    compare(case, "splat", render(worker, case, "splat", part=part))
 
 
-@pytest.mark.parametrize("case", marked(QUICK_GATHER, SLOW | {"cornell_box"}))
-def test_final_gathering(worker: Worker, case: Case) -> None:
-    compare(case, "gather", render(worker, case, "gather"))
+@pytest.mark.parametrize(("case", "part"), splats(QUICK_GATHER, SLOW | {"cornell_box"}))
+def test_final_gathering(worker: Worker, case: Case, part: int) -> None:
+    compare(case, "gather", render(worker, case, "gather", part=part))
 
 
 @pytest.mark.parametrize("case", marked(QUICK_REFERENCE))
@@ -98,13 +109,19 @@ def test_reference_integrator(worker: Worker, case: Case) -> None:
 
 
 def test_the_comparison_can_fail(worker: Worker) -> None:
-    """A lamp 3 % too strong, and a picture shifted by a pixel, must not pass."""
+    """A lamp 3 % too strong, a picture shifted by a pixel, and a block a tenth too dark must not
+    pass, with half of the passes neither.
+    """
     case = CASE["area_square"]
-    pictures, _ = worker.render(case, "reference", [11, 12], passes=128, max_bounces=64)
-    compare(case, "reference", pictures)
-    for broken in (pictures * 1.03, np.roll(pictures, 1, axis=2)):
-        with pytest.raises(pytest.fail.Exception):
-            compare(case, "reference", broken)
+    reference, _ = worker.render(case, "reference", [11, 12], passes=128, max_bounces=64)
+    splat = render(worker, case, "splat", part=2)
+    for integrator, pictures in (("reference", reference), ("splat", splat)):
+        compare(case, integrator, pictures)
+        stained = pictures.copy()
+        stained[:, 24:32, 24:32] *= 0.9
+        for broken in (pictures * 1.03, np.roll(pictures, 1, axis=2), stained):
+            with pytest.raises(pytest.fail.Exception):
+                compare(case, integrator, broken)
 
 
 def test_statistics_say_what_was_done(worker: Worker) -> None:

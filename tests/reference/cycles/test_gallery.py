@@ -9,7 +9,7 @@ import pytest
 from tests.reference.cycles.gallery import BY_NAME, GALLERY
 from tests.reference.cycles.references import FOLDER
 from tests.reference.cycles.report import TELLING
-from tests.reference.cycles.test_cycles import compare
+from tests.reference.cycles.test_cycles import compare, in_part
 from tests.reference.cycles.verdict import INTEGRATORS, render
 from tests.reference.cycles.worker import Worker
 
@@ -25,15 +25,18 @@ QUICK = {
 
 
 @pytest.mark.parametrize(
-    ("name", "integrator"),
+    ("name", "integrator", "part"),
     [
-        pytest.param(name, INTEGRATORS[k % 2], marks=[] if name in QUICK else [pytest.mark.slow])
+        part
         for k, name in enumerate(TELLING)
+        for part in in_part(
+            (name, INTEGRATORS[k % 2]), f"{name}-{INTEGRATORS[k % 2]}", name not in QUICK
+        )
     ],
 )
-def test_material(worker: Worker, name: str, integrator: str) -> None:
+def test_material(worker: Worker, name: str, integrator: str, part: int) -> None:
     case = BY_NAME[name]
-    compare(case, integrator, render(worker, case, integrator))
+    compare(case, integrator, render(worker, case, integrator, part=part))
 
 
 def test_every_case_has_its_reference() -> None:

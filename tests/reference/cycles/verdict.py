@@ -88,9 +88,11 @@ def judge(case: Case, integrator: str, ours: np.ndarray) -> Verdict:
     return Verdict(ours.mean(0), reference.mean(0), ratio, error, excess, failures)
 
 
-def render(worker: Worker, case: Case, integrator: str, threads: int = 0) -> np.ndarray:
+def render(
+    worker: Worker, case: Case, integrator: str, threads: int = 0, part: int = 1
+) -> np.ndarray:
     """(K, height, width, 4): six splats, gathered or not, or two path-traced pictures. 0 threads:
-    all of the machine's.
+    all of the machine's. part: splats have the passes of the case over this.
     """
     if integrator == "reference":
         settings: dict[str, Any] = {"passes": case.reference_passes}
@@ -99,7 +101,7 @@ def render(worker: Worker, case: Case, integrator: str, threads: int = 0) -> np.
         )[0]
     gather = FinalGather.ON if integrator == "gather" else FinalGather.OFF
     settings = {
-        "passes": case.passes,
+        "passes": case.passes // part,
         "photons_per_pass": case.photons_per_pass,
         "final_gather": gather,
     }

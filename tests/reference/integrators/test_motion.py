@@ -120,7 +120,7 @@ def test_a_moving_caustic_is_the_mean_of_many_that_stand_still() -> None:
     travel, settings = 0.8, {"photons_per_pass": 20_000, "denoise": False}
     blurred = np.stack(
         [
-            c.picture(sliding(glass_ball(), 1, travel), passes=32, seed=k, **settings)
+            c.picture(sliding(glass_ball(), 1, travel), passes=16, seed=k, **settings)
             for k in range(5)
         ]
     )
@@ -129,7 +129,7 @@ def test_a_moving_caustic_is_the_mean_of_many_that_stand_still() -> None:
         [
             np.mean(
                 [
-                    c.picture(glass_ball(x), passes=4, seed=100 * k + i, **settings)
+                    c.picture(glass_ball(x), passes=2, seed=100 * k + i, **settings)
                     for i, x in enumerate(places)
                 ],
                 axis=0,
