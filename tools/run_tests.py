@@ -8,9 +8,9 @@ when it has ended.
 
 Blender keeps its state for a whole process, may hang when it exits, and may die there after the
 last test has passed. So every process gets a clean Blender user folder, and writes pytest's exit
-status to a file before it exits: that file decides, not the status of the process. Nothing has a
-limit of wall time, which a busy machine would break; a process that hangs is ended all the same
-(tests/support/hang.py).
+status and the processor time it has taken to a file before it exits: that file decides, not the
+status of the process. Nothing has a limit of wall time, which a busy machine would break; a process
+that hangs is ended all the same (tests/support/hang.py).
 """
 
 from __future__ import annotations
@@ -33,8 +33,18 @@ sys.path.insert(0, str(ROOT))  # for tests
 from tests.support.hang import POLL_SECONDS, HangGuard  # noqa: E402
 
 NO_TESTS_COLLECTED = 5
-LONGEST = ("tests/reference/cycles", "tests/integration/addon", "tests/integration/farm")
-"""Begun first, so that none of them is left to run alone."""
+LONGEST = (
+    "tests/reference/cycles",
+    "tests/reference/integrators",
+    "tests/integration/farm",
+    "tests/integration/addon",
+    "tests/reference/closed_form",
+    "tests/robustness",
+    "tests/reference/stability",
+    "tests/reference/caustics",
+    "tests/gpu/splatter",
+)
+"""Begun first, in this order, so that none of them is left to run alone."""
 LAST_WORDS_SECONDS = 10.0
 """For a process that hangs to say where."""
 
@@ -48,7 +58,7 @@ class Current:
 
 status = int(pytest.main(sys.argv[3:], plugins=[Current()]))
 with open(sys.argv[1], "w") as file:
-    file.write(str(status))
+    file.write(f"{status} {sum(os.times()[:4]):.0f}")
 sys.stdout.flush()
 sys.stderr.flush()
 os._exit(status)
@@ -78,7 +88,7 @@ def main() -> int:
         for run in as_completed(runs):
             name = runs[run].relative_to(ROOT).as_posix()
             status, said, seconds = run.result()
-            print(f"== {name}\n{said}   {seconds:.0f} s", flush=True)
+            print(f"== {name}\n{said}   {seconds}", flush=True)
             if isinstance(status, str):
                 failures.append(f"{name}: {status}")
             elif status != NO_TESTS_COLLECTED:
@@ -108,14 +118,15 @@ def ended_on_interrupt(
 
 def all_folders() -> list[Path]:
     found = sorted({file.parent for file in (ROOT / "tests").rglob("test_*.py")})
-    return sorted(found, key=lambda folder: folder.relative_to(ROOT).as_posix() not in LONGEST)
+    order = {ROOT / name: place for place, name in enumerate(LONGEST)}
+    return sorted(found, key=lambda folder: order.get(folder, len(order)))
 
 
 def run_folder(
     folder: Path, options: list[str], running: set[subprocess.Popen[bytes]]
-) -> tuple[int | str, str, float]:
-    """pytest's exit status in that folder, or why there is none; what it printed; seconds. Its
-    process is among `running` while it is.
+) -> tuple[int | str, str, str]:
+    """pytest's exit status in that folder, or why there is none; what it printed; what time it
+    took. Its process is among `running` while it is.
     """
     began = time.monotonic()
     with tempfile.TemporaryDirectory(prefix="photon_splat_test_") as scratch:
@@ -142,12 +153,12 @@ def run_folder(
                 end(process)
                 running.discard(process)
         said = output.read_text(errors="replace")
-        status: int | str = (
-            int(status_file.read_text())
-            if status_file.exists()
-            else hang or f"the process ended with status {process.returncode} in {test_of(current)}"
-        )
-        return status, said, time.monotonic() - began
+        seconds = f"{time.monotonic() - began:.0f} s"
+        if status_file.exists():
+            status, computed = status_file.read_text().split()
+            return int(status), said, f"{seconds}, {computed} s of processor time"
+        ended = f"the process ended with status {process.returncode} in {test_of(current)}"
+        return hang or ended, said, seconds
 
 
 def watch(process: subprocess.Popen[bytes], current: Path) -> str | None:

@@ -98,7 +98,7 @@ TEST_CASE("a closed room of albedo 1/2 and emission 1 shows 2 through fog around
   for (const Fog fog : {Fog::kEven, Fog::kUneven}) {
     Renderer renderer(2);
     fill_room(renderer, {.fog = fog});
-    CHECK(light_of(renderer, 16) == doctest::Approx(2).epsilon(0.01));
+    CHECK(light_of(renderer, 8) == doctest::Approx(2).epsilon(0.01));
     CHECK(renderer.statistics().beams.stored > 1000);
   }
 }

@@ -16,7 +16,7 @@ def test_the_mean_is_the_path_tracers(roughness: float, photons: int) -> None:
     """With 50 photons a pass nearly all places fall back, with 5,000 the leaves do."""
     result = c.shoot(
         leaves(roughness),
-        passes=250 if photons < 1000 else 100,
+        passes=125 if photons < 1000 else 100,
         photons_per_pass=photons,
         max_bounces=12,
         seed=2,

@@ -168,7 +168,7 @@ def test_a_floor_is_lit_right_where_a_box_glides_over_it() -> None:
     scene = sliding(scene, 1, 1.6)
     stacks = [
         np.stack([c.picture(scene, by, passes=passes, seed=k) for k in range(runs)])
-        for by, passes, runs in ((Integrator.SPLAT, 64, 5), (Integrator.REFERENCE, 200, 2))
+        for by, passes, runs in ((Integrator.SPLAT, 32, 5), (Integrator.REFERENCE, 200, 2))
     ]
     result = block_test(
         Blocks.of(stacks[0], 4, independent_pixels=False),
@@ -195,8 +195,8 @@ def test_both_integrators_agree_on_indirect_light_of_what_moves() -> None:
     scene.instances.motion = {1: np.stack(turns)}
     scene.shutter = Shutter(np.ones(2, np.float32))
     stacks = [
-        np.stack([c.picture(scene, by, passes=64, seed=k) for k in range(runs)])
-        for by, runs in ((Integrator.SPLAT, 5), (Integrator.REFERENCE, 2))
+        np.stack([c.picture(scene, by, passes=passes, seed=k) for k in range(runs)])
+        for by, passes, runs in ((Integrator.SPLAT, 32, 5), (Integrator.REFERENCE, 64, 2))
     ]
     result = block_test(
         Blocks.of(stacks[0], independent_pixels=False),
