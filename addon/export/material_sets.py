@@ -28,7 +28,9 @@ class MaterialSets:
         """Index of the set for an object's slots, as long as the mesh's slots need: the last
         material serves those beyond.
         """
-        found = [override] if override else [slot.material for slot in ob.material_slots] or [None]
+        # Slots of the object beyond those of its evaluated data count in Blender, not in Cycles.
+        slots_of_data = ob.material_slots[: len(ob.data.materials)]
+        found = [override] if override else [slot.material for slot in slots_of_data] or [None]
         indices = [self._materials.index(material, uv_map) for material in found]
         slots = mesh.slots if mesh.strands is None else mesh.strands.slots
         needed = 1 if slots is None else int(np.max(slots)) + 1

@@ -25,6 +25,7 @@ from .lights import export_light
 from .linking import Linking
 from .material_sets import MaterialSets
 from .materials import Materials, Shading, grid_interpolation
+from .matrices import matrix_of
 from .motion import Moving
 from .nodes.node import Wants
 from .repeats import Repeat, Repeats
@@ -124,7 +125,7 @@ class Objects:
                     repeats.keep(key, Repeat(mesh, materials, traits))
             elif kind == "LIGHT":
                 if instance.show_self:
-                    self._add_light(ob, np.array(instance.matrix_world, np.float64), linking)
+                    self._add_light(ob, matrix_of(instance), linking)
             elif kind in PENCILS and instance.show_self:
                 self._report.warn(
                     "Blender draws grease pencil objects over the picture; they cast no shadow, "
@@ -143,7 +144,7 @@ class Objects:
 
     def _repeat(self, place: int, instance: Any, known: Repeat) -> None:
         """Places the mesh of an earlier instance."""
-        matrix, row = np.array(instance.matrix_world, np.float64), len(self._rows)
+        matrix, row = matrix_of(instance), len(self._rows)
         name = instance.object.name
         flat = is_flat(matrix, name, self._report)
         if flat is None:
@@ -200,7 +201,7 @@ class Objects:
     def _add_rows(self, instance: Any, depsgraph: Any, override: Any) -> range:
         """What an instance of the graph shows: its mesh, curves or points, and its hair."""
         ob, before = instance.object, len(self._rows)
-        matrix = np.array(instance.matrix_world, np.float64)
+        matrix = matrix_of(instance)
         view_layer = depsgraph.view_layer
         strands_shown = view_layer.use_strand
         if instance.show_self and is_volume(ob):

@@ -227,6 +227,62 @@ def test_an_instancer_is_hidden_but_not_what_it_places() -> None:
 
 
 @in_blender
+def test_an_instance_that_comes_first_stays_in_its_place() -> None:
+    """Blender 5.2 tells of it what comes next, here a curve with a mesh of its own."""
+    import bpy
+
+    parent = stage.plane("Parent", 2, location=(1, 2, 3))
+    parent.instance_type = "FACES"
+    parent.show_instancer_for_render = False
+    stage.plane("Child", 0.1).parent = parent
+    bpy.ops.curve.primitive_bezier_circle_add(location=(7, 7, 7))
+    bpy.context.object.data.bevel_depth = 0.1
+    what = stage.exported()
+    places = {
+        what.meshes[m].name: tuple(matrix[:3, 3])
+        for m, matrix in zip(what.instances.mesh, what.instances.matrix, strict=True)
+    }
+    assert places["Child"] == pytest.approx((1, 2, 3))
+
+
+@in_blender
+def test_a_mesh_that_nodes_have_made_anew_has_its_own_materials_alone() -> None:
+    """A slot of the object counts where the evaluated mesh has that slot, as in Cycles."""
+    import bpy
+
+    tree = bpy.data.node_groups.new("Anew", "GeometryNodeTree")
+    tree.interface.new_socket("Geometry", in_out="INPUT", socket_type="NodeSocketGeometry")
+    tree.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
+    given, made, wires, tubes, round_ = (
+        tree.nodes.new(kind)
+        for kind in (
+            "NodeGroupInput",
+            "NodeGroupOutput",
+            "GeometryNodeMeshToCurve",
+            "GeometryNodeCurveToMesh",
+            "GeometryNodeCurvePrimitiveCircle",
+        )
+    )
+    tree.links.new(given.outputs[0], wires.inputs[0])
+    tree.links.new(wires.outputs[0], tubes.inputs[0])
+    tree.links.new(round_.outputs[0], tubes.inputs[1])
+    tree.links.new(tubes.outputs[0], made.inputs[0])
+    ob = stage.plane()
+    ob.data.materials.append(stage.material("Of the mesh"))
+    ob.material_slots[0].link = "OBJECT"
+    ob.material_slots[0].material = stage.material("Of the object", (0.9, 0.1, 0.1))
+
+    def color() -> tuple[float, ...]:
+        what = stage.exported()
+        [materials] = what.material_sets
+        return what.materials[materials[0]].front.base_color
+
+    assert color() == pytest.approx((0.9, 0.1, 0.1))
+    ob.modifiers.new("Anew", "NODES").node_group = tree
+    assert color() == pytest.approx((0.8, 0.8, 0.8))
+
+
+@in_blender
 def test_negative_scale_keeps_the_front() -> None:
     ob = stage.plane(location=(0, 0, 1))
     ob.scale = (-2, 1, 1)

@@ -118,8 +118,8 @@ def test_bounces_are_counted_alike() -> None:
             rgb = c.picture(
                 furnace(16, 16),
                 integrator,
-                passes=200 if integrator is Integrator.REFERENCE else 50,
-                photons_per_pass=40_000,
+                passes=200,
+                photons_per_pass=8_000,
                 max_bounces=bounces,
                 seed=4,
             )
