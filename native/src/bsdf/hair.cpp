@@ -1,11 +1,10 @@
 #include "bsdf/hair.h"
 
+#include "bsdf/hair_along.h"
 #include "bsdf/lobe.h"
 
 namespace photon_splat {
 namespace {
-
-float cos_of(float sine) { return std::sqrt(std::max(0.0f, 1 - sqr(sine))); }
 
 // The strand's own axes as they are seen from wo.
 void set_axes(const HairFrame& frame, const Vec3& wo, HairShape& out) {
@@ -73,23 +72,8 @@ float log_bessel(float x) {
   return std::log(bessel(x));
 }
 
-// Around a cone of directions; d'Eon et al. 2011, "An energy-conserving hair reflectance model".
-float along(float sin_i, float cos_i, float sin_o, float cos_o, float variance) {
-  const float inverse = 1 / variance, c = cos_i * cos_o * inverse, s = sin_i * sin_o * inverse;
-  if (variance <= 0.1f)
-    return std::exp(log_bessel(c) - s - inverse + std::log(2.0f) + std::log(0.5f * inverse));
-  return std::exp(-s) * bessel(c) / (std::sinh(inverse) * 2 * variance);
-}
-
-// The direction along the strand with the scales' tilt taken off, of the first three modes.
-struct Along {
-  float sine, cosine;
-};
-Along tilted(float sine, float cosine, float tilt, int mode) {
-  constexpr float kTimes[3] = {2, -1, -4};
-  const float s = std::sin(kTimes[mode] * tilt), c = std::cos(kTimes[mode] * tilt);
-  return {sine * c + cosine * s, std::abs(cosine * c - sine * s)};
-}
+// Tilts of the scales that turn wo, for the first three modes.
+constexpr float kTilts[3] = {2, -1, -4};
 
 FacetValue evaluate_principled(const Lobe& lobe, const Vec3& wi) {
   const HairShape& hair = lobe.hair;
@@ -99,9 +83,8 @@ FacetValue evaluate_principled(const Lobe& lobe, const Vec3& wi) {
   FacetValue sum{};
   for (int mode = 0; mode < HairShape::kModes; ++mode) {
     const bool last = mode + 1 == HairShape::kModes;
-    const Along in = last ? Along{sine, cosine} : tilted(sine, cosine, hair.tilt, mode);
     const float share =
-        along(in.sine, in.cosine, hair.sin_o, hair.cos_o, hair.variance[mode]) *
+        density_along(sine, cosine, hair.sin_o[mode], hair.cos_o[mode], hair.variance[mode]) *
         (last ? 0.5f / kPi : trimmed_logistic(wrap(around - hair.turn[mode]), hair.scale));
     sum.f += hair.attenuation[mode] * share;
     sum.pdf += hair.pick[mode] * share;
@@ -123,16 +106,9 @@ bool sample_principled(const Lobe& lobe, float choice, const Vec2& u, Vec3* wi) 
   const HairShape& hair = lobe.hair;
   const int mode = pick_mode(hair, choice);
   const bool last = mode + 1 == HairShape::kModes;
-  choice = std::max(choice, 1e-5f);
-  const float variance = hair.variance[mode];
-  const float off = 1 + variance * std::log(choice + (1 - choice) * std::exp(-2 / variance));
-  float sine = -off * hair.sin_o + cos_of(off) * std::cos(2 * kPi * u.y) * hair.cos_o;
-  sine = std::clamp(sine, -1.0f, 1.0f);
-  float cosine = cos_of(sine);
-  if (!last) {
-    const Along in = tilted(sine, cosine, -hair.tilt, mode);
-    sine = in.sine, cosine = in.cosine;
-  }
+  const float sine =
+      sample_along(hair.sin_o[mode], hair.cos_o[mode], hair.variance[mode], {choice, u.y});
+  const float cosine = cos_of(sine);
   const float turn =
       last ? 2 * kPi * u.x : hair.turn[mode] + sample_trimmed_logistic(u.x, hair.scale);
   const float angle = turn - 0.5f * kPi;
@@ -215,6 +191,13 @@ float variance_of(float roughness) {
 
 }  // namespace
 
+float density_along(float sin_i, float cos_i, float sin_o, float cos_o, float variance) {
+  const float inverse = 1 / variance, c = cos_i * cos_o * inverse, s = sin_i * sin_o * inverse;
+  if (variance <= 0.1f)
+    return std::exp(log_bessel(c) - s - inverse + std::log(2.0f) + std::log(0.5f * inverse));
+  return std::exp(-s) * bessel(c) / (std::sinh(inverse) * 2 * variance);
+}
+
 Vec3 absorption_of_color(const Vec3& color, float around) {
   const float scale = color_scale(around);
   const auto one = [&](float c) { return sqr(std::log(std::clamp(c, 1e-5f, 1.0f)) / scale); };
@@ -245,14 +228,19 @@ Lobe principled_hair_lobe(const View& view, const Vec3& weight, const Vec3& n,
   hair.variance[2] = hair.variance[3] = 4 * variance;
   const float r = in.around;
   hair.scale = (0.265f * r + 1.194f * sqr(r) + 5.372f * power(r, 22)) * std::sqrt(kPi / 8);
-  hair.tilt = in.offset;
 
-  hair.sin_o = std::clamp(dot(view.wo, hair.x), -1.0f, 1.0f);
-  hair.cos_o = cos_of(hair.sin_o);
+  const float sin_o = std::clamp(dot(view.wo, hair.x), -1.0f, 1.0f), cos_o = cos_of(sin_o);
+  for (int mode = 0; mode < HairShape::kModes; ++mode) {
+    const bool last = mode + 1 == HairShape::kModes;
+    const float tilt = last ? 0 : kTilts[mode] * in.offset;
+    const float s = std::sin(tilt), c = std::cos(tilt);
+    hair.sin_o[mode] = sin_o * c + cos_o * s;
+    hair.cos_o[mode] = std::abs(cos_o * c - sin_o * s);
+  }
   const float sin_gamma_o = std::clamp(-across_of(view, in.frame), -1.0f, 1.0f);
-  const float cos_theta_t = cos_of(hair.sin_o / in.ior);
+  const float cos_theta_t = cos_of(sin_o / in.ior);
   const float sin_gamma_t =
-      std::clamp(sin_gamma_o * hair.cos_o / std::sqrt(sqr(in.ior) - sqr(hair.sin_o)), -1.0f, 1.0f);
+      std::clamp(sin_gamma_o * cos_o / std::sqrt(sqr(in.ior) - sqr(sin_o)), -1.0f, 1.0f);
   const float gamma_o = std::asin(sin_gamma_o), gamma_t = std::asin(sin_gamma_t);
   for (int p = 0; p < 3; ++p) {
     const float times = static_cast<float>(p);
@@ -262,7 +250,7 @@ Lobe principled_hair_lobe(const View& view, const Vec3& weight, const Vec3& n,
   const float way = 2 * cos_of(sin_gamma_t) / std::max(cos_theta_t, 1e-6f);
   const auto through = [&](float a) { return std::exp(-a * way); };
   const Rgb inside{through(in.absorption.x), through(in.absorption.y), through(in.absorption.z)};
-  const float f = fresnel(hair.cos_o * cos_of(sin_gamma_o), in.ior);
+  const float f = fresnel(cos_o * cos_of(sin_gamma_o), in.ior);
   hair.attenuation[0] = {f, f, f};
   hair.attenuation[1] = inside * sqr(1 - f);
   hair.attenuation[2] = hair.attenuation[1] * inside * f;
@@ -283,18 +271,18 @@ Lobe principled_hair_lobe(const View& view, const Vec3& weight, const Vec3& n,
 }
 
 FacetValue evaluate_hair(const Lobe& lobe, const Vec3& wo, const Vec3& wi, bool sampled) {
-  return lobe.kind == LobeKind::kPrincipledHair ? evaluate_principled(lobe, wi)
-                                                : evaluate_simple(lobe, wo, wi, sampled);
+  if (lobe.kind == LobeKind::kPrincipledHair) return evaluate_principled(lobe, wi);
+  return evaluate_simple(lobe, wo, wi, sampled);
 }
 
 bool sample_hair(const Lobe& lobe, const Vec3& wo, float choice, const Vec2& u, Vec3* wi) {
-  return lobe.kind == LobeKind::kPrincipledHair ? sample_principled(lobe, choice, u, wi)
-                                                : sample_simple(lobe, wo, u, wi);
+  if (lobe.kind == LobeKind::kPrincipledHair) return sample_principled(lobe, choice, u, wi);
+  return sample_simple(lobe, wo, u, wi);
 }
 
 bool hair_transmits(const Lobe& lobe, float choice) {
-  if (lobe.kind != LobeKind::kPrincipledHair) return lobe.kind == LobeKind::kHairTransmission;
-  return pick_mode(lobe.hair, choice) > 0;
+  if (lobe.kind == LobeKind::kPrincipledHair) return pick_mode(lobe.hair, choice) > 0;
+  return lobe.kind == LobeKind::kHairTransmission;
 }
 
 }  // namespace photon_splat

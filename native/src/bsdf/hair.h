@@ -41,10 +41,10 @@ struct PrincipledHairInputs {
 struct HairShape {
   static constexpr int kModes = 4;
   Vec3 x, y, z;
-  float sin_o, cos_o;
+  // Of the angle along of wo, as each mode sees it: the first three with the scales' tilt added
+  float sin_o[kModes], cos_o[kModes];
   float variance[kModes];  // of the logistic lobes along
   float scale;             // of that around
-  float tilt;              // rad
   float turn[3];           // of the way around, by each mode but the last
   Vec3 attenuation[kModes];
   float pick[kModes];
