@@ -110,6 +110,9 @@ def strand_shading(data: Any, kind: str, name: str, wants: dict[int, Want]) -> M
     sound = _sound(keys, _first(data) if kind == "CURVES" else None, name, Report())
     shading = MeshShading()
     for number, want in wants.items():
+        if want.kind == "curve normal" and kind == "CURVES":
+            at_keys = sound.of(_normals(data), Domain.POINT)
+            shading.attributes.append(MeshAttribute(number, Domain.POINT, at_keys))
         if want.kind not in {"uv", "attribute", "color"} or not want.name:
             continue
         found = _values(data.attributes.get(want.name))
@@ -182,6 +185,12 @@ def _values(attribute: Any) -> tuple[Domain, NDArray] | None:
     else:
         return None
     return Domain.FACE if attribute.domain == "CURVE" else Domain.POINT, _finite(values)
+
+
+def _normals(data: Any) -> NDArray[np.float32]:
+    """(K, 3) of the keys of curves. One by one: foreach_get reads memory that Blender has freed."""
+    numbers = [one.vector[:] for one in data.normals]
+    return _finite(np.array(numbers, np.float32).reshape(-1, 3))
 
 
 def _stored(data_type: str) -> tuple[str, type, int]:

@@ -22,8 +22,9 @@ if TYPE_CHECKING:
 @dataclass(frozen=True, slots=True)
 class Want:
     """Something that programs read. Of a mesh: kind "uv", "attribute", "color", "tangent",
-    "island", "pointiness" or "generated", of the layer `name` ("": the active one). Of instances:
-    "object" or "instancer" for a property `name`, "particle" or "info" for what nodes name.
+    "island", "pointiness", "curve normal" or "generated", of the layer `name` ("": the active
+    one). Of instances: "object" or "instancer" for a property `name`, "particle" or "info" for what
+    nodes name.
     """
 
     kind: str

@@ -379,9 +379,9 @@ def hair(n: Node, weight: Value) -> Made:
 
 
 def hair_principled(n: Node, weight: Value) -> Made:
-    if getattr(n.node, "model", "CHIANG") != "CHIANG":
-        n.unsupported("with the model of Huang is not supported; taken as that of Chiang")
     of_strand = n.graph.add("CurvesInfo")["random"]
+    model = getattr(n.node, "model", "CHIANG")
+    aspect = n.number("Aspect Ratio", 0.85) if model == "HUANG" else ONE
     made = statement(
         "PrincipledHair",
         weight=weight,
@@ -398,9 +398,21 @@ def hair_principled(n: Node, weight: Value) -> Made:
         random_color=n.number("Random Color"),
         random_roughness=n.number("Random Roughness"),
         random=n.values["Random"] if n.linked("Random") else of_strand,
+        aspect_ratio=aspect,
+        major_axis=ORIGIN if aspect == ONE else _curve_normal(n),
+        reflection=n.number("R lobe", 1.0),
+        transmission=n.number("TT lobe", 1.0),
+        secondary_reflection=n.number("TRT lobe", 1.0),
         parametrization=n.node.parametrization,
+        model=model,
     )
-    return [made], OF_HAIR
+    # Curves are hit as if they were round: light goes straight through what an ellipse lacks
+    return [made], OF_HAIR if aspect == ONE else OF_HAIR | Feature.TRANSPARENT
+
+
+def _curve_normal(n: Node) -> Value:
+    """In the object's coordinates; 0 where there is none, as of hair of particles."""
+    return n.graph.add("Attribute", attribute=n.around.wants.id("curve normal"))["vector"]
 
 
 def _matte(n: Node, weight: Value, emission_color: Value, emission_strength: Value) -> Made:

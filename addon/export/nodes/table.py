@@ -57,12 +57,7 @@ NODES: dict[str, Entry] = {
     "HOLDOUT": Entry("shader", "Holdout", s.holdout),
     "SUBSURFACE_SCATTERING": Entry("shader", "Subsurface Scattering", s.subsurface),
     "BSDF_HAIR": Entry("shader", "Hair BSDF", s.hair),
-    "BSDF_HAIR_PRINCIPLED": Entry(
-        "shader",
-        "Principled Hair BSDF",
-        s.hair_principled,
-        "the model of Huang is taken as that of Chiang",
-    ),
+    "BSDF_HAIR_PRINCIPLED": Entry("shader", "Principled Hair BSDF", s.hair_principled),
     "BSDF_RAY_PORTAL": Entry("shader", "Ray Portal BSDF", s.ray_portal, "taken as transparent"),
     "EEVEE_SPECULAR": Entry("shader", "Specular BSDF", s.of_eevee, "black, as in Cycles"),
     "VOLUME_ABSORPTION": Entry("shader", "Volume Absorption", m.absorption),

@@ -26,10 +26,15 @@ Rgb gathered(const View& view, const Vec3& wi, const Rgb& same, const Rgb& throu
   return cosine < 0 ? through * (-cosine / kPi) : Rgb{};
 }
 
+float strand_width(const Lobe& lobe) {
+  return lobe.kind == LobeKind::kFacetHair ? lobe.facet_hair.width : 1;
+}
+
 // Light that comes from one direction meets a strand as wide as it is seen from there.
-float around_strand(const Vec3& tangent, const Vec3& out, const Vec3& in) {
-  const float seen_out = length(out - tangent * dot(tangent, out)),
-              seen_in = length(in - tangent * dot(tangent, in));
+float around_strand(const Lobe& lobe_out, const Vec3& out, const Lobe& lobe_in, const Vec3& in) {
+  const Vec3& tangent = lobe_out.t;
+  const float seen_out = length(out - tangent * dot(tangent, out)) * strand_width(lobe_out),
+              seen_in = length(in - tangent * dot(tangent, in)) * strand_width(lobe_in);
   return seen_out / std::max(seen_in, 1e-4f);
 }
 
@@ -170,7 +175,7 @@ Rgb Bsdf::sharp_albedo(float roughness) const {
   Rgb sum{};
   for (const Lobe& lobe : lobes_)
     if (roughness >= 1 || lobe.roughness() <= roughness)
-      sum += lobe.of_facets() || lobe.kind == LobeKind::kPrincipledHair ? lobe.scale * lobe.layer
+      sum += lobe.of_facets() || lobe.kind >= LobeKind::kPrincipledHair ? lobe.scale * lobe.layer
              : lobe.diffuse()                                           ? lobe.gather
                                                                         : lobe.weight;
   return sum;
@@ -205,9 +210,10 @@ Rgb Bsdf::adjoint(const Vec3& wi, Rgb* rest, Rgb* diffuse) const {
   LobeList lobes;
   expand(view, lobes);
   Rgb sum{}, soft{};
-  for (const Lobe& lobe : lobes) {
+  for (int i = 0; i < lobes.size(); ++i) {
+    const Lobe& lobe = lobes[i];
     Rgb f = lobe.evaluate(view, view_.wo).f;
-    if (lobe.of_hair()) f *= around_strand(lobe.t, wi, view_.wo) / std::max(scale, 1e-20f);
+    if (lobe.of_hair()) f *= around_strand(lobe, wi, lobes_[i], view_.wo) / std::max(scale, 1e-20f);
     sum += f;
     if (lobe.diffuse()) soft += f;
   }

@@ -105,6 +105,7 @@ class Bsdf {
   void add_subsurface(const Rgb& weight, SubsurfaceInputs&& inputs);  // which are changed
   void add_hair(const Rgb& weight, const Vec3& normal, HairInputs&& inputs);
   void add_principled_hair(const Rgb& weight, const Vec3& normal, PrincipledHairInputs&& inputs);
+  void add_facet_hair(const Rgb& weight, const Vec3& normal, FacetHairInputs&& inputs);
   void add_transparent(const Rgb& weight);
   void add_emission(const Rgb& weight);
   void add_holdout(float weight);

@@ -136,6 +136,15 @@ struct PrincipledHair {
   }
 };
 
+struct FacetHair {
+  Rgb weight;
+  Vec3 normal;
+  FacetHairInputs inputs;
+  void expand(const View& view, LobeList& out) const {
+    out.add([&] { return facet_hair_lobe(view, weight, view.turned(normal), inputs); });
+  }
+};
+
 // False where the frame has no direction along the strand: the closure is then left out.
 bool clean_frame(HairFrame& frame) {
   const float len = length(frame.tangent);
@@ -245,6 +254,20 @@ void Bsdf::add_principled_hair(const Rgb& weight, const Vec3& normal, Principled
   in.coat = clean(in.coat, 0, 1, 0);
   in.ior = clean(in.ior, 1.0001f, 1e3f, 1.55f);
   add(PrincipledHair{clean_color(weight), normal, in});
+}
+
+void Bsdf::add_facet_hair(const Rgb& weight, const Vec3& normal, FacetHairInputs&& in) {
+  if (!clean_frame(in.frame)) return;
+  in.absorption = clean_color(in.absorption);
+  if (!is_finite(in.major)) in.major = {};
+  in.roughness = clean(in.roughness, 0.001f, 1, 0.3f);
+  in.aspect = clean(in.aspect, 0.01f, 100, 1);
+  in.offset = clean(in.offset, -kPi / 2, kPi / 2, 0);
+  in.ior = clean(in.ior, 1.0001f, 1e3f, 1.55f);
+  for (float* factor : {&in.reflection, &in.transmission, &in.secondary})
+    *factor = clean(*factor, 0, 1e3f, 1);
+  in.coverage = clean(in.coverage, 1e-4f, 1, 1);
+  add(FacetHair{clean_color(weight), normal, in});
 }
 
 void Bsdf::add_glossy(const Rgb& weight, const Vec3& normal, Distribution d, float roughness,

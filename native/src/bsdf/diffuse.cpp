@@ -199,7 +199,8 @@ FacetValue Lobe::evaluate(const View& view, const Vec3& wi, bool sampled) const 
     }
     case LobeKind::kHairReflection:
     case LobeKind::kHairTransmission:
-    case LobeKind::kPrincipledHair: return evaluate_hair(*this, view.wo, wi, sampled);
+    case LobeKind::kPrincipledHair:
+    case LobeKind::kFacetHair: return evaluate_hair(*this, view.wo, wi, sampled);
   }
   return {};
 }
@@ -237,7 +238,8 @@ bool Lobe::sample(const View& view, float choice, const Vec2& u, Vec3* wi) const
       break;
     case LobeKind::kHairReflection:
     case LobeKind::kHairTransmission:
-    case LobeKind::kPrincipledHair: return sample_hair(*this, view.wo, choice, u, wi);
+    case LobeKind::kPrincipledHair:
+    case LobeKind::kFacetHair: return sample_hair(*this, view.wo, choice, u, wi);
   }
   *wi = normalize(to_world(w));
   return true;

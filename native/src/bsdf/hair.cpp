@@ -272,11 +272,13 @@ Lobe principled_hair_lobe(const View& view, const Vec3& weight, const Vec3& n,
 
 FacetValue evaluate_hair(const Lobe& lobe, const Vec3& wo, const Vec3& wi, bool sampled) {
   if (lobe.kind == LobeKind::kPrincipledHair) return evaluate_principled(lobe, wi);
+  if (lobe.kind == LobeKind::kFacetHair) return evaluate_facet_hair(lobe, wi);
   return evaluate_simple(lobe, wo, wi, sampled);
 }
 
 bool sample_hair(const Lobe& lobe, const Vec3& wo, float choice, const Vec2& u, Vec3* wi) {
   if (lobe.kind == LobeKind::kPrincipledHair) return sample_principled(lobe, choice, u, wi);
+  if (lobe.kind == LobeKind::kFacetHair) return sample_facet_hair(lobe, choice, u, wi);
   return sample_simple(lobe, wo, u, wi);
 }
 

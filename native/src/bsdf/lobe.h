@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <new>
 
-#include "bsdf/hair.h"
+#include "bsdf/facet_hair.h"
 #include "bsdf/microfacet.h"
 #include "bsdf/subsurface.h"
 
@@ -24,7 +24,8 @@ enum class LobeKind : uint8_t {
   kToonGlossy,
   kHairReflection,
   kHairTransmission,
-  kPrincipledHair
+  kPrincipledHair,
+  kFacetHair
 };
 
 // Where a surface is looked at. `ng`, `ns` on the side of wo; back: that side is the geometric
@@ -63,6 +64,7 @@ struct Lobe {
   Rgb multiple;    // kOrenNayar: factor of the energy-preserving term
   Rgb gather;      // diffuse-like lobes: Lambertian albedo that photons estimate
   HairShape hair;  // kPrincipledHair
+  FacetHairShape facet_hair;
 
   bool diffuse() const {
     return !of_facets() && kind != LobeKind::kToonGlossy && kind != LobeKind::kAshikhminShirley &&
@@ -160,6 +162,8 @@ Lobe ashikhmin_shirley_lobe(const View& view, const Rgb& weight, const Vec3& n,
                             const FacetShape& shape);
 FacetValue evaluate_hair(const Lobe& lobe, const Vec3& wo, const Vec3& wi, bool sampled);
 bool sample_hair(const Lobe& lobe, const Vec3& wo, float choice, const Vec2& u, Vec3* wi);
+FacetValue evaluate_facet_hair(const Lobe& lobe, const Vec3& wi);
+bool sample_facet_hair(const Lobe& lobe, float choice, const Vec2& u, Vec3* wi);
 // Whether what sample_hair() finds goes into the strand.
 bool hair_transmits(const Lobe& lobe, float choice);
 // In the lobe's frame, both above

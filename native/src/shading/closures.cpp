@@ -13,22 +13,7 @@ Distribution distribution(uint32_t word) {
   return Distribution::kGgx;
 }
 
-// Within what a chain of lobes can multiply without leaving the range of floats; what is not a
-// number is 0.
-constexpr float kMostScattered = 1e6f, kMostEmitted = 1e16f;
-float bounded(float x, float most) { return x == x ? std::clamp(x, -most, most) : 0; }
-Rgb bounded(const Rgb& c, float most) {
-  return {bounded(c.x, most), bounded(c.y, most), bounded(c.z, most)};
-}
-
-// Nodes have normals on the side that is looked at, closures on the surface's front. Without
-// length: the shading normal.
-Vec3 front_normal(const Frame& f, uint32_t word) {
-  Vec3 n = f.vector(word);
-  const float l = length(n);
-  n = l > 0 && std::isfinite(l) ? n / l : f.normal();
-  return f.point.back ? -n : n;
-}
+constexpr float kMostEmitted = 1e16f;
 
 SubsurfaceMethod method(uint32_t word) {
   switch (Frame::mode<SubsurfaceFalloff>(word)) {
@@ -118,65 +103,6 @@ void principled(Frame& f, const uint32_t* w) {
   p.thin_film_ior = f.number(w[kFilmIor]);
   p.distribution = distribution(w[kDistribution]);
   f.out.add_principled({weight, weight, weight}, std::move(p));
-}
-
-void hair(Frame& f, const Rgb& weight, const uint32_t* w) {
-  const Vec3 tangent = f.vector(w[3]);
-  HairInputs in;
-  in.frame = hair_frame(f, tangent);
-  in.frame.rounded &= w[2] & kConstant || length2(f.vector(w[2]) - f.normal()) < 1e-8f;
-  in.transmits = f.mode<HairComponent>(w[7]) == HairComponent::Transmission;
-  in.offset = f.strands() || length2(tangent) > 0 ? -f.number(w[4]) : 0;
-  in.along = f.number(w[5]);
-  in.around = f.number(w[6]);
-  f.out.add_hair(weight, front_normal(f, w[2]), std::move(in));
-}
-
-void principled_hair(Frame& f, const uint32_t* w) {
-  enum {
-    kWeight,
-    kColor,
-    kMelanin,
-    kRedness,
-    kTint,
-    kAbsorption,
-    kRoughness,
-    kRadialRoughness,
-    kCoat,
-    kIor,
-    kOffset,
-    kRandomColor,
-    kRandomRoughness,
-    kRandom,
-    kParametrization
-  };
-  const float weight = bounded(f.number(w[kWeight]), kMostScattered);
-  // From -1 to 1, of the strand
-  const float random = bounded(2 * f.number(w[kRandom]) - 1, 1);
-  const float random_color = 1 + random * clamp_unit(f.number(w[kRandomColor])),
-              random_roughness = 1 + random * clamp_unit(f.number(w[kRandomRoughness]));
-  PrincipledHairInputs in;
-  in.frame = hair_frame(f, {});
-  in.along = f.number(w[kRoughness]) * random_roughness;
-  in.around = f.number(w[kRadialRoughness]) * random_roughness;
-  in.coat = f.number(w[kCoat]);
-  in.ior = f.number(w[kIor]);
-  in.offset = f.number(w[kOffset]);
-  switch (f.mode<HairColoring>(w[kParametrization])) {
-    case HairColoring::ABSORPTION:
-      in.absorption = bounded(f.vector(w[kAbsorption]), kMostScattered);
-      break;
-    case HairColoring::MELANIN:
-      in.absorption = absorption_of_melanin(f.number(w[kMelanin]) * random_color,
-                                            clamp_unit(f.number(w[kRedness]))) +
-                      absorption_of_color(f.vector(w[kTint]), in.around);
-      break;
-    case HairColoring::COLOR:
-      in.absorption = absorption_of_color(f.vector(w[kColor]), in.around);
-      break;
-  }
-  f.out.add_principled_hair({weight, weight, weight}, f.point.back ? -f.normal() : f.normal(),
-                            std::move(in));
 }
 
 }  // namespace

@@ -100,6 +100,11 @@ struct Frame {
 // strands.cpp: of the strand that the point is on, if any
 HairFrame hair_frame(const Frame& f, const Vec3& tangent);  // tangent 0: its own
 Vec3 strand_tangent(const Frame& f);                        // of any length; 0: none
+// Along the major axis of a curve's cross-section, of a direction in the object's coordinates; 0:
+// of surfaces
+Vec3 strand_axis(const Frame& f, const Vec3& in_object, const Vec3& tangent);
+// Half a camera sample's width over the strand's radius, where a camera path meets a curve; else 1
+float strand_coverage(const Frame& f);
 void curves_info(Frame& f, const uint32_t* w);
 void point_info(Frame& f, const uint32_t* w);
 
@@ -174,6 +179,25 @@ void white_noise_texture(Frame& f, const uint32_t* w);
 // closures.cpp: BentNormal, and Emission to Principled
 void bent_normal(Frame& f, const uint32_t* w);
 void closure(Frame& f, Op op, const uint32_t* w);
+// Within what a chain of lobes can multiply without leaving the range of floats; what is not a
+// number is 0.
+inline constexpr float kMostScattered = 1e6f;
+inline float bounded(float x, float most) { return x == x ? std::clamp(x, -most, most) : 0; }
+inline Rgb bounded(const Rgb& c, float most) {
+  return {bounded(c.x, most), bounded(c.y, most), bounded(c.z, most)};
+}
+// Nodes have normals on the side that is looked at, closures on the surface's front. Without
+// length: the shading normal.
+inline Vec3 front_normal(const Frame& f, uint32_t word) {
+  Vec3 n = f.vector(word);
+  const float l = length(n);
+  n = l > 0 && std::isfinite(l) ? n / l : f.normal();
+  return f.point.back ? -n : n;
+}
+
+// hair_closures.cpp
+void hair(Frame& f, const Rgb& weight, const uint32_t* w);
+void principled_hair(Frame& f, const uint32_t* w);
 // media.cpp: GridValue; VolumeAbsorption to PrincipledVolume
 void grid_value(Frame& f, const uint32_t* w);
 void medium_closure(Frame& f, Op op, const uint32_t* w);

@@ -44,6 +44,27 @@ HairFrame hair_frame(const Frame& f, const Vec3& tangent) {
   return out;
 }
 
+// Without a direction any, which is Cycles': of hair of particles.
+Vec3 strand_axis(const Frame& f, const Vec3& in_object, const Vec3& tangent) {
+  const Strands* strands = f.strands();
+  if (!strands || !strands->are_curves()) return {};
+  const Vec3 world = to_world(f).vector(in_object);
+  const Vec3 axis = world - tangent * dot(world, tangent);
+  if (length2(axis) > 0 && is_finite(axis)) return axis;
+  const Vec3& t = tangent;
+  const bool diagonal = t.x == t.y && t.x == t.z;
+  return cross(
+      t, diagonal ? Vec3{t.z - t.y, t.x + t.z, -t.y - t.x} : Vec3{t.z - t.y, t.x - t.z, t.y - t.x});
+}
+
+float strand_coverage(const Frame& f) {
+  const Strands* strands = f.strands();
+  const RayInfo& ray = f.point.ray;
+  if (!strands || !strands->are_curves() || ray.kind != RayInfo::kCamera) return 1;
+  const float radius = strands->radius(f.point.triangle, f.point.u, ray.time);
+  return ray.footprint > 0 && radius > 0 ? 0.5f * ray.footprint / radius : 1;
+}
+
 void curves_info(Frame& f, const uint32_t* w) {
   const Strands* strands = f.strands();
   const uint32_t segment = f.point.triangle;

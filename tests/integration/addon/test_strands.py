@@ -62,6 +62,12 @@ def strands_of(what: Any) -> Strands:
     return found[0]
 
 
+def huang_node(material: Any) -> Any:
+    node = next(n for n in material.node_tree.nodes if n.bl_idname.endswith("HairPrincipled"))
+    node.model = "HUANG"
+    return node
+
+
 LINE = [(0, 0, 0), (0, 0, 1), (0, 1, 1)]
 
 
@@ -234,16 +240,36 @@ def test_points_with_velocities_are_blurred() -> None:
 
 
 @in_blender
+@pytest.mark.parametrize("ratio", [1.0, 0.5])
+def test_elliptical_hair_has_the_axes_of_curves(ratio: float) -> None:
+    ob = curves([LINE, [(1, 0, 0)], LINE[:2]])  # the second is no curve
+    coat = stage.material("Coat", (0.6, 0.4, 0.2), "ShaderNodeBsdfHairPrincipled")
+    huang_node(coat).inputs["Aspect Ratio"].default_value = ratio
+    ob.data.materials.append(coat)
+    what = stage.exported()
+    mesh = next(mesh for mesh in what.meshes if mesh.strands is not None)
+    if ratio == 1.0:
+        assert not mesh.shading.attributes
+        return
+    normals = np.array([tuple(one.vector) for one in ob.data.normals], np.float32)
+    (found,) = mesh.shading.attributes
+    assert found.domain == Domain.POINT
+    assert found.values == pytest.approx(normals[[0, 1, 2, 4, 5]])
+
+
+@in_blender
 @pytest.mark.parametrize(
-    "material", ["ShaderNodeBsdfHairPrincipled", "ShaderNodeBsdfHair", "glass"]
+    "material", ["ShaderNodeBsdfHairPrincipled", "huang", "ShaderNodeBsdfHair", "glass"]
 )
 def test_strands_of_all_kinds_are_rendered(material: str) -> None:
     """While they move, denoised, with some that hardly are."""
     import bpy
 
     made = stage.room()
-    kind = "ShaderNodeBsdfGlass" if material == "glass" else material
-    coat = stage.material("Coat", (0.6, 0.4, 0.2), kind)
+    kinds = {"glass": "ShaderNodeBsdfGlass", "huang": "ShaderNodeBsdfHairPrincipled"}
+    coat = stage.material("Coat", (0.6, 0.4, 0.2), kinds.get(material, material))
+    if material == "huang":
+        huang_node(coat)
     ob = haired(material=2, count=200)
     ob.location.z = 0.3
     lines = curves([LINE, [(1, 0, 0)] * 3, [(1, 1, 0), (1, 1, 1e-30)]], radius=0.05)

@@ -49,6 +49,15 @@ def _principled(
     return spec
 
 
+def _huang(parametrization: str = "COLOR", **inputs: Any) -> dict[str, Any]:
+    """Principled Hair BSDF with the model of Huang; round and untilted without other inputs."""
+    given: dict[str, Any] = {"Aspect_Ratio": 1.0, "Offset": 0.0}
+    if parametrization == "COLOR":
+        given["Color"] = (0.6, 0.35, 0.15)
+    modes = {"model": "HUANG", "parametrization": parametrization}
+    return node("BsdfHairPrincipled", modes=modes, **(given | inputs))
+
+
 def _melanin(amount: float, redness: float = 1.0, **inputs: Any) -> dict[str, Any]:
     return _principled("MELANIN", Melanin=amount, Melanin_Redness=redness, **inputs)
 
@@ -66,6 +75,7 @@ def _attribute(name: str, output: str = "Color") -> dict[str, Any]:
     return node("Attribute", output, modes={"attribute_name": name})
 
 
+ABSORBING = {"Absorption_Coefficient": (0.3, 0.8, 1.5)}
 GLOW = node("Emission", Color=(1.0, 0.5, 0.2), Strength=3.0)
 CLEAR = node("BsdfTransparent")
 CHECKS = node("TexChecker", Vector=node("TexCoord", "UV"), Scale=6.0)
@@ -168,7 +178,7 @@ STRANDS = (
     _case("melanin_tint", material=_melanin(0.2, Tint=(0.9, 0.3, 0.3))),
     _case(
         "absorption",
-        material=_principled("ABSORPTION", Absorption_Coefficient=(0.3, 0.8, 1.5)),
+        material=_principled("ABSORPTION", **ABSORBING),
         lamp="back",
     ),
     _case("coat", material=_principled(Color=(0.6, 0.3, 0.1), Coat=0.8), lamp="point"),
@@ -178,4 +188,31 @@ STRANDS = (
     _case("principled_thick", material=_melanin(0.4), shape="THICK", lamp="sun", samples=4096),
     _case("principled_hair", "hair", material=_melanin(0.5), lamp="area"),
     _case("principled_lawn", "lawn", material=_melanin(0.2)),
+    # Of Huang
+    *(
+        _case(f"huang_{roughness:g}", material=_huang(Roughness=roughness), lamp="sun")
+        for roughness in (0.1, 0.3, 0.6, 1.0)
+    ),
+    _case("huang_ior", material=_huang(IOR=1.2), lamp="sun"),
+    _case("huang_offset", material=_huang(Offset=0.1), lamp="sun"),
+    *(
+        _case(f"huang_aspect_{ratio:g}", material=_huang(Aspect_Ratio=ratio), lamp="sun")
+        for ratio in (0.5, 2.0)
+    ),
+    _case("huang_turned", material=_huang(Aspect_Ratio=0.4), lamp="sun", turned=True),
+    _case("huang_defaults", material=_huang(Aspect_Ratio=0.85, Offset=0.0349)),
+    _case("huang_sky", material=_huang("MELANIN", Melanin=0.4), lamp="world"),
+    _case("huang_absorption", material=_huang("ABSORPTION", **ABSORBING), lamp="back"),
+    *(
+        _case(f"huang_without_{name}", material=_huang(**{f"i{at}": 0.0}), lamp=lamp)
+        for name, at, lamp in (
+            ("reflection", 15, "sun"),
+            ("transmission", 16, "back"),
+            ("secondary", 17, "sun"),
+        )
+    ),
+    _case("huang_randomised", material=_huang(i12=0.6), lamp="sun"),
+    _case("huang_thick", material=_huang(), shape="THICK", lamp="sun"),
+    _case("huang_hair", "hair", material=_huang(Aspect_Ratio=0.6), lamp="area"),
+    _case("huang_lawn", "lawn", material=_huang("MELANIN", Melanin=0.2)),
 )
