@@ -44,17 +44,13 @@ HairFrame hair_frame(const Frame& f, const Vec3& tangent) {
   return out;
 }
 
-// Without a direction any, which is Cycles': of hair of particles.
+// Hair of particles has no direction of its own: the object's Z axis, as in Cycles (measured).
 Vec3 strand_axis(const Frame& f, const Vec3& in_object, const Vec3& tangent) {
   const Strands* strands = f.strands();
   if (!strands || !strands->are_curves()) return {};
-  const Vec3 world = to_world(f).vector(in_object);
+  const Vec3 world = to_world(f).vector(length2(in_object) > 0 ? in_object : Vec3{0, 0, 1});
   const Vec3 axis = world - tangent * dot(world, tangent);
-  if (length2(axis) > 0 && is_finite(axis)) return axis;
-  const Vec3& t = tangent;
-  const bool diagonal = t.x == t.y && t.x == t.z;
-  return cross(
-      t, diagonal ? Vec3{t.z - t.y, t.x + t.z, -t.y - t.x} : Vec3{t.z - t.y, t.x - t.z, t.y - t.x});
+  return length2(axis) > 0 && is_finite(axis) ? axis : Basis(tangent).tangent;
 }
 
 float strand_coverage(const Frame& f) {
