@@ -7,7 +7,8 @@
 namespace photon_splat {
 namespace {
 
-FacetValue evaluate_path(const FacetHairShape& s, const FacetHairPath& path, const Vec3& wi) {
+FacetValue evaluate_path(const FacetHairShape& s, const FacetHairPath& path, const Vec3& wi,
+                         bool sampled) {
   FacetValue sum{};
   const auto add = [&](FacetHairMode mode, const Rgb& weight, const FacetValue& value) {
     sum.f += weight * value.f;
@@ -21,7 +22,9 @@ FacetValue evaluate_path(const FacetHairShape& s, const FacetHairPath& path, con
   if (path.pick[kRest] > 0) {
     const float d =
         density_along(wi.y, cos_along(wi), s.wo.y, cos_along(s.wo), 4 * s.alpha) * (0.5f / kPi);
-    add(kRest, path.rest, {grey(d), d});
+    // Without the secondary reflection light samples lack it, as in Cycles
+    const bool counts = sampled || s.factor[2] > 0;
+    add(kRest, path.rest, {grey(counts ? d : 0), d});
   }
   return sum;
 }
@@ -96,12 +99,12 @@ Lobe facet_hair_lobe(const View& view, const Vec3& weight, const Vec3& n,
   return lobe;
 }
 
-FacetValue evaluate_facet_hair(const Lobe& lobe, const Vec3& wi) {
+FacetValue evaluate_facet_hair(const Lobe& lobe, const Vec3& wi, bool sampled) {
   const FacetHairShape& s = lobe.facet_hair;
   const Vec3 own{dot(wi, s.x), dot(wi, s.y), dot(wi, s.z)};
   FacetValue sum{};
   for (int i = 0; i < s.paths; ++i) {
-    const FacetValue value = evaluate_path(s, FacetHairPath(s, i), own);
+    const FacetValue value = evaluate_path(s, FacetHairPath(s, i), own, sampled);
     if (!is_finite(value.f) || !std::isfinite(value.pdf)) continue;
     sum.f += value.f;
     sum.pdf += value.pdf;

@@ -68,7 +68,6 @@ float FacetHairPath::trace(const FacetHairShape& s, float gamma, Random& random)
   if (!second.faces()) return r1;
   const Rgb back = transmittance(s, gamma2 + kPi, gamma3 + kPi, on);
   at_second = at_exit * back * (r2 * exit.scale * exit.seen(on));
-  if (!(s.factor[2] > 0)) return r1;
   const Vec3 h3 = second.facet(random.next2());
   const float r3 = second.reflectance(h3);
   const float left = second.seen(reflected(second.w, h3)) * second.scale;

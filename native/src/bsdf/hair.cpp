@@ -272,7 +272,7 @@ Lobe principled_hair_lobe(const View& view, const Vec3& weight, const Vec3& n,
 
 FacetValue evaluate_hair(const Lobe& lobe, const Vec3& wo, const Vec3& wi, bool sampled) {
   if (lobe.kind == LobeKind::kPrincipledHair) return evaluate_principled(lobe, wi);
-  if (lobe.kind == LobeKind::kFacetHair) return evaluate_facet_hair(lobe, wi);
+  if (lobe.kind == LobeKind::kFacetHair) return evaluate_facet_hair(lobe, wi, sampled);
   return evaluate_simple(lobe, wo, wi, sampled);
 }
 

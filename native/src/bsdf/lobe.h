@@ -162,7 +162,7 @@ Lobe ashikhmin_shirley_lobe(const View& view, const Rgb& weight, const Vec3& n,
                             const FacetShape& shape);
 FacetValue evaluate_hair(const Lobe& lobe, const Vec3& wo, const Vec3& wi, bool sampled);
 bool sample_hair(const Lobe& lobe, const Vec3& wo, float choice, const Vec2& u, Vec3* wi);
-FacetValue evaluate_facet_hair(const Lobe& lobe, const Vec3& wi);
+FacetValue evaluate_facet_hair(const Lobe& lobe, const Vec3& wi, bool sampled);
 bool sample_facet_hair(const Lobe& lobe, float choice, const Vec2& u, Vec3* wi);
 // Whether what sample_hair() finds goes into the strand.
 bool hair_transmits(const Lobe& lobe, float choice);
