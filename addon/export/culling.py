@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core.scene import Camera
-from .matrices import matrix_of
 
 
 def kept_by_culling(scene: Any, camera: Camera) -> Callable[[Any], bool] | None:
@@ -43,7 +42,7 @@ class _Culling:
         if ob.type == "LIGHT" or not (by_view or by_distance):
             return True
         corners = np.array(ob.bound_box, np.float64)
-        matrix = matrix_of(instance)
+        matrix = np.array(instance.matrix_world, np.float64)
         corners = corners @ matrix[:3, :3].T + matrix[:3, 3]
         return (by_view and not self._is_beside(corners)) or (
             by_distance and not self._is_far(corners)

@@ -4,11 +4,31 @@ from __future__ import annotations
 
 from typing import Any
 
+import bpy
 import numpy as np
 from numpy.typing import NDArray
 
 from ..core.scene import Mesh
 from .materials import Materials
+
+# Blender's new sync to Cycles, seen in 5.2 (4.5 does as Python says).
+BY_DATA = bpy.app.version >= (5, 1, 0)
+
+
+def materials_of(ob: Any) -> list[Any]:
+    """What Cycles shows in the slots of an evaluated object. From Blender 5.1 on that is not what
+    Python says of them: it has as many as the evaluated data has, and a slot that is linked to the
+    object and empty is empty, whatever the data has there.
+    """
+    if not BY_DATA:
+        return [slot.material for slot in ob.material_slots]
+    own = ob.original.material_slots
+    return [
+        None
+        if slot.link == "OBJECT" and k < len(own) and own[k].material is None
+        else slot.material
+        for k, slot in enumerate(ob.material_slots[: len(ob.data.materials)])
+    ]
 
 
 class MaterialSets:
@@ -28,9 +48,7 @@ class MaterialSets:
         """Index of the set for an object's slots, as long as the mesh's slots need: the last
         material serves those beyond.
         """
-        # Slots of the object beyond those of its evaluated data count in Blender, not in Cycles.
-        slots_of_data = ob.material_slots[: len(ob.data.materials)]
-        found = [override] if override else [slot.material for slot in slots_of_data] or [None]
+        found = [override] if override else materials_of(ob) or [None]
         indices = [self._materials.index(material, uv_map) for material in found]
         slots = mesh.slots if mesh.strands is None else mesh.strands.slots
         needed = 1 if slots is None else int(np.max(slots)) + 1

@@ -23,7 +23,6 @@ from .geometry.mesh import sound_triangles
 from .geometry.particle_hair import hair_keys, hair_of
 from .geometry.strands import STRANDS, keys_now
 from .kept import identity
-from .matrices import matrix_of
 from .report import Report
 
 FrameSet = Callable[[int, float], None]
@@ -260,7 +259,7 @@ class Moving:
             placed = self._placed.get(key)
             if placed is None or time not in times_of(placed.steps):
                 continue
-            placed.matrices[time] = matrix_of(instance)
+            placed.matrices[time] = np.array(instance.matrix_world, np.float64)
             for shape in (self._shapes.get(key), self._shapes.get((*key, HAIR))):
                 if shape is not None and shape.mesh.strands is not None and not shape.known:
                     rendered = depsgraph.mode == "RENDER"

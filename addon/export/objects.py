@@ -23,9 +23,9 @@ from .kept import Kept
 from .labels import Labelled
 from .lights import export_light
 from .linking import Linking
-from .material_sets import MaterialSets
+from .material_sets import MaterialSets, materials_of
 from .materials import Materials, Shading, grid_interpolation
-from .matrices import matrix_of
+from .matrices import Matrices
 from .motion import Moving
 from .nodes.node import Wants
 from .repeats import Repeat, Repeats
@@ -88,7 +88,7 @@ class Objects:
         override = view_layer.material_override
         linking = Linking(depsgraph, self._report)
         visibility = Visibility(view_layer)
-        repeats = Repeats()
+        repeats, matrices = Repeats(), Matrices(depsgraph)
         for place, instance in enumerate(depsgraph.object_instances):
             ob = instance.object
             if visible is not None and not visible(instance):
@@ -98,14 +98,15 @@ class Objects:
             if known is None or place % LOOKS == 0:
                 self._shading.around.watch.go_on()
             if known is not None:
-                self._repeat(place, instance, known)
+                self._repeat(place, instance, matrices.of(place, instance), known)
                 continue
             kind = ob.type
             if kind in {"MESH", "VOLUME"} or kind in STRANDS:
                 rays, holdout, catcher = visibility.of(instance)
                 if not rays & SEEING_RAYS:
                     continue
-                rows = self._add_rows(instance, depsgraph, override)
+                matrix = matrices.of(place, instance)
+                rows = self._add_rows(instance, matrix, depsgraph, override)
                 if not rows:
                     continue
                 traits = Traits(
@@ -125,7 +126,7 @@ class Objects:
                     repeats.keep(key, Repeat(mesh, materials, traits))
             elif kind == "LIGHT":
                 if instance.show_self:
-                    self._add_light(ob, matrix_of(instance), linking)
+                    self._add_light(ob, matrices.of(place, instance), linking)
             elif kind in PENCILS and instance.show_self:
                 self._report.warn(
                     "Blender draws grease pencil objects over the picture; they cast no shadow, "
@@ -142,9 +143,11 @@ class Objects:
                 self._labelled.add(instance.object)
             self._rows.add_traits(traits)
 
-    def _repeat(self, place: int, instance: Any, known: Repeat) -> None:
+    def _repeat(
+        self, place: int, instance: Any, matrix: NDArray[np.float64], known: Repeat
+    ) -> None:
         """Places the mesh of an earlier instance."""
-        matrix, row = matrix_of(instance), len(self._rows)
+        row = len(self._rows)
         name = instance.object.name
         flat = is_flat(matrix, name, self._report)
         if flat is None:
@@ -198,10 +201,11 @@ class Objects:
         light.light_group = self._light_group(ob)
         self.lights.append(light)
 
-    def _add_rows(self, instance: Any, depsgraph: Any, override: Any) -> range:
+    def _add_rows(
+        self, instance: Any, matrix: NDArray[np.float64], depsgraph: Any, override: Any
+    ) -> range:
         """What an instance of the graph shows: its mesh, curves or points, and its hair."""
         ob, before = instance.object, len(self._rows)
-        matrix = matrix_of(instance)
         view_layer = depsgraph.view_layer
         strands_shown = view_layer.use_strand
         if instance.show_self and is_volume(ob):
@@ -251,7 +255,7 @@ class Objects:
         self, ob: Any, matrix: NDArray[np.float64], depsgraph: Any, override: Any
     ) -> None:
         """The box around its grids, with the first of its materials that has a volume."""
-        found = [override] if override else [slot.material for slot in ob.material_slots]
+        found = [override] if override else materials_of(ob)
         for material in filter(None, found):
             own = self._materials.index(material, grids=True)
             volume = self._materials.list[own].volume
