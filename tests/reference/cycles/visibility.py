@@ -12,14 +12,21 @@ from tests.reference.cycles.cases import Case
 ALL_BUT_CAMERA = ("diffuse", "glossy", "transmission", "shadow")
 
 
-def _hidden(name: str, on: str, *off: str, **more: Any) -> Case:
+def _hidden(name: str, on: str, *off: str, samples: int = 1024, **more: Any) -> Case:
+    options = {"on": on, "off": list(off), **more}
     alpha = bool(more.get("transparent"))
-    return Case(f"rays_{name}", "ray_visibility", {"on": on, "off": list(off), **more}, alpha=alpha)
+    # samples that are many say that some light is found seldom
+    passes = 400 if samples > 1024 else 32
+    return Case(
+        f"rays_{name}", "ray_visibility", options, samples=samples, alpha=alpha, passes=passes
+    )
 
 
-def _shadowless(kind: str, energy: float, **options: Any) -> Case:
+def _shadowless(kind: str, energy: float, *, samples: int = 1024, **options: Any) -> Case:
     name = f"shadowless_{kind.lower()}"
-    return Case(name, "lamp_without_shadow", {"kind": kind, "energy": energy, **options})
+    given = {"kind": kind, "energy": energy, **options}
+    passes = 2000 if samples > 1024 else 256
+    return Case(name, "lamp_without_shadow", given, samples=samples, reference_passes=passes)
 
 
 def _squeezed(name: str, kind: str, energy: float, **options: Any) -> Case:
@@ -36,14 +43,14 @@ VISIBILITY = (
     _hidden("collection_indirect", "collection", "indirect_only"),
     _hidden("collection_holdout", "collection", "holdout", transparent=True),
     *(
-        _hidden(f"emitter_{kind}", "emitter", kind)
+        _hidden(f"emitter_{kind}", "emitter", kind, samples=16384 if kind == "diffuse" else 1024)
         for kind in ("camera", "diffuse", "glossy", "shadow")
     ),
     *(_hidden(f"lamp_{kind}", "lamp", kind) for kind in ("diffuse", "glossy", "transmission")),
     *(_hidden(f"world_{kind}", "world", kind) for kind in ("camera", "diffuse", "glossy")),
     _shadowless("POINT", 30.0, shadow_soft_size=0.05),
     _shadowless("SPOT", 60.0, aim=(0.0, 0.0, 0.0), spot_size=radians(70.0), shadow_soft_size=0.05),
-    _shadowless("SUN", 1.0, aim=(-0.3, -0.6, 1.0), angle=0.1),
+    _shadowless("SUN", 1.0, samples=16384, aim=(-0.3, -0.6, 1.0), angle=0.1),
     _shadowless("AREA", 30.0, aim=(0.0, 0.0, 0.0), size=0.2),
     Case("lamp_bounces_0", "lamp_of_few_bounces", {"most": 0}),
     Case("lamp_bounces_1", "lamp_of_few_bounces", {"most": 1}),
