@@ -204,7 +204,7 @@ def test_all_warnings_are_shown_one_a_kind_and_lead_to_all_they_name() -> None:
     scene = stage.room()
     scene.render.use_multiview = True
     for k in range(4):
-        thing = stage.plane(f"Thing {k}")
+        thing = stage.plane(f"Thing {k}", location=(0, 0, 0.1 * (k + 1)))
         shade, tree = stage.empty_material(f"Photo {k}")
         shader, photo = (
             tree.nodes.new(f"ShaderNode{kind}") for kind in ("BsdfDiffuse", "TexImage")
