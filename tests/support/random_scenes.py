@@ -2,7 +2,8 @@
 and objects, lamps, cameras, visibility and collections. Runs inside Blender.
 
 Left out is what docs/limitations.md says is otherwise in Cycles: lights of meshes that shadow rays
-do not see, shadow catchers, holdouts that are partly transparent.
+do not see, shadow catchers, holdouts that are partly transparent; and the Mirror modifier, whose
+doubled faces no warning names where they are partly transparent.
 """
 
 from __future__ import annotations
@@ -23,7 +24,6 @@ MODIFIERS: dict[str, dict[str, Any]] = {
     "DISPLACE": {"strength": 0.2},
     "EDGE_SPLIT": {},
     "MASK": {},
-    "MIRROR": {},
     "REMESH": {"mode": "VOXEL", "voxel_size": 0.25},
     "SIMPLE_DEFORM": {"deform_method": "TWIST"},
     "SMOOTH": {},
