@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..scene import Scene
+from .convert import first_of
 from .instances import instance_order
 
 if TYPE_CHECKING:
     from photon_splat_native import Renderer
 
-NAMED = 3
 SHARE = 0.004
 """Of the picture, and of light that comes from beside it: below that no one sees it."""
 
@@ -36,10 +36,9 @@ def coincident_surfaces(renderer: Renderer, scene: Scene) -> list[str]:
         return []
     pairs = [
         f"'{names[0]}' in '{names[-1]}'" if len(names) > 1 else f"'{names[0]}' in itself"
-        for names in sorted(shares, key=lambda pair: -shares[pair])[:NAMED]
+        for names in sorted(shares, key=lambda pair: -shares[pair])
     ]
-    more = f" and {len(shares) - NAMED} more" if len(shares) > NAMED else ""
     return [
-        f"Surfaces lie exactly in each other ({', '.join(pairs)}{more}). They are lit here, while "
+        f"Surfaces lie exactly in each other ({first_of(pairs)}). They are lit here, while "
         "in Cycles they shade each other, wholly or by chance: delete one, or move it."
     ]

@@ -24,3 +24,9 @@ def rgb(color: tuple[float, float, float]) -> list[float]:
 
 def contiguous(values: NDArray | None, dtype: type) -> NDArray | None:
     return None if values is None else np.ascontiguousarray(values, dtype)
+
+
+def first_of(names: list[str], most: int = 3) -> str:
+    """The first of many names, for a sentence, and how many more there are."""
+    more = f" and {len(names) - most} more" if len(names) > most else ""
+    return ", ".join(names[:most]) + more

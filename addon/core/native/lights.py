@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..scene import NO_PROGRAM, Scene
-from .convert import naming, rgb
+from .convert import first_of, naming, rgb
 from .instances import instance_order
 
 if TYPE_CHECKING:
@@ -79,8 +79,7 @@ def lights_in_surfaces(renderer: Renderer, scene: Scene) -> list[str]:
     ]
     if not pairs:
         return []
-    named = ", ".join(pairs[:3]) + (f" and {len(pairs) - 3} more" if len(pairs) > 3 else "")
     return [
-        f"Lights lie exactly in a surface ({named}), which keeps back a part of their light "
-        "by chance: move them off it."
+        f"Lights lie exactly in a surface ({first_of(pairs)}), which keeps back a part of their "
+        "light by chance: move them off it."
     ]

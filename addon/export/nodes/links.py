@@ -36,14 +36,19 @@ class Source:
         return None
 
 
+def counts(link: Any) -> bool:
+    """Whether Cycles follows a link. One from an output that its node's mode hides is kept by
+    Blender, and left out by Cycles.
+    """
+    return not link.is_muted and link.from_socket.enabled
+
+
 def source(socket: Any, groups: tuple[Any, ...] = ()) -> Source:
     """Follow `socket` (an input) upstream to what really feeds it; nothing does in a circle."""
     seen: set[tuple[int, int]] = set()
     while (here := (socket.as_pointer(), len(groups))) not in seen:
         seen.add(here)
-        link = next(
-            (link for link in socket.links if not link.is_muted and link.from_socket.enabled), None
-        )
+        link = next((link for link in socket.links if counts(link)), None)
         if link is None:
             return Source(None, socket, groups)
         node, output = link.from_node, link.from_socket

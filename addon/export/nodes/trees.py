@@ -9,6 +9,8 @@ from typing import Any
 
 import bpy
 
+from .links import counts
+
 Groups = tuple[Any, ...]
 
 
@@ -44,9 +46,7 @@ class Trees:
         self._endings: dict[int, Any] = {}
 
     def link(self, socket: Any) -> Any:
-        """The link into an input that counts, or None. One from an output that the node's mode
-        hides is kept by Blender, and left out by Cycles.
-        """
+        """The link into an input that counts, or None."""
         if not socket.is_linked:
             return None
         tree = socket.id_data
@@ -54,9 +54,7 @@ class Trees:
         links = self._links.get(key)
         if links is None:
             links = self._links[key] = {
-                link.to_socket.as_pointer(): link
-                for link in tree.links
-                if not link.is_muted and link.from_socket.enabled
+                link.to_socket.as_pointer(): link for link in tree.links if counts(link)
             }
         return links.get(socket.as_pointer())
 
