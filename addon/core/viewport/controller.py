@@ -2,7 +2,8 @@
 Blender.
 
 An edit brings a scene, a move of the camera a view. First comes a picture of few pixels, lit by a
-*cache* of photons that serves every view: while the camera moves, no photon is traced. When it
+*cache* of photons that serves every view: while the camera moves, no photon is traced. Light that
+pictures have found on surfaces is kept there and read again by those that follow. When the camera
 rests the cache grows, the picture gets all its pixels, and then passes of a render refine it.
 """
 
@@ -34,6 +35,10 @@ CACHE_PHOTONS = 1 << 17
 MOST_CACHE_PATHS = 1 << 22
 MOST_CACHE_BYTES = 64 << 20
 PHOTONS_PER_BATCH = 1 << 16
+CELL = 4
+"""Width of the cells that keep the light of surfaces, in pixels of the screen."""
+MOST_SAMPLES = 0.05
+"""Share of a picture's pixels that sample light for those cells, beside all of unknown places."""
 REST = 0.15
 """Seconds without a move after which the camera counts as resting. The time is longer where moves
 arrive more slowly, as in a window that is slow to draw.
@@ -197,7 +202,9 @@ class Controller:
         renderer, settings = self._renderer, self._loaded[1]
         assert renderer is not None
         self._fill_cache(renderer, FIRST_PHOTONS, MOST_FIRST_PATHS)
-        self._draw_cached(renderer, view, max(self._pace.step, view.pixel), moving=True)
+        known = renderer.light_cache()["cells"] > 0
+        step = self._pace.step if known else self._pace.first_step
+        self._draw_cached(renderer, view, max(step, view.pixel), moving=True)
         with self._changed:
             self._may_cancel = True
             while (
@@ -274,7 +281,7 @@ class Controller:
         started = time.monotonic()
         frame, region = scaled(view.frame, step)
         place_camera(renderer, fitted(view, frame, step), frame)
-        renderer.draw_viewport()
+        renderer.draw_from_cache(CELL / step, MOST_SAMPLES)
         self._publish(renderer, view, region, step, 1, moving)
         self.counts.frames += 1
         seconds = time.monotonic() - started

@@ -22,6 +22,11 @@ class Pace:
         self._seconds: dict[int, float] = {}
         self._pictures = 0
 
+    @property
+    def first_step(self) -> int:
+        """Of a picture that finds all of its light itself."""
+        return self.step if self._fixed else max(self.step, FIRST_STEP)
+
     def forget(self) -> None:
         """Forgets the times of another scene."""
         self._seconds.clear()

@@ -55,6 +55,14 @@ nb::dict viewport_photons(Renderer& r) {
   return out;
 }
 
+nb::dict light_cache(const Renderer& r) {
+  nb::dict out;
+  out["cells"] = r.light_cache().size();
+  out["readings"] = r.cache_counts().readings;
+  out["samples"] = r.cache_counts().samples;
+  return out;
+}
+
 void clear_shading(Renderer& r) {
   r.lamps.clear();
   r.scene.materials.clear();
@@ -90,6 +98,13 @@ void bind_viewport(RendererClass& renderer) {
           "draw_viewport", &Renderer::draw_viewport, released,
           "One camera sample per pixel of the camera of set_camera(), lit indirectly by those photons; the film then holds\n"
           "it alone. RuntimeError before trace_viewport_photons().")
+      .def(
+          "draw_from_cache", &Renderer::draw_from_cache, "pixels"_a, "most_samples"_a, released,
+          "Like draw_viewport(), but the light of surfaces is read from a cache that pictures before have filled, and this\n"
+          "one adds to: samples of so many of its pixels (0..1), and where nothing is known yet. pixels: of this picture,\n"
+          "that the cache's cells are wide. Cells are forgotten by build() and relight().")
+      .def("light_cache", &light_cache,
+           "Of the cache of draw_from_cache(): cells, and of the last picture readings, samples.")
       .def(
           "picture", &picture,
           "(height, width, 4) float32 premultiplied scene-linear RGBA, mean of the film, row 0 at the bottom.");

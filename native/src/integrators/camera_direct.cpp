@@ -64,6 +64,10 @@ void CameraTracer::add_light(Path& path, const Surface& hit, const Bsdf& bsdf,
           ? bsdf.evaluate_smooth(light.direction, &pdf, &diffuse, any_covered ? &sharp : nullptr)
           : bsdf.evaluate(light.direction, &pdf, nullptr, &diffuse, any_covered ? &sharp : nullptr);
   if (light.seen_by != kAllRays) keep_seen(light, hit, scattered, diffuse, sharp);
+  if (path.only_mirrored) {
+    scattered = scattered - diffuse;
+    diffuse = {};
+  }
   const Rgb throughput =
       light.from_world ? path.throughput + path.world_throughput : path.throughput;
   if (!(max_abs(throughput * scattered) > 0)) return;

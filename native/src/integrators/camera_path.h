@@ -49,6 +49,10 @@ class PixelRays {
     return shutter_.blurs() ? shutter_.time(sobol_2d(sample, kTimePair, seed_).x, down_)
                             : kShutterCentre;
   }
+  // Through the middles of the pixel and of the lens: as still as what is seen moves.
+  std::optional<CameraRay> central_ray(float time) const {
+    return camera_.ray(x_, y_, {0.5f, 0.5f}, {0.5f, 0.5f}, time);
+  }
   // None outside the lens' image
   std::optional<CameraRay> ray(uint32_t sample, float time) const {
     return camera_.ray(x_, y_, sobol_2d(sample, kFilterPair, seed_),
@@ -113,6 +117,8 @@ struct CameraTracer::Path {
   bool caught = false;         // it has met a shadow catcher and is one of two from there on
   // Photons bring the diffuse part of the light; else the path goes on for it
   bool leaves_gather_points = false;
+  bool reads_light = false;    // from a viewport's cache, wherever that holds it
+  bool only_mirrored = false;  // at the last vertex: diffuse light was read there
 
   Vec3 origin, direction;
   float near, far;

@@ -64,11 +64,12 @@ bool CameraTracer::scatter(Path& path, const Surface& hit, const Bsdf& bsdf,
   const auto s = bsdf.sample(lobe.x, way);
   if (!s) return false;
   Rgb diffuse = s->diffuse ? s->weight : Rgb{};
-  if (path.vertex == 0 && bsdf.has_rest() && s->pdf > 0) {
+  if ((path.vertex == 0 || path.only_mirrored) && bsdf.has_rest() && s->pdf > 0) {
     float pdf;
     bsdf.evaluate(s->direction, &pdf, nullptr, &diffuse);
     diffuse = diffuse / s->pdf;
   }
+  const Rgb weight = path.only_mirrored ? s->weight - diffuse : s->weight;
   if (lights_.environment().asks_ray()) {
     path.before = path.info;
     path.diffuse_share = s->diffuse ? Rgb{1, 1, 1} : Rgb{};
@@ -80,20 +81,22 @@ bool CameraTracer::scatter(Path& path, const Surface& hit, const Bsdf& bsdf,
     }
   }
   const Rgb before = path.throughput, world_before = path.world_throughput;
-  path.throughput = !goes_on ? Rgb{} : whole ? before * s->weight : before * s->rest;
-  const Rgb still_covered = s->diffuse ? Rgb{} : path.covered * s->weight * sharpness(s->roughness);
+  path.throughput = !goes_on                      ? Rgb{}
+                    : whole || path.only_mirrored ? before * weight
+                                                  : before * s->rest;
+  const Rgb still_covered = s->diffuse ? Rgb{} : path.covered * weight * sharpness(s->roughness);
   path.withheld = still_covered;
-  path.emission_throughput = before * s->weight - still_covered;
+  path.emission_throughput = before * weight - still_covered;
   path.covered = still_covered;
-  path.world_emission = world_before * s->weight;
+  path.world_emission = world_before * weight;
   path.world_throughput = last || !lights_.world_by_paths()
                               ? Rgb{}
-                              : (before + world_before) * s->weight - path.throughput;
+                              : (before + world_before) * weight - path.throughput;
   path.deep = path.is_beyond();
   path.gather_bounces += continued;
   path.diffuse_bounces += continued && s->diffuse;
   if (continued && caustic_photons_) path.covered += before * (s->weight - s->rest);
-  path.diffuse_emission = before * diffuse;
+  path.diffuse_emission = path.only_mirrored ? Rgb{} : before * diffuse;
   if (!is_finite(path.emission_throughput) || !is_finite(path.throughput) ||
       !is_finite(path.diffuse_emission) || !is_finite(path.world_throughput) ||
       !is_finite(path.world_emission)) {

@@ -29,6 +29,9 @@ void CameraTracer::Tile::clear() {
   deep.clear();
   near = {};
   again = false;
+  readings.clear();
+  cache_samples.clear();
+  cache_samples_wanted = 0;
 }
 
 void CameraTracer::trace_tiles(const Job& job, PackedFilm& film, const CancelFlag& cancel) {
@@ -165,6 +168,11 @@ const GatherPoints& CameraTracer::trace(uint32_t pass, const AdaptiveSampler& ch
     }
     guide.end_pass();
   }
+  return join_gather_points(cancel);
+}
+
+// Those of all tiles, in the tiles' order.
+const GatherPoints& CameraTracer::join_gather_points(const CancelFlag& cancel) {
   ranges_.assign(tiles_.size() + 1, 0);
   for (size_t t = 0; t < tiles_.size(); ++t)
     ranges_[t + 1] = ranges_[t] + tiles_[t].gather_points.size();

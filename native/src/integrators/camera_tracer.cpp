@@ -47,7 +47,7 @@ void CameraTracer::trace_pixel(const Job& job, int x, int y, PackedFilm& film, P
     pixel.depth = kBackgroundDepth;
     pixel.surface_id = 0;
     const float time = rays.time(sample);
-    const auto ray = rays.ray(sample, time);
+    const auto ray = job.reads_light ? rays.central_ray(time) : rays.ray(sample, time);
     if (ray) {
       Path path(*ray, pixel, tile, index, sample, rays.seed(), time);
       path.max_bounces = job.max_bounces;
@@ -55,6 +55,7 @@ void CameraTracer::trace_pixel(const Job& job, int x, int y, PackedFilm& film, P
       path.learns = learns;
       path.tries_density = trial_ == Trial::kDensity;
       path.place = place;
+      path.reads_light = job.reads_light;
       path.groups = groups;
       trace_path(path);
     } else {  // outside the lens' image: black, not transparent
@@ -139,7 +140,10 @@ bool CameraTracer::meet_surface(Path& path, const Surface& hit) const {
   const bool body = bsdf.below_count() > 0;
   const bool badly_served = path.badly_served;
   std::optional<Meeting> meeting;
-  if (scatters && !body) meeting = light(path, hit, bsdf);
+  const bool reads = path.reads_light && scatters && !body && !hit.on_strand();
+  path.only_mirrored = reads;
+  if (scatters && !body && (!reads || read_light(path, hit, bsdf)))
+    meeting = light(path, hit, bsdf);
   const Passing passing = pass_through(path, hit, bsdf);
   if (passing == Passing::kPasses) {
     path.badly_served = badly_served;
@@ -152,7 +156,8 @@ bool CameraTracer::meet_surface(Path& path, const Surface& hit) const {
   if (path.shows_features && !holdout) end_features(path, bsdf, mirrored);
   if (path.vertex == 0 && !holdout && !path.through_glass)
     show_first(path, hit, 1 - bsdf.holdout());
-  return scatters && (body ? meet_body(path, hit, bsdf) : go_on(path, hit, bsdf, *meeting));
+  if (body) return scatters && meet_body(path, hit, bsdf);
+  return meeting && go_on(path, hit, bsdf, *meeting);
 }
 
 // Light at a surface, and the path's next way; false where it ends.
@@ -173,8 +178,8 @@ CameraTracer::Meeting CameraTracer::light(Path& path, const Surface& hit, Bsdf& 
   receiver.bounces = static_cast<uint16_t>(path.vertex);
   if (path.vertex < kSunnyVertices && lights_.environment().contrast() > kSunny)
     receiver.world_samples = 2;
-  const bool gathers = path.leaves_gather_points && path.vertex < path.max_bounces &&
-                       !is_black(path.throughput),
+  const bool gathers = path.leaves_gather_points && !path.only_mirrored &&
+                       path.vertex < path.max_bounces && !is_black(path.throughput),
              continued = gathers && continues(path, hit, bsdf);
   if (path.leaves_gather_points && bsdf.has_rest()) {
     const bool shares_diffuse =

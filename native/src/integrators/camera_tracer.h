@@ -7,6 +7,7 @@
 #include "integrators/gather_point.h"
 #include "integrators/gather_trial.h"
 #include "integrators/indirect_strategy.h"
+#include "integrators/light_cache.h"
 #include "lights/lights.h"
 #include "media/media.h"
 #include "scene/camera.h"
@@ -73,6 +74,26 @@ class CameraTracer {
   void trace_reference(uint32_t sample, int max_bounces, PackedFilm& film,
                        const CancelFlag& cancel);
 
+  // One sample per pixel whose paths read the light of surfaces from a viewport's cache: all but
+  // what they mirror sharply, which is followed, and light in media, below surfaces and on strands.
+  // Returns the gather points of what the cache does not hold, and of paths that sample light for
+  // it.
+  struct CacheUse {
+    const LightCache* cache = nullptr;
+    float pixels = 1;      // of this picture, that cells are wide
+    float share = 1;       // of the samples that cells want: so many of them are made
+    uint32_t picture = 0;  // its number
+  };
+  const GatherPoints& trace_from_cache(const CacheUse& use, int max_bounces, PackedFilm& film,
+                                       const CancelFlag& cancel);
+  // Of tile t, since then. A gather point of a sample has kOfSample in its pixel, and sample_of()
+  // is that sample's place among those of its tile.
+  const std::vector<CacheReading>& readings(size_t t) const { return tiles_[t].readings; }
+  std::vector<CacheSample>& cache_samples(size_t t) { return tiles_[t].cache_samples; }
+  double cache_samples_wanted() const;
+  static constexpr uint32_t kOfSample = 1u << 31;
+  static uint32_t sample_of(uint32_t pixel) { return pixel & (kMostSamples - 1); }
+
   uint64_t rays() const { return rays_; }
   uint64_t last_rays() const { return last_rays_; }  // of the last pass
   // Samples whose light was not finite and was left out: 0 unless something is wrong.
@@ -103,6 +124,9 @@ class CameraTracer {
     std::vector<std::pair<float, float>> variances;
     uint64_t deep_rays = 0;
     RadiusMap::Memory near;  // what `strategy_` was asked last
+    std::vector<CacheReading> readings;
+    std::vector<CacheSample> cache_samples;
+    double cache_samples_wanted = 0;
     void clear();
   };
   struct Path;
@@ -115,10 +139,13 @@ class CameraTracer {
     Tiles tiles = Tiles::kAll;
     bool learns = false;
     uint32_t learning_share = 1;  // of the pixels, 1 in so many
+    bool reads_light = false;     // see trace_from_cache()
   };
+  static constexpr uint32_t kMostSamples = 1 << 12;  // of light, in a tile
   void trace_tiles(const Job& job, PackedFilm& film, const CancelFlag& cancel);
   void trace_tile(const Job& job, size_t t, PackedFilm& film);
   bool find_changed(Tile& tile) const;
+  const GatherPoints& join_gather_points(const CancelFlag& cancel);
   static void see_trial(Tile& tile, const PackedFilm::Tile& pixels, int width, int height);
   void trace_pixel(const Job& job, int x, int y, PackedFilm& film, Pixel& pixel, Tile& tile) const;
   void trace_path(Path& path) const;
@@ -133,6 +160,10 @@ class CameraTracer {
   };
   bool meet(Path& path, const Surface& hit, Bsdf& bsdf) const;
   Meeting light(Path& path, const Surface& hit, Bsdf& bsdf) const;
+  bool read_light(Path& path, const Surface& hit, const Bsdf& bsdf) const;
+  bool wants_sample(Path& path, const LightCache::Place& place, const CacheLight& albedo) const;
+  void sample_light(Path& path, const Surface& hit, Bsdf bsdf, const LightCache::Place& place,
+                    const CacheLight& albedo) const;
   bool go_on(Path& path, const Surface& hit, const Bsdf& bsdf, const Meeting& meeting) const;
   bool meet_body(Path& path, const Surface& hit, Bsdf& bsdf) const;
   bool go_below(Path& path, const Surface& hit, const Bsdf& bsdf) const;
@@ -197,6 +228,7 @@ class CameraTracer {
            last_continued_ = 0;
   const IndirectStrategy* strategy_ = nullptr;
   const BeamTree* beams_ = nullptr;
+  CacheUse cache_use_;
   bool caustic_photons_ = false, follows_motion_ = false;
   Trial trial_ = Trial::kNone;
   float radius_factor_ = 1, ambient_distance_ = 0;

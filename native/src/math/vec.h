@@ -10,6 +10,8 @@ namespace photon_splat {
 
 inline constexpr float kPi = 3.14159265358979f;
 
+inline float sqr(float x) { return x * x; }
+
 struct Vec3 {
   float x = 0, y = 0, z = 0;
 

@@ -242,6 +242,18 @@ void CameraPass::trace_reference(uint32_t sample, PackedFilm& film) {
                           context_.options.max_bounces, film, context_.cancel);
 }
 
+void CameraPass::trace_from_cache(const CameraTracer::CacheUse& use, const PhotonMaps& maps,
+                                  PackedFilm& film) {
+  Timer timer(context_.seconds.camera);
+  tracer_.set_strategy(nullptr, maps.size() > 1, 1);
+  tracer_.look_around(0);
+  tracer_.follow_motion(false);
+  tracer_.set_beams(nullptr);
+  film.reset(film.width, film.height, film.light_groups);
+  gather_points_ =
+      &tracer_.trace_from_cache(use, context_.options.max_bounces, film, context_.cancel);
+}
+
 void CameraPass::forget_gather_points() {
   gather_points_ = nullptr;
   tracer_.forget_gather_points();

@@ -27,6 +27,9 @@ class CameraPass {
   void trace_gather_points(uint32_t pass, const PhotonMaps& maps, PackedFilm& film,
                            CameraTracer::Tiles tiles = CameraTracer::Tiles::kAll);
   void trace_reference(uint32_t sample, PackedFilm& film);
+  // For a viewport: one sample per pixel that reads light from a cache.
+  void trace_from_cache(const CameraTracer::CacheUse& use, const PhotonMaps& maps,
+                        PackedFilm& film);
   // Photon beams that bring caustics in media; nullptr: there are none.
   void set_beams(const BeamTree* beams) { tracer_.set_beams(beams); }
   // Has a pilot teach the map about the surfaces on which the gather points want its photons.
@@ -52,6 +55,7 @@ class CameraPass {
   // In camera rays with their shading, of one sample in each of the film's pixels in the last pass.
   double work_of_samples(const PackedFilm& film) const;
   const CameraTracer& tracer() const { return tracer_; }
+  CameraTracer& tracer() { return tracer_; }
 
  private:
   uint32_t common_seed() const;

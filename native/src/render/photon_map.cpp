@@ -342,4 +342,12 @@ void PhotonMap::place_viewport_points(const GatherPoints& gather_points) {
   scale_sums(points_.blocks(), static_cast<float>(1.0 / paths));
 }
 
+Rgb PhotonMap::light_at(const GatherPoints& gather_points, size_t i) const {
+  const uint32_t point = points_.point_of(i), lane = point % kBlockSize;
+  if (point == VisiblePoints::kNone) return {};
+  const PointBlock& block = points_.blocks()[point / kBlockSize];
+  return gather_points[i].throughput *
+         (Rgb{block.r[lane], block.g[lane], block.b[lane]} * block.scale[lane]);
+}
+
 }  // namespace photon_splat

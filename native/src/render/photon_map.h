@@ -81,6 +81,9 @@ class PhotonMap {
   void trace_viewport_photons(uint64_t paths, size_t most_bytes);
   // Points for these gather points with the light of all of those photons.
   void place_viewport_points(const GatherPoints& gather_points);
+  // What the points bring to gather point i, if it wants this light: radiance times what its path
+  // makes of it.
+  Rgb light_at(const GatherPoints& gather_points, size_t i) const;
   const std::optional<ViewportPhotons>& viewport_photons() const { return viewport_photons_; }
 
   // Photon paths of a pass: one at the least where there are any, as a pass without them would lack

@@ -130,6 +130,8 @@ void Renderer::make_camera_pass() {
 
 void Renderer::make_maps() {
   maps_.clear();
+  light_cache_ = {};
+  cache_share_ = 1;
   kept_bytes_ = 0;
   const bool caustics = options.caustics && (scene.features() & kProgramSharp);
   const auto add = [&](PhotonStream stream) {

@@ -78,6 +78,16 @@ class Renderer {
   void trace_viewport_photons(uint64_t paths, size_t most_bytes);
   // One camera sample per pixel, lit indirectly by those photons; the film then holds it alone.
   void draw_viewport();
+  // The same, but the light of surfaces is read from a cache of what pictures before have found,
+  // and of the samples that this one adds to it: of `most_samples` pixels, 0..1, and where nothing
+  // is known yet. `pixels`: of this picture, that cells are wide.
+  void draw_from_cache(float pixels, float most_samples);
+  const LightCache& light_cache() const { return light_cache_; }
+  // Of the last such picture.
+  struct CacheCounts {
+    uint64_t readings = 0, samples = 0;
+  };
+  const CacheCounts& cache_counts() const { return cache_counts_; }
 
   void cancel() { cancel_.set(); }
   // Takes cancel() back, when no stage runs.
@@ -108,6 +118,8 @@ class Renderer {
   void make_maps();
   void make_beams();
   void check_light_groups() const;
+  void add_photons_to_samples();
+  void read_light_cache();
   void reset_film();
   void finish_pass();
   void learn_in_common(ExternalSplatter* elsewhere);
@@ -122,6 +134,10 @@ class Renderer {
   std::unique_ptr<CameraPass> camera_pass_;
   PhotonMaps maps_;
   std::unique_ptr<BeamMap> beams_;  // or null: there are none
+  LightCache light_cache_;
+  float cache_share_ = 1;  // of the samples that its cells want, in the next picture
+  uint32_t cache_pictures_ = 0;
+  CacheCounts cache_counts_;
   PhotonMap* current_ = nullptr;
   const VisiblePoints no_points_{};
   const Photons no_photons_{};

@@ -29,6 +29,7 @@ class HashTable {
   }
 
   bool empty() const { return size_ == 0; }
+  size_t size() const { return size_; }
 
   // Forgets the others.
   template <class Keeps>

@@ -86,6 +86,68 @@ TEST_CASE("indirect light of viewport photons is that of a render") {
   CHECK(mean_indirect(renderer.film().unpacked()) == doctest::Approx(expected).epsilon(0.02));
 }
 
+// Over pixels, of all light.
+struct Likeness {
+  double ratio, difference;  // of means; mean absolute, over the mean
+};
+
+Likeness likeness(const Film& film, const Film& other) {
+  double sum = 0, others = 0, difference = 0;
+  for (size_t i = 0; i < film.pixels.size(); ++i) {
+    const double a = average(film.pixels[i].combined()) * film.pixels[i].share(),
+                 b = average(other.pixels[i].combined()) * other.pixels[i].share();
+    sum += a;
+    others += b;
+    difference += std::abs(a - b);
+  }
+  return {sum / others, difference / others};
+}
+
+TEST_CASE("a picture from the cache is that of a render, but for the width of its pixels") {
+  Renderer renderer(2);
+  fill_box(renderer);
+  for (uint32_t pass = 0; pass < 64; ++pass) renderer.render_pass(pass);
+  const Film rendered = renderer.film().unpacked();
+  renderer.trace_viewport_photons(120000, budget);
+  for (int k = 0; k < 20; ++k) renderer.draw_from_cache(1, 0.2f);
+  const Likeness cached = likeness(renderer.film().unpacked(), rendered);
+  CHECK(cached.ratio == doctest::Approx(1).epsilon(0.02));
+  CHECK(cached.difference < 0.06);
+}
+
+TEST_CASE("pictures from the cache sample what they do not know, and little of the rest") {
+  Renderer renderer(2);
+  fill_box(renderer);
+  renderer.trace_viewport_photons(30000, budget);
+  const uint64_t traced = renderer.map().viewport_photons()->counts().traced;
+  renderer.draw_from_cache(2, 0.1f);
+  CHECK(renderer.cache_counts().samples == size * size);
+  for (int k = 0; k < 4; ++k) renderer.draw_from_cache(2, 0.1f);
+  CHECK(renderer.cache_counts().readings == size * size);
+  CHECK(renderer.cache_counts().samples < size * size / 5);
+  look_from(renderer, 0.4f);
+  renderer.draw_from_cache(2, 0.1f);
+  CHECK(renderer.cache_counts().samples < size * size / 2);
+  CHECK(renderer.map().viewport_photons()->counts().traced == traced);
+  renderer.relight();
+  CHECK(renderer.light_cache().empty());
+}
+
+TEST_CASE("pictures from the cache are the same bit for bit on any number of threads") {
+  std::vector<Film> films;
+  for (int threads : {1, 3}) {
+    Renderer renderer(threads);
+    fill_box(renderer);
+    renderer.trace_viewport_photons(30000, budget);
+    for (const float x : {0.5f, 0.45f, 0.5f}) {
+      look_from(renderer, x);
+      renderer.draw_from_cache(2, 0.2f);
+    }
+    films.push_back(renderer.film().unpacked());
+  }
+  CHECK(same(films[0], films[1]));
+}
+
 TEST_CASE("viewport photons keep to their memory") {
   Renderer renderer(2);
   fill_box(renderer);
@@ -148,4 +210,5 @@ TEST_CASE("stages out of order are refused") {
   CHECK_THROWS_AS(renderer.trace_viewport_photons(1, budget), std::logic_error);
   fill_box(renderer);
   CHECK_THROWS_AS(renderer.draw_viewport(), std::logic_error);
+  CHECK_THROWS_AS(renderer.draw_from_cache(2, 0.2f), std::logic_error);
 }
