@@ -42,6 +42,8 @@ FIRST_PICTURE, UPDATES, STALL, MEMORY = 0.15, 15.0, 0.03, 100e6
 cores. Where software draws the window, and can do so less often even in Solid shading, the second
 and third are held beside that.
 """
+WIDEST, UNLIKE = 2, 3.0
+"""Pixels of the screen; 8-bit values: what is promised of pictures while the camera orbits."""
 SCREEN = "1183x648x24"
 """Leaves the viewport 960x540."""
 
@@ -167,6 +169,13 @@ def judge(result: dict[str, Any], output: Path) -> int:
         )
         hold("seconds of a draw while orbiting, at most", result["orbit"]["draw"]["most"], STALL)
         hold("photon paths traced while orbiting", result["orbit"]["photons traced"], 0)
+        hold("width of a picture's pixels while orbiting", result["orbit"]["step"], WIDEST)
+        hold(
+            "an orbiting picture against the finished one of its view, mean difference of 8-bit "
+            "values",
+            result["orbit"]["difference"],
+            UNLIKE,
+        )
     for kind, seconds in result.get("edits", {}).items():
         hold(f"median seconds from an edit to a picture, {kind}", seconds, FIRST_PICTURE)
     if "stall" in result:

@@ -7,8 +7,14 @@ STEPS = (1, 2, 3, 4, 6, 8)
 FIRST_STEP = 4
 SLOW, FAST = 0.062, 0.056
 """Seconds that a picture may take while the camera moves, and below which it gets more pixels."""
+SHARE_OF_NEW = 0.25
+"""Of a picture in the time that its width is taken to need: one that was held up says little."""
 FORGET_AFTER = 30
 """Number of pictures after which a width that was too slow is tried again."""
+
+
+def _mixed(old: float | None, new: float) -> float:
+    return new if old is None else old + SHARE_OF_NEW * (new - old)
 
 
 class Pace:
@@ -36,7 +42,7 @@ class Pace:
         if self._fixed or step != self.step:
             return
         at = STEPS.index(step)
-        self._seconds[step] = seconds
+        seconds = self._seconds[step] = _mixed(self._seconds.get(step), seconds)
         self._pictures += 1
         if self._pictures % FORGET_AFTER == 0 and at:  # something else may have slowed it down
             self._seconds.pop(STEPS[at - 1], None)

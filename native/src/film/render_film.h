@@ -15,8 +15,9 @@ class RenderFilm {
   }
   // Empty, for another view.
   void reset(int width, int height, int light_groups);
-  // What the next stages add to; until end_pass() the sum is that of the passes before.
-  PackedFilm& begin_pass();
+  // What the next stages add to; until end_pass() the sum is that of the passes before. `channels`:
+  // of those that are kept, only these.
+  PackedFilm& begin_pass(ChannelMask channels = kAllChannels);
   PackedFilm& pass() { return pass_; }
   void end_pass(ThreadPool& pool);
   // Instead of passes: a sum that has been made elsewhere, of `films` films, with its errors. The

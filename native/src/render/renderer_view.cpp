@@ -63,7 +63,7 @@ void Renderer::draw_from_cache(float pixels, float most_samples) {
   bad_light_ = 0;
   begun_ = false;
   camera_pass_->trace_from_cache({&light_cache_, pixels, cache_share_, cache_pictures_++}, maps_,
-                                 film_.begin_pass());
+                                 film_.begin_pass(channels_of_passes()));
   for (const auto& map : maps_) map->place_viewport_points(*camera_pass_->gather_points());
   Timer timer(seconds_.splat);
   add_photons_to_samples();

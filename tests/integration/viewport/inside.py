@@ -23,6 +23,7 @@ from pathlib import Path
 from typing import Any
 
 import bpy
+import numpy as np
 
 MODULE, SCENE, OTHER, FOLDER = sys.argv[sys.argv.index("--") + 1 :][:4]
 EDITS, HUNT = (int(text) for text in sys.argv[sys.argv.index("--") + 5 :][:2])
@@ -200,16 +201,39 @@ def orbit() -> Iterator[float]:
         view.view_rotation = Euler((math.radians(80), 0.0, 0.3 * math.sin(angle))).to_quaternion()
         draws.append(live().seconds["draw"])
         yield 0.01
-    seconds = time.monotonic() - began
+    seconds, moving = time.monotonic() - began, live().controller.picture()
     result["orbit"] = {
         "updates per second": (number() - first) / seconds,
-        "step": live().controller.picture().step,
+        "step": moving.step,
         "photons traced": live().controller.counts.photon_paths - traced,
         "draw": {"median": sorted(draws)[len(draws) // 2], "most": max(draws)},
         "picture": live().controller.counts.seconds["moving"],
     }
     screenshot("orbit")
+    while live().controller.picture().moving:  # the last of them is of the last view
+        moving = live().controller.picture()
+        yield TICK
+    bpy.context.scene.photon_splat.viewport_passes = 64
+    yield 0.3
+    yield from until(settled, "the refined picture of the last view")
+    finished = live().controller.picture()
+    assert finished.view == moving.view
+    result["orbit"]["difference"] = difference(moving, finished)
+    screenshot("orbit_finished")
+    bpy.context.scene.photon_splat.viewport_passes = 4
     yield 0.1
+
+
+def difference(moving: Any, finished: Any) -> float:
+    """Mean absolute difference of a coarse picture to the finished one, as 8-bit values."""
+    step, (height, width) = moving.step, moving.pixels.shape[:2]
+    rows, columns = height * step - len(finished.pixels), width * step - finished.pixels.shape[1]
+    whole = np.pad(finished.pixels[..., :3], ((0, rows), (0, columns), (0, 0)), mode="edge")
+    means = whole.reshape(height, step, width, step, 3).mean((1, 3))
+    shown, wanted = (
+        255 * np.clip(pixels, 0, 1) ** (1 / 2.2) for pixels in (moving.pixels[..., :3], means)
+    )
+    return float(np.abs(shown - wanted).mean())
 
 
 def others_orbit() -> Iterator[float]:
