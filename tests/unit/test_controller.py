@@ -325,7 +325,7 @@ def test_wide_pixels_keep_the_view(step: int) -> None:
 
 @pytest.mark.parametrize(
     ("fixed", "per_pixel", "expected"),
-    [(0.0, 1e-7, 1), (0.03, 1e-7, 3), (0.05, 1e-7, 4), (0.0, 1e-5, 8), (0.2, 0.0, 8)],
+    [(0.0, 1e-7, 1), (0.03, 1e-7, 2), (0.05, 1e-7, 4), (0.0, 1e-5, 8), (0.2, 0.0, 8)],
 )
 def test_the_width_of_pixels_follows_the_time_they_take(
     fixed: float, per_pixel: float, expected: int

@@ -5,7 +5,7 @@ from __future__ import annotations
 STEPS = (1, 2, 3, 4, 6, 8)
 """Widths of a picture's pixels, in pixels of the screen."""
 FIRST_STEP = 4
-SLOW, FAST = 0.062, 0.056
+SLOW, FAST = 0.066, 0.06
 """Seconds that a picture may take while the camera moves, and below which it gets more pixels."""
 SHARE_OF_NEW = 0.25
 """Of a picture in the time that its width is taken to need: one that was held up says little."""

@@ -64,10 +64,11 @@ void bind_options(nb::module_& m) {
       "What brings indirect light. OR_PATHS: where a trial in the first pass finds that less work,\n"
       "camera paths bring all of it, caustics excepted.")
       .value("PHOTONS", IndirectLight::kPhotons, "Photons light what camera paths meet first.")
-      .value("PHOTONS_OR_PATHS", IndirectLight::kPhotonsOrPaths)
+      .value("PHOTONS_OR_PATHS", IndirectLight::kPhotonsOrPaths, "The same, or camera paths.")
       .value("FINAL_GATHER", IndirectLight::kFinalGather,
              "Photons light what camera paths meet after one more bounce.")
-      .value("FINAL_GATHER_OR_PATHS", IndirectLight::kFinalGatherOrPaths);
+      .value("FINAL_GATHER_OR_PATHS", IndirectLight::kFinalGatherOrPaths,
+             "The same, or camera paths.");
   nb::class_<RenderPart>(
       m, "RenderPart", "One of the renders whose sums make a picture together; the whole at first.")
       .def(nb::init<>(), "The whole.")

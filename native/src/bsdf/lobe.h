@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <new>
 
-#include "bsdf/facet_hair.h"
+#include "bsdf/hair/facet_hair.h"
 #include "bsdf/microfacet.h"
 #include "bsdf/subsurface.h"
 

@@ -1,7 +1,7 @@
-#include "bsdf/facet_hair.h"
+#include "bsdf/hair/facet_hair.h"
 
-#include "bsdf/facet_hair_path.h"
-#include "bsdf/hair_along.h"
+#include "bsdf/hair/facet_hair_path.h"
+#include "bsdf/hair/hair_along.h"
 #include "bsdf/lobe.h"
 
 namespace photon_splat {

@@ -2,7 +2,7 @@
 // "A Microfacet-based Hair Scattering Model".
 #pragma once
 
-#include "bsdf/hair.h"
+#include "bsdf/hair/hair.h"
 
 namespace photon_splat {
 

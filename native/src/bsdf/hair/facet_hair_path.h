@@ -1,7 +1,7 @@
 // One path of light through a strand of facets: see FacetHairShape, whose coordinates are used.
 #pragma once
 
-#include "bsdf/facet_hair.h"
+#include "bsdf/hair/facet_hair.h"
 #include "bsdf/microfacet.h"
 #include "bsdf/tables.h"
 

@@ -1,6 +1,6 @@
-#include "bsdf/hair.h"
+#include "bsdf/hair/hair.h"
 
-#include "bsdf/hair_along.h"
+#include "bsdf/hair/hair_along.h"
 #include "bsdf/lobe.h"
 
 namespace photon_splat {

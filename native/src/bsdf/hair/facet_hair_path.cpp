@@ -1,4 +1,4 @@
-#include "bsdf/facet_hair_path.h"
+#include "bsdf/hair/facet_hair_path.h"
 
 namespace photon_splat {
 namespace {
