@@ -15,12 +15,21 @@ constexpr int32_t kWider = 2;
 constexpr float kOfWider = 0.25f;
 constexpr int32_t kSlab = 2;      // a slab is so many levels wider than its cells
 constexpr uint32_t kRecent = 64;  // pictures
-constexpr float kDark =
-    0.02f;  // a colour of an albedo, over its brightest one: nothing is told by it
+constexpr float kDark = 0.02f;    // a colour of an albedo, over its brightest: it tells nothing
 
-int32_t cell_index(double x) {
-  return static_cast<int32_t>(static_cast<int64_t>(std::clamp(std::floor(x), -1e15, 1e15)));
+int32_t cell_index(double x) {  // NaN too has one
+  constexpr double kFar = 1e15;
+  return static_cast<int32_t>(
+      static_cast<int64_t>(x > -kFar ? std::floor(std::min(x, kFar)) : -kFar));
 }
+
+// Of the way to the next cell.
+float beyond(double x) {
+  const double part = x - std::floor(x);
+  return part >= 0 ? static_cast<float>(part) : 0;
+}
+
+float within_unit(float x) { return x > 0 ? std::min(x, 1.0f) : 0; }
 
 Rgb divided_by_albedo(const Rgb& light, const Rgb& albedo) {
   const float least = kDark * max_component(albedo);
@@ -47,16 +56,16 @@ LightCache::Place LightCache::place(uint32_t key, const Vec3& position, const Ve
   const int axis = n.x >= n.y && n.x >= n.z ? 0 : n.y >= n.z ? 1 : 2;
   Place out;
   out.surface = hash64(uint64_t{key} << 3 | static_cast<uint64_t>(axis) << 1 | (normal[axis] < 0));
-  out.level =
-      std::clamp(static_cast<int32_t>(std::lround(std::log2(std::max(width, 1e-30f)))), -100, 100);
+  const float wide = width > 0 ? std::clamp(width, 1e-30f, 1e30f) : 1e-30f;
+  out.level = static_cast<int32_t>(std::lround(std::log2(wide)));
   const double inverse = std::ldexp(1.0, -out.level);
   out.slab = cell_index(position[axis] * std::ldexp(inverse, -kSlab));
   const double u = position[axis == 0 ? 1 : 0] * inverse - 0.5,
                v = position[axis == 2 ? 1 : 2] * inverse - 0.5;
   out.u = cell_index(u);
   out.v = cell_index(v);
-  out.fu = static_cast<float>(u - std::floor(u));
-  out.fv = static_cast<float>(v - std::floor(v));
+  out.fu = beyond(u);
+  out.fv = beyond(v);
   return out;
 }
 
@@ -69,8 +78,8 @@ void LightCache::set_mirror(Place& place, const Vec3& d, int32_t directions) {
     v = (1.0f - std::abs(u)) * std::copysign(1.0f, v);
     u = t;
   }
-  place.mirror_u = 0.5f * (u + 1);
-  place.mirror_v = 0.5f * (v + 1);
+  place.mirror_u = within_unit(0.5f * (u + 1));
+  place.mirror_v = within_unit(0.5f * (v + 1));
   place.directions = directions;
 }
 
@@ -82,7 +91,7 @@ LightCache::Place LightCache::wider(const Place& place) {
   const auto widen = [](int32_t& index, float& f) {
     const double x = (static_cast<double>(index) + f + 0.5) * kShare - 0.5;
     index = cell_index(x);
-    f = static_cast<float>(x - std::floor(x));
+    f = beyond(x);
   };
   widen(out.u, out.fu);
   widen(out.v, out.fv);

@@ -118,8 +118,11 @@ TEST_CASE("absurd places have a cell as well") {
   LightCache cache;
   for (const float x : {1e30f, -1e30f, INFINITY, NAN})
     for (const float width : {0.0f, 1e-30f, 1.0f, INFINITY, NAN}) {
-      const LightCache::Place place = LightCache::place(1, {x, x, x}, up, width);
+      LightCache::Place place = LightCache::place(1, {x, x, x}, up, width);
+      LightCache::set_mirror(place, {x, x, x}, 20);
       cache.add(place, Kind::kDiffuse, {1, 1, 1});
+      cache.add(place, Kind::kReflected, {1, 1, 1});
+      CHECK(is_finite(cache.light(place, Kind::kReflected)));
       CHECK(is_finite(cache.light(place, Kind::kDiffuse)));
     }
 }
