@@ -172,11 +172,12 @@ void Splatter::deal_pairs(size_t chunk_count, size_t block_count) {
     for (const Pair& pair : chunk_pairs_[c]) order_[next[pair.block]++] = pair.index;
 }
 
-// Along a Morton curve through the bounds of all blocks, equal places in the order given; with the
-// bounds of each group.
-void Splatter::sort_photons(const Photon* photons, size_t count, ThreadPool& pool) {
+// Along a Morton curve through these bounds, equal places in the order given; with the bounds of
+// each group.
+void Splatter::sort_photons(const Photon* photons, size_t count, const Bounds& within,
+                            ThreadPool& pool) {
   constexpr float kMost = (1 << kCurveBits) - 1;
-  const float scale = kMost / std::max(max_component(bounds_.upper - bounds_.lower), 1e-30f);
+  const float scale = kMost / std::max(max_component(within.upper - within.lower), 1e-30f);
   const size_t group_count = (count + kGroupSize - 1) / kGroupSize;
   curve_.resize(count);
   groups_.resize(group_count);
@@ -188,8 +189,8 @@ void Splatter::sort_photons(const Photon* photons, size_t count, ThreadPool& poo
     };
     for (size_t i = begin; i < end; ++i) {
       const Vec3 p = photons[i].position;
-      const uint64_t place = morton(cell(p.x, bounds_.lower.x), cell(p.y, bounds_.lower.y),
-                                    cell(p.z, bounds_.lower.z));
+      const uint64_t place =
+          morton(cell(p.x, within.lower.x), cell(p.y, within.lower.y), cell(p.z, within.lower.z));
       curve_[i] = place << 32 | static_cast<uint32_t>(i);
     }
   });
@@ -229,45 +230,62 @@ void Splatter::make_parts(const PointBlocks& blocks, ThreadPool& pool) {
 void Splatter::splat(const Photons& photons, PointBlocks& blocks, ThreadPool& pool,
                      const CancelFlag& cancel) {
   if (blocks.empty()) return;
-  if (parts_.size() != blocks.size()) make_parts(blocks, pool);
   for (size_t first = 0; first < photons.size(); first += kRun) {
-    const size_t count = std::min(photons.size() - first, kRun);
-    sort_photons(photons.data() + first, count, pool);
-    const size_t chunk_count = (groups_.size() + kGroupsPerChunk - 1) / kGroupsPerChunk;
-    if (chunk_pairs_.size() < chunk_count) chunk_pairs_.resize(chunk_count);
-    pool.for_each(chunk_count, cancel, [&](size_t c, int) {
-      chunk_pairs_[c].clear();
-      for (size_t g = c * kGroupsPerChunk; g < std::min(groups_.size(), (c + 1) * kGroupsPerChunk);
-           ++g)
-        find_blocks(group_bounds_[g], static_cast<uint32_t>(g), chunk_pairs_[c]);
-    });
-    deal_pairs(chunk_count, blocks.size());
-    const size_t task = std::clamp<size_t>(blocks.size() / kFewTasks, 1, kMostInTask);
-    pool.for_each((blocks.size() + task - 1) / task, cancel, [&](size_t t, int) {
-      const size_t last = std::min(blocks.size(), (t + 1) * task);
-      // Numbers of groups, as many places for each part as groups may meet the block
-      std::vector<uint32_t> met;
-      std::vector<uint32_t> count;
-      for (size_t b = t * task; b < last; ++b) {
-        if (b + 1 < last && first_[b + 1] < first_[b + 2]) fetch_ahead(blocks[b + 1]);
-        const auto& [parts, bounds] = parts_[b];
-        const size_t most = first_[b + 1] - first_[b];
-        met.resize(std::max(met.size(), bounds.size() * kFanout * most));
-        count.assign(bounds.size() * kFanout, 0);
-        for (uint32_t i = first_[b]; i < first_[b + 1]; ++i) {
-          const Query query(group_bounds_[order_[i]]);
-          for (size_t node = 0; node < bounds.size(); ++node) {
-            const unsigned mask = query.meets(bounds[node]);
-            for (size_t k = 0, part = node * kFanout; k < kFanout; count[part++] += mask >> k++ & 1)
-              met[part * most + count[part]] = order_[i];
-          }
-        }
-        for (size_t part = 0; part < parts.size(); ++part)
-          if (count[part])
-            kernel_(blocks[b], parts[part], groups_.data(), &met[part * most], count[part]);
-      }
-    });
+    sort_photons(photons.data() + first, std::min(photons.size() - first, kRun), bounds_, pool);
+    splat_sorted(blocks, pool, cancel);
   }
+}
+
+void Splatter::splat_kept(const Photons& photons, PointBlocks& blocks, ThreadPool& pool,
+                          const CancelFlag& cancel) {
+  if (photons.size() > kRun) return splat(photons, blocks, pool, cancel);
+  if (blocks.empty() || photons.empty()) return;
+  if (kept_ != photons.size()) {
+    Bounds all;
+    for (const Photon& photon : photons) all.add(photon.position);
+    sort_photons(photons.data(), photons.size(), all, pool);
+    kept_ = photons.size();
+  }
+  splat_sorted(blocks, pool, cancel);
+}
+
+// The photons sorted last.
+void Splatter::splat_sorted(PointBlocks& blocks, ThreadPool& pool, const CancelFlag& cancel) {
+  if (parts_.size() != blocks.size()) make_parts(blocks, pool);
+  const size_t chunk_count = (groups_.size() + kGroupsPerChunk - 1) / kGroupsPerChunk;
+  if (chunk_pairs_.size() < chunk_count) chunk_pairs_.resize(chunk_count);
+  pool.for_each(chunk_count, cancel, [&](size_t c, int) {
+    chunk_pairs_[c].clear();
+    for (size_t g = c * kGroupsPerChunk; g < std::min(groups_.size(), (c + 1) * kGroupsPerChunk);
+         ++g)
+      find_blocks(group_bounds_[g], static_cast<uint32_t>(g), chunk_pairs_[c]);
+  });
+  deal_pairs(chunk_count, blocks.size());
+  const size_t task = std::clamp<size_t>(blocks.size() / kFewTasks, 1, kMostInTask);
+  pool.for_each((blocks.size() + task - 1) / task, cancel, [&](size_t t, int) {
+    const size_t last = std::min(blocks.size(), (t + 1) * task);
+    // Numbers of groups, as many places for each part as groups may meet the block
+    std::vector<uint32_t> met;
+    std::vector<uint32_t> count;
+    for (size_t b = t * task; b < last; ++b) {
+      if (b + 1 < last && first_[b + 1] < first_[b + 2]) fetch_ahead(blocks[b + 1]);
+      const auto& [parts, bounds] = parts_[b];
+      const size_t most = first_[b + 1] - first_[b];
+      met.resize(std::max(met.size(), bounds.size() * kFanout * most));
+      count.assign(bounds.size() * kFanout, 0);
+      for (uint32_t i = first_[b]; i < first_[b + 1]; ++i) {
+        const Query query(group_bounds_[order_[i]]);
+        for (size_t node = 0; node < bounds.size(); ++node) {
+          const unsigned mask = query.meets(bounds[node]);
+          for (size_t k = 0, part = node * kFanout; k < kFanout; count[part++] += mask >> k++ & 1)
+            met[part * most + count[part]] = order_[i];
+        }
+      }
+      for (size_t part = 0; part < parts.size(); ++part)
+        if (count[part])
+          kernel_(blocks[b], parts[part], groups_.data(), &met[part * most], count[part]);
+    }
+  });
 }
 
 }  // namespace photon_splat

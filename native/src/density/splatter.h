@@ -28,6 +28,12 @@ class Splatter {
   void splat(const Photons& photons, PointBlocks& blocks, ThreadPool& pool,
              const CancelFlag& cancel);
 
+  // The same for photons that are splatted on other points again and again: they are sorted when
+  // there are more of them than the last time. For this splatter never any but these, and no more
+  // than a million at once.
+  void splat_kept(const Photons& photons, PointBlocks& blocks, ThreadPool& pool,
+                  const CancelFlag& cancel);
+
   // Which photons each block may catch, for a splatter elsewhere: block b those of
   // order()[first()[b] .. first()[b + 1]), ascending.
   void find_pairs(const Photon* photons, size_t count, size_t block_count, ThreadPool& pool,
@@ -52,7 +58,8 @@ class Splatter {
   };
   static Node make_node(const std::vector<Bounds>& bounds, size_t first);
   struct Query;
-  void sort_photons(const Photon* photons, size_t count, ThreadPool& pool);
+  void sort_photons(const Photon* photons, size_t count, const Bounds& within, ThreadPool& pool);
+  void splat_sorted(PointBlocks& blocks, ThreadPool& pool, const CancelFlag& cancel);
   void make_parts(const PointBlocks& blocks, ThreadPool& pool);
   void deal_pairs(size_t chunk_count, size_t block_count);
   void find_blocks(const Bounds& bounds, uint32_t index, std::vector<Pair>& out) const;
@@ -69,6 +76,7 @@ class Splatter {
   LargeArray<SplatGroup> groups_;
   std::vector<Bounds> group_bounds_;
   uint64_t pairs_ = 0;
+  size_t kept_ = 0;  // photons that splat_kept() has sorted
 };
 
 }  // namespace photon_splat

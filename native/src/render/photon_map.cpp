@@ -314,9 +314,11 @@ PhotonMapStatistics PhotonMap::statistics() const {
 }
 
 void PhotonMap::trace_viewport_photons(uint64_t paths, size_t most_bytes) {
-  if (!viewport_photons_)
+  if (!viewport_photons_) {
     viewport_photons_.emplace(context_.scene, lights_, context_.options.max_bounces, stream_,
                               stream_seed(seed_, RandomStream::kViewportPhotons));
+    viewport_splatter_.emplace(context_.options.kernel);
+  }
   viewport_photons_->trace(paths, most_bytes, context_.cancel);
 }
 
@@ -336,8 +338,9 @@ void PhotonMap::place_viewport_points(const GatherPoints& gather_points) {
   points_.build(context_.scene, gather_points, *there.radii(), s, 0, seed_, context_.cancel);
   groups_.reset(points_.blocks(), context_.scene.light_groups);  // all of the light is the rest
   if (options.boundary_correction) points_.correct_boundaries(context_.scene, context_.cancel);
-  splatter_->set_blocks(points_.block_bounds());
-  splatter_->splat(there.photons(), points_.blocks(), context_.scene.pool(), context_.cancel);
+  viewport_splatter_->set_blocks(points_.block_bounds());
+  viewport_splatter_->splat_kept(there.photons(), points_.blocks(), context_.scene.pool(),
+                                 context_.cancel);
   if (options.boundary_correction) points_.find_masses(context_.scene, context_.cancel);
   scale_sums(points_.blocks(), static_cast<float>(1.0 / paths));
 }

@@ -129,7 +129,8 @@ class PhotonMap {
   LightGroupSums groups_;
   AdaptiveRadius adaptive_radius_;
   std::optional<ViewportPhotons> viewport_photons_;
-  PhotonCache cache_;  // of the passes' photons, for renders of other views
+  std::optional<Splatter> viewport_splatter_;  // of them alone
+  PhotonCache cache_;                          // of the passes' photons, for renders of other views
   // The last batch
   const Photons* batch_ = &given_;
   const std::vector<int16_t>* batch_groups_ = &no_groups_;  // of those photons, or empty
