@@ -130,7 +130,7 @@ void Renderer::make_camera_pass() {
 
 void Renderer::make_maps() {
   maps_.clear();
-  light_cache_ = {};
+  light_cache_ = LightCache();
   cache_share_ = 1;
   kept_bytes_ = 0;
   const bool caustics = options.caustics && (scene.features() & kProgramSharp);
