@@ -42,7 +42,7 @@ FIRST_PICTURE, UPDATES, STALL, MEMORY = 0.15, 15.0, 0.03, 100e6
 cores. Where software draws the window, and can do so less often even in Solid shading, the second
 and third are held beside that.
 """
-WIDEST, UNLIKE = 3, 3.0
+WIDEST, UNLIKE = 2, 3.0
 """Pixels of the screen; 8-bit values: what is promised of pictures while the camera orbits."""
 SCREEN = "1183x648x24"
 """Leaves the viewport 960x540."""

@@ -191,14 +191,16 @@ def orbit() -> Iterator[float]:
     yield 1.0
     yield from until(settled, "the refined picture")
     yield 0.2
+    from mathutils import Euler
+
+    def turn(angle: float) -> None:
+        view.view_rotation = Euler((math.radians(80), 0.0, 0.3 * math.sin(angle))).to_quaternion()
+
     traced, first = live().controller.counts.photon_paths, number()
-    turn = 0.02
     began, angle, draws = time.monotonic(), 0.0, []
     while time.monotonic() - began < 4.0:
-        angle += turn
-        from mathutils import Euler
-
-        view.view_rotation = Euler((math.radians(80), 0.0, 0.3 * math.sin(angle))).to_quaternion()
+        angle += 0.02
+        turn(angle)
         draws.append(live().seconds["draw"])
         yield 0.01
     seconds, moving = time.monotonic() - began, live().controller.picture()
@@ -210,8 +212,11 @@ def orbit() -> Iterator[float]:
         "picture": live().controller.counts.seconds["moving"],
     }
     screenshot("orbit")
-    while live().controller.picture().moving:  # the last of them is of the last view
-        moving = live().controller.picture()
+    before = live().controller.picture().view
+    turn(angle + 0.02)
+    while (picture := live().controller.picture()).moving or picture.view == before:
+        if picture.moving:
+            moving = picture
         yield TICK
     bpy.context.scene.photon_splat.viewport_passes = 64
     yield 0.3
