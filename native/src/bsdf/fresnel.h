@@ -22,7 +22,6 @@ struct FresnelValue {
   Rgb reflect, transmit;
 };
 
-inline float saturate(float x) { return x > 0 ? (x < 1 ? x : 1.0f) : 0.0f; }  // NaN: 0
 inline Rgb saturate(const Rgb& c) { return {saturate(c.x), saturate(c.y), saturate(c.z)}; }
 inline Rgb lerp(const Rgb& a, const Rgb& b, float t) { return a + (b - a) * t; }
 inline constexpr Rgb kWhite{1, 1, 1};

@@ -29,8 +29,6 @@ float beyond(double x) {
   return part >= 0 ? static_cast<float>(part) : 0;
 }
 
-float within_unit(float x) { return x > 0 ? std::min(x, 1.0f) : 0; }
-
 Rgb divided_by_albedo(const Rgb& light, const Rgb& albedo) {
   const float least = kDark * max_component(albedo);
   const auto known = [&](float of) { return of > least; };
@@ -69,17 +67,10 @@ LightCache::Place LightCache::place(uint32_t key, const Vec3& position, const Ve
   return out;
 }
 
-// On the octahedron, as encode_direction().
-void LightCache::set_mirror(Place& place, const Vec3& d, int32_t directions) {
-  const float s = 1.0f / (std::abs(d.x) + std::abs(d.y) + std::abs(d.z));
-  float u = d.x * s, v = d.y * s;
-  if (d.z < 0) {
-    const float t = (1.0f - std::abs(v)) * std::copysign(1.0f, u);
-    v = (1.0f - std::abs(u)) * std::copysign(1.0f, v);
-    u = t;
-  }
-  place.mirror_u = within_unit(0.5f * (u + 1));
-  place.mirror_v = within_unit(0.5f * (v + 1));
+void LightCache::set_mirror(Place& place, const Vec3& direction, int32_t directions) {
+  const auto [u, v] = octahedral(direction);
+  place.mirror_u = saturate(0.5f * (u + 1));
+  place.mirror_v = saturate(0.5f * (v + 1));
   place.directions = directions;
 }
 
@@ -115,9 +106,12 @@ uint64_t LightCache::key_of(const Place& place, int32_t u, int32_t v, Kind kind)
                 (static_cast<uint64_t>(place.directions) << 40));
 }
 
+uint64_t LightCache::key_of(const Place& place, Kind kind) {
+  return key_of(place, place.u + (place.fu >= 0.5f), place.v + (place.fv >= 0.5f), kind);
+}
+
 float LightCache::samples(const Place& place, Kind kind) const {
-  const Cell* cell =
-      cells_.find(key_of(place, place.u + (place.fu >= 0.5f), place.v + (place.fv >= 0.5f), kind));
+  const Cell* cell = cells_.find(key_of(place, kind));
   return cell ? cell->count : 0;
 }
 
@@ -178,7 +172,7 @@ void LightCache::add(const Place& place, Kind kind, const Rgb& light) {
   Place at = place;
   for (int wide = 0; wide < kWidths; ++wide) {
     if (wide) at = wider(at);
-    add_to(key_of(at, at.u + (at.fu >= 0.5f), at.v + (at.fv >= 0.5f), kind), light);
+    add_to(key_of(at, kind), light);
   }
 }
 

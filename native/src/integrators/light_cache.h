@@ -68,6 +68,7 @@ class LightCache {
 
   static Place wider(const Place& place);
   static uint64_t key_of(const Place& place, int32_t u, int32_t v, Kind kind);
+  static uint64_t key_of(const Place& place, Kind kind);  // of the cell that holds the place
   Estimate around(const Place& place, Kind kind) const;
   Estimate estimate(const Place& place, Kind kind, int width) const;
   void add_to(uint64_t key, const Rgb& light);

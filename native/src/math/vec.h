@@ -11,6 +11,7 @@ namespace photon_splat {
 inline constexpr float kPi = 3.14159265358979f;
 
 inline float sqr(float x) { return x * x; }
+inline float saturate(float x) { return x > 0 ? (x < 1 ? x : 1.0f) : 0.0f; }  // NaN: 0
 
 struct Vec3 {
   float x = 0, y = 0, z = 0;
@@ -134,16 +135,19 @@ struct Affine {
 double determinant(const Affine& a);
 Affine inverse(const Affine& a);  // throws std::invalid_argument for a singular matrix
 
-// Unit vector in 16 bits, to about a degree: octahedral (Cigolle et al. 2014, "A survey of
-// efficient representations for independent unit vectors").
-inline uint16_t encode_direction(const Vec3& d) {
+// A direction in the square from -1 to 1, on an unfolded octahedron (Cigolle et al. 2014, "A survey
+// of efficient representations for independent unit vectors").
+inline std::array<float, 2> octahedral(const Vec3& d) {
   const float s = 1.0f / (std::abs(d.x) + std::abs(d.y) + std::abs(d.z));
-  float u = d.x * s, v = d.y * s;
-  if (d.z < 0) {
-    const float t = (1.0f - std::abs(v)) * std::copysign(1.0f, u);
-    v = (1.0f - std::abs(u)) * std::copysign(1.0f, v);
-    u = t;
-  }
+  const float u = d.x * s, v = d.y * s;
+  if (!(d.z < 0)) return {u, v};
+  return {(1.0f - std::abs(v)) * std::copysign(1.0f, u),
+          (1.0f - std::abs(u)) * std::copysign(1.0f, v)};
+}
+
+// Unit vector in 16 bits, to about a degree.
+inline uint16_t encode_direction(const Vec3& d) {
+  const auto [u, v] = octahedral(d);
   // 127 steps to either side of 0, so that the axes are exact.
   const auto quantize = [](float f) {
     return static_cast<uint16_t>(std::clamp(f, -1.0f, 1.0f) * 127.0f + 127.5f);

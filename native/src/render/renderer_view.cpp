@@ -125,12 +125,13 @@ void Renderer::read_light_cache() {
     film.get(t, pixels);
     for (const CacheReading& reading : tracer.readings(t)) {
       Pixel& pixel = pixels[reading.pixel];
-      if (!is_black(reading.albedo.diffuse))
-        pixel.diffuse_indirect +=
-            reading.albedo.diffuse * light_cache_.light(reading.place, Kind::kDiffuse);
-      if (!is_black(reading.albedo.reflected))
-        pixel.glossy_indirect +=
-            reading.albedo.reflected * light_cache_.light(reading.place, Kind::kReflected);
+      const auto read = [&](Rgb& sum, const Rgb& albedo, Kind kind) {
+        if (is_black(albedo)) return;
+        const Rgb light = albedo * light_cache_.light(reading.place, kind);
+        if (can_be_added(light)) sum += light;
+      };
+      read(pixel.diffuse_indirect, reading.albedo.diffuse, Kind::kDiffuse);
+      read(pixel.glossy_indirect, reading.albedo.reflected, Kind::kReflected);
     }
     film.put(t, pixels);
   });
