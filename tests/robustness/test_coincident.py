@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from photon_splat.core.render.settings import Integrator
-from photon_splat.core.scene import LightKind
+from photon_splat.core.scene import ALL_RAYS, LightKind, Ray
 
 from tests.support import corescene as c
 
@@ -43,6 +43,27 @@ def test_a_mesh_with_double_faces_is_as_bright_as_without() -> None:
         assert splat.mean() == pytest.approx(reference.mean(), rel=0.005)
         assert splat.max() < 1.2 * reference.max()
     assert twice[1].mean() == pytest.approx(once[1].mean(), rel=0.005)
+
+
+@pytest.mark.parametrize(
+    "unseen_by", [Ray.DIFFUSE, Ray.DIFFUSE | Ray.SHADOW], ids=["diffuse", "both"]
+)
+def test_light_stays_in_a_room_where_it_passes_what_stands_on_the_floor(unseen_by: Ray) -> None:
+    """Photons pass a box that the rays which see along their way do not; its lowest face lies in
+    the floor, which such rays meet.
+    """
+    view = c.perspective((0.0, -0.9, 1.0), (0.0, 0.5, 0.5), 32, 32, 1.6)
+    room = c.box((-1.0, -1.0, 0.0), (1.0, 1.0, 2.0), inwards=True)
+    lamp = c.lamp(LightKind.POINT, 30.0, (0.3, 0.2, 1.6), radius=0.1)
+
+    def mean(lift: float) -> float:
+        box = c.box((-0.6, -0.6, lift), (0.6, 0.6, 0.8))
+        what = c.scene(view, [(room, c.lambert(0.8)), (box, c.lambert(0.5))], [lamp])
+        seen = ALL_RAYS & ~Ray.CAMERA & ~unseen_by
+        what.instances.seen_by = np.array([ALL_RAYS, seen], np.uint32)
+        return float(c.picture(what, passes=8, photons_per_pass=50_000).mean())
+
+    assert mean(0.0) == pytest.approx(mean(0.01), rel=0.01)
 
 
 def test_a_warning_names_what_lies_in_each_other() -> None:

@@ -8,6 +8,7 @@ constexpr int kMaxTransparent = 4096;  // layers that let a path through before 
 // What the first surface may leave of a caustic path before that goes on at less than certainty:
 // light that faint reflections throw about comes by many faint photons.
 constexpr float kFaint = 1 / 32.0f;
+constexpr float kGrazing = 0.1f;  // cosine, below which seen_twin() does not look all the way
 
 RayInfo::Kind kind_of(const BsdfSample& s) {
   return s.diffuse ? RayInfo::kDiffuse : s.transmitted ? RayInfo::kTransmission : RayInfo::kGlossy;
@@ -123,6 +124,21 @@ bool PhotonTracer::pass_before_lamp(Path& path, const Surface& hit, const Vec3& 
   return path.soft_from <= path.soft_to && go_straight_on(path, hit, weight, origin);
 }
 
+// The surface in which one lies that the path passes unseen, if rays that see along its way meet
+// that: going on from there would miss it.
+std::optional<Surface> PhotonTracer::seen_twin(const Path& path, const Surface& hit,
+                                               const Vec3& direction) const {
+  const RayMask kinds = ray_bit(kind_of_way(path, path.bounces));
+  if (scene_.instances[hit.instance].seen_by & kinds || hit.on_strand()) return {};
+  const float far =
+      2 * ray_epsilon(hit.position, hit.distance) / std::max(-dot(direction, hit.ng), kGrazing);
+  Surface twin;
+  if (!scene_.intersect(leave(hit, hit.ng), direction, 0, far, false, twin, kinds, path.time))
+    return {};
+  twin.distance = hit.distance;
+  return twin;
+}
+
 // Sends a path on that a surface lets pass with this weight (its transparency over the chance to
 // pass); false where it ends.
 bool PhotonTracer::go_straight_on(Path& path, const Surface& hit, const Rgb& weight,
@@ -208,6 +224,8 @@ bool PhotonTracer::shade(Path& path, const Surface& hit, const PhotonStart& star
     if (accepted) path.power *= 2;
     if (passes) {
       path.unshadowed |= path.bounces == 0 && !start.casts_shadows;
+      if (const auto twin = seen_twin(path, hit, direction))
+        return shade(path, *twin, start, draws, visible, origin, direction, photons);
       return go_straight_on(path, hit, {1, 1, 1}, origin);
     }
   }
@@ -292,7 +310,13 @@ bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const Phot
     if (scattered == 0 || path.random.next() < passing) {
       if (passing_asked) path.kind = passing_ray.kind, path.guessed = true;
       path.unshadowed |= direct && !blocking && !start.casts_shadows;
-      return go_straight_on(path, hit, transparency / (passing * passing_chance), origin);
+      const Rgb weight = transparency / (passing * passing_chance);
+      if (!blocking)
+        if (const auto twin = seen_twin(path, hit, direction)) {
+          path.power *= weight;
+          return shade(path, *twin, start, draws, visible, origin, direction, photons);
+        }
+      return go_straight_on(path, hit, weight, origin);
     }
     path.power *= 1 / (1 - passing);
   }

@@ -1,6 +1,8 @@
 // Photons: where light arrived on a diffuse surface after at least one bounce.
 #pragma once
 
+#include <optional>
+
 #include "density/surface_filter.h"
 #include "lights/emission/photon_emitter.h"
 #include "media/media.h"
@@ -144,6 +146,8 @@ class PhotonTracer {
   bool arrives(const Path& path, const Vec3& place, float distance, const PhotonStart& start) const;
   bool lit(const Path& path, const Surface& hit, const PhotonStart& start) const;
   bool blocks(const Path& path, const Surface& hit, const PhotonStart& start) const;
+  std::optional<Surface> seen_twin(const Path& path, const Surface& hit,
+                                   const Vec3& direction) const;
   bool shade(Path& path, const Surface& hit, const PhotonStart& start, const Draws& draws,
              const SurfaceFilter& visible, Vec3& origin, Vec3& direction, Photons& photons) const;
   // Kind of ray that looks back along the path's present way: what it does not see the photon

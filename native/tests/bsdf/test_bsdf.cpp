@@ -1,4 +1,5 @@
 #include "bsdf/bsdf.h"
+#include "support/approx.h"
 
 #include <doctest/doctest.h>
 
@@ -112,7 +113,7 @@ TEST_CASE(
           Rgb rest;
           const Rgb mean = mean_weight(bsdf, count, 3, &rest);
           const Sums sums = integrate(bsdf);
-          CHECK(sums[0] == doctest::Approx(double(kept) / count).epsilon(0.02));
+          CHECK(sums[0] == approx(double(kept) / count).epsilon(0.02).scale(1));
           for (size_t k = 0; k < 3; ++k) {
             CHECK(std::abs(double(mean[int(k)]) - sums[1 + k]) < 0.02 * std::max(1.0, sums[1 + k]));
             CHECK(std::abs(double(rest[int(k)]) - sums[4 + k]) < 0.03);
@@ -127,7 +128,7 @@ TEST_CASE("no closure reflects more than it gets; those that must reflect all do
       CAPTURE(cosine);
       const Rgb mean = mean_weight(make_bsdf(c, direction(cosine, 0.3f)), 1 << 12, 5);
       CHECK(max_component(mean) < 1.02);
-      if (c.furnace >= 0) CHECK(mean.x == doctest::Approx(c.furnace).epsilon(0.01));
+      if (c.furnace >= 0) CHECK(mean.x == approx(c.furnace).epsilon(0.01));
     }
 }
 
@@ -141,7 +142,7 @@ TEST_CASE("reciprocal closures give the same for exchanged directions") {
                    b = direction((i % 4 ? 1.0f : -1.0f) * (0.05f + 0.9f * v.x), 6.28f * v.y);
         const Rgb ab = make_bsdf(c, a).evaluate(b, nullptr) / std::abs(b.z),
                   ba = make_bsdf(c, b).evaluate(a, nullptr) / std::abs(a.z);
-        for (int k = 0; k < 3; ++k) CHECK(ab[k] == doctest::Approx(ba[k]).epsilon(2e-3));
+        for (int k = 0; k < 3; ++k) CHECK(ab[k] == approx(ba[k]).epsilon(2e-3));
       }
 }
 
@@ -154,7 +155,7 @@ TEST_CASE("photons see the adjoint: the radiance closure with the directions exc
       const Vec3 to = direction((i % 2 ? 1.0f : -1.0f) * (0.05f + 0.9f * v.x), 6.28f * v.y);
       const Rgb flux = make_bsdf(c, from, Transport::kFlux).evaluate(to, nullptr) / std::abs(to.z);
       const Rgb radiance = make_bsdf(c, to).evaluate(from, nullptr) / std::abs(from.z);
-      for (int k = 0; k < 3; ++k) CHECK(flux[k] == doctest::Approx(radiance[k]).epsilon(1e-4));
+      for (int k = 0; k < 3; ++k) CHECK(flux[k] == approx(radiance[k]).epsilon(1e-4));
     }
 }
 
@@ -248,7 +249,7 @@ TEST_CASE("samples of sharp lobes alone: as much light by them as by all samples
       }
     }
     CHECK(all > 0.01);
-    CHECK(sharp == doctest::Approx(all).epsilon(0.01));
+    CHECK(sharp == approx(all).epsilon(0.01));
   }
   Bsdf dull(Transport::kFlux, wo, up, up, false);
   dull.add_diffuse({0.6f, 0.5f, 0.4f}, up, 0);

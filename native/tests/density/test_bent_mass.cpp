@@ -1,4 +1,5 @@
 #include "density/bent_mass.h"
+#include "support/approx.h"
 
 #include <doctest/doctest.h>
 
@@ -105,6 +106,6 @@ TEST_CASE("from behind it is the same") {
   Surface s;
   REQUIRE(scene.intersect({0.3f, 0.6f, -1}, {0, 0, 1}, 0, 10, true, s));
   CHECK(bent_mass(scene, s.instance, s.triangle, s.position, s.ng, 0.2f).wide ==
-        doctest::Approx(summed_mass(scene, s.instance, s.position, s.ng * -1.0f, 0.2f, 8).wide)
+        approx(summed_mass(scene, s.instance, s.position, s.ng * -1.0f, 0.2f, 8).wide)
             .epsilon(0.005));
 }

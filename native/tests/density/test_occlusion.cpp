@@ -1,4 +1,5 @@
 #include "density/occlusion.h"
+#include "support/approx.h"
 
 #include <doctest/doctest.h>
 
@@ -48,7 +49,7 @@ std::vector<Mesh> floor_and(Mesh thing) {
 DiscOcclusion at_floor(Scene& scene, float x, float y, float h) {
   Surface s;
   REQUIRE(scene.intersect({x, y, 0.05f}, {0, 0, -1}, 0, 100, true, s));
-  REQUIRE(s.position.z == doctest::Approx(0));
+  REQUIRE(s.position.z == approx(0));
   DiscOcclusion sum{0, 0, h};
   for (uint32_t i = 0; i < 64; ++i) {
     const DiscOcclusion one =
@@ -82,8 +83,8 @@ TEST_CASE("a box on the floor hides what lies under it, and no more") {
     for (float distance : {0.01f, 0.05f, 0.1f}) {
       const DiscOcclusion o = at_floor(both, 0.5f - distance, 0.5f, 0.2f);
       CAPTURE(distance);
-      CHECK(o.hidden == doctest::Approx(mass_beyond(distance, 0.2f)).epsilon(0.08));
-      CHECK(o.narrow_hidden == doctest::Approx(mass_beyond(distance, 0.2f * kNarrow)).epsilon(0.2));
+      CHECK(o.hidden == approx(mass_beyond(distance, 0.2f)).epsilon(0.08));
+      CHECK(o.narrow_hidden == approx(mass_beyond(distance, 0.2f * kNarrow)).epsilon(0.2));
       CHECK(o.clear == 0.2f);
     }
     CHECK(at_floor(both, 0.2f, 0.5f, 0.2f).hidden == 0);
@@ -95,7 +96,7 @@ TEST_CASE("a sheet on the floor hides nothing, and no disc reaches past it") {
   fill_all(scene, floor_and(make_sheet(0.5f)));
   const DiscOcclusion near = at_floor(scene, 0.45f, 0.5f, 0.2f);
   CHECK(near.hidden == 0);
-  CHECK(near.clear == doctest::Approx(0.05).epsilon(0.05));
+  CHECK(near.clear == approx(0.05).epsilon(0.05));
   CHECK(at_floor(scene, 0.25f, 0.5f, 0.2f).clear == 0.2f);
 }
 
@@ -116,14 +117,14 @@ TEST_CASE("a disc at the foot of a sheet steps away from it, if there is room") 
     CHECK(step(one, 0.5f + side * 0.01f, 0.5f, 0.05f, place));
     CHECK(side * (place.x - 0.5f) > 0.05f);
     CHECK(length(place - Vec3{0.5f + side * 0.01f, 0.5f, 0}) < 0.1f);
-    CHECK(place.z == doctest::Approx(0));
+    CHECK(place.z == approx(0));
   }
   Scene corridor(1);
   std::vector<Mesh> meshes = floor_and(make_sheet(0.5f));
   meshes.push_back(padded(make_sheet(0.53f)));
   fill_all(corridor, std::move(meshes));
   CHECK_FALSE(step(corridor, 0.51f, 0.5f, 0.05f, place));
-  CHECK(place.x == doctest::Approx(0.51f));
+  CHECK(place.x == approx(0.51f));
   Scene rim(1);  // the floor ends at x = 1
   fill_all(rim, floor_and(make_sheet(0.97f)));
   CHECK_FALSE(step(rim, 0.98f, 0.5f, 0.05f, place));
@@ -138,7 +139,7 @@ TEST_CASE("under an awning next to nothing is hidden: one sees its back, but not
   fill_all(scene, floor_and(std::move(awning)));
   const DiscOcclusion o = at_floor(scene, 0.45f, 0.5f, 0.2f);
   CHECK(o.hidden < 0.1f * mass_beyond(0.05f, 0.2f));
-  CHECK(o.clear == doctest::Approx(0.05).epsilon(0.05));
+  CHECK(o.clear == approx(0.05).epsilon(0.05));
 }
 
 TEST_CASE("where the floor ends at the wall there is nothing beyond") {
@@ -157,9 +158,8 @@ TEST_CASE("a board that hovers close over the floor keeps photons off it") {
       const DiscOcclusion o = at_floor(scene, 0.5f - distance, 0.5f, 0.2f);
       CAPTURE(gap);
       CAPTURE(distance);
-      CHECK(o.hidden == doctest::Approx(mass_beyond(distance, 0.2f)).epsilon(0.12));
-      CHECK(o.narrow_hidden ==
-            doctest::Approx(mass_beyond(distance, 0.2f * kNarrow)).epsilon(0.25));
+      CHECK(o.hidden == approx(mass_beyond(distance, 0.2f)).epsilon(0.12));
+      CHECK(o.narrow_hidden == approx(mass_beyond(distance, 0.2f * kNarrow)).epsilon(0.25));
       CHECK(o.clear == 0.2f);
     }
     CHECK(at_floor(scene, 0.2f, 0.5f, 0.2f).hidden == 0);

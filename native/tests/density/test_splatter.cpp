@@ -1,4 +1,5 @@
 #include "density/splatter.h"
+#include "support/approx.h"
 
 #include <doctest/doctest.h>
 
@@ -109,11 +110,11 @@ TEST_CASE("every kernel gives the sums of the definition") {
     for (const PointBlock& block : blocks)
       for (uint32_t i = 0; i < kBlockSize; ++i) {
         const Sums expected = sums_at(block, i, photons);
-        CHECK(block.r[i] == doctest::Approx(expected.r).epsilon(1e-3));
-        CHECK(block.b[i] == doctest::Approx(expected.b).epsilon(1e-3));
+        CHECK(block.r[i] == approx(expected.r).epsilon(1e-3));
+        CHECK(block.b[i] == approx(expected.b).epsilon(1e-3));
         // One photon may lie on the rim, within rounding
         CHECK(std::abs(block.count[i] - expected.count) <= 1);
-        CHECK(block.narrow[i] == doctest::Approx(expected.narrow).epsilon(1e-3));
+        CHECK(block.narrow[i] == approx(expected.narrow).epsilon(1e-3));
         caught += block.count[i];
       }
     CHECK(caught > 1000);

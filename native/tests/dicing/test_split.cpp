@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "dicing/pieces.h"
+#include "support/approx.h"
 
 using namespace photon_splat;
 
@@ -58,7 +59,7 @@ TEST_CASE("edges are halved until they are short, and no crack opens") {
   const double before = area(p);
   CHECK(p.halve(of_length(0.07), 20, 1u << 30, pool, [] {}));
   CHECK(longest(p) <= 0.07 * Pieces::kHalvedAbove);
-  CHECK(area(p) == doctest::Approx(before));
+  CHECK(area(p) == approx(before));
   size_t rim = 0;
   double around = 0;
   for (const auto& [ends, uses] : edges(p)) {
@@ -68,7 +69,7 @@ TEST_CASE("edges are halved until they are short, and no crack opens") {
     around += length(p.positions[ends.first] - p.positions[ends.second]);
   }
   CHECK(rim > 80);
-  CHECK(around == doctest::Approx(2 + std::sqrt(8.0) + std::sqrt(10.0)));
+  CHECK(around == approx(2 + std::sqrt(8.0) + std::sqrt(10.0)));
 }
 
 TEST_CASE("rounds and triangles are bounded") {
@@ -107,8 +108,8 @@ TEST_CASE("vertices stand as triangles name them, and places stay where they are
     const uint32_t v = p.triangles[c / 3][c % 3];
     CHECK(v <= next);
     if (v == next) CHECK(first[next++] == c);
-    CHECK(p.places[c / 3][c % 3].x == doctest::Approx(p.positions[v].x));
-    CHECK(p.places[c / 3][c % 3].y == doctest::Approx(p.positions[v].y));
+    CHECK(p.places[c / 3][c % 3].x == approx(p.positions[v].x));
+    CHECK(p.places[c / 3][c % 3].y == approx(p.positions[v].y));
   }
   CHECK(next == p.positions.size());
 
@@ -119,7 +120,7 @@ TEST_CASE("vertices stand as triangles name them, and places stay where they are
   mix(p, known, true, 1, nullptr, of_corners.data(), pool);
   for (size_t v = 0; v < first.size(); ++v) {
     const Place& at = p.positions[v];
-    CHECK(of_vertices[v] == doctest::Approx(at.x + 10 * at.y + at.x * at.y));
+    CHECK(of_vertices[v] == approx(at.x + 10 * at.y + at.x * at.y));
     CHECK(of_corners[first[v]] == of_vertices[v]);
   }
 }
@@ -131,7 +132,7 @@ TEST_CASE("an edge that comes near the eye counts where pixels are smallest") {
   WantedEdges wanted{1, Eye(s), {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}};
   const Place a{-8, 0, -1}, b{8, 0, -1};
   const double found = wanted.length_of(a, b, wanted.size_at(a), wanted.size_at(b));
-  CHECK(found == doctest::Approx(16 / 0.02).epsilon(1e-3));  // its middle is 1 m off
+  CHECK(found == approx(16 / 0.02).epsilon(1e-3));  // its middle is 1 m off
 }
 
 TEST_CASE("normals are means by area") {

@@ -2,6 +2,7 @@
 
 #include "film/adaptive_sampler.h"
 #include "math/sampling.h"
+#include "support/approx.h"
 
 using namespace photon_splat;
 
@@ -106,11 +107,11 @@ TEST_CASE(
     asked.wanted = wanted;
     return after(4, even, nothing, 1, {camera, 0}, asked).photons(0).count;
   };
-  CHECK(count(0, 100) == doctest::Approx(0.25));  // the fewest
-  CHECK(count(4, 1000) == doctest::Approx(4));
-  CHECK(count(100, 1e6) == doctest::Approx(8));  // the most
+  CHECK(count(0, 100) == approx(0.25));  // the fewest
+  CHECK(count(4, 1000) == approx(4));
+  CHECK(count(100, 1e6) == approx(8));  // the most
   // A quarter of the camera's work, of eight samples in a pixel, in steps of a quarter octave
-  CHECK(count(4, 0.5) == doctest::Approx(1).epsilon(0.2));
+  CHECK(count(4, 0.5) == approx(1).epsilon(0.2));
 }
 
 TEST_CASE("limited samples keep where they go, and number on") {
@@ -142,9 +143,9 @@ TEST_CASE("photons get what they are worth beside the camera's samples, within b
   // Random samples: their order gains nothing. One of each pixel, as noise is the photons': (c^2 +
   // s^2/m) (1 + m) is least for m = s/c. With their blur, half of it again, they count as sqrt(1.5)
   // times as much.
-  CHECK(photons_after(0.1f, 0.3f, {1, 0}) == doctest::Approx(3 * std::sqrt(1.5)).epsilon(0.15));
+  CHECK(photons_after(0.1f, 0.3f, {1, 0}) == approx(3 * std::sqrt(1.5)).epsilon(0.15));
   // Three times the work is fixed
-  CHECK(photons_after(0.1f, 0.3f, {1, 3}) == doctest::Approx(6 * std::sqrt(1.5)).epsilon(0.15));
+  CHECK(photons_after(0.1f, 0.3f, {1, 3}) == approx(6 * std::sqrt(1.5)).epsilon(0.15));
   CHECK(photons_after(0.01f, 0.3f, {1, 0}) == 8);
   CHECK(photons_after(0.0f, 0.3f, {1, 0}) == 8);
   CHECK(photons_after(0.3f, 0.001f, {1, 0}) == 0.25);
@@ -173,10 +174,10 @@ TEST_CASE("limited photons keep their proportions; where all passes have to have
   CHECK(choice.photons(0).count == 0.25);
   CHECK(choice.photons(1).count == 8);
   CHECK(choice.photons(2).count == 1);
-  CHECK(choice.photon_count() == doctest::Approx(9.25 / 3));
+  CHECK(choice.photon_count() == approx(9.25 / 3));
   choice.limit(1, 9.25 / 6, pool);
-  CHECK(choice.photons(1).count == doctest::Approx(4));
-  CHECK(choice.photons(0).count == doctest::Approx(0.125));
+  CHECK(choice.photons(1).count == approx(4));
+  CHECK(choice.photons(0).count == approx(0.125));
   CHECK(choice.photons(2).count == 1);
 }
 

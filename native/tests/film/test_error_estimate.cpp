@@ -1,4 +1,5 @@
 #include "film/error_estimate.h"
+#include "support/approx.h"
 
 #include <doctest/doctest.h>
 
@@ -55,9 +56,8 @@ TEST_CASE(
       if (std::abs(x - kWidth / 2) < 12) continue;  // neighbours lend each other their statistics
       (x < kWidth / 2 ? few : many) += e.variance()[static_cast<size_t>(y) * kWidth + x];
     }
-  CHECK(std::sqrt(few / (8 * kHeight)) == doctest::Approx(sigma / std::sqrt(24.0)).epsilon(0.2));
-  CHECK(std::sqrt(many / (9 * kHeight)) ==
-        doctest::Approx(sigma / std::sqrt(1 + 23 * 16.0)).epsilon(0.2));
+  CHECK(std::sqrt(few / (8 * kHeight)) == approx(sigma / std::sqrt(24.0)).epsilon(0.2));
+  CHECK(std::sqrt(many / (9 * kHeight)) == approx(sigma / std::sqrt(1 + 23 * 16.0)).epsilon(0.2));
 }
 
 TEST_CASE("independent passes: the standard error is sigma over the root of their number") {
@@ -71,9 +71,9 @@ TEST_CASE("independent passes: the standard error is sigma over the root of thei
     const double ratio = root_mean_square(errors.variance()) / (sigma / std::sqrt(double(passes)));
     CHECK(ratio > 0.7);
     CHECK(ratio < 1.2);
-    CHECK(errors.figures().mean_luminance == doctest::Approx(0.5).epsilon(0.02));
+    CHECK(errors.figures().mean_luminance == approx(0.5).epsilon(0.02));
     CHECK(errors.figures().bias == 0);
-    CHECK(errors.figures().relative_rmse == doctest::Approx(errors.figures().standard_error));
+    CHECK(errors.figures().relative_rmse == approx(errors.figures().standard_error));
   }
 }
 
@@ -111,7 +111,7 @@ TEST_CASE("what narrower discs would change is bias, unless it is noise") {
       pixel.detail = offset + 0.2f * (Random(p, i).next() - 0.5f);
     });
   };
-  CHECK(with_detail(0.1f).figures().bias == doctest::Approx(0.2).epsilon(0.05));
+  CHECK(with_detail(0.1f).figures().bias == approx(0.2).epsilon(0.05));
   CHECK(with_detail(0).figures().bias < 0.01);
 }
 
@@ -135,7 +135,7 @@ TEST_CASE("a lamp's rim says nothing of pixels that do not see it; lights met ra
       told += lamp.variance()[static_cast<size_t>(y) * kWidth + x];
       ++pixels;
     }
-  CHECK(std::sqrt(told / pixels) == doctest::Approx(sigma / std::sqrt(16.0)).epsilon(0.2));
+  CHECK(std::sqrt(told / pixels) == approx(sigma / std::sqrt(16.0)).epsilon(0.2));
   const double rim = lamp.variance()[static_cast<size_t>(kLamp) * kWidth + kFirst];
   CHECK(std::sqrt(rim) > 20);
   // As often bright as a lamp out of focus that one sample in two hundred meets
@@ -151,7 +151,7 @@ TEST_CASE(
     "one pass is judged by its neighbours; a black picture has no error; no passes, no estimate") {
   const ErrorEstimate one = estimate(
       1, [](uint32_t p, uint32_t i, Pixel& pixel) { pixel.emission.y = Random(p, i).next(); });
-  CHECK(root_mean_square(one.variance()) == doctest::Approx(0.7152 / std::sqrt(12.0)).epsilon(0.4));
+  CHECK(root_mean_square(one.variance()) == approx(0.7152 / std::sqrt(12.0)).epsilon(0.4));
   const ErrorEstimate black = estimate(5, [](uint32_t, uint32_t, Pixel&) {});
   CHECK(black.figures().relative_rmse == 0);
   CHECK(root_mean_square(black.variance()) < 1e-6);

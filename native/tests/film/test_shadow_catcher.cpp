@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "film/shadow_catcher.h"
+#include "support/approx.h"
 
 using namespace photon_splat;
 
@@ -26,9 +27,9 @@ Pixel seen() {
 TEST_CASE("a catcher's shadow is its light over that without other things") {
   const Pixel p = seen();
   const Rgb shadow = caught_shadow(p);
-  CHECK(shadow.x == doctest::Approx(0.25f + 0.75f * 0.5f));
-  CHECK(shadow.y == doctest::Approx(0.25f + 0.75f * 0.25f));
-  CHECK(shadow.z == doctest::Approx(0.25f));
+  CHECK(shadow.x == approx(0.25f + 0.75f * 0.5f));
+  CHECK(shadow.y == approx(0.25f + 0.75f * 0.25f));
+  CHECK(shadow.z == approx(0.25f));
   CHECK(caught_shadow(Pixel{}).x == 1);
 }
 
@@ -38,8 +39,8 @@ TEST_CASE("a shadow is alpha in a transparent film and darkens the world in an o
   const float shown = average(caught_shadow(p));
   const Rgba clear = with_shadow(p, light, true), opaque = with_shadow(p, light, false);
   CHECK(clear.color.x == light.x);
-  CHECK(clear.alpha == doctest::Approx(0.25f + 0.75f * (1 - shown)));
-  CHECK(opaque.color.x == doctest::Approx(light.x + shown));
+  CHECK(clear.alpha == approx(0.25f + 0.75f * (1 - shown)));
+  CHECK(opaque.color.x == approx(light.x + shown));
   CHECK(opaque.alpha == 1);
 }
 
@@ -47,6 +48,6 @@ TEST_CASE("light that things throw on a catcher does not brighten the picture") 
   Pixel p = seen();
   p.caught = {9, 9, 9};
   CHECK(caught_shadow(p).x > 1);
-  CHECK(with_shadow(p, {}, true).alpha == doctest::Approx(0.25f));
-  CHECK(with_shadow(p, {}, false).color.x == doctest::Approx(1));
+  CHECK(with_shadow(p, {}, true).alpha == approx(0.25f));
+  CHECK(with_shadow(p, {}, false).color.x == approx(1));
 }

@@ -1,4 +1,5 @@
 #include "geometry/motion.h"
+#include "support/approx.h"
 
 #include <doctest/doctest.h>
 
@@ -100,30 +101,30 @@ TEST_CASE("times follow the shutter's curve") {
   CHECK_FALSE(shutter.blurs());
   shutter.set({}, -1);
   CHECK(shutter.blurs());
-  for (const float u : {0.0f, 0.3f, 0.9999f}) CHECK(shutter.time(u, 0.2f) == doctest::Approx(u));
+  for (const float u : {0.0f, 0.3f, 0.9999f}) CHECK(shutter.time(u, 0.2f) == approx(u));
   const float opening[] = {0, 1};
   shutter.set(opening, -1);
   for (const float u : {0.04f, 0.25f, 0.81f})
-    CHECK(shutter.time(u, 0) == doctest::Approx(std::sqrt(u)).epsilon(1e-3));
+    CHECK(shutter.time(u, 0) == approx(std::sqrt(u)).epsilon(1e-3));
   const float late[] = {0, 0, 1, 1};  // a share of 1/3 while it opens
   shutter.set(late, -1);
-  CHECK(shutter.time(1 / 3.0f, 0) == doctest::Approx(2 / 3.0f).epsilon(1e-3));
-  CHECK(shutter.time(2 / 3.0f, 0) == doctest::Approx(5 / 6.0f).epsilon(1e-3));
+  CHECK(shutter.time(1 / 3.0f, 0) == approx(2 / 3.0f).epsilon(1e-3));
+  CHECK(shutter.time(2 / 3.0f, 0) == approx(5 / 6.0f).epsilon(1e-3));
   const float never[] = {0, 0};
   shutter.set(never, -1);
-  CHECK(shutter.time(0.4f, 0) == doctest::Approx(0.4f));
+  CHECK(shutter.time(0.4f, 0) == approx(0.4f));
 }
 
 TEST_CASE("a rolling shutter exposes the lines from the top on") {
   Shutter shutter;
   shutter.set({}, 0);
-  CHECK(shutter.time(0.9f, 0.25f) == doctest::Approx(0.25f));
+  CHECK(shutter.time(0.9f, 0.25f) == approx(0.25f));
   shutter.set({}, 0.2f);
-  CHECK(shutter.time(0, 0) == doctest::Approx(0));
-  CHECK(shutter.time(1, 0) == doctest::Approx(0.2f));
-  CHECK(shutter.time(0, 1) == doctest::Approx(0.8f));
+  CHECK(shutter.time(0, 0) == approx(0));
+  CHECK(shutter.time(1, 0) == approx(0.2f));
+  CHECK(shutter.time(0, 1) == approx(0.8f));
   shutter.set({}, 1);
-  CHECK(shutter.time(0.3f, 0.9f) == doctest::Approx(0.3f));
+  CHECK(shutter.time(0.3f, 0.9f) == approx(0.3f));
 }
 
 TEST_CASE("rays meet a turning mesh where it is at their time") {
@@ -161,9 +162,9 @@ TEST_CASE("rays meet a turning mesh where it is at their time") {
     CHECK(length(steps[2].point(local) - rest.position) < 2e-5f);
     const Surface centre = scene.surface_at(0, s.triangle, s.u, s.v, s.back);
     CHECK(dot(centre.ng, rest.ng) > 0.99999f);
-    CHECK(rest.area == doctest::Approx(1).epsilon(1e-3));
+    CHECK(rest.area == approx(1).epsilon(1e-3));
     // What is turned keeps its angle to the normal.
-    CHECK(dot(rest.turn(way), rest.ng) == doctest::Approx(dot(way, s.ng)).epsilon(1e-3));
+    CHECK(dot(rest.turn(way), rest.ng) == approx(dot(way, s.ng)).epsilon(1e-3));
     // Packets see the same
     Scene::Rays rays{&origin.x, &origin.y, &origin.z, &way.x, &way.y, &way.z};
     alignas(64) float all[7][RayHits::kMost] = {};
@@ -192,7 +193,7 @@ TEST_CASE("a moving square covers what lies below it as long as it is there") {
       covered += scene.occluded({x, 0.5f, 1}, {0, 0, -1}, 0, 10, kAllRays,
                                 (static_cast<float>(k) + 0.5f) / kTimes);
     const float expected = std::min({x, 1.0f, 5 - x}) / 4;
-    CHECK(static_cast<float>(covered) / kTimes == doctest::Approx(expected).epsilon(0.01));
+    CHECK(static_cast<float>(covered) / kTimes == approx(expected).epsilon(0.01));
   }
   CHECK(scene.bounds().lower.x <= 0);
   CHECK(scene.bounds().upper.x >= 5);
@@ -220,15 +221,15 @@ TEST_CASE("a mesh that changes its shape is met where it is") {
       const float height = 10 + (time < 0.5f ? 1 - 2 * time : 3 * (2 * time - 1));
       Surface s;
       REQUIRE(scene.intersect({0.3f, 0.4f, 20}, {0, 0, -1}, 0, 100, true, s, kAllRays, time));
-      CHECK(s.position.z == doctest::Approx(height).epsilon(1e-5));
-      CHECK(s.ng.z == doctest::Approx(1));
+      CHECK(s.position.z == approx(height).epsilon(1e-5));
+      CHECK(s.ng.z == approx(1));
       const PlaceAtRest rest = scene.at_rest(s, time);
       CHECK(length(rest.position - Vec3{0.3f, 0.4f, 10}) < 1e-5f);
     }
     // Asked without a time it is as in the middle.
     Surface s;
     REQUIRE(scene.intersect({0.3f, 0.4f, 20}, {0, 0, -1}, 0, 100, true, s));
-    CHECK(s.position.z == doctest::Approx(10));
+    CHECK(s.position.z == approx(10));
   }
 }
 
@@ -263,7 +264,7 @@ TEST_CASE("photons on what grows are as dense as where they have landed") {
   for (const float time : {0.0f, 1.0f}) {
     Surface s;
     REQUIRE(scene.intersect({0.2f, 0.1f, 2}, {0, 0, -1}, 0, 100, true, s, kAllRays, time));
-    CHECK(scene.at_rest(s, time).area == doctest::Approx(time == 0 ? 4 : 1 / 6.0));
+    CHECK(scene.at_rest(s, time).area == approx(time == 0 ? 4 : 1 / 6.0));
   }
 }
 

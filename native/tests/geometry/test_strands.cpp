@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "scene/scene.h"
+#include "support/approx.h"
 #include "support/meshes.h"
 
 using namespace photon_splat;
@@ -49,15 +50,15 @@ TEST_CASE("rays meet strands as wide as they are, and find the normals of round 
       CHECK(s.on_strand());
       CHECK_FALSE(s.back);
       CHECK(s.triangle == 2);
-      CHECK(s.u == doctest::Approx(0.25f).epsilon(0.01));
+      CHECK(s.u == approx(0.25f).epsilon(0.01));
       const float sine = x / 0.1f, cosine = std::sqrt(1 - sine * sine);
-      CHECK(s.ns.x == doctest::Approx(sine).epsilon(0.02));
-      CHECK(s.ns.y == doctest::Approx(-cosine).epsilon(0.02));
+      CHECK(s.ns.x == approx(sine).epsilon(0.02));
+      CHECK(s.ns.y == approx(-cosine).epsilon(0.02));
       CHECK(std::abs(s.ns.z) < 0.01f);
       if (shape == StrandShape::kRibbon)
-        CHECK(s.distance == doctest::Approx(5));
+        CHECK(s.distance == approx(5));
       else
-        CHECK(s.distance == doctest::Approx(5 - 0.1f * cosine).epsilon(1e-3));
+        CHECK(s.distance == approx(5 - 0.1f * cosine).epsilon(1e-3));
     }
     Surface s;
     for (const float x : {-0.11f, 0.11f})
@@ -76,12 +77,12 @@ TEST_CASE("round strands have far sides, points have none") {
   scene.build(CancelFlag());
   Surface s;
   REQUIRE(scene.intersect({0, 0, 2}, {0, 1, 0}, 0, INFINITY, false, s));
-  CHECK(s.distance == doctest::Approx(0.1f));
+  CHECK(s.distance == approx(0.1f));
   CHECK(length(s.ns - Vec3{0, -1, 0}) < 1e-3f);  // towards where the ray comes from
   CHECK_FALSE(scene.intersect({4, 0, 2}, {0, 1, 0}, 0, INFINITY, false, s));
   CHECK_FALSE(scene.occluded({4, 0, 2}, {0, 0, 1}, 0, INFINITY));
   REQUIRE(scene.intersect({4, -3, 2}, {0, 1, 0}, 0, INFINITY, false, s));
-  CHECK(s.distance == doctest::Approx(2.5f));
+  CHECK(s.distance == approx(2.5f));
   CHECK(length(s.ns - Vec3{0, -1, 0}) < 1e-5f);
 }
 
@@ -125,12 +126,12 @@ TEST_CASE("strands stand where their instances put them") {
       scene.build(CancelFlag());
       CHECK(scene.instances[0].shared == shared);
       REQUIRE(scene.intersect({3.1f, -4, 2.5f}, {0, 1, 0}, 0, INFINITY, false, found[shared]));
-      CHECK(scene.meshes[0].strands->length(0) == doctest::Approx(4));
-      CHECK(scene.meshes[0].strands->length_to(1, 0.5f) == doctest::Approx(1.5f));
+      CHECK(scene.meshes[0].strands->length(0) == approx(4));
+      CHECK(scene.meshes[0].strands->length_to(1, 0.5f) == approx(1.5f));
     }
-    CHECK(found[0].distance == doctest::Approx(found[1].distance));
+    CHECK(found[0].distance == approx(found[1].distance));
     CHECK(length(found[0].ns - found[1].ns) < 1e-3f);
-    CHECK(found[0].ns.x == doctest::Approx(0.5f).epsilon(0.02));
+    CHECK(found[0].ns.x == approx(0.5f).epsilon(0.02));
   }
   // What is stretched unevenly keeps to its own coordinates
   Scene scene(1);
@@ -140,9 +141,9 @@ TEST_CASE("strands stand where their instances put them") {
   CHECK(scene.instances[0].shared);
   Surface s;
   REQUIRE(scene.intersect({-9, 0, 0}, {1, 0, 0}, 0, INFINITY, false, s));
-  CHECK(s.distance == doctest::Approx(6));
+  CHECK(s.distance == approx(6));
   REQUIRE(scene.intersect({0, 0, 9}, {0, 0, -1}, 0, INFINITY, false, s));
-  CHECK(s.distance == doctest::Approx(8));
+  CHECK(s.distance == approx(8));
 }
 
 TEST_CASE("strands move while the shutter is open") {
@@ -160,7 +161,7 @@ TEST_CASE("strands move while the shutter is open") {
   for (const auto& [time, x] :
        {std::pair{0.0f, -2.0f}, {0.25f, -1.0f}, {0.5f, 0.0f}, {1.0f, 2.0f}}) {
     REQUIRE(scene.intersect({x, -5, 2.5f}, {0, 1, 0}, 0, INFINITY, false, s, kAllRays, time));
-    CHECK(s.distance == doctest::Approx(5));
+    CHECK(s.distance == approx(5));
     CHECK_FALSE(scene.occluded({x + 0.2f, -5, 2.5f}, {0, 1, 0}, 0, INFINITY, kAllRays, time));
   }
 }
@@ -195,7 +196,7 @@ TEST_CASE("strands without extent are no harm") {
       const float x = float(i) / 80;
       if (scene.intersect({x, -5, 2}, {0, 1, 0}, 0, INFINITY, false, s)) {
         CHECK(is_finite(s.ns));
-        CHECK(length(s.ns) == doctest::Approx(1));
+        CHECK(length(s.ns) == approx(1));
       }
     }
     CHECK(scene.meshes[0].strands->length(1) == 0);

@@ -1,4 +1,5 @@
 #include "geometry/topology.h"
+#include "support/approx.h"
 
 #include <doctest/doctest.h>
 
@@ -26,7 +27,7 @@ TEST_CASE("a plane is one planar patch with the same boundary however it is tess
     const Topology topology = topology_of(make_grid(n));
     CHECK(topology.planar == std::vector<uint8_t>{1});
     CHECK(topology.edges.size() == size_t(4 * n));
-    CHECK(perimeter(topology, 0) == doctest::Approx(4));
+    CHECK(perimeter(topology, 0) == approx(4));
     CHECK(topology.curvature.empty());
   }
 }
@@ -35,7 +36,7 @@ TEST_CASE("a cube is six planar patches whose edges run counter-clockwise") {
   const Topology topology = topology_of(make_cube());
   REQUIRE(topology.planar == std::vector<uint8_t>(6, 1));
   for (uint32_t patch = 0; patch < 6; ++patch) {
-    CHECK(perimeter(topology, patch) == doctest::Approx(4));
+    CHECK(perimeter(topology, patch) == approx(4));
     float twice_area = 0;
     for (uint32_t i = topology.first_edge[patch]; i < topology.first_edge[patch + 1]; ++i) {
       const BoundaryEdge& edge = topology.edges[i];
@@ -44,7 +45,7 @@ TEST_CASE("a cube is six planar patches whose edges run counter-clockwise") {
           dot(cross(edge.a - topology.edges[topology.first_edge[patch]].a, edge.b - edge.a),
               edge.normal);
     }
-    CHECK(twice_area == doctest::Approx(2));
+    CHECK(twice_area == approx(2));
   }
 }
 
@@ -54,7 +55,7 @@ TEST_CASE("a smooth sphere is one patch without an end, and knows its curvature"
   CHECK(topology.edges.empty());
   const Mesh sphere = make_sphere(32, 64);
   for (uint32_t t = 0; t < sphere.triangles.size(); ++t)
-    CHECK(topology.curvature_of(t) == doctest::Approx(1).epsilon(0.5));
+    CHECK(topology.curvature_of(t) == approx(1).epsilon(0.5));
 }
 
 TEST_CASE("a triangle and its double are no neighbours") {

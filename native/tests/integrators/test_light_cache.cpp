@@ -1,5 +1,6 @@
 // The cells that keep the light of surfaces for a viewport.
 #include "integrators/light_cache.h"
+#include "support/approx.h"
 
 #include <doctest/doctest.h>
 
@@ -29,8 +30,8 @@ TEST_CASE("a cell gives the mean of its samples, and is known by its surface, si
   cache.add(place, Kind::kDiffuse, {1, 0, 0});
   cache.add(place, Kind::kDiffuse, {3, 2, 0});
   CHECK(cache.samples(place, Kind::kDiffuse) == 2);
-  CHECK(cache.light(place, Kind::kDiffuse).x == doctest::Approx(2));
-  CHECK(cache.light(place, Kind::kDiffuse).y == doctest::Approx(1));
+  CHECK(cache.light(place, Kind::kDiffuse).x == approx(2));
+  CHECK(cache.light(place, Kind::kDiffuse).y == approx(1));
   CHECK(!cache.knows(place, Kind::kReflected));
   CHECK(!cache.knows(at(0.125f, 0.125f, 2), Kind::kDiffuse));
   CHECK(!cache.knows(LightCache::place(1, {0.125f, 0.125f, 0}, -up, 0.25f), Kind::kDiffuse));
@@ -43,8 +44,8 @@ TEST_CASE("between the middles of cells light changes evenly") {
   fill(cache, 0.375f, 0.125f, 3);
   for (const float share : {0.0f, 0.25f, 0.5f, 1.0f}) {
     const Rgb light = cache.light(at(0.125f + 0.25f * share, 0.125f), Kind::kDiffuse);
-    CHECK(light.x == doctest::Approx(1 + 2 * share));
-    CHECK(light.y == doctest::Approx(2 + 4 * share));
+    CHECK(light.x == approx(1 + 2 * share));
+    CHECK(light.y == approx(2 + 4 * share));
   }
 }
 
@@ -62,7 +63,7 @@ TEST_CASE("light that is linear over a surface is read as such, below 0 too, wha
         }
     for (const auto& [u, v] : {std::pair{-1.3f, -0.7f}, {0.02f, -0.01f}, {1.1f, 0.9f}})
       CHECK(cache.light(LightCache::place(7, a * u + b * v, normal, 0.25f), Kind::kDiffuse).x ==
-            doctest::Approx(10 + u + 2 * v).epsilon(1e-4));
+            approx(10 + u + 2 * v).epsilon(1e-4));
   }
 }
 
@@ -72,7 +73,7 @@ TEST_CASE("where cells hold nothing, wider ones tell") {
   const LightCache::Place beside = at(0.6f, 0.6f);
   CHECK(cache.samples(beside, Kind::kDiffuse) == 0);
   CHECK(cache.knows(beside, Kind::kDiffuse));
-  CHECK(cache.light(beside, Kind::kDiffuse).x == doctest::Approx(5));
+  CHECK(cache.light(beside, Kind::kDiffuse).x == approx(5));
 }
 
 TEST_CASE("reflected light is told apart by where a mirror would look") {
@@ -86,8 +87,8 @@ TEST_CASE("reflected light is told apart by where a mirror would look") {
     cache.add(looking({1, 0, 0.2f}), Kind::kReflected, {1, 0, 0});
     cache.add(looking({-1, 0, 0.2f}), Kind::kReflected, {9, 0, 0});
   }
-  CHECK(cache.light(looking({1, 0, 0.2f}), Kind::kReflected).x == doctest::Approx(1));
-  CHECK(cache.light(looking({-1, 0, 0.2f}), Kind::kReflected).x == doctest::Approx(9));
+  CHECK(cache.light(looking({1, 0, 0.2f}), Kind::kReflected).x == approx(1));
+  CHECK(cache.light(looking({-1, 0, 0.2f}), Kind::kReflected).x == approx(9));
   CHECK(cache.samples(looking({0, 0, 1}), Kind::kReflected) == 0);
 }
 
@@ -96,7 +97,7 @@ TEST_CASE("old samples fade, so that light that has changed comes through") {
   const LightCache::Place place = at(0.125f, 0.125f);
   for (int i = 0; i < 1000; ++i) cache.add(place, Kind::kDiffuse, {1, 1, 1});
   for (int i = 0; i < 1000; ++i) cache.add(place, Kind::kDiffuse, {2, 2, 2});
-  CHECK(cache.light(place, Kind::kDiffuse).x == doctest::Approx(2).epsilon(0.01));
+  CHECK(cache.light(place, Kind::kDiffuse).x == approx(2).epsilon(0.01));
 }
 
 TEST_CASE("memory is bounded: what no late picture has added to is forgotten first") {
@@ -132,8 +133,8 @@ TEST_CASE("samples go by albedo, and a colour that it lacks by the others") {
   sample.albedo.diffuse = {0.5f, 0.25f, 0};
   sample.light.diffuse = {1, 1, 0};
   const Rgb light = sample.over_albedo().diffuse;
-  CHECK(light.x == doctest::Approx(2));
-  CHECK(light.y == doctest::Approx(4));
-  CHECK(light.z == doctest::Approx(3));
+  CHECK(light.x == approx(2));
+  CHECK(light.y == approx(4));
+  CHECK(light.z == approx(3));
   CHECK(is_black(sample.over_albedo().reflected));
 }

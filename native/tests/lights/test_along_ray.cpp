@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include "lights/lights.h"
+#include "support/approx.h"
 #include "support/meshes.h"
 
 using namespace photon_splat;
@@ -49,7 +50,7 @@ TEST_CASE("distances along a ray are drawn by a density that integrates to 1, wi
   {
     const Lights point(scene, {lamp_at(LampKind::kPoint, {0, 0, 2})});
     const Along seen = look(point, origin, along, 10);
-    CHECK(seen.integral == doctest::Approx(1).epsilon(1e-3));
+    CHECK(seen.integral == approx(1).epsilon(1e-3));
     CHECK(seen.least < 0.1f);
     CHECK(seen.most > 9.9f);
   }
@@ -57,9 +58,9 @@ TEST_CASE("distances along a ray are drawn by a density that integrates to 1, wi
     const Lights spot(scene, {lamp_at(LampKind::kSpot, {0, 0, 2})});
     const Along seen = look(spot, origin, along, 10);
     const float half = (1 + 0.1f / std::sin(0.4f)) * std::tan(0.4f);
-    CHECK(seen.integral == doctest::Approx(1).epsilon(1e-3));
-    CHECK(seen.least == doctest::Approx(5 - half).epsilon(1e-3));
-    CHECK(seen.most == doctest::Approx(5 + half).epsilon(1e-3));
+    CHECK(seen.integral == approx(1).epsilon(1e-3));
+    CHECK(seen.least == approx(5 - half).epsilon(1e-3));
+    CHECK(seen.most == approx(5 + half).epsilon(1e-3));
     CHECK(*spot.pdf_along(origin, along, 0, 10, 1) == 0);
     CHECK_FALSE(spot.sample_along({-5, 0, 3}, along, 0, 10, 0.5f, 0.5f));  // above it
   }
@@ -67,8 +68,8 @@ TEST_CASE("distances along a ray are drawn by a density that integrates to 1, wi
     const Vec3 up = normalize(Vec3{1, 0, 1});
     const Lights area(scene, {lamp_at(LampKind::kArea, {0, 0, 3})});
     const Along seen = look(area, {-4, 0, 0}, up, 10);
-    CHECK(seen.integral == doctest::Approx(1).epsilon(1e-3));
-    CHECK(seen.most == doctest::Approx(3 * std::sqrt(2.0f)).epsilon(1e-3));
+    CHECK(seen.integral == approx(1).epsilon(1e-3));
+    CHECK(seen.most == approx(3 * std::sqrt(2.0f)).epsilon(1e-3));
   }
 }
 
@@ -110,6 +111,6 @@ TEST_CASE(
         most = std::max(most, double(light->weight.x));
       }
     CHECK(most < 1.01 * sum);
-    if (before < 1e-2f) CHECK(sum == doctest::Approx(10 / (kPi * 0.25) * 2 * kPi).epsilon(0.02));
+    if (before < 1e-2f) CHECK(sum == approx(10 / (kPi * 0.25) * 2 * kPi).epsilon(0.02));
   }
 }

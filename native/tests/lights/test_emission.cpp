@@ -1,4 +1,5 @@
 #include "lights/emission/photon_emitter.h"
+#include "support/approx.h"
 
 #include <doctest/doctest.h>
 
@@ -23,7 +24,7 @@ std::vector<Estimate> flux_through(const std::vector<EmissionTargets::Sphere>& s
     const PhotonStart start = draw(i);
     const double power = average(start.power);
     REQUIRE(std::isfinite(power));
-    REQUIRE(length(start.direction) == doctest::Approx(1).epsilon(1e-4));
+    REQUIRE(length(start.direction) == approx(1).epsilon(1e-4));
     for (size_t s = 0; s <= spheres.size(); ++s) {  // the last one: all photons
       if (s < spheres.size()) {
         const Vec3 to = spheres[s].center - start.origin;
@@ -279,7 +280,7 @@ TEST_CASE("what was learnt sends photons to the targets of use, and changes no e
   }
   aimed.finish();
   const int after = count_of(aimed);
-  CHECK(before == doctest::Approx(4096 * 7 / 16).epsilon(0.02));
+  CHECK(before == approx(4096 * 7 / 16).epsilon(0.02));
   CHECK(after > before * 1.6);
   CHECK(after < 4096 * 7 / 8);
   const auto natural = flux_through(targets, 1 << 18, [&](uint64_t i) {
@@ -318,7 +319,7 @@ TEST_CASE(
           sum += average(start.power) / count;
       }
       const double expected = average(lamp.strength) / (1 + ratio * ratio);
-      CHECK(sum == doctest::Approx(expected).epsilon(aimed ? 0.05 : 0.003));
+      CHECK(sum == approx(expected).epsilon(aimed ? 0.05 : 0.003));
     }
 }
 

@@ -1,4 +1,5 @@
 #include "lights/environment.h"
+#include "support/approx.h"
 
 #include <doctest/doctest.h>
 
@@ -51,7 +52,7 @@ double by_sampling(const Environment& world, F&& f, uint32_t count = 1 << 18) {
   for (uint32_t i = 0; i < count; ++i) {
     const auto s = world.sample(sobol_2d(i, 5, 2));
     REQUIRE(s.pdf > 0);
-    REQUIRE(length(s.direction) == doctest::Approx(1).epsilon(1e-4));
+    REQUIRE(length(s.direction) == approx(1).epsilon(1e-4));
     sum += f(s.direction) / s.pdf;
   }
   return sum / count;
@@ -105,7 +106,7 @@ TEST_CASE("the density of directions integrates to one and is that of the sample
     if (variant >= 2) add_sun(scene, 0.5f, variant == 2 ? 0.3f : 0.05f);
     const Environment world(scene);
     CHECK(over_sphere([&](const Vec3& d) { return world.pdf(d); }) ==
-          doctest::Approx(1).epsilon(variant == 3 ? 0.02 : 0.005));
+          approx(1).epsilon(variant == 3 ? 0.02 : 0.005));
     // Any function has the same integral by samples: here the solid angle of octants.
     for (int octant = 0; octant < 8; ++octant) {
       const auto inside = [octant](const Vec3& d) {
@@ -114,25 +115,25 @@ TEST_CASE("the density of directions integrates to one and is that of the sample
                    ? 1.0
                    : 0.0;
       };
-      CHECK(by_sampling(world, inside) == doctest::Approx(kPi / 2).epsilon(0.05));
+      CHECK(by_sampling(world, inside) == approx(kPi / 2).epsilon(0.05));
     }
     // Of each part likewise: shares add up to one, and densities in parts to that of the whole.
     double shares = 0;
     for (int part = 0; part < Environment::kParts; ++part) shares += world.part_share(part);
-    CHECK(shares == doctest::Approx(1).epsilon(1e-4));
+    CHECK(shares == approx(1).epsilon(1e-4));
     for (uint32_t i = 0; i < 2000; ++i) {
       const Vec3 d =
           i % 2 ? sample_sphere(sobol_2d(i, 1, 1)) : world.sample(sobol_2d(i, 1, 1)).direction;
       CHECK(world.pdf_by_parts([&](int part) { return world.part_share(part); },
-                               world.density(d)) == doctest::Approx(world.pdf(d)).epsilon(1e-3));
+                               world.density(d)) == approx(world.pdf(d)).epsilon(1e-3));
       const int part = world.part_of(d);
       const Vec3 again = world.sample_part(part, sobol_2d(i, 7, 2)).direction;
       if (part != Environment::kDiscs)
         CHECK((world.part_of(again) == part || world.part_of(again) == Environment::kDiscs));
     }
     const auto red = [&](const Vec3& d) { return world.radiance(d).x; };
-    CHECK(by_sampling(world, red) == doctest::Approx(over_sphere(red)).epsilon(0.01));
-    CHECK(average(world.mean()) * 4 * kPi == doctest::Approx(over_sphere([&](const Vec3& d) {
+    CHECK(by_sampling(world, red) == approx(over_sphere(red)).epsilon(0.01));
+    CHECK(average(world.mean()) * 4 * kPi == approx(over_sphere([&](const Vec3& d) {
                                                return average(world.radiance(d));
                                              })).epsilon(0.02));
   }
@@ -167,7 +168,7 @@ TEST_CASE("a world that is the same everywhere is known as such") {
   scene.world = {0.3f, 0.2f, 0.1f};
   CHECK(Environment(scene).constant());
   CHECK_FALSE(Environment(scene).black());
-  CHECK(Environment(scene).irradiance({0, 1, 0}) == doctest::Approx(kPi * 0.2f));
+  CHECK(Environment(scene).irradiance({0, 1, 0}) == approx(kPi * 0.2f));
   scene.world = {};
   CHECK(Environment(scene).black());
   add_map(scene);
@@ -177,12 +178,12 @@ TEST_CASE("a world that is the same everywhere is known as such") {
 
 TEST_CASE(
     "an image's directions follow Blender: u against the longitude, v upwards, the middle at +X") {
-  CHECK(equirectangular_uv({1, 0, 0}).x == doctest::Approx(0.5));
-  CHECK(equirectangular_uv({0, 1, 0}).x == doctest::Approx(0.25));
-  CHECK(equirectangular_uv({0, 0, 1}).y == doctest::Approx(1));
-  CHECK(mirror_ball_uv({0, -1, 0}).x == doctest::Approx(0.5));
-  CHECK(mirror_ball_uv({0, -1, 0}).y == doctest::Approx(0.5));
-  CHECK(mirror_ball_uv({1, 0, 0}).x == doctest::Approx(0.5 + 0.5 / std::sqrt(2.0)));
+  CHECK(equirectangular_uv({1, 0, 0}).x == approx(0.5));
+  CHECK(equirectangular_uv({0, 1, 0}).x == approx(0.25));
+  CHECK(equirectangular_uv({0, 0, 1}).y == approx(1));
+  CHECK(mirror_ball_uv({0, -1, 0}).x == approx(0.5));
+  CHECK(mirror_ball_uv({0, -1, 0}).y == approx(0.5));
+  CHECK(mirror_ball_uv({1, 0, 0}).x == approx(0.5 + 0.5 / std::sqrt(2.0)));
 }
 
 TEST_CASE(
@@ -194,14 +195,14 @@ TEST_CASE(
   const auto green = [&](const Vec3& d) { return world.radiance(d).y; };
   // The mean of 1 - 0.6 (1 - sqrt(1 - r^2)) over the disc is 0.8; of the colour's gradient, the
   // middle.
-  CHECK(by_sampling(world, green) == doctest::Approx(95 * 0.8 * solid_angle).epsilon(0.01));
+  CHECK(by_sampling(world, green) == approx(95 * 0.8 * solid_angle).epsilon(0.01));
   CHECK(world.radiance({0, 0, 1}).y == 0);
-  CHECK(world.radiance({std::cos(0.5f), 0, std::sin(0.5f)}).y == doctest::Approx(95).epsilon(0.01));
+  CHECK(world.radiance({std::cos(0.5f), 0, std::sin(0.5f)}).y == approx(95).epsilon(0.01));
   Scene setting(1);
   add_sun(setting, 0, 0.01f);
   const Environment half(setting);
   CHECK(by_sampling(half, [&](const Vec3& d) { return half.radiance(d).z > 0 ? 1.0 : 0.0; }) ==
-        doctest::Approx(solid_angle / 2).epsilon(0.02));
+        approx(solid_angle / 2).epsilon(0.02));
 }
 
 TEST_CASE("irradiance by light samples, by BSDF samples and by both is the same") {
@@ -235,8 +236,8 @@ TEST_CASE("irradiance by light samples, by BSDF samples and by both is the same"
         by_both += lights.world_met(to, d, local.z / kPi).x * kPi;
       }
       by_bsdf += lamp_light;
-      CHECK(by_light / count == doctest::Approx(by_bsdf / count).epsilon(0.01));
-      CHECK(by_both / count == doctest::Approx(by_bsdf / count).epsilon(0.01));
+      CHECK(by_light / count == approx(by_bsdf / count).epsilon(0.01));
+      CHECK(by_both / count == approx(by_bsdf / count).epsilon(0.01));
     }
   }
 }
@@ -256,8 +257,8 @@ TEST_CASE("photons of the world carry its power through the scene's disc") {
     sum += start.power.x;
   }
   const double disc = kPi * scene.radius() * scene.radius();
-  CHECK(sum / count == doctest::Approx(disc * over_sphere([&](const Vec3& d) {
-                                         return lights.environment().radiance(d).x;
-                                       }))
+  CHECK(sum / count == approx(disc * over_sphere([&](const Vec3& d) {
+                                return lights.environment().radiance(d).x;
+                              }))
                            .epsilon(0.01));
 }

@@ -2,6 +2,7 @@
 
 #include "lights/environment_guide.h"
 #include "math/vec.h"
+#include "support/approx.h"
 
 using namespace photon_splat;
 
@@ -76,7 +77,7 @@ TEST_CASE("the guide's density integrates to 1 and its samples follow it") {
     const auto near = [&](const Vec3& d) { return dot(d, centre) > 0.95f; };
     for (int i = 0; i < count; ++i) {
       const auto [s, density, world_pdf] = cell->sample(environment, random.next2());
-      CHECK(length(s) == doctest::Approx(1).epsilon(1e-5));
+      CHECK(length(s) == approx(1).epsilon(1e-5));
       const double pdf = cell->pdf(environment, density);
       CHECK(pdf > 0);
       CHECK(world_pdf == environment.pdf(density));
@@ -86,8 +87,8 @@ TEST_CASE("the guide's density integrates to 1 and its samples follow it") {
       whole += double(s.z > 0) / pdf / count;
       solid_angle += double(near(s)) / pdf / count;
     }
-    CHECK(whole == doctest::Approx(2 * kPi).epsilon(0.05));
-    CHECK(solid_angle == doctest::Approx(2 * kPi * 0.05).epsilon(0.02));
+    CHECK(whole == approx(2 * kPi).epsilon(0.05));
+    CHECK(solid_angle == approx(2 * kPi * 0.05).epsilon(0.02));
     CHECK(there > 0.5);
   }
 }

@@ -1,4 +1,5 @@
 #include "lights/lights.h"
+#include "support/approx.h"
 
 #include <doctest/doctest.h>
 
@@ -90,7 +91,7 @@ TEST_CASE(
     for (int i = 0; i < count; ++i) {
       const auto c = tree.pick(x, n, random.next());
       if (!c) continue;
-      CHECK(c->probability == doctest::Approx(expected[c->item]).epsilon(1e-3));
+      CHECK(c->probability == approx(expected[c->item]).epsilon(1e-3));
       ++drawn[c->item];
     }
     double chi2 = 0;
@@ -139,7 +140,7 @@ TEST_CASE("irradiance from many lamps is the sum of theirs") {
     double expected = 0;
     for (const LampSettings& lamp : lamps)
       expected += irradiance(Lights(scene, {lamp}), to, 512, 1);
-    CHECK(irradiance(all, to, 1 << 19, 2) == doctest::Approx(expected).epsilon(0.01));
+    CHECK(irradiance(all, to, 1 << 19, 2) == approx(expected).epsilon(0.01));
   }
 }
 
@@ -157,8 +158,7 @@ TEST_CASE("a receiver in one of a few point lamps gets the light of the others")
   for (const LampSettings& lamp : {lamps[1], lamps[2]})
     expected += irradiance(Lights(scene, {lamp}), to, 16, 1);
   REQUIRE(expected > 0);
-  CHECK(irradiance(Lights(scene, lamps), to, 1 << 12, 1) ==
-        doctest::Approx(expected).epsilon(0.01));
+  CHECK(irradiance(Lights(scene, lamps), to, 1 << 12, 1) == approx(expected).epsilon(0.01));
 }
 
 TEST_CASE("many lamps: rays and light samples share them to the full") {
@@ -184,8 +184,8 @@ TEST_CASE("many lamps: rays and light samples share them to the full") {
     by_ray += all.lamps_seen(to.x, d, 0, INFINITY, kShutterCentre).x * kPi;
     shared += all.lamps_met(to, d, 0, INFINITY, d.z / kPi).x * kPi;
   }
-  CHECK(by_light / count == doctest::Approx(by_ray / count).epsilon(0.03));
-  CHECK(shared / count == doctest::Approx(by_light / count).epsilon(0.01));
+  CHECK(by_light / count == approx(by_ray / count).epsilon(0.03));
+  CHECK(shared / count == approx(by_light / count).epsilon(0.01));
 }
 
 TEST_CASE("of many lamps, those near by are drawn most") {
@@ -215,7 +215,7 @@ TEST_CASE("of many lamps, those near by are drawn most") {
     expected += value;
     by_power += 10000 * value * value;  // second moment of drawing them all alike
   }
-  CHECK(sum / count == doctest::Approx(expected).epsilon(0.02));
+  CHECK(sum / count == approx(expected).epsilon(0.02));
   const double mean = sum / count, deviation = std::sqrt(squares / count - mean * mean);
   CHECK(deviation < 0.1 * std::sqrt(by_power - expected * expected));
 }
@@ -256,7 +256,7 @@ TEST_CASE(
         }
     }
     CAPTURE(c.x.x);
-    CHECK(sums[1] == doctest::Approx(sums[0]).epsilon(2e-3));
+    CHECK(sums[1] == approx(sums[0]).epsilon(2e-3));
     const auto noise = [&](int way) {
       return std::sqrt(std::max(0.0, squares[way] - sums[way] * sums[way]));
     };

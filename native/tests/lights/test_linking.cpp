@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include "render/renderer.h"
+#include "support/approx.h"
 #include "support/passes.h"
 #include "support/programs.h"
 
@@ -87,8 +88,7 @@ TEST_CASE(
                 &c = blocked.film().unpacked().pixels[i];
     if (!alike_around(without.film().unpacked(), with.film().unpacked(), i)) continue;
     ++beside;
-    CHECK(luminance(b.diffuse_direct) ==
-          doctest::Approx(luminance(a.diffuse_direct)).epsilon(1e-5));
+    CHECK(luminance(b.diffuse_direct) == approx(luminance(a.diffuse_direct)).epsilon(1e-5));
     darker += luminance(c.diffuse_direct) < 0.9f * luminance(a.diffuse_direct);
   }
   CHECK(beside > size * size / 4);
@@ -108,8 +108,7 @@ TEST_CASE(
       fill_room(blocked, thing, 0.9f, true, lit);
       const Rgb reference = mean_light(traced, 128, true), found = mean_light(splatted, 8, false);
       CHECK(splatted.map_count() == (thing == Thing::kGrey ? 1 : 2));
-      for (int k = 0; k < 3; ++k)
-        CHECK((&found.x)[k] == doctest::Approx((&reference.x)[k]).epsilon(0.01));
+      for (int k = 0; k < 3; ++k) CHECK((&found.x)[k] == approx((&reference.x)[k]).epsilon(0.01));
       CHECK(luminance(mean_light(blocked, 4, false)) < 0.97f * luminance(reference));
     }
 }
@@ -152,7 +151,7 @@ TEST_CASE(
     sum[0] += luminance(a.diffuse_direct) * a.share();
     sum[1] += luminance(b.diffuse_direct) * b.share();
   }
-  CHECK(sum[1] == doctest::Approx(sum[0]).epsilon(0.005));
+  CHECK(sum[1] == approx(sum[0]).epsilon(0.005));
   CHECK(sum[0] > 0);
 }
 
@@ -187,19 +186,16 @@ TEST_CASE(
     fill(first, 0, {10, 0, 0});
     fill(second, 0, {0, 20, 0});
     const Rgb sum = mean_light(all, 8, reference), same = mean_light(plain, 8, reference);
-    CHECK(luminance(sum) == doctest::Approx(luminance(same)).epsilon(1e-5));
+    CHECK(luminance(sum) == approx(luminance(same)).epsilon(1e-5));
     CHECK(plain.film().unpacked().by_group.empty());
     const Film& film = all.film().unpacked();
     Rgb parts[2] = {};
     for (size_t i = 0; i < film.pixels.size(); ++i)
       for (int g = 0; g < 2; ++g)
         parts[g] += film.by_group[2 * i + g] * film.pixels[i].share() / float(film.pixels.size());
-    CHECK(luminance(parts[0]) ==
-          doctest::Approx(luminance(mean_light(first, 8, reference))).epsilon(0.03));
-    CHECK(luminance(parts[1]) ==
-          doctest::Approx(luminance(mean_light(second, 8, reference))).epsilon(0.03));
-    CHECK(luminance(parts[0] + parts[1]) ==
-          doctest::Approx(luminance(sum) * 30 / 35).epsilon(0.05));
+    CHECK(luminance(parts[0]) == approx(luminance(mean_light(first, 8, reference))).epsilon(0.03));
+    CHECK(luminance(parts[1]) == approx(luminance(mean_light(second, 8, reference))).epsilon(0.03));
+    CHECK(luminance(parts[0] + parts[1]) == approx(luminance(sum) * 30 / 35).epsilon(0.05));
   }
   Renderer wrong(1);
   wrong.scene.light_groups = 1;

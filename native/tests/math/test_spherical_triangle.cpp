@@ -1,6 +1,7 @@
 #include <doctest/doctest.h>
 
 #include "math/spherical_triangle.h"
+#include "support/approx.h"
 
 using namespace photon_splat;
 
@@ -20,7 +21,7 @@ bool sees(const Vec3& direction, const Vec3 p[3]) {
 
 TEST_CASE("an octant is pi/2; solid angles of random triangles agree with counting directions") {
   CHECK(SphericalTriangle({1, 0, 0}, {0, 3, 0}, {0, 0, 2}).solid_angle() ==
-        doctest::Approx(kPi / 2).epsilon(1e-5));
+        approx(kPi / 2).epsilon(1e-5));
   Random random(1, 2);
   for (int n = 0; n < 20; ++n) {
     const Vec3 p[3] = {random_direction(random), random_direction(random),
@@ -29,7 +30,7 @@ TEST_CASE("an octant is pi/2; solid angles of random triangles agree with counti
     const int count = 40000;
     for (int i = 0; i < count; ++i) inside += sees(random_direction(random), p);
     CHECK(SphericalTriangle(p[0], p[1], p[2]).solid_angle() ==
-          doctest::Approx(4 * kPi * inside / count).epsilon(0.05).scale(0.5));
+          approx(4 * kPi * inside / count).epsilon(0.05).scale(0.5));
   }
 }
 
@@ -52,12 +53,12 @@ TEST_CASE("directions are even over the solid angle: the parts of a triangle get
     const int count = 20000;
     for (int i = 0; i < count; ++i) {
       const Vec3 direction = whole.sample(random.next2());
-      CHECK(length(direction) == doctest::Approx(1).epsilon(1e-4));
+      CHECK(length(direction) == approx(1).epsilon(1e-4));
       inside += sees(direction, part);
       outside += !sees(direction, p);
     }
     CHECK(outside < count / 200);  // only by rounding, at the rim
-    CHECK(double(inside) / count == doctest::Approx(share).epsilon(0.04).scale(0.5));
+    CHECK(double(inside) / count == approx(share).epsilon(0.04).scale(0.5));
   }
 }
 

@@ -1,4 +1,5 @@
 #include "math/vec.h"
+#include "support/approx.h"
 
 #include <doctest/doctest.h>
 
@@ -16,7 +17,7 @@ TEST_CASE("a basis is orthonormal and right-handed for every normal, poles inclu
     const Basis basis(n);
     CHECK(std::abs(dot(basis.tangent, basis.bitangent)) < 1e-6f);
     CHECK(std::abs(dot(basis.tangent, n)) < 1e-6f);
-    CHECK(length(basis.tangent) == doctest::Approx(1));
+    CHECK(length(basis.tangent) == approx(1));
     CHECK(length(cross(basis.tangent, basis.bitangent) - n) < 1e-6f);
     CHECK(length(basis.to_world({0, 0, 1}) - n) < 1e-6f);
   }
@@ -43,7 +44,7 @@ TEST_CASE("an inverse transform undoes points, vectors and normals") {
   // A normal stays perpendicular to what it was perpendicular to.
   const Vec3 normal = cross(p, q);
   CHECK(std::abs(dot(normalize(back.transposed_vector(normal)), normalize(a.vector(p)))) < 1e-5f);
-  CHECK(determinant(a) == doctest::Approx(2 * (-1) * 1 + 0.5 * 3 * 0.25));
+  CHECK(determinant(a) == approx(2 * (-1) * 1 + 0.5 * 3 * 0.25));
 }
 
 TEST_CASE("a singular transform has no inverse") {

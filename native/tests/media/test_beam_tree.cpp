@@ -1,4 +1,5 @@
 #include "media/beam_tree.h"
+#include "support/approx.h"
 
 #include <doctest/doctest.h>
 
@@ -99,8 +100,8 @@ TEST_CASE("rays across a sheet of beams see its flux, faded by Beer and Lambert'
     for (const Vec3& way : {Vec3{0, 1, 0}, Vec3{0, 0, 1}, normalize({0, 1, -0.3f})}) {
       const Vec3 origin = Vec3{x, 0.5f, 0.5f} - way * 0.4f;
       const Rgb sum = seen(tree, scene, origin, way, 0.8f);
-      CHECK(sum.x == doctest::Approx(0.8 * std::exp(-2 * double(x))).epsilon(0.02));
-      CHECK(sum.z == doctest::Approx(0.2 * std::exp(-2 * double(x))).epsilon(0.02));
+      CHECK(sum.x == approx(0.8 * std::exp(-2 * double(x))).epsilon(0.02));
+      CHECK(sum.z == approx(0.2 * std::exp(-2 * double(x))).epsilon(0.02));
     }
   }
   // Aslant: as long a way through the sheet as in the other cases, for what is across the beams
@@ -110,7 +111,7 @@ TEST_CASE("rays across a sheet of beams see its flux, faded by Beer and Lambert'
     const double t = (i + 0.5) / 1000;
     expected += std::exp(-2 * (0.1 + 0.6 * t)) / 1000;
   }
-  CHECK(seen(tree, scene, {0.1f, 0.1f, 0.5f}, way, 1).x == doctest::Approx(expected).epsilon(0.02));
+  CHECK(seen(tree, scene, {0.1f, 0.1f, 0.5f}, way, 1).x == approx(expected).epsilon(0.02));
   // In other media there is nothing
   CHECK(tree.stack_of({}) == -1);
 }
@@ -130,7 +131,7 @@ TEST_CASE("beams are cut where the surface at their beginning cuts the ray's pla
     return seen(tree, scene, origin, way, far).x;
   };
   const double across = double(far) * std::sqrt(2.0 / 3);
-  CHECK(at(0.005f) == doctest::Approx(across).epsilon(0.03));
+  CHECK(at(0.005f) == approx(across).epsilon(0.03));
   CHECK(at(-0.005f) == 0);
 }
 
@@ -142,7 +143,7 @@ TEST_CASE("a beam fades as its medium says where that is not the same everywhere
   for (const float x : {0.1f, 0.5f, 0.9f}) {
     CAPTURE(x);
     CHECK(seen(tree, scene, {x, 0.1f, 0.5f}, {0, 1, 0}, 0.8f).x ==
-          doctest::Approx(0.8 * std::exp(-2 * double(x * x))).epsilon(0.06));
+          approx(0.8 * std::exp(-2 * double(x * x))).epsilon(0.06));
   }
 }
 
@@ -166,7 +167,7 @@ TEST_CASE("rays that look at some of the beams see as much light in the mean") {
     add(all, by_all, hits);
     add(some, by_some, few);
   }
-  CHECK(by_some == doctest::Approx(by_all).epsilon(0.01));
+  CHECK(by_some == approx(by_all).epsilon(0.01));
   CHECK(few < hits / 4);
 }
 
@@ -177,7 +178,7 @@ TEST_CASE("what is faint of a beam is broken off by chance") {
   const BeamTree tree = tree_of(scene, sheet(scene, 1 << 13, {1, 0, 0}, 1), beams);
   CHECK(tree.pieces().size() > beams.size());
   CHECK(seen(tree, scene, {0.5f, 0.1f, 0.5f}, {0, 1, 0}, 0.8f).x ==
-        doctest::Approx(0.8 * std::exp(-6.0)).epsilon(0.1));
+        approx(0.8 * std::exp(-6.0)).epsilon(0.1));
 }
 
 TEST_CASE("a tree is the same for any number of threads") {

@@ -1,4 +1,5 @@
 #include "media/media.h"
+#include "support/approx.h"
 
 #include <doctest/doctest.h>
 
@@ -100,13 +101,12 @@ TEST_CASE("phase functions send everything somewhere, and samples follow their d
       weighed += double(phase.evaluate(drawn) / phase.pdf(drawn)) / kSamples;
       sampled += double(drawn * phase.evaluate(drawn) / phase.pdf(drawn)) / kSamples;
     }
-    CHECK(all == doctest::Approx(1).epsilon(2e-3));
-    CHECK(density == doctest::Approx(1).epsilon(2e-3));
-    CHECK(weighed == doctest::Approx(1).epsilon(2e-3));
-    CHECK(sampled == doctest::Approx(mean).epsilon(2e-3));
+    CHECK(all == approx(1).epsilon(2e-3));
+    CHECK(density == approx(1).epsilon(2e-3));
+    CHECK(weighed == approx(1).epsilon(2e-3));
+    CHECK(sampled == approx(mean).epsilon(2e-3));
   }
-  CHECK(Phase{PhaseKind::kHenyeyGreenstein, NAN, 0}.evaluate(0.3f) ==
-        doctest::Approx(1 / (4 * kPi)));
+  CHECK(Phase{PhaseKind::kHenyeyGreenstein, NAN, 0}.evaluate(0.3f) == approx(1 / (4 * kPi)));
 }
 
 TEST_CASE("light fades by Beer and Lambert's law, drawn or computed") {
@@ -115,26 +115,24 @@ TEST_CASE("light fades by Beer and Lambert's law, drawn or computed") {
   const Rgb through =
       scene.media()->transmittance(scene.media()->around({0.5f, 0.5f, 0.5f}), {0.5f, 0.5f, 0.5f},
                                    {1, 0, 0}, 0, 0.4f, {}, *std::make_unique<Random>(1, 1));
-  CHECK(through.x == doctest::Approx(std::exp(-0.8)));
-  CHECK(through.y == doctest::Approx(std::exp(-0.4)));
+  CHECK(through.x == approx(std::exp(-0.8)));
+  CHECK(through.y == approx(std::exp(-0.4)));
   CHECK(through.z == 1);
   const Means means = fly(scene, {0.1f, 0.5f, 0.5f}, {1, 0, 0}, 0.8f);
   const double passed = (std::exp(-1.6) + std::exp(-0.8) + 1) / 3;
-  CHECK(means.passed == doctest::Approx(passed).epsilon(0.01));
-  CHECK(means.scattered == doctest::Approx(1 - passed).epsilon(0.01));
+  CHECK(means.passed == approx(passed).epsilon(0.01));
+  CHECK(means.scattered == approx(1 - passed).epsilon(0.01));
 }
 
 TEST_CASE("the same where the medium changes from place to place") {
   Scene scene(1);
   fill(scene, growing(3));  // an optical depth of 1.5 (b^2 - a^2)
   const double passed = std::exp(-1.5 * (0.81 - 0.01));
-  CHECK(transmitted(scene, {0.1f, 0.5f, 0.5f}, {1, 0, 0}, 0.8f) ==
-        doctest::Approx(passed).epsilon(0.01));
-  CHECK(transmitted(scene, {0.9f, 0.5f, 0.5f}, {-1, 0, 0}, 0.8f) ==
-        doctest::Approx(passed).epsilon(0.01));
+  CHECK(transmitted(scene, {0.1f, 0.5f, 0.5f}, {1, 0, 0}, 0.8f) == approx(passed).epsilon(0.01));
+  CHECK(transmitted(scene, {0.9f, 0.5f, 0.5f}, {-1, 0, 0}, 0.8f) == approx(passed).epsilon(0.01));
   const Means means = fly(scene, {0.1f, 0.5f, 0.5f}, {1, 0, 0}, 0.8f);
-  CHECK(means.passed == doctest::Approx(passed).epsilon(0.01));
-  CHECK(means.scattered == doctest::Approx(1 - passed).epsilon(0.01));
+  CHECK(means.passed == approx(passed).epsilon(0.01));
+  CHECK(means.scattered == approx(1 - passed).epsilon(0.01));
 }
 
 TEST_CASE("shadow rays cross media that they enter and leave") {
@@ -147,9 +145,9 @@ TEST_CASE("shadow rays cross media that they enter and leave") {
                        random)
         .x;
   };
-  CHECK(through({-1, 0.5f, 0.4f}, {1, 0, 0}, 5) == doctest::Approx(std::exp(-0.7)));
-  CHECK(through({-1, 0.5f, 0.4f}, {1, 0, 0}, 1.5f) == doctest::Approx(std::exp(-0.35)));
-  CHECK(through({0.25f, 0.5f, 0.4f}, {1, 0, 0}, 5) == doctest::Approx(std::exp(-0.525)));
+  CHECK(through({-1, 0.5f, 0.4f}, {1, 0, 0}, 5) == approx(std::exp(-0.7)));
+  CHECK(through({-1, 0.5f, 0.4f}, {1, 0, 0}, 1.5f) == approx(std::exp(-0.35)));
+  CHECK(through({0.25f, 0.5f, 0.4f}, {1, 0, 0}, 5) == approx(std::exp(-0.525)));
   CHECK(through({-1, 0.5f, 0.4f}, {-1, 0, 0}, 5) == 1);
 }
 
@@ -167,7 +165,7 @@ TEST_CASE("absurd media end light and nothing else") {
     Scene scene(1);
     fill(scene, scattering(coefficient));
     const Means means = fly(scene, {0.1f, 0.5f, 0.5f}, {1, 0, 0}, 0.8f);
-    CHECK(means.passed + means.scattered == doctest::Approx(1).epsilon(0.01));
+    CHECK(means.passed + means.scattered == approx(1).epsilon(0.01));
     Scene uneven(1);
     fill(uneven, growing(coefficient));
     const double sum = transmitted(uneven, {0.1f, 0.5f, 0.5f}, {1, 0, 0}, 0.8f);

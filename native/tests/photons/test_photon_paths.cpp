@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "photons/photon_tracer.h"
+#include "support/approx.h"
 
 using namespace photon_splat;
 
@@ -147,8 +148,8 @@ TEST_CASE(
     for (const float power : powers) photons.push_back({{}, 0, 0, 0, {power, power, power}});
     return power_dispersion(photons);
   };
-  CHECK(of({2, 2, 2}) == doctest::Approx(1));
-  CHECK(of({1, 3}) == doctest::Approx(1.25));
+  CHECK(of({2, 2, 2}) == approx(1));
+  CHECK(of({1, 3}) == approx(1.25));
   CHECK(of({}) == 1);
   CHECK(of({0, 0}) == 1);
   Photons rare(1000, Photon{});

@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include "render/renderer.h"
+#include "support/approx.h"
 #include "support/passes.h"
 #include "support/programs.h"
 
@@ -91,7 +92,7 @@ void compare(const Room& room, IndirectLight indirect) {
   fill_room(paths, room);
   const auto reference = light_of(paths, 800, true), light = light_of(photons, 20);
   for (int quarter = 0; quarter < 4; ++quarter)
-    CHECK(light[quarter] == doctest::Approx(reference[quarter]).epsilon(0.02));
+    CHECK(light[quarter] == approx(reference[quarter]).epsilon(0.02));
   const RenderStatistics s = photons.statistics();
   CHECK_FALSE(s.all_path_traced);
   CHECK(s.maps[0].photons.stored > 50000);

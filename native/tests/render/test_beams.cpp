@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "render/renderer.h"
+#include "support/approx.h"
 #include "support/passes.h"
 #include "support/programs.h"
 
@@ -98,7 +99,7 @@ TEST_CASE("a closed room of albedo 1/2 and emission 1 shows 2 through fog around
   for (const Fog fog : {Fog::kEven, Fog::kUneven}) {
     Renderer renderer(2);
     fill_room(renderer, {.fog = fog});
-    CHECK(light_of(renderer, 8) == doctest::Approx(2).epsilon(0.01));
+    CHECK(light_of(renderer, 8) == approx(2).epsilon(0.01));
     CHECK(renderer.statistics().beams.stored > 1000);
   }
 }
@@ -108,7 +109,7 @@ TEST_CASE("lobes that are sharp in part leave the rest of the light in media to 
   const Room room{.roughness = 0.3f};  // such glass keeps some of the light
   fill_room(beams, room);
   fill_room(paths, room);
-  CHECK(light_of(beams, 16) == doctest::Approx(light_of(paths, 300, true)).epsilon(0.01));
+  CHECK(light_of(beams, 16) == approx(light_of(paths, 300, true)).epsilon(0.01));
 }
 
 TEST_CASE("beams bring what paths find by chance of a lamp behind glass and mirrors") {
@@ -120,7 +121,7 @@ TEST_CASE("beams bring what paths find by chance of a lamp behind glass and mirr
     fill_room(beams, room);
     fill_room(paths, room);
     const double reference = light_of(paths, 1500, true);
-    CHECK(light_of(beams, 48) == doctest::Approx(reference).epsilon(0.02));
+    CHECK(light_of(beams, 48) == approx(reference).epsilon(0.02));
   }
 }
 
@@ -146,7 +147,7 @@ TEST_CASE("all of the light is in its light group, that of beams too") {
   const Film film = renderer.film().unpacked();
   for (size_t i = 0; i < film.pixels.size(); ++i)
     CHECK(average(film.by_group[i]) ==
-          doctest::Approx(double(average(film.pixels[i].combined()))).epsilon(1e-4));
+          approx(double(average(film.pixels[i].combined()))).epsilon(1e-4));
   CHECK(renderer.statistics().beams.stored > 1000);
 }
 

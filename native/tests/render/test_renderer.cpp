@@ -1,4 +1,5 @@
 #include "render/renderer.h"
+#include "support/approx.h"
 
 #include <doctest/doctest.h>
 
@@ -52,7 +53,7 @@ TEST_CASE("a closed box of albedo 1/2 and emission 1 shows 2, by photons and by 
       reference ? renderer.trace_reference(pass)
                 : renderer.render_pass(pass, {.paths_per_batch = 8192});
     CHECK(renderer.film().sum().passes == 16);
-    CHECK(mean_radiance(renderer.film().unpacked()) == doctest::Approx(2).epsilon(0.02));
+    CHECK(mean_radiance(renderer.film().unpacked()) == approx(2).epsilon(0.02));
     CHECK(renderer.statistics().bad_samples == 0);
   }
 }
@@ -137,7 +138,7 @@ TEST_CASE(
     Elsewhere elsewhere(renderer, batches);
     for (uint32_t pass = 0; pass < 3; ++pass) renderer.render_pass(pass, {}, &elsewhere);
     CHECK(elsewhere.begun == 3);
-    CHECK(mean_radiance(renderer.film().unpacked()) == doctest::Approx(expected).epsilon(1e-4));
+    CHECK(mean_radiance(renderer.film().unpacked()) == approx(expected).epsilon(1e-4));
   }
 }
 
@@ -155,5 +156,5 @@ TEST_CASE("a pass that is short of time has fewer photons, and is as bright") {
   }
   CHECK(cut.map().statistics().photons.traced < whole.map().statistics().photons.traced / 2);
   CHECK(mean_radiance(cut.film().unpacked()) ==
-        doctest::Approx(mean_radiance(whole.film().unpacked())).epsilon(0.02));
+        approx(mean_radiance(whole.film().unpacked())).epsilon(0.02));
 }

@@ -6,6 +6,7 @@
 
 #include "render/renderer.h"
 #include "shading/sees_view.h"
+#include "support/approx.h"
 #include "support/programs.h"
 
 using namespace photon_splat;
@@ -100,7 +101,7 @@ TEST_CASE("a render of another view is that of a new renderer, bit for bit, and 
       CHECK(same(render(made), moved.film().unpacked()));
     else
       CHECK(mean_indirect(render(made)) ==
-            doctest::Approx(mean_indirect(moved.film().unpacked())).epsilon(0.01));
+            approx(mean_indirect(moved.film().unpacked())).epsilon(0.01));
   }
 }
 
@@ -123,14 +124,14 @@ TEST_CASE("photons that do not fit any more are traced again and are the same on
     renderer->options.adaptive_radius = renderer->options.adaptive_samples = false;
   fill_box(all, plenty);
   fill_box(some, size_t{1} << 20);
-  CHECK(mean_indirect(render(all)) == doctest::Approx(mean_indirect(render(some))).epsilon(1e-5));
+  CHECK(mean_indirect(render(all)) == approx(mean_indirect(render(some))).epsilon(1e-5));
 }
 
 TEST_CASE("kept photons give the light of a render that keeps none") {
   Renderer kept(2), plain(2);
   fill_box(kept, plenty);
   fill_box(plain, 0);
-  CHECK(mean_indirect(render(kept)) == doctest::Approx(mean_indirect(render(plain))).epsilon(0.01));
+  CHECK(mean_indirect(render(kept)) == approx(mean_indirect(render(plain))).epsilon(0.01));
 }
 
 TEST_CASE("other lamps have photons of their own") {
@@ -141,7 +142,7 @@ TEST_CASE("other lamps have photons of their own") {
   light(renderer, 20);
   renderer.relight();
   CHECK(renderer.statistics().kept_photon_bytes == 0);
-  CHECK(mean_indirect(render(renderer)) == doctest::Approx(2 * before).epsilon(1e-4));
+  CHECK(mean_indirect(render(renderer)) == approx(2 * before).epsilon(1e-4));
   CHECK(traced(renderer) == passes * 20000);
 }
 

@@ -1,5 +1,6 @@
 // What a viewport asks of the renderer: other cameras and other light on the same geometry.
 #include "render/renderer.h"
+#include "support/approx.h"
 
 #include <doctest/doctest.h>
 
@@ -83,7 +84,7 @@ TEST_CASE("indirect light of viewport photons is that of a render") {
   renderer.trace_viewport_photons(60000, budget);
   renderer.trace_viewport_photons(60000, budget);
   renderer.draw_viewport();
-  CHECK(mean_indirect(renderer.film().unpacked()) == doctest::Approx(expected).epsilon(0.02));
+  CHECK(mean_indirect(renderer.film().unpacked()) == approx(expected).epsilon(0.02));
 }
 
 // Over pixels, of all light.
@@ -111,7 +112,7 @@ TEST_CASE("a picture from the cache is that of a render, but for the width of it
   renderer.trace_viewport_photons(120000, budget);
   for (int k = 0; k < 20; ++k) renderer.draw_from_cache(1, 0.2f);
   const Likeness cached = likeness(renderer.film().unpacked(), rendered);
-  CHECK(cached.ratio == doctest::Approx(1).epsilon(0.02));
+  CHECK(cached.ratio == approx(1).epsilon(0.02));
   CHECK(cached.difference < 0.06);
 }
 
@@ -187,7 +188,7 @@ TEST_CASE("relight takes other lamps on the same geometry") {
   CHECK(renderer.film().sum().passes == 0);
   renderer.trace_viewport_photons(30000, budget);
   renderer.draw_viewport();
-  CHECK(mean_indirect(renderer.film().unpacked()) == doctest::Approx(2 * before).epsilon(1e-4));
+  CHECK(mean_indirect(renderer.film().unpacked()) == approx(2 * before).epsilon(1e-4));
 }
 
 TEST_CASE("what cancel stopped goes on after resume") {

@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include "render/renderer.h"
+#include "support/approx.h"
 #include "support/passes.h"
 #include "support/programs.h"
 
@@ -113,7 +114,7 @@ TEST_CASE("photons and paths agree on light past and from a thing that not all r
       fill_room(traced, thing, mask);
       fill_room(splatted, thing, mask);
       const double reference = mean_light(traced, 256, true);
-      CHECK(mean_light(splatted, 16, false) == doctest::Approx(reference).epsilon(0.015));
+      CHECK(mean_light(splatted, 16, false) == approx(reference).epsilon(0.015));
       if (thing == Thing::kGrey) CHECK(std::abs(reference / of_all - 1) > 0.002);
     }
 }
@@ -135,7 +136,9 @@ TEST_CASE(
         fill_room(splatted, thing, kAllRays, false, lamp);
         const double reference = mean_light(traced, 256, true);
         CHECK(reference > 0);
-        CHECK(mean_light(splatted, 16, false) == doctest::Approx(reference).epsilon(0.02));
+        // What only glossy rays see of the lamp, few paths find.
+        const double noise = lamp.seen_by == kAllRays ? 0.02 : 0.06;
+        CHECK(mean_light(splatted, 16, false) == approx(reference).epsilon(noise));
       }
     }
 }

@@ -1,4 +1,5 @@
 #include "scene/camera.h"
+#include "support/approx.h"
 
 #include <doctest/doctest.h>
 
@@ -46,7 +47,7 @@ TEST_CASE("every panorama looks along the viewing axis at its centre and gives u
     for (float u = -0.05f; u < 1.1f; u += 0.05f)
       for (float v = -0.05f; v < 1.1f; v += 0.05f)
         if (const auto d = panorama_direction(p, u, v))
-          CHECK(length(*d) == doctest::Approx(1).epsilon(1e-5));
+          CHECK(length(*d) == approx(1).epsilon(1e-5));
     // Right is right and up is up.
     CHECK(panorama_direction(p, 0.6f, 0.5f)->x > 0);
     CHECK(panorama_direction(p, 0.5f, 0.6f)->y > 0);
@@ -60,8 +61,8 @@ TEST_CASE("every panorama finds the place of a direction that it shows") {
       for (float v = 0.15f; v < 0.9f; v += 0.1f)
         if (const auto d = panorama_direction(p, u, v)) {
           const Vec2 place = panorama_place(p, *d);
-          CHECK(place.x == doctest::Approx(u).epsilon(1e-4));
-          CHECK(place.y == doctest::Approx(v).epsilon(1e-4));
+          CHECK(place.x == approx(u).epsilon(1e-4));
+          CHECK(place.y == approx(v).epsilon(1e-4));
         }
   }
 }
@@ -104,9 +105,9 @@ TEST_CASE(
       const Vec2 u = sobol_2d(i, 0, 3), lens = sobol_2d(i, 1, 3);
       const auto through = camera.ray(6, 2, u, lens), centre = pinhole.ray(6, 2, u, lens);
       REQUIRE(through);
-      CHECK(length(through->direction) == doctest::Approx(1).epsilon(1e-5));
-      CHECK(through->near * through->cosine == doctest::Approx(0.5).epsilon(1e-4));
-      CHECK(through->cosine == doctest::Approx(-through->direction.z).epsilon(1e-5));
+      CHECK(length(through->direction) == approx(1).epsilon(1e-5));
+      CHECK(through->near * through->cosine == approx(0.5).epsilon(1e-4));
+      CHECK(through->cosine == approx(-through->direction.z).epsilon(1e-5));
       const auto at_depth = [](const CameraRay& r, float depth) {
         return r.origin + r.direction * (depth / r.cosine);
       };
@@ -114,7 +115,7 @@ TEST_CASE(
       widest = std::max(widest, length(at_depth(*through, 8) - at_depth(*centre, 8)));
     }
     // As far behind the focus as the lens is before it
-    CHECK(widest == doctest::Approx(0.1).epsilon(0.05));
+    CHECK(widest == approx(0.1).epsilon(0.05));
     CHECK(widest <= 0.1001f);
   }
 }
@@ -133,8 +134,8 @@ TEST_CASE("an aperture of blades is its regular polygon, uniformly filled") {
     area += std::abs(a) < 0.25f && std::abs(b) < 0.25f;
     moment += a * a;
   }
-  CHECK(area / count == doctest::Approx(0.25 / 2).epsilon(0.02));  // a square of side sqrt 2
-  CHECK(moment / count == doctest::Approx(2.0 / 12).epsilon(0.02));
+  CHECK(area / count == approx(0.25 / 2).epsilon(0.02));  // a square of side sqrt 2
+  CHECK(moment / count == approx(2.0 / 12).epsilon(0.02));
 }
 
 TEST_CASE(

@@ -1,4 +1,5 @@
 #include "scene/coincident.h"
+#include "support/approx.h"
 
 #include <doctest/doctest.h>
 
@@ -35,7 +36,7 @@ TEST_CASE("surfaces that lie exactly in each other are found, neighbours and nea
   const std::vector<Coincident> twins = found(make_grid(4), {identity, identity});
   REQUIRE(twins.size() == 1);
   CHECK(twins[0].instance != twins[0].other);
-  CHECK(twins[0].share == doctest::Approx(1).epsilon(0.02));
+  CHECK(twins[0].share == approx(1).epsilon(0.02));
 
   Mesh doubled = make_grid(4);
   const std::vector<Triangle> all(doubled.triangles.begin(), doubled.triangles.end());
@@ -43,7 +44,7 @@ TEST_CASE("surfaces that lie exactly in each other are found, neighbours and nea
   const std::vector<Coincident> within = found(std::move(doubled), {identity});
   REQUIRE(within.size() == 1);
   CHECK(within[0].instance == within[0].other);
-  CHECK(within[0].share == doctest::Approx(1).epsilon(0.02));
+  CHECK(within[0].share == approx(1).epsilon(0.02));
 }
 
 TEST_CASE("coincident surfaces count by a quarter where they only light what is in view") {

@@ -1,4 +1,5 @@
 #include "scene/scene.h"
+#include "support/approx.h"
 
 #include <doctest/doctest.h>
 
@@ -24,7 +25,7 @@ TEST_CASE("a ray meets the front or the back, with normals on its own side") {
       CHECK(scene.instances[0].shared == shared);
       Surface s;
       REQUIRE(scene.intersect({0.25f, 0.5f, 2}, {0, 0, -1}, 0, 10, true, s));
-      CHECK(s.distance == doctest::Approx(2));
+      CHECK(s.distance == approx(2));
       CHECK_FALSE(s.back);
       CHECK(length(s.ng - Vec3{0, 0, 1}) < 1e-6f);
       const uint32_t front_key = s.key;
@@ -49,7 +50,7 @@ TEST_CASE("triangles of one plane share a key, two instances of it do not") {
   CHECK(a.key == b.key);
   CHECK(a.triangle != b.triangle);
   CHECK(a.key != other.key);
-  CHECK(other.position.z == doctest::Approx(5));
+  CHECK(other.position.z == approx(5));
 }
 
 TEST_CASE("an empty scene is no error") {
@@ -87,7 +88,7 @@ TEST_CASE(
   Surface top, below;
   const Vec3 down{0, 0, -1};
   REQUIRE(scene.intersect({0.3f, 0.6f, 10}, down, 0, 100, true, top));
-  CHECK(top.position.z == doctest::Approx(0));
+  CHECK(top.position.z == approx(0).scale(1));
   REQUIRE(scene.intersect(leave(top, down), down, 0, 100, false, below));
   CHECK(below.instance != top.instance);
   CHECK_FALSE(scene.occluded(leave(top, -down), -down, 0, 100));

@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <cstring>
 
+#include "support/approx.h"
 #include "support/programs.h"
 #include "textures/noise_kernel.h"
 
 using namespace photon_splat;
 using namespace photon_splat::nodes;
-using doctest::Approx;
 
 namespace {
 
@@ -127,13 +127,13 @@ TEST_CASE("attributes are interpolated over their domain, byte colours decoded f
   check_near(scalars, {1.75f, 1, 0});
   std::tie(number, scalars) = read(Op::Attribute, 8);
   check_near(number, {0.25f, 0.25f, 0.5f});
-  CHECK(scalars.x == Approx(1.0f / 3));
+  CHECK(scalars.x == approx(1.0f / 3));
   std::tie(number, scalars) = read(Op::Attribute, 9);
   check_near(number, {4, 6, 0});
   CHECK(scalars.x == 4);
   std::tie(number, scalars) = read(Op::Attribute, 10);
   check_near(number, {1, 0.5028865f, 0}, 1e-4f);
-  CHECK(scalars.y == Approx(0.25 + 0.75 * 127 / 255));
+  CHECK(scalars.y == approx(0.25 + 0.75 * 127 / 255));
   std::tie(number, scalars) = read(Op::Attribute, 11);
   check_near(number, {0, 0, 0});
   check_near(scalars, {0, 1, 0});
@@ -363,7 +363,7 @@ TEST_CASE(
       for (int i = 0; i < 50; ++i) {
         const Vec3 p{2 + 0.37f * static_cast<float>(i), 3 + 0.11f * static_cast<float>(i), 4.5f};
         const float distance = look("distance", p).x;
-        CHECK(distance == Approx(length(look("position", p) - p)).epsilon(1e-3));
+        CHECK(distance == approx(length(look("position", p) - p)).epsilon(1e-3));
         CHECK(distance < (feature == 0 ? 1.5f : 2.0f));
       }
     }
@@ -427,7 +427,7 @@ TEST_CASE("an IES profile is read between its angles, nothing outside") {
                             {"profile", profile}});
     return emitted(square.scene, w.emitting(r), point_on(square.scene, 0.1f, 0.1f)).x;
   };
-  CHECK(look({0, 0.001f, -1}) == Approx(20).epsilon(0.01));
-  CHECK(look({1, 0, -1}) == Approx(40).epsilon(0.01));
+  CHECK(look({0, 0.001f, -1}) == approx(20).epsilon(0.01));
+  CHECK(look({1, 0, -1}) == approx(40).epsilon(0.01));
   CHECK(look({0, 0, 1}) == 0);
 }

@@ -1,3 +1,4 @@
+#include "support/approx.h"
 #include "textures/volume_grid.h"
 
 #include <doctest/doctest.h>
@@ -33,9 +34,9 @@ TEST_CASE("a volume grid is what it was made of at its voxels and linear between
                  one = grid.at(at_voxel(std::round(x), std::round(y), std::round(z)),
                                GridInterpolation::kVoxel);
       for (uint32_t c = 0; c < components; ++c) {
-        REQUIRE(linear[c] == doctest::Approx(f(x, y, z, c)).epsilon(1e-4));
-        REQUIRE(cubic[c] == doctest::Approx(f(x, y, z, c)).epsilon(1e-4));
-        REQUIRE(one[c] == doctest::Approx(f(std::round(x), std::round(y), std::round(z), c)));
+        REQUIRE(linear[c] == approx(f(x, y, z, c)).epsilon(1e-4));
+        REQUIRE(cubic[c] == approx(f(x, y, z, c)).epsilon(1e-4));
+        REQUIRE(one[c] == approx(f(std::round(x), std::round(y), std::round(z), c)));
       }
       for (uint32_t c = components; c < 4; ++c) REQUIRE(linear[c] == 0);
     }
@@ -48,11 +49,11 @@ TEST_CASE("a volume grid fades into the background over the last voxel, and hold
     return grid.at({x, 4, 4}, how)[0];
   };
   CHECK(at(7) == 2);
-  CHECK(at(7.5f) == doctest::Approx(1));
+  CHECK(at(7.5f) == approx(1));
   CHECK(at(8) == 0);
-  CHECK(at(-0.25f) == doctest::Approx(1.5));
+  CHECK(at(-0.25f) == approx(1.5));
   CHECK(at(-1) == 0);
-  CHECK(at(0, GridInterpolation::kCubic) == doctest::Approx(2 * 5 / 6.0));
+  CHECK(at(0, GridInterpolation::kCubic) == approx(2 * 5 / 6.0));
   for (const float far : {1e4f, -1e4f, 1e12f, INFINITY, NAN}) CHECK(at(far) == 0);
 }
 
@@ -63,7 +64,7 @@ TEST_CASE("drawn voxels come as often as they weigh") {
   constexpr int kCount = 100000;
   for (int i = 0; i < kCount; ++i)
     sum += double(grid.at({3.3f, 2, 1 + float(i) / kCount}, GridInterpolation::kVoxel)[0]) / kCount;
-  CHECK(sum == doctest::Approx(0.7 * 9 + 0.3 * 16).epsilon(0.01));
+  CHECK(sum == approx(0.7 * 9 + 0.3 * 16).epsilon(0.01));
 }
 
 TEST_CASE("a volume grid knows its largest and smallest values in a box") {

@@ -58,6 +58,8 @@ SLOW = {
     "cornell_box_100k",
     "linked_lamps",
     "equirectangular",
+    "grid_cloud_cubic",
+    "grid_info",
 }
 """Those that only `make reference` renders."""
 

@@ -6,6 +6,7 @@
 
 #include "bsdf/bsdf.h"
 #include "math/sampling.h"
+#include "support/approx.h"
 
 using namespace photon_splat;
 
@@ -123,7 +124,7 @@ TEST_CASE("strands of facets have the density of their samples") {
         for (int m = 0; m < kMoments; ++m)
           drawn[m] += double(moment_of(s->direction, m)) / kSamples;
       }
-      CHECK(scattered == doctest::Approx(weight).epsilon(0.02));
+      CHECK(scattered == approx(weight).epsilon(0.02));
       for (int m = 0; m < kMoments; ++m) CHECK(std::abs(drawn[m] - density[m]) < 0.015);
     }
   }
@@ -161,7 +162,7 @@ TEST_CASE("light of clear strands of facets is kept by photons as well") {
     for (uint32_t i = 0; i < kSamples; ++i)
       if (const auto s = sample_of(strand(in, seen_from(0.4f, 0.7f), i, 0, Transport::kFlux), i))
         sum += double(s->weight.y) / kSamples;
-    CHECK(sum == doctest::Approx(1).epsilon(0.06));
+    CHECK(sum == approx(1).epsilon(0.06));
   }
 }
 
@@ -180,7 +181,7 @@ TEST_CASE("a strand of facets that is wide is seen place by place") {
   double whole = 0;
   for (int i = 0; i < 20; ++i) whole += mean(0.1f * float(i) - 0.95f, 0.05f) / 20;
   CHECK(mean(0.55f, 0.05f) > 20 * mean(-0.55f, 0.05f));
-  CHECK(whole == doctest::Approx(mean(0.3f, 1)).epsilon(0.05));
+  CHECK(whole == approx(mean(0.3f, 1)).epsilon(0.05));
 }
 
 TEST_CASE("inputs of strands of facets that are of no use do no harm") {

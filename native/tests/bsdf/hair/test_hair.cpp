@@ -7,6 +7,7 @@
 
 #include "bsdf/bsdf.h"
 #include "math/sampling.h"
+#include "support/approx.h"
 
 using namespace photon_splat;
 
@@ -132,7 +133,7 @@ TEST_CASE("densities of strands are those of the samples, and no light is made")
         if (c.white) CHECK(weight > (c.whole ? 0.97 : 0.9));
         if (!c.whole) continue;
         for (int m = 0; m < kMoments; ++m) CHECK(std::abs(moment[m] - whole.moment[m]) < 0.02);
-        CHECK(whole.scattered == doctest::Approx(weight).epsilon(0.03));
+        CHECK(whole.scattered == approx(weight).epsilon(0.03));
       }
   }
 }
@@ -148,8 +149,8 @@ TEST_CASE("photons that strands scatter are those that camera paths look for") {
       const Rgb sent = photon.evaluate(b, &pdf);
       // Either meets the strand as wide as it is seen
       const float wide = std::sqrt(1 - 0.6f * 0.6f) / std::sqrt(1 - 0.3f * 0.3f);
-      CHECK(sent.x == doctest::Approx(looked.x * wide).epsilon(1e-3));
-      CHECK(sent.z == doctest::Approx(looked.z * wide).epsilon(1e-3));
+      CHECK(sent.x == approx(looked.x * wide).epsilon(1e-3));
+      CHECK(sent.z == approx(looked.z * wide).epsilon(1e-3));
       if (c.whole) CHECK(pdf > 0);
     }
   }
@@ -169,7 +170,9 @@ TEST_CASE("light of white strands is kept by photons as well") {
     }
     // Where it is rough or tilted the model is not quite reciprocal
     const auto is = [&](const char* what) { return c.name.find(what) != std::string::npos; };
-    CHECK(sum / kSamples == doctest::Approx(1).epsilon(is("1.0") || is("tilted") ? 0.16 : 0.05));
+    CHECK(sum / kSamples == approx(1).epsilon(is("1.0") || is("tilted") ? 0.16
+                                              : is("0.7")               ? 0.08
+                                                                        : 0.05));
   }
 }
 
