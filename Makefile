@@ -22,7 +22,7 @@ CXX_SOURCES = $(shell find native -path native/.cache -prune -o -type f \( -name
 # What is built in the virtual environment must find its tools there: cmake and ninja.
 IN_VENV = PATH="$(CURDIR)/$(@D)/bin:$$PATH"
 
-.PHONY: help setup setup-old setup-rivals render test lint format test-native test-python test-old extension extension-all extension-test wine-test cross-check release viewport-test update-test farm-test bench bench-viewport bench-persistent bench-gpu bench-nodes bench-large chart defaults stability convergence calibration references scenes reference oracle agreement wild nodes node-list sanitize wheel clean
+.PHONY: help setup setup-old setup-rivals render test lint format test-native test-python test-old extension extension-all extension-test wine-test cross-check release viewport-test manual-pictures update-test farm-test bench bench-viewport bench-persistent bench-gpu bench-nodes bench-large chart defaults stability convergence calibration references scenes reference oracle agreement wild nodes node-list sanitize wheel clean
 
 help:
 	@sed -n 's/^\([a-z-]*\):.*## /  make \1\t/p' $(MAKEFILE_LIST) | expand -t 20
@@ -149,6 +149,9 @@ farm-test: setup ## jobs of photon-splat farm on a Slurm of one node, whose daem
 
 viewport-test: extension ## the extension in a Blender with a window (VIEWPORT_OPTIONS: see tools/viewport_test.py --help)
 	$(PY) tools/viewport_test.py dist/photon_splat-*-linux_x64.zip $(VIEWPORT_OPTIONS)
+
+manual-pictures: extension ## the manual's pictures of panels, from a Blender with a window (needs what viewport-test needs)
+	$(PY) tools/manual_pictures.py dist/photon_splat-*-linux_x64.zip
 
 update-test: extension ## an update from an older version, and a dropped link, in a Blender with a window (needs what viewport-test needs)
 	$(PY) tools/update_test.py dist/photon_splat-*-linux_x64.zip

@@ -16,15 +16,15 @@ import subprocess
 import sys
 from pathlib import Path
 
+import blender_window
 import debian_chroot
 import numpy as np
-from viewport_test import PACKAGES, SCREEN
+from viewport_test import SCREEN
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 from tests.integration.extension import repositories  # noqa: E402
 
-INSIDE = "/mnt/photon_splat"
 SCRIPTS = "tests/integration/extension"
 SECONDS = 600
 
@@ -36,9 +36,8 @@ def main() -> int:
     parser.add_argument("archive", type=Path)
     parser.add_argument("--suite", default="trixie")
     options = parser.parse_args()
-    chroot = ROOT / ".cache" / f"blender-{options.suite}"
     try:
-        debian_chroot.make(options.suite, chroot, PACKAGES, "2 GB")
+        chroot = blender_window.make(options.suite)
     except debian_chroot.Unavailable as reason:
         print(f"SKIPPED: an update is not tested in a window: {reason}")
         return 0
@@ -46,7 +45,7 @@ def main() -> int:
     shutil.rmtree(folder, ignore_errors=True)
     repositories.make_old(folder / "old", options.archive)
     repositories.make_new(folder / "new", options.archive)
-    there = f"{INSIDE}/{folder.relative_to(ROOT).as_posix()}"
+    there = blender_window.there(folder)
     run(chroot, folder, "update", f"{there}/old", f"{there}/new", there)
     run(chroot, folder, "dropped", f"{there}/new", there)
     found, dropped = (
@@ -61,15 +60,9 @@ def main() -> int:
 
 def run(chroot: Path, folder: Path, script: str, *arguments: str) -> None:
     """Each script has a Blender user of its own."""
-    settings = {
-        "HOME": "/tmp",
-        "BLENDER_USER_RESOURCES": f"{INSIDE}/{folder.relative_to(ROOT).as_posix()}/{script}",
-        "LIBGL_ALWAYS_SOFTWARE": "1",
-    }
-    command = [*debian_chroot.inside(chroot, (ROOT, INSIDE)), "env", "-C", INSIDE]
-    command += [f"{name}={value}" for name, value in settings.items()]
-    command += ["xvfb-run", "-a", "-s", f"-screen 0 {SCREEN}", "blender", "--factory-startup"]
-    command += ["--online-mode", "--python", f"{SCRIPTS}/{script}.py", "--", *arguments]
+    user = blender_window.there(folder / script)
+    options = ["--factory-startup", "--online-mode", "--python", f"{SCRIPTS}/{script}.py", "--"]
+    command = blender_window.blender(chroot, user, *options, *arguments, screen=SCREEN)
     with (folder / f"{script}.log").open("w") as log:
         subprocess.run(command, stdout=log, stderr=log, timeout=SECONDS, check=False)
 

@@ -18,24 +18,12 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
+import blender_window
 import debian_chroot
 import numpy as np
+from blender_window import MODULE
 
 ROOT = Path(__file__).resolve().parent.parent
-PACKAGES = [
-    "blender",
-    "python3-numpy",
-    "python3-cattr",
-    "python3-requests",
-    "xvfb",
-    "xauth",
-    "imagemagick",
-    "xdotool",
-    "libegl1",
-    "libegl-mesa0",
-    "libgl1-mesa-dri",
-]
-MODULE = "bl_ext.user_default.photon_splat"
 SECONDS = 1200
 FIRST_PICTURE, UPDATES, STALL, MEMORY = 0.15, 15.0, 0.03, 100e6
 """s after an edit; per second of orbiting; s; bytes more over all edits: what is promised, on two
@@ -58,10 +46,9 @@ def main() -> int:
     parser.add_argument("--edits", type=int, default=200)
     parser.add_argument("--hunt", type=int, default=500)
     options = parser.parse_args()
-    chroot = (options.chroot or ROOT / ".cache" / f"blender-{options.suite}").resolve()
     output = ROOT / "out" / f"viewport-{options.suite}"
     try:
-        debian_chroot.make(options.suite, chroot, PACKAGES, "2 GB")
+        chroot = blender_window.make(options.suite, options.chroot)
         result = run(chroot, options.archive, output, options.edits, options.hunt)
     except debian_chroot.Unavailable as reason:
         print(f"SKIPPED: the viewport is not tested in a window: {reason}")
@@ -81,51 +68,17 @@ def run(chroot: Path, archive: Path, output: Path, edits: int, hunt: int) -> dic
         *(ROOT / "blend_scenes").glob("*.blend"),
     ):
         shutil.copy(path, inside)
-    environment = {
-        "HOME": "/tmp/photon_splat",
-        "BLENDER_USER_RESOURCES": "/tmp/photon_splat/user",
-        "LIBGL_ALWAYS_SOFTWARE": "1",
-    }
-    prefix = [
-        *debian_chroot.inside(chroot),
-        "env",
-        *(f"{key}={value}" for key, value in environment.items()),
-    ]
-    add = [
-        "blender",
-        "--command",
-        "extension",
-        "install-file",
-        "-r",
-        "user_default",
-        "--enable",
-        f"/tmp/photon_splat/{archive.name}",
-    ]
-    script = [
-        "--python",
-        "/tmp/photon_splat/inside.py",
-        "--",
-        MODULE,
-        "/tmp/photon_splat/cornell_box.blend",
-    ]
-    script += ["/tmp/photon_splat/interior.blend", "/tmp/photon_splat", str(edits), str(hunt)]
-    window = [
-        "xvfb-run",
-        "-a",
-        "-s",
-        f"-screen 0 {SCREEN}",
-        "blender",
-        "--factory-startup",
-        "--addons",
-        MODULE,
-        *script,
-    ]
+    there = "/tmp/photon_splat"
+    user = f"{there}/user"
+    scenes = [f"{there}/{name}.blend" for name in ("cornell_box", "interior")]
+    script = ["--factory-startup", "--addons", MODULE, "--python", f"{there}/inside.py", "--"]
+    script += [MODULE, *scenes, there, str(edits), str(hunt)]
     try:
         with (output / "blender.log").open("w") as log:
-            subprocess.run([*prefix, *add], check=True, stdout=subprocess.DEVNULL, timeout=120)
-            done = subprocess.run(
-                [*prefix, *window], stdout=log, stderr=log, timeout=SECONDS, check=False
-            )
+            add = blender_window.install(chroot, user, f"{there}/{archive.name}")
+            subprocess.run(add, check=True, stdout=subprocess.DEVNULL, timeout=120)
+            window = blender_window.blender(chroot, user, *script, screen=SCREEN)
+            done = subprocess.run(window, stdout=log, stderr=log, timeout=SECONDS, check=False)
     except subprocess.TimeoutExpired:
         return {"error": f"Blender was still running after {SECONDS} s"}
     for picture in [*inside.glob("*.png"), *inside.glob("result.json")]:
