@@ -172,6 +172,13 @@ class PhotonSplatSettings(bpy.types.PropertyGroup):
         unit="TIME_ABSOLUTE",
         update=_tell,
     )
+    viewport_denoise: BoolProperty(  # type: ignore[valid-type]
+        name="Viewport Denoise",
+        description="Remove noise from the picture in the viewport while nothing changes, with "
+        "Open Image Denoise",
+        default=True,
+        update=_tell,
+    )
     point_spacing: FloatProperty(  # type: ignore[valid-type]
         name="Point Spacing",
         description="Distance of gather points in kernel radii; 0 = one point per camera sample",
@@ -332,8 +339,7 @@ def viewport_settings(scene: Any) -> RenderSettings:
         photons_per_pass=group.viewport_photons_per_pass,
         time_limit=group.viewport_time_limit,
         error_threshold=0.0,
-        final_gather=FinalGather.OFF,
-        denoise=False,
+        denoise=group.viewport_denoise,
     )
 
 

@@ -12,8 +12,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from photon_splat.core.render.settings import RenderSettings
+from photon_splat.core.render.denoise import DenoiserMissing
+from photon_splat.core.render.settings import FinalGather, Integrator, RenderSettings
 from photon_splat.core.scene import LightKind, Scene
+from photon_splat.core.viewport import clean
 from photon_splat.core.viewport.controller import Controller
 from photon_splat.core.viewport.pace import STEPS, Pace
 from photon_splat.core.viewport.view import Picture, View, fitted, scaled
@@ -357,3 +359,38 @@ def test_performance_of_moving_pictures_is_told(controller: Controller) -> None:
     settle(controller, show(controller, view()))
     assert {"build", "cache", "moving", "still", "pass"} <= controller.counts.seconds.keys()
     assert controller.counts.frames >= 2
+
+
+def test_what_rests_is_denoised() -> None:
+    recorder = Recorder(2)
+    recorder.set_view(view())
+    recorder.set_scene(room(), replace(SETTINGS, denoise=True))
+    wait(recorder, lambda p: p.samples == SETTINGS.passes)
+    recorder.close()
+    assert recorder.warning == ""
+    assert not [p for p in recorder.seen if p.moving and p.samples > 1]
+    reference = corescene.picture(
+        room(), Integrator.REFERENCE, passes=512, photons_per_pass=0, seed=3
+    )
+    noisy = corescene.picture(
+        room(), passes=SETTINGS.passes, final_gather=FinalGather.ON, adaptive_samples=False
+    )
+    error = [
+        float(((pixels[..., :3] - reference) ** 2).mean())
+        for pixels in (recorder.seen[-1].pixels, noisy)
+    ]
+    assert error[0] < 0.7 * error[1]
+
+
+def test_a_viewport_without_a_denoiser_says_so(
+    controller: Controller, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def missing(*given: object, **named: object) -> None:
+        raise DenoiserMissing("there is none")
+
+    monkeypatch.setattr(clean, "denoise", missing)
+    controller.set_view(view())
+    controller.set_scene(room(), replace(SETTINGS, denoise=True))
+    picture = settle(controller, view())
+    assert np.isfinite(picture.pixels).all()
+    assert controller.warning == "not denoised: there is none"

@@ -33,6 +33,7 @@ class PHOTON_SPLAT_PT_sampling_viewport(RenderPanel, bpy.types.Panel):
         layout.prop(settings, "viewport_passes", text="Passes")
         layout.prop(settings, "viewport_time_limit", text="Time Limit")
         layout.prop(settings, "viewport_photons_per_pass", text="Photons per Pass")
+        layout.prop(settings, "viewport_denoise", text="Denoise")
 
 
 class PHOTON_SPLAT_PT_sampling_render(RenderPanel, bpy.types.Panel):

@@ -94,10 +94,9 @@ class Live:
             engine.update_stats("Photon Splat", f"Error: {error or self.error}")
         else:
             samples = picture.samples if picture else 0
-            engine.update_stats(
-                "Photon Splat",
-                f"{status} {100 * progress:.0f} %" if status else f"{samples} passes",
-            )
+            done = f"{status} {100 * progress:.0f} %" if status else f"{samples} passes"
+            warning = self.controller.warning
+            engine.update_stats("Photon Splat", f"{done}, {warning}" if warning else done)
         self.seconds["draw"] = time.monotonic() - started
 
     def news(self) -> bool:

@@ -4,7 +4,8 @@ Blender.
 An edit brings a scene, a move of the camera a view. First comes a picture of few pixels, lit by a
 *cache* of photons that serves every view: while the camera moves, no photon is traced. Light that
 pictures have found on surfaces is kept there and read again by those that follow. When the camera
-rests the cache grows, the picture gets all its pixels, and then passes of a render refine it.
+rests the cache grows, the picture gets all its pixels, and then passes of a render refine it, whose
+pictures are denoised.
 """
 
 from __future__ import annotations
@@ -14,11 +15,15 @@ import time
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+import numpy as np
+from numpy.typing import NDArray
+
 from ..native.camera import place_camera
 from ..native.fill import fill_renderer, replace_shading
 from ..native.library import load
 from ..render.settings import RenderSettings
 from ..scene import Scene, same_geometry, same_shading
+from .clean import Cleaner
 from .pace import Pace
 from .view import Picture, View, fitted, scaled
 
@@ -74,6 +79,7 @@ class Controller:
     def __init__(self, step: int | None = None) -> None:
         self.counts = Counts()
         self._pace = Pace(step)
+        self._cleaner = Cleaner()
         self._changed = threading.Condition()
         self._scene: tuple[Scene, RenderSettings] | None = None
         self._view: View | None = None
@@ -134,6 +140,12 @@ class Controller:
                 self._progress,
                 " ".join(str(self._error).split()) if self._error else "",
             )
+
+    @property
+    def warning(self) -> str:
+        """What the pictures lack, for the user."""
+        missing = self._cleaner.missing
+        return f"not denoised: {missing}" if missing else ""
 
     @property
     def idle(self) -> bool:
@@ -199,7 +211,7 @@ class Controller:
                 self._wait(None)
                 return True
             view = self._view
-        renderer, settings = self._renderer, self._loaded[1]
+        renderer, (scene, settings) = self._renderer, self._loaded
         assert renderer is not None
         self._fill_cache(renderer, FIRST_PHOTONS, MOST_FIRST_PATHS)
         known = renderer.light_cache()["cells"] > 0
@@ -215,7 +227,7 @@ class Controller:
                 return True
         self._fill_cache(renderer, CACHE_PHOTONS, MOST_CACHE_PATHS)
         self._draw_cached(renderer, view, view.pixel, moving=False)
-        self._refine(renderer, view, settings)
+        self._refine(renderer, view, scene, settings)
         with self._changed:
             self._wait(view)
         return True
@@ -255,6 +267,7 @@ class Controller:
                     raise load().Cancelled
                 self._renderer = renderer  # from now on it can be cancelled
             fill_renderer(renderer, scene, settings)
+            renderer.options.short_passes = True
             renderer.build()
             self._pace.forget()
             self.counts.builds += 1
@@ -282,21 +295,24 @@ class Controller:
         frame, region = scaled(view.frame, step)
         place_camera(renderer, fitted(view, frame, step), frame)
         renderer.draw_from_cache(CELL / step, MOST_SAMPLES)
-        self._publish(renderer, view, region, step, 1, moving)
+        self._publish(renderer.picture(), view, region, step, 1, moving)
         self.counts.frames += 1
         seconds = time.monotonic() - started
         self.counts.seconds["moving" if moving else "still"] = seconds
         if moving:
             self._pace.took(step, seconds)
 
-    def _refine(self, renderer: Renderer, view: View, settings: RenderSettings) -> None:
-        """Refines with passes as in a render. Their picture is shown once it is better than the one
-        from the cache.
+    def _refine(
+        self, renderer: Renderer, view: View, scene: Scene, settings: RenderSettings
+    ) -> None:
+        """Refines with passes as in a render, but short ones. Their picture is shown once it is
+        better than the one from the cache: denoised after one of them.
         """
         frame, region = scaled(view.frame, view.pixel, sharp=False)
         place_camera(renderer, fitted(view, frame, view.pixel), frame)
         renderer.set_view()
         started, shown = time.monotonic(), 0.0
+        least = 1 if settings.denoise else 2
         for number in range(settings.passes):
             self._say("Rendering", number / settings.passes)
             began = time.monotonic()
@@ -306,11 +322,36 @@ class Controller:
             now = time.monotonic()
             self.counts.seconds["pass"] = now - began
             late = settings.time_limit > 0 and now + (now - began) > started + settings.time_limit
-            if (number > 0 and now - shown > SHOW_EVERY) or number + 1 == settings.passes or late:
-                self._publish(renderer, view, region, view.pixel, number + 1, moving=False)
-                shown = now
+            last = number + 1 == settings.passes or late
+            wait = max(SHOW_EVERY, self._cleaner.wait if settings.denoise else 0.0)
+            if (number + 1 >= least and now - shown > wait) or last:
+                pixels = self._clean(renderer, view, scene, settings, number + 1, last)
+                if self._is_new(view):
+                    return
+                self._publish(pixels, view, region, view.pixel, number + 1, moving=False)
+                shown = time.monotonic()
             if late:
                 return
+
+    def _clean(
+        self,
+        renderer: Renderer,
+        view: View,
+        scene: Scene,
+        settings: RenderSettings,
+        samples: int,
+        last: bool,
+    ) -> NDArray[np.float32]:
+        if not settings.denoise:
+            return renderer.picture()
+        return self._cleaner.clean(
+            renderer,
+            scene,
+            samples,
+            last=last,
+            threads=settings.threads,
+            should_cancel=lambda: self._is_new(view),
+        )
 
     def _count(self, renderer: Renderer) -> None:
         photons = renderer.statistics()["photons"]
@@ -320,14 +361,13 @@ class Controller:
 
     def _publish(
         self,
-        renderer: Renderer,
+        pixels: NDArray[np.float32],
         view: View,
         region: tuple[int, int, int, int],
         step: int,
         samples: int,
         moving: bool,
     ) -> None:
-        pixels = renderer.picture()
         with self._changed:
             number = self._picture.number + 1 if self._picture else 1
             self._picture = Picture(

@@ -101,6 +101,8 @@ void bind_options(nb::module_& m) {
       .def_rw("adaptive_indirect", &RenderOptions::adaptive_indirect,
               "Camera paths go on for indirect light where photons serve badly.")
       .def_rw("indirect_light", &RenderOptions::indirect_light, "What brings it: IndirectLight.")
+      .def_rw("short_passes", &RenderOptions::short_passes,
+              "One camera sample per pixel where there would be more, for a viewport.")
       .def_rw("ambient_distance", &RenderOptions::ambient_distance,
               "How far the Ambient Occlusion pass looks, m; 0: there is none.")
       .def_rw("seed", &RenderOptions::seed, "Of all random numbers, 32 bits.")

@@ -11,7 +11,6 @@ namespace {
 constexpr int kReach = 2;         // pixels around one that tell after one sample
 constexpr float kFurther = 0.1f;  // weight of those that are not next to it
 constexpr double kMost = 256;     // samples of a pixel in one pass
-constexpr double kMostMean = 8;   // of all pixels: passes stay short
 constexpr double kOutlier = 100;  // times the mean deviation: more counts as that much
 constexpr double kLeastWork = 0.05;
 // Of the camera's work, what photons may cost for noise that no pixel shows
@@ -377,7 +376,7 @@ void AdaptiveSampler::choose(std::vector<float> deviations, const std::vector<fl
   const double worth = std::sqrt(photons / pixels * std::max(relative_work, kLeastWork));
   const double least =
       std::clamp(worth > 0 ? wanted / pixels / worth : kMost, 1.0, static_cast<double>(least_));
-  const double unit = std::max(worth, wanted / pixels / kMostMean);
+  const double unit = std::max(worth, wanted / pixels / most_mean_);
   double remaining = 0;
   for (size_t i = 0; i < count_.size(); ++i) {
     const double d = std::min<double>(deviations[i], limit);

@@ -50,8 +50,12 @@ struct PassWork {
 // before some get more.
 class AdaptiveSampler {
  public:
+  static constexpr double kMostMean = 8;  // see set_most_mean(): passes stay short
+
   void reset(int width, int height, uint32_t least, std::vector<PhotonSet> photons);
   void set_least(uint32_t least) { least_ = least; }
+  // Samples of a pass over its pixels: not many more
+  void set_most_mean(double most) { most_mean_ = most; }
   // Sets the samples of each pixel in the first pass
   void begin_with(uint32_t count) { count_.assign(count_.size(), static_cast<uint16_t>(count)); }
 
@@ -131,6 +135,7 @@ class AdaptiveSampler {
   int width_ = 0, height_ = 0;
   Known earlier_;
   uint32_t passes_ = 0, least_ = 1;
+  double most_mean_ = kMostMean;
   bool to_choose_ = false;
   PassWork work_;  // of the last pass
   Moments camera_, all_;

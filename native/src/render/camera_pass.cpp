@@ -16,6 +16,7 @@ constexpr uint32_t kGatheredSamples = 4;
 constexpr double kGatheredPhotons = 20000;
 constexpr uint32_t kTrialSamples = 4;  // of a pixel, to tell their variance
 constexpr uint32_t kPathSamples = 8;   // of a pixel in a pass where paths bring all indirect light
+constexpr double kMeanOfShort = 2;     // samples of a pixel where passes are to be short
 constexpr double kServedWell = 0.5;    // share of places
 constexpr size_t kLaterLooks = 16;     // one gather point in so many, in each pass but the first
 
@@ -45,8 +46,9 @@ void CameraPass::reset_view(const PackedFilm& film, const PhotonMaps& maps) {
     if (options.gathers() && !maps[i]->caustic()) photons[i].fewest = 1;
     if (options.keeps_photons()) photons[i].fewest = photons[i].most = 1;
   }
-  context_.sampler.reset(film.width, film.height, options.gathers() ? kGatheredSamples : 1,
-                         std::move(photons));
+  const bool more = options.gathers() && !options.short_passes;
+  context_.sampler.reset(film.width, film.height, more ? kGatheredSamples : 1, std::move(photons));
+  if (options.gathers() && options.short_passes) context_.sampler.set_most_mean(kMeanOfShort);
   strategy_.reset();
   chosen_ = false;
   tracer_.set_seed(common_seed());
@@ -117,7 +119,7 @@ bool CameraPass::try_paths(uint32_t pass, const PhotonMaps& maps, PackedFilm& fi
     return false;
   }
   if (scouts) trace_more(pass, CameraTracer::Tiles::kRest, maps, film);
-  context_.sampler.set_least(gathers ? kPathSamples : 1);
+  context_.sampler.set_least(gathers && !context_.options.short_passes ? kPathSamples : 1);
   chosen_ = true;
   return true;
 }

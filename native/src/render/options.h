@@ -26,6 +26,9 @@ struct RenderOptions {
   bool occlusion = true;          // inside of discs; part of the boundary correction
   bool adaptive_indirect = true;  // camera paths go on for indirect light where photons serve badly
   IndirectLight indirect_light = IndirectLight::kPhotons;
+  // One camera sample per pixel where there would be more, for pictures that are looked at before
+  // they are done
+  bool short_passes = false;
   float ambient_distance = 0;  // how far the Ambient Occlusion pass looks, m; 0: there is none
   uint32_t seed = 0;
   std::string kernel{};  // of the splatter; empty: the fastest

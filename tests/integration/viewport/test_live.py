@@ -62,6 +62,7 @@ def test_the_viewport_shows_what_a_render_of_it_shows() -> None:
     scene = _room()
     scene.photon_splat.viewport_passes = scene.photon_splat.passes = 4
     scene.photon_splat.photons_per_pass, scene.photon_splat.seed = 5000, 0
+    scene.photon_splat.denoise = scene.photon_splat.viewport_denoise = False
     scene.render.film_transparent = True
     with stage.watched() as results:
         bpy.ops.render.render()
