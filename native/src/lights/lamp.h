@@ -93,7 +93,7 @@ Rgb sun_met(const Scene& scene, const Lamp& lamp, const Vec3& direction, float f
             float* met_at);
 
 // A photon in proportion to the power that the lamp sends there, its program aside. (A sun's starts
-// across the scene: PhotonStart Lights::emit_parallel().)
+// across the scene: PhotonStart PhotonEmitter::emit_parallel().)
 PhotonStart emit_point_lamp(const Lamp& lamp, float coin, const Vec2& place, const Vec2& way);
 PhotonStart emit_area_lamp(const Lamp& lamp, const Vec2& place, const Vec2& way);
 

@@ -43,6 +43,31 @@ std::vector<Estimate> flux_through(const std::vector<EmissionTargets::Sphere>& s
   return out;
 }
 
+class Mean {
+ public:
+  void add(double value) { ++count_, sum_ += value, squares_ += value * value; }
+  double mean() const { return sum_ / count_; }
+  double error() const {
+    return std::sqrt(std::max(squares_ / count_ - mean() * mean(), 0.0) / count_);
+  }
+
+ private:
+  double count_ = 0, sum_ = 0, squares_ = 0;
+};
+
+// Of the mean fluence rate in the ball what a photon brings: its power times its way there, over
+// the volume. u: place on that way where its lamp is asked whether light gets there.
+double light_in(const EmissionTargets::Sphere& ball, const PhotonStart& photon, float u) {
+  const Vec3 to = ball.center - photon.origin;
+  const float along = dot(to, photon.direction),
+              half2 = sqr(ball.radius) - length2(to - photon.direction * along);
+  if (!(half2 > 0)) return 0;
+  const float half = std::sqrt(half2), from = std::max(along - half, 0.0f),
+              way = along + half - from;
+  if (!(way > 0) || !photon.accepts(from + way * u)) return 0;
+  return double(average(photon.power)) * double(way) / (4 * M_PI / 3 * std::pow(ball.radius, 3));
+}
+
 LampSettings lamp_of(LampKind kind, Vec3 place = {0.5f, 0.5f, 3}) {
   LampSettings s;
   s.kind = kind;
@@ -148,6 +173,55 @@ TEST_CASE(
     CAPTURE(gain);
     CHECK(gain > 2);
   }
+}
+
+TEST_CASE(
+    "photons, light samples and rays find the same light in a ball, from lights of every kind") {
+  constexpr uint32_t count = 1 << 15;
+  const std::vector<EmissionTargets::Sphere> balls{
+      {{0.4f, 0.6f, 0.9f}, 0.3f}, {{0.1f, 0.5f, 2.2f}, 0.25f}, {{0.9f, 0.2f, -0.5f}, 0.6f}};
+  for (const EmissionTargets::Sphere& ball : balls)
+    for (const Named& lights : lights_of_every_kind()) {
+      if (lights.world > 0) continue;  // of one colour: it has no samples
+      // Suns' photons go to where things are.
+      if (ball.center.z > 2 && lights.name.find(" sun") != std::string::npos) continue;
+      CAPTURE(lights.name);
+      CAPTURE(ball.center.z);
+      Scene scene(1);
+      fill_for(scene, lights);
+      const Lights all(scene, lights.lamps);
+      Mean photons, samples, rays;
+      uint32_t sampled = 0, met = 0;
+      for (uint32_t i = 0; i < count; ++i) {
+        photons.add(light_in(ball,
+                             PhotonEmitter(all).emit(PhotonEmitter(all).primary(i, 1, nullptr)),
+                             sobol_2d(i, 5, 9).x));
+        const Vec3 inside = sample_sphere(sobol_2d(i, 2, 7)) * std::cbrt(sobol_2d(i, 3, 7).x);
+        const Receiver at{ball.center + inside * ball.radius, {}, true};
+        const auto light = [&](const Vec3& way) {
+          return all.lamps_met(at, way, 0, INFINITY, INFINITY);
+        };
+        const auto s = all.sample(at, sobol_2d(i, 3, 7).y, sobol_2d(i, 4, 7));
+        samples.add(s ? double(average(s->weight)) : 0);
+        if (lights.lamps.empty()) continue;  // rays find a shining mesh as they find any other
+        rays.add(double(average(light(sample_sphere(sobol_2d(i, 6, 7))))) * 4 * M_PI);
+        if (!s || !(s->pdf > 0)) continue;
+        const Rgb radiance = light(s->direction);
+        ++sampled;
+        if (is_black(radiance)) continue;  // rounding at a lamp's edge
+        ++met;
+        CHECK(average(radiance) == approx(double(average(s->weight * s->pdf))).epsilon(0.01));
+      }
+      CAPTURE(photons.mean());
+      CAPTURE(samples.mean());
+      const auto agree = [&](const Mean& other) {
+        return std::abs(other.mean() - samples.mean()) <=
+               4 * std::hypot(other.error(), samples.error()) + 1e-3 * samples.mean();
+      };
+      CHECK(agree(photons));
+      if (sampled) CHECK(agree(rays));
+      CHECK(met >= 0.97 * sampled);
+    }
 }
 
 TEST_CASE(
