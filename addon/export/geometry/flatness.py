@@ -19,13 +19,18 @@ def is_flat(matrix: NDArray[np.float64], name: str, report: Report) -> bool | No
     of the object `name`, which `report` is told.
     """
     entries: list[list[float]] = matrix.tolist()
+    (a, b, c, px), (d, e, f, py), (g, h, i, pz), _ = entries
+    most = max(a, b, c, d, e, f, g, h, i, -a, -b, -c, -d, -e, -f, -g, -h, -i)
+    volume = a * (e * i - f * h) + b * (f * g - d * i) + c * (d * h - e * g)
+    if abs(volume) > FLAT * most * most * most and isfinite(volume + px + py + pz):
+        return False  # nearly all; what is not finite, or too large for this, is looked at below
     if not all(map(isfinite, chain.from_iterable(entries))):
         report.warn("Objects left out, as their transformation is not a finite number: {}", name)
         return None
     rows = [row[:3] for row in entries[:3]]
     largest = max(map(abs, chain.from_iterable(rows)))
     if largest > 0.0:
-        x, y, z = ([row[i] / largest for row in rows] for i in range(3))
+        x, y, z = ([row[k] / largest for row in rows] for k in range(3))
         yz = _cross(y, z)
         if abs(x[0] * yz[0] + x[1] * yz[1] + x[2] * yz[2]) > FLAT:
             return False
