@@ -311,7 +311,7 @@ class Controller:
         frame, region = scaled(view.frame, view.pixel, sharp=False)
         place_camera(renderer, fitted(view, frame, view.pixel), frame)
         renderer.set_view()
-        started, shown = time.monotonic(), 0.0
+        started, shown, taught = time.monotonic(), 0.0, 0
         least = 1 if settings.denoise else 2
         for number in range(settings.passes):
             self._say("Rendering", number / settings.passes)
@@ -329,6 +329,10 @@ class Controller:
                 if self._is_new(view):
                     return
                 self._publish(pixels, view, region, view.pixel, number + 1, moving=False)
+                if number + 1 >= 2 * taught:
+                    new = 1.0 - taught / (number + 1)
+                    renderer.teach_light_cache(CELL / view.pixel, new, pixels)
+                    taught = number + 1
                 shown = time.monotonic()
             if late:
                 return

@@ -63,6 +63,17 @@ nb::dict light_cache(const Renderer& r) {
   return out;
 }
 
+void teach_light_cache(
+    Renderer& r, float pixels, float share,
+    nb::ndarray<const float, nb::c_contig, nb::device::cpu, nb::shape<-1, -1, 4>> picture) {
+  const PackedFilm& film = r.film().sum();
+  if (picture.shape(0) != static_cast<size_t>(film.height) ||
+      picture.shape(1) != static_cast<size_t>(film.width))
+    throw std::invalid_argument("The picture has not the film's size.");
+  nb::gil_scoped_release release;
+  r.teach_light_cache(pixels, share, picture.data());
+}
+
 void clear_shading(Renderer& r) {
   r.lamps.clear();
   r.scene.materials.clear();
@@ -103,6 +114,11 @@ void bind_viewport(RendererClass& renderer) {
           "Like draw_viewport(), but the light of surfaces is read from a cache that pictures before have filled, and this\n"
           "one adds to: samples of so many of its pixels (0..1), and where nothing is known yet. pixels: of this picture,\n"
           "that the cache's cells are wide. Cells are forgotten by build() and relight().")
+      .def(
+          "teach_light_cache", &teach_light_cache, "pixels"_a, "share"_a, "picture"_a,
+          "Gives that cache the light of the film that passes have made since set_view(), which stays. share: of its\n"
+          "samples, that are new since it was given last; pixels: of the film, that cells are wide. picture: (height, width, 4)\n"
+          "float32, what picture() gives, denoised. ValueError where its size is another.")
       .def("light_cache", &light_cache,
            "Of the cache of draw_from_cache(): cells, and of the last picture readings, samples.")
       .def(

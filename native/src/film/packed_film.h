@@ -74,6 +74,17 @@ class PackedFilm {
                  rows = std::min<size_t>(kSide, height - y);
     for (size_t row = 0; row < rows; ++row) work((y + row) * width + x, columns, row * kSide);
   }
+  // Width and height of tile t, in pixels of the film.
+  std::array<int, 2> extent_of(size_t t) const {
+    const auto across = static_cast<int>(tiles_along(width)), x = static_cast<int>(t) % across,
+               y = static_cast<int>(t) / across;
+    return {std::min(kSide, width - x * kSide), std::min(kSide, height - y * kSide)};
+  }
+  // The place in the film of a pixel of tile t.
+  size_t pixel_of(size_t t, int x, int y) const {
+    const size_t across = tiles_along(width);
+    return (t / across * kSide + y) * width + t % across * kSide + x;
+  }
   size_t place_in_tile(size_t pixel) const {
     return pixel / width % kSide * kSide + pixel % width % kSide;
   }

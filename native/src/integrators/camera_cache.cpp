@@ -34,7 +34,8 @@ bool CameraTracer::read_light(Path& path, const Surface& hit, const Bsdf& bsdf) 
     path.tile.readings.push_back(
         {place,
          {path.throughput * albedo.diffuse, path.throughput * albedo.reflected},
-         static_cast<uint32_t>(path.place)});
+         static_cast<uint32_t>(path.place),
+         path.vertex == 0 && path.info.transparent_depth == 0});
     if (wants_sample(path, place, albedo)) sample_light(path, hit, bsdf, place, albedo);
   }
   return mirrors;
@@ -56,6 +57,7 @@ bool CameraTracer::wants_sample(Path& path, const LightCache::Place& place,
   ask(LightCache::Kind::kDiffuse, albedo.diffuse);
   ask(LightCache::Kind::kReflected, albedo.reflected);
   path.tile.cache_samples_wanted += wanted;
+  if (cache_use_.share < 0) return false;
   return (unknown || path.random.next() < wanted * cache_use_.share) &&
          path.tile.cache_samples.size() < kMostSamples;
 }

@@ -81,7 +81,7 @@ class CameraTracer {
   struct CacheUse {
     const LightCache* cache = nullptr;
     float pixels = 1;      // of this picture, that cells are wide
-    float share = 1;       // of the samples that cells want: so many of them are made
+    float share = 1;       // of the samples that cells want: so many of them are made; < 0: none
     uint32_t picture = 0;  // its number
   };
   const GatherPoints& trace_from_cache(const CacheUse& use, int max_bounces, PackedFilm& film,

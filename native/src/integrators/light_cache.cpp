@@ -43,7 +43,7 @@ Rgb divided_by_albedo(const Rgb& light, const Rgb& albedo) {
 
 }  // namespace
 
-CacheLight CacheSample::over_albedo() const {
+CacheLight light_over_albedo(const CacheLight& light, const CacheLight& albedo) {
   return {divided_by_albedo(light.diffuse, albedo.diffuse),
           divided_by_albedo(light.reflected, albedo.reflected)};
 }
@@ -155,24 +155,24 @@ Rgb LightCache::light(const Place& place, Kind kind) const {
   return estimate(place, kind, 0).light;
 }
 
-void LightCache::add_to(uint64_t key, const Rgb& light) {
+void LightCache::add_to(uint64_t key, const Rgb& light, float samples) {
   Cell& cell = cells_[key];
   if (cell.count >= kMost) {  // older samples fade
     cell.light *= 0.5f;
     cell.squares *= 0.5f;
     cell.count *= 0.5f;
   }
-  cell.light += light;
-  cell.squares += sqr(luminance(light));
-  cell.count += 1;
+  cell.light += light * samples;
+  cell.squares += sqr(luminance(light)) * samples;
+  cell.count += samples;
   cell.picture = picture_;
 }
 
-void LightCache::add(const Place& place, Kind kind, const Rgb& light) {
+void LightCache::add(const Place& place, Kind kind, const Rgb& light, float samples) {
   Place at = place;
   for (int wide = 0; wide < kWidths; ++wide) {
     if (wide) at = wider(at);
-    add_to(key_of(at, kind), light);
+    add_to(key_of(at, kind), light, std::min(samples, kMost));
   }
 }
 

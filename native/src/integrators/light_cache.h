@@ -44,8 +44,8 @@ class LightCache {
   // Mean of the four cells around a place; where they hold little, wider ones add to it. Black
   // where there is nothing.
   Rgb light(const Place& place, Kind kind) const;
-  // Takes in a sample, light over albedo. Not while others ask.
-  void add(const Place& place, Kind kind, const Rgb& light);
+  // Takes in the mean of so many samples, light over albedo. Not while others ask.
+  void add(const Place& place, Kind kind, const Rgb& light, float samples = 1);
   // Has the next picture begin, after which cells that no recent one has added to may be forgotten.
   void begin_picture();
 
@@ -71,7 +71,7 @@ class LightCache {
   static uint64_t key_of(const Place& place, Kind kind);  // of the cell that holds the place
   Estimate around(const Place& place, Kind kind) const;
   Estimate estimate(const Place& place, Kind kind, int width) const;
-  void add_to(uint64_t key, const Rgb& light);
+  void add_to(uint64_t key, const Rgb& light, float samples);
 
   HashTable<Cell> cells_;
   size_t most_cells_;
@@ -88,14 +88,17 @@ struct CacheReading {
   LightCache::Place place;
   CacheLight albedo;
   uint32_t pixel;  // of the tile
+  bool first;      // whether the camera sees the surface straight
 };
+
+CacheLight light_over_albedo(const CacheLight& light, const CacheLight& albedo);
 
 // What a path has found at a surface for the cache, indirect light excepted, which photons add.
 struct CacheSample {
   LightCache::Place place;
   CacheLight albedo, light;
   // What the cache takes in. Where albedo has next to nothing of a colour, the others tell.
-  CacheLight over_albedo() const;
+  CacheLight over_albedo() const { return light_over_albedo(light, albedo); }
 };
 
 }  // namespace photon_splat

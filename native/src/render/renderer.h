@@ -82,6 +82,10 @@ class Renderer {
   // and of the samples that this one adds to it: of `most_samples` pixels, 0..1, and where nothing
   // is known yet. `pixels`: of this picture, that cells are wide.
   void draw_from_cache(float pixels, float most_samples);
+  // Gives the cache the light of the film that passes have made since set_view(), which stays.
+  // `share`: of its samples that are new since it was given last. `pixels` as above. `picture`: the
+  // film without its noise, RGBA of its pixels, exposed.
+  void teach_light_cache(float pixels, float share, const float* picture);
   const LightCache& light_cache() const { return light_cache_; }
   // Of the last such picture.
   struct CacheCounts {

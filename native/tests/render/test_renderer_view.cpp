@@ -23,7 +23,7 @@ void light(Renderer& renderer, float strength) {
   renderer.lamps = {lamp};
 }
 
-void look_from(Renderer& renderer, float x) {
+void look_from(Renderer& renderer, float x, int size = ::size) {
   CameraSettings& camera = renderer.camera_settings;
   camera.to_world = Affine{{1, 0, 0, x, 0, 1, 0, 0.5f, 0, 0, 1, 0.9f}};
   camera.width = camera.height = camera.region_width = camera.region_height = size;
@@ -114,6 +114,47 @@ TEST_CASE("a picture from the cache is that of a render, but for the width of it
   const Likeness cached = likeness(renderer.film().unpacked(), rendered);
   CHECK(cached.ratio == approx(1).epsilon(0.02));
   CHECK(cached.difference < 0.06);
+}
+
+// What the film shows, RGBA.
+std::vector<float> shown(const Film& film, float factor) {
+  std::vector<float> out;
+  for (const Pixel& p : film.pixels) {
+    const Rgb light = p.combined() * (p.share() * factor);
+    out.insert(out.end(), {light.x, light.y, light.z, 1});
+  }
+  return out;
+}
+
+TEST_CASE("a cache that passes have taught shows what they have, and passes go on as before") {
+  Renderer renderer(2), other(2);
+  for (Renderer* one : {&renderer, &other}) {
+    fill_box(*one);
+    look_from(*one, 0.5f, 4 * size);
+    one->trace_viewport_photons(30000, budget);
+    one->draw_from_cache(4, 0);  // the next one samples what is not known alone
+    one->camera_settings.exposure = 2;
+    one->set_view();
+    for (uint32_t pass = 0; pass < 12; ++pass) one->render_pass(pass);
+  }
+  const Film rendered = renderer.film().unpacked();
+  renderer.teach_light_cache(4, 1, shown(rendered, 2).data());
+  CHECK(same(renderer.film().unpacked(), rendered));
+  for (uint32_t pass = 12; pass < 14; ++pass)
+    for (Renderer* one : {&renderer, &other}) one->render_pass(pass);
+  CHECK(same(renderer.film().unpacked(), other.film().unpacked()));
+  renderer.draw_from_cache(4, 0);
+  const Likeness taught = likeness(renderer.film().unpacked(), rendered);
+  CHECK(taught.ratio == approx(1).epsilon(0.01));
+  CHECK(taught.difference < 0.04);
+  CHECK(renderer.cache_counts().samples == 0);
+  // What counts is the picture, and all of it.
+  renderer.relight();
+  renderer.trace_viewport_photons(30000, budget);
+  for (uint32_t pass = 0; pass < 8; ++pass) renderer.render_pass(pass);
+  renderer.teach_light_cache(4, 1, shown(rendered, 6).data());
+  renderer.draw_from_cache(4, 0);
+  CHECK(likeness(renderer.film().unpacked(), rendered).ratio == approx(3).epsilon(0.03));
 }
 
 TEST_CASE("pictures from the cache sample what they do not know, and little of the rest") {
