@@ -104,8 +104,8 @@ def _with_old_places(mesh: Mesh, bumps: bool) -> Mesh:
     known = {attribute.id for attribute in shading.attributes}
     if shading.generated is not None and GENERATED not in known:
         space = shading.generated
-        places = mesh.positions * np.array(space.scale) + np.array(space.offset)
-        added.append(MeshAttribute(GENERATED, Domain.POINT, places.astype(np.float32)))
+        scale, offset = (np.array(each, np.float32) for each in (space.scale, space.offset))
+        added.append(MeshAttribute(GENERATED, Domain.POINT, mesh.positions * scale + offset))
     if bumps:
         added.append(MeshAttribute(UNDISPLACED, Domain.POINT, mesh.positions))
     return replace(mesh, shading=replace(shading, attributes=[*shading.attributes, *added]))

@@ -105,9 +105,11 @@ Topology build_topology(std::span<const Vec3> positions, std::span<const Triangl
     normal[t] = len > 0 ? n / len : Vec3{0, 0, 1};
   }
 
-  const auto joined = [&](uint32_t half) {
+  // Of the two half-edges of an edge the first alone, as there are many.
+  const auto joins = [&](uint32_t half) {
     const uint32_t other = partner[half];
-    return other != kNone && dot(normal[half / 3], normal[other / 3]) > Topology::kCreaseCosine;
+    return other != kNone && other > half &&
+           dot(normal[half / 3], normal[other / 3]) > Topology::kCreaseCosine;
   };
   Topology out;
   std::vector<uint32_t>& parent = out.patch;
@@ -115,7 +117,7 @@ Topology build_topology(std::span<const Vec3> positions, std::span<const Triangl
   std::iota(parent.begin(), parent.end(), 0u);
   for (uint32_t h = 0; h < 3 * count; ++h) {
     check_now_and_then(h, cancel);
-    if (joined(h)) {
+    if (joins(h)) {
       const uint32_t a = find_root(parent, h / 3), b = find_root(parent, partner[h] / 3);
       parent[std::max(a, b)] = std::min(a, b);
     }
@@ -144,14 +146,16 @@ Topology build_topology(std::span<const Vec3> positions, std::span<const Triangl
   if (!all_planar) {
     out.curvature.assign(count, 0.0f);
     for (uint32_t h = 0; h < 3 * count; ++h) {
-      if (!joined(h)) continue;
+      if (!joins(h)) continue;
       const uint32_t t = h / 3, other = partner[h] / 3;
       const float turn = length(cross(normal[t], normal[other]));
       const float edge =
           length(positions[triangles[t][(h + 1) % 3]] - positions[triangles[t][h % 3]]);
       // Mean height over the edge
       const float across = edge > 0 ? (area[t] + area[other]) / edge : 0.0f;
-      if (turn > 1e-4f && across > 0) out.curvature[t] = std::max(out.curvature[t], turn / across);
+      if (turn > 1e-4f && across > 0)
+        for (const uint32_t side : {t, other})
+          out.curvature[side] = std::max(out.curvature[side], turn / across);
     }
   }
 
