@@ -45,6 +45,8 @@ LONGEST = (
     "tests/gpu/splatter",
 )
 """Begun first, in this order, so that none of them is left to run alone."""
+COMPILED = ROOT / "build" / "pycache"
+"""Python code compiled once for all of the processes that tests start, whatever the shell says."""
 LAST_WORDS_SECONDS = 10.0
 """For a process that hangs to say where."""
 
@@ -145,7 +147,9 @@ def run_folder(
         environment = os.environ | {
             "BLENDER_USER_RESOURCES": str(Path(scratch, "blender")),
             "PYTHONUNBUFFERED": "1",
+            "PYTHONPYCACHEPREFIX": str(COMPILED),
         }
+        environment.pop("PYTHONDONTWRITEBYTECODE", None)
         command = [sys.executable, "-c", CHILD, str(status_file), str(current), str(folder)]
         output = Path(scratch, "output")
         with output.open("wb") as log:
