@@ -134,6 +134,7 @@ def export_contents(
     with_labels  if the view layer asks for passes of data
     """
     from .cancelled import Watch
+    from .hair_shaders import report_hair_shaders
     from .images import Textures
     from .kept import Kept
     from .labels import Labelled, aovs, wanted
@@ -166,6 +167,7 @@ def export_contents(
         textures.list,
         shading.programs,
     )
+    report_hair_shaders(exported, report)
     if labelled is not None:
         exported.labels = labelled.labels(
             view_layer, scene, materials.list, materials.aov_programs()

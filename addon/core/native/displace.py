@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -10,10 +10,11 @@ from numpy.typing import NDArray
 
 from ..scene import Camera, Mesh, Texture
 from ..scene.displacement import UNDISPLACED, UNDISPLACED_NORMALS, Displacement, Normals
-from ..scene.shading import GENERATED, Domain, InstanceAttribute, MeshAttribute, Program
+from ..scene.shading import GENERATED, Domain, InstanceAttribute, MeshAttribute
 from .library import load
 from .materials import add_program, add_textures
 from .meshes import add_mesh_shading
+from .operations import textures_of
 
 NOTHING = (-1, False)
 
@@ -109,16 +110,3 @@ def _with_old_places(mesh: Mesh, bumps: bool) -> Mesh:
     if bumps:
         added.append(MeshAttribute(UNDISPLACED, Domain.POINT, mesh.positions))
     return replace(mesh, shading=replace(shading, attributes=[*shading.attributes, *added]))
-
-
-def textures_of(program: Program) -> Iterator[int]:
-    """Indices of the textures that a program names."""
-    table = dict(load().shader_operations().values())
-    words = program.code.tolist()
-    at = 0
-    while at < len(words):
-        operands = table[words[at]]
-        for place, (kind, _, _) in enumerate(operands):
-            if kind == "t":
-                yield words[at + 1 + place]
-        at += 1 + len(operands)

@@ -15,7 +15,8 @@ from ...core.dicing.dice import MAX_TRIANGLES, diced
 from ...core.dicing.eye import Eye
 from ...core.dicing.values import Faces
 from ...core.dicing.wanted import Wanted
-from ...core.native.displace import displaced, textures_of
+from ...core.native.displace import displaced
+from ...core.native.operations import textures_of
 from ...core.render.memory import free_memory_bytes
 from ...core.scene import Camera, Mesh, Texture
 from ...core.scene.displacement import Displacement, Normals

@@ -287,4 +287,25 @@ def test_strands_of_all_kinds_are_rendered(material: str) -> None:
     combined = results[0].passes["Combined"]
     assert np.isfinite(combined).all()
     assert combined[..., :3].max() > 0.0
-    assert results[0].statistics["warnings"] == []
+    warnings = results[0].statistics["warnings"]
+    assert [text for text in warnings if not text.startswith("Hair shaders on ")] == []
+
+
+@in_blender
+def test_hair_shaders_on_other_things_are_named() -> None:
+    """Not those of hair that grows on a mesh, whose slots hold them as well."""
+    stage.room()
+    cloud, ball = points([(0, 0, 0)]), stage.plane("Ball")
+    for ob, name in ((cloud, "Dots"), (ball, "Fur")):
+        made, tree = stage.empty_material(name)
+        shader = tree.nodes.new("ShaderNodeBsdfHairPrincipled")
+        tree.links.new(shader.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
+        ob.data.materials.clear()
+        ob.data.materials.append(made)
+    warnings = stage.exported().warnings
+    assert "Hair shaders on points are black: 'Dots'" in warnings
+    [of_meshes] = [warning for warning in warnings if "Hair shaders on meshes" in warning]
+    assert of_meshes.endswith(": 'Fur'")
+    ball.data.materials[0] = stage.material("Skin")
+    ball.data.materials.append(made)
+    assert not [warning for warning in stage.exported().warnings if "on meshes" in warning]

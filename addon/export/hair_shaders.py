@@ -1,0 +1,45 @@
+"""Hair shaders on what is no hair."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..core.native.operations import operations_of
+from ..core.scene import NO_PROGRAM, Scene
+from ..core.scene.shading import Program
+from .report import Report
+
+HAIR = ("Hair", "PrincipledHair")
+"""Operations that need a direction along the strand."""
+
+
+def report_hair_shaders(scene: Scene, report: Report) -> None:
+    """Names the materials with hair shaders that points or meshes have."""
+    hair = {
+        index
+        for index, material in enumerate(scene.materials)
+        if material.program != NO_PROGRAM and has_hair(scene.programs[material.program])
+    }
+    if not hair:
+        return
+    rows = set(
+        zip(scene.instances.mesh.tolist(), scene.instances.material_set.tolist(), strict=True)
+    )
+    for mesh, materials in sorted(rows):
+        strands, slots = scene.meshes[mesh].strands, scene.meshes[mesh].slots
+        if strands is not None and strands.first is not None:
+            continue
+        sentence = (
+            "Hair shaders on points are black: {}"
+            if strands is not None
+            else "Hair shaders on meshes are up to a fifth brighter or darker than in Cycles: {}"
+        )
+        of_slots = scene.material_sets[materials]
+        if strands is None:  # other slots may be those of its hair
+            of_slots = of_slots[np.unique(slots) if slots is not None else [0]]
+        for index in sorted(hair & set(of_slots.tolist())):
+            report.warn(sentence, scene.materials[index].name)
+
+
+def has_hair(program: Program) -> bool:
+    return any(name in HAIR for name, _ in operations_of(program))
