@@ -9,9 +9,9 @@ from math import asin, atan2, cos, hypot, pi, sin
 import bpy
 import numpy as np
 
-from blend_scenes.scripts import artwork as art
-from blend_scenes.scripts import car_body, car_parts
 from blend_scenes.scripts import modelling as m
+from blend_scenes.scripts.things import artwork as art
+from blend_scenes.scripts.things import car_body, car_parts
 from blend_scenes.scripts.trees import Tree, material, plain
 
 

@@ -10,10 +10,10 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
-from blend_scenes.scripts import classroom_things, rooms
 from blend_scenes.scripts import modelling as m
-from blend_scenes.scripts import parts as p
-from blend_scenes.scripts.classroom_things import DEEP, TALL, WIDE
+from blend_scenes.scripts.things import classroom_things, rooms
+from blend_scenes.scripts.things import parts as p
+from blend_scenes.scripts.things.classroom_things import DEEP, TALL, WIDE
 from blend_scenes.scripts.trees import material, plain
 
 Stuff = dict[str, bpy.types.Material]

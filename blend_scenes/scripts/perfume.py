@@ -13,9 +13,9 @@ import bpy
 import numpy as np
 from mathutils import Euler, Matrix
 
-from blend_scenes.scripts import artwork as art
 from blend_scenes.scripts import modelling as m
-from blend_scenes.scripts import parts as p
+from blend_scenes.scripts.things import artwork as art
+from blend_scenes.scripts.things import parts as p
 from blend_scenes.scripts.trees import Tree, material, plain
 
 # Materials ----------------------------------------------------------------------------------------

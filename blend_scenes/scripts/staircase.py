@@ -10,8 +10,8 @@ import bpy
 import numpy as np
 
 from blend_scenes.scripts import modelling as m
-from blend_scenes.scripts import parts as p
-from blend_scenes.scripts import rooms, staircase_stuff
+from blend_scenes.scripts.things import parts as p
+from blend_scenes.scripts.things import rooms, staircase_stuff
 
 Stuff = dict[str, bpy.types.Material]
 WIDE, DEEP, TALL = 5.2, 6.4, 5.4

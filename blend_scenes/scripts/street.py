@@ -12,9 +12,9 @@ from math import cos, pi, radians, sin
 import bpy
 import numpy as np
 
-from blend_scenes.scripts import artwork as art
 from blend_scenes.scripts import modelling as m
-from blend_scenes.scripts import parts as p
+from blend_scenes.scripts.things import artwork as art
+from blend_scenes.scripts.things import parts as p
 from blend_scenes.scripts.trees import Tree, group, material, plain, use_group
 
 HALF = 2.3  # of the lane's width, m

@@ -10,11 +10,11 @@ import bpy
 import numpy as np
 
 from blend_scenes.scripts import modelling as m
-from blend_scenes.scripts import parts as p
-from blend_scenes.scripts import scatter, village_plants
-from blend_scenes.scripts.village_houses import House
-from blend_scenes.scripts.village_plants import height, lane
-from blend_scenes.scripts.village_stuff import ground, sky, stuff
+from blend_scenes.scripts.things import parts as p
+from blend_scenes.scripts.things import scatter, village_plants
+from blend_scenes.scripts.things.village_houses import House
+from blend_scenes.scripts.things.village_plants import height, lane
+from blend_scenes.scripts.things.village_stuff import ground, sky, stuff
 
 Stuff = dict[str, bpy.types.Material]
 

@@ -7,7 +7,7 @@ from math import pi
 import bpy
 
 from blend_scenes.scripts import modelling as m
-from blend_scenes.scripts import rooms
+from blend_scenes.scripts.things import rooms
 from blend_scenes.scripts.trees import material, plain
 
 Stuff = dict[str, bpy.types.Material]

@@ -8,8 +8,8 @@ import bpy
 import numpy as np
 
 from blend_scenes.scripts import modelling as m
-from blend_scenes.scripts import parts as p
-from blend_scenes.scripts import scatter
+from blend_scenes.scripts.things import parts as p
+from blend_scenes.scripts.things import scatter
 
 Stuff = dict[str, bpy.types.Material]
 

@@ -10,8 +10,8 @@ import numpy as np
 from mathutils import Matrix, Vector
 
 from blend_scenes.scripts import modelling as m
-from blend_scenes.scripts import parts as p
-from blend_scenes.scripts.scatter import sheet
+from blend_scenes.scripts.things import parts as p
+from blend_scenes.scripts.things.scatter import sheet
 
 Stuff = dict[str, bpy.types.Material]
 

@@ -10,7 +10,7 @@ import numpy as np
 from mathutils import Vector
 
 from blend_scenes.scripts import modelling as m
-from blend_scenes.scripts import parts as p
+from blend_scenes.scripts.things import parts as p
 
 Point = Sequence[float]
 

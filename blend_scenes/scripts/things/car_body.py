@@ -14,7 +14,7 @@ from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 
 from blend_scenes.scripts import modelling as m
-from blend_scenes.scripts import parts as p
+from blend_scenes.scripts.things import parts as p
 
 PAINT, PANE, BLACK = range(3)
 AXLES, TRACK, WHEEL = (1.36, -1.36), 0.76, 0.345

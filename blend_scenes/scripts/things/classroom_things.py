@@ -11,8 +11,8 @@ import numpy as np
 from mathutils import Matrix
 
 from blend_scenes.scripts import modelling as m
-from blend_scenes.scripts import parts as p
-from blend_scenes.scripts import rooms
+from blend_scenes.scripts.things import parts as p
+from blend_scenes.scripts.things import rooms
 from blend_scenes.scripts.trees import material
 
 Stuff = dict[str, bpy.types.Material]

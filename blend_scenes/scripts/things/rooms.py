@@ -11,10 +11,10 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
-from blend_scenes.scripts import artwork as art
 from blend_scenes.scripts import modelling as m
-from blend_scenes.scripts import parts as p
-from blend_scenes.scripts.scatter import sheet
+from blend_scenes.scripts.things import artwork as art
+from blend_scenes.scripts.things import parts as p
+from blend_scenes.scripts.things.scatter import sheet
 from blend_scenes.scripts.trees import Tree, material
 
 Color = tuple[float, float, float]

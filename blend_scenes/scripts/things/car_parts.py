@@ -10,8 +10,8 @@ import numpy as np
 from mathutils import Matrix, Vector
 
 from blend_scenes.scripts import modelling as m
-from blend_scenes.scripts import parts as p
-from blend_scenes.scripts.car_body import AXLES, TRACK, WHEEL
+from blend_scenes.scripts.things import parts as p
+from blend_scenes.scripts.things.car_body import AXLES, TRACK, WHEEL
 
 Drape = Callable[..., Vector]
 Stuff = dict[str, bpy.types.Material]

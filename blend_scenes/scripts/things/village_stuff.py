@@ -6,7 +6,7 @@ from typing import Any
 
 import bpy
 
-from blend_scenes.scripts import artwork as art
+from blend_scenes.scripts.things import artwork as art
 from blend_scenes.scripts.trees import Tree, material, plain
 
 Color = tuple[float, float, float]
