@@ -9,6 +9,7 @@ from blend_scenes.scripts import (
     caustic_glass,
     caustic_pool,
     caustic_ring,
+    chapel,
     classroom,
     cloudy_pool,
     cornell_box,
@@ -34,5 +35,13 @@ light_types.make()
 many_lights.make()
 for textured in (kitchen, perfume, street, car, village, staircase, classroom):
     textured.make()
-for caustics in (caustic_glass, caustic_ring, caustic_pool, small_glass, fog_lens, cloudy_pool):
+for caustics in (
+    caustic_glass,
+    caustic_ring,
+    caustic_pool,
+    small_glass,
+    fog_lens,
+    cloudy_pool,
+    chapel,
+):
     caustics.make()
