@@ -1,4 +1,5 @@
 #include "render/photon_budget.h"
+#include "support/approx.h"
 
 #include <doctest/doctest.h>
 
@@ -16,4 +17,15 @@ TEST_CASE("batches fit into what is left of the time") {
   CHECK(batch_that_fits(many, most, 1, 1e-5, true) == 0);
   CHECK(batch_that_fits(many, most, 1e-5 * kFewestPaths / 2, 1e-5, false) == 0);
   CHECK(batch_that_fits(many, most, -1, 1e-5, false) == 0);
+}
+
+TEST_CASE("photons have some time even where camera samples have taken all of it") {
+  PassClock late(0);
+  CHECK(late.seconds_for_one_of(1) <= 0);
+  late.see_camera(40);
+  CHECK(late.seconds_for_one_of(1) == approx(4));
+  CHECK(late.seconds_for_one_of(2) == approx(2));
+  PassClock early(100);
+  early.see_camera(40);
+  CHECK(early.seconds_for_one_of(1) == approx(94).epsilon(0.01));
 }
