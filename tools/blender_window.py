@@ -4,6 +4,7 @@ and kept in .cache/blender-SUITE. That needs Linux, root, debootstrap and a Debi
 
 from __future__ import annotations
 
+import argparse
 from pathlib import Path
 
 import debian_chroot
@@ -25,6 +26,16 @@ PACKAGES = [
     "libegl-mesa0",
     "libgl1-mesa-dri",
 ]
+
+
+def options_of(description: str | None) -> argparse.ArgumentParser:
+    """For a tool that has an extension's archive and Debian's suite."""
+    parser = argparse.ArgumentParser(
+        description=description, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("archive", type=Path)
+    parser.add_argument("--suite", default="trixie")
+    return parser
 
 
 def make(suite: str, chroot: Path | None = None) -> Path:

@@ -6,7 +6,6 @@ pictures in docs/pictures.
 
 from __future__ import annotations
 
-import argparse
 import shutil
 import subprocess
 import sys
@@ -21,12 +20,7 @@ SECONDS = 600
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("archive", type=Path)
-    parser.add_argument("--suite", default="trixie")
-    options = parser.parse_args()
+    options = blender_window.options_of(__doc__).parse_args()
     try:
         chroot = blender_window.make(options.suite)
     except debian_chroot.Unavailable as reason:

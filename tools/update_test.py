@@ -9,7 +9,6 @@ Blender under a virtual X server, in the same system. Figures are left in out/up
 
 from __future__ import annotations
 
-import argparse
 import json
 import shutil
 import subprocess
@@ -30,12 +29,7 @@ SECONDS = 600
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("archive", type=Path)
-    parser.add_argument("--suite", default="trixie")
-    options = parser.parse_args()
+    options = blender_window.options_of(__doc__).parse_args()
     try:
         chroot = blender_window.make(options.suite)
     except debian_chroot.Unavailable as reason:

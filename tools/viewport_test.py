@@ -9,7 +9,6 @@ out/viewport-SUITE.
 
 from __future__ import annotations
 
-import argparse
 import json
 import shutil
 import subprocess
@@ -37,11 +36,7 @@ SCREEN = "1183x648x24"
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("archive", type=Path)
-    parser.add_argument("--suite", default="trixie")
+    parser = blender_window.options_of(__doc__)
     parser.add_argument("--chroot", type=Path, help="where Blender's system is, or is to be made")
     parser.add_argument("--edits", type=int, default=200)
     parser.add_argument("--hunt", type=int, default=500)
