@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from ..core.native.operations import operations_of
 from ..core.scene import NO_PROGRAM, Scene
 from ..core.scene.shading import Program
+from .mesh_materials import materials_of_meshes
 from .report import Report
 
 HAIR = ("Hair", "PrincipledHair")
@@ -22,11 +21,8 @@ def report_hair_shaders(scene: Scene, report: Report) -> None:
     }
     if not hair:
         return
-    rows = set(
-        zip(scene.instances.mesh.tolist(), scene.instances.material_set.tolist(), strict=True)
-    )
-    for mesh, materials in sorted(rows):
-        strands, slots = scene.meshes[mesh].strands, scene.meshes[mesh].slots
+    for mesh, materials in materials_of_meshes(scene):
+        strands = mesh.strands
         if strands is not None and strands.first is not None:
             continue
         sentence = (
@@ -34,10 +30,7 @@ def report_hair_shaders(scene: Scene, report: Report) -> None:
             if strands is not None
             else "Hair shaders on meshes are up to a fifth brighter or darker than in Cycles: {}"
         )
-        of_slots = scene.material_sets[materials]
-        if strands is None:  # other slots may be those of its hair
-            of_slots = of_slots[np.unique(slots) if slots is not None else [0]]
-        for index in sorted(hair & set(of_slots.tolist())):
+        for index in sorted(hair & materials):
             report.warn(sentence, scene.materials[index].name)
 
 

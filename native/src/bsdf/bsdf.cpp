@@ -6,6 +6,7 @@ namespace {
 
 constexpr float kOrenNayarRest = 0.3f;  // about the share of it that no Lambertian has
 constexpr float kStraight = 1 - 1e-6f;  // cosine from which on a normal is taken for not bent
+constexpr float kSameWay = 1 - 1e-4f;   // cosine of two directions that are one
 constexpr float kLeastCover = 0.05f;    // of a bent glossy lobe's samples
 
 Vec3 unit_or(const Vec3& sum, const Vec3& otherwise) {
@@ -140,6 +141,23 @@ void Bsdf::add_cover(const Vec3& n, float same, float through) {
   add(LobeKind::kTranslucent, through);
 }
 
+void Bsdf::send_through(float share) {
+  for (Lobe& lobe : lobes_) lobe.pick *= 1 - share;
+  add_cover(view_.ng, 0, share);
+}
+
+Rgb Bsdf::refracted_from(const Vec3& wi) const {
+  Rgb sum{};
+  for (const Lobe& lobe : lobes_) {
+    Vec3 from;
+    if (!lobe.delta() || !lobe.transmits() || !refract(view_.wo, lobe.n, lobe.fresnel.ior, &from) ||
+        dot(from, wi) < kSameWay)
+      continue;
+    sum += lobe.weight * evaluate_fresnel(lobe.fresnel, dot(lobe.n, view_.wo)).transmit;
+  }
+  return sum;
+}
+
 bool Bsdf::transmits() const {
   for (const Lobe& lobe : lobes_) {
     if (lobe.pick <= 0) continue;
@@ -201,12 +219,15 @@ Rgb Bsdf::diffuse_albedo() const {
   return same + through + below_weight();
 }
 
+float Bsdf::scale_of_flux(const Vec3& wi) const {
+  return std::abs(dot(wi, view_.ng)) / std::max(std::abs(dot(view_.wo, view_.ng)), 1e-6f);
+}
+
 // The radiance BSDF with the two directions exchanged: photons come from wo and leave along wi.
 // Densities on a surface are per area of the surface proper: Veach 1997, section 5.3.
 Rgb Bsdf::adjoint(const Vec3& wi, Rgb* rest, Rgb* diffuse) const {
   const View view = view_.towards(wi);
-  const float scale =
-      std::abs(dot(wi, view_.ng)) / std::max(std::abs(dot(view_.wo, view_.ng)), 1e-6f);
+  const float scale = scale_of_flux(wi);
   LobeList lobes;
   expand(view, lobes);
   Rgb sum{}, soft{};
@@ -279,12 +300,12 @@ std::optional<BsdfSample> Bsdf::finish_delta(int index, BsdfSample out) const {
     LobeList lobes;
     expand(view, lobes);
     const float cos_out = std::abs(dot(lobe.n, out.direction));
-    float scale =
-        std::abs(dot(out.direction, view_.ng)) / std::max(std::abs(dot(view_.wo, view_.ng)), 1e-6f);
+    float scale = scale_of_flux(out.direction);
     if (out.transmitted) scale *= cosine / std::max(sqr(lobe.fresnel.ior) * cos_out, 1e-6f);
     // Light goes out of a strand without another refraction, which would undo that
     if (out.transmitted && !gathers_) scale = 1;
-    if (index < lobes.size()) out.weight = share(lobes[index], cos_out) * (scale / chance);
+    out.per_value = scale / chance;
+    if (index < lobes.size()) out.weight = share(lobes[index], cos_out) * out.per_value;
   }
   out.rest = out.weight;
   return out;
@@ -323,7 +344,7 @@ std::optional<BsdfSample> Bsdf::sample_sharp(float choice, const Vec2& u) const 
   }
   if (index < 0) return std::nullopt;
   auto s = sample_lobe(index, choice / lobes_[index].pick, u);
-  if (s) s->weight *= total, s->rest *= total;
+  if (s) s->weight *= total, s->rest *= total, s->per_value *= total;
   return s;
 }
 
@@ -340,6 +361,7 @@ std::optional<BsdfSample> Bsdf::sample_lobe(int index, float choice, const Vec2&
   const Rgb f = evaluate_as(view_, out.direction, &out.pdf, &out.rest, nullptr, nullptr, index);
   if (!(out.pdf > 0) || !std::isfinite(out.pdf)) return std::nullopt;
   out.weight = f / out.pdf;
+  out.per_value = scale_of_flux(out.direction) / out.pdf;
   out.rest = out.rest / out.pdf;
   if (!is_finite(out.weight) || !is_finite(out.rest)) return std::nullopt;
   return out;

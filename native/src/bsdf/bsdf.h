@@ -48,10 +48,13 @@ inline float sharpness(float roughness) {
 }
 
 struct BsdfSample {
-  Vec3 direction;       // unit, away from the surface
-  Rgb weight;           // f |cos| / pdf of the whole BSDF (of the chosen lobe where it is a delta)
-  Rgb rest;             // the same without what photons estimate at this vertex (see Bsdf::gather)
-  float pdf = 0;        // solid angle, of the mixture over lobes; 0: delta
+  Vec3 direction;  // unit, away from the surface
+  Rgb weight;      // f |cos| / pdf of the whole BSDF (of the chosen lobe where it is a delta)
+  Rgb rest;        // the same without what photons estimate at this vertex (see Bsdf::gather)
+  float pdf = 0;   // solid angle, of the mixture over lobes; 0: delta
+  // Flux: weight over the radiance BSDF's value for a path in the other direction, cosines
+  // included, or over what its delta lobe sends on
+  float per_value = 0;
   float roughness = 0;  // of the chosen lobe: 0 delta .. 1; diffuse lobes, strands: 1
   bool transmitted = false;
   bool diffuse = false;  // a diffuse-like lobe (diffuse, translucent, sheen) was chosen
@@ -141,6 +144,11 @@ class Bsdf {
   // finish(); evaluate()'s pdf follows. Before it `rest` must not be used: only then sample() finds
   // every direction that has some.
   void prefer_rest(float kept);
+  // Flux: lets a share of the samples leave on the other side, whatever the lobes say: who sees the
+  // surface from there may see others. After finish().
+  void send_through(float share);
+  // Radiance: what the delta lobes that refract bring of the light from wi.
+  Rgb refracted_from(const Vec3& wi) const;
   bool has_rest() const;  // scatters beyond what is gathered: camera paths go on
   // Directional albedo towards wo, about; for the denoiser and Russian roulette
   Rgb albedo() const;
@@ -192,6 +200,7 @@ class Bsdf {
   // sampled: the lobe that wi was drawn by, or -1
   Rgb evaluate_as(const View& view, const Vec3& wi, float* pdf, Rgb* rest, Rgb* diffuse,
                   float* sharp, int sampled) const;
+  float scale_of_flux(const Vec3& wi) const;  // of light that comes from wo and leaves along wi
   Rgb adjoint(const Vec3& wi, Rgb* rest, Rgb* diffuse) const;
   std::optional<BsdfSample> sample_lobe(int index, float choice, const Vec2& u) const;
   std::optional<BsdfSample> finish_delta(int index, BsdfSample out) const;

@@ -8,7 +8,8 @@ constexpr int kMaxTransparent = 4096;  // layers that let a path through before 
 // What the first surface may leave of a caustic path before that goes on at less than certainty:
 // light that faint reflections throw about comes by many faint photons.
 constexpr float kFaint = 1 / 32.0f;
-constexpr float kGrazing = 0.1f;  // cosine, below which seen_twin() does not look all the way
+constexpr float kSentThrough = 0.25f;  // of what meets a surface whose sides may differ
+constexpr float kGrazing = 0.1f;       // cosine, below which seen_twin() does not look all the way
 
 RayInfo::Kind kind_of(const BsdfSample& s) {
   return s.diffuse ? RayInfo::kDiffuse : s.transmitted ? RayInfo::kTransmission : RayInfo::kGlossy;
@@ -208,6 +209,18 @@ bool PhotonTracer::light_up_by_ray(Path& path, const PhotonStart& start, const R
   return path.reference > 0;
 }
 
+// The BSDF, cosines included, of light through the surface that comes along `from` and leaves along
+// `to`, as a camera path that goes back along that way sees it.
+Rgb PhotonTracer::seen_through(const Surface& hit, const Vec3& from, const Vec3& to,
+                               const RayInfo& ray, bool delta) const {
+  const Surface other = Scene::other_side(hit);
+  Bsdf bsdf(Transport::kRadiance, to, other.ng, other.ns, other.back);
+  if (hit.program->features & kProgramSubsurface) bsdf.keep_subsurface(SubsurfaceUse::kWalks);
+  scene_.shade(other, to, ray, bsdf);
+  float pdf;
+  return delta ? bsdf.refracted_from(-from) : bsdf.evaluate(-from, &pdf);
+}
+
 // Stores a photon where one belongs and sends the path on; false where it ends.
 bool PhotonTracer::shade(Path& path, const Surface& hit, const PhotonStart& start,
                          const Draws& draws, const SurfaceFilter& visible, Vec3& origin,
@@ -285,6 +298,10 @@ bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const Phot
   if (hit.program->features & kProgramSubsurface && !hit.on_strand())
     bsdf.keep_subsurface(SubsurfaceUse::kWalks);
   scene_.shade(hit, -direction, ray, bsdf);
+  // Who sees the surface from the other side may see another one
+  const bool sided =
+      hit.program->asks_side && hit.program->features & kProgramTransmits && !hit.on_strand();
+  if (sided) bsdf.send_through(kSentThrough);
   const bool blocking = blocks(path, hit, start);
   Rgb transparency = blocking ? bsdf.transparency() : Rgb{1, 1, 1};
   const bool may_pass = blocking && scene_.may_be_transparent(hit),
@@ -345,9 +362,13 @@ bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const Phot
     choice = (choice - below) / (1 - below);
     path.power *= 1 / (1 - below);
   }
-  const auto s =
+  auto s =
       caustic ? bsdf.sample_sharp(choice, draws.next(path)) : bsdf.sample(choice, draws.next(path));
   if (!s) return false;
+  if (sided && s->transmitted) {
+    s->weight = seen_through(hit, direction, s->direction, ray, s->pdf <= 0) * s->per_value;
+    if (is_black(s->weight)) return false;
+  }
   if (direct && s->pdf <= 0 && (!start.deltas || path.unshadowed)) return false;
   if (!scatters_for(start, path, kind_of(*s))) return false;
   if (path.guessed) {

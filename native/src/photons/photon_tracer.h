@@ -182,6 +182,8 @@ class PhotonTracer {
                        bool delta) const;
   bool go_below(Path& path, const Surface& hit, const Bsdf& bsdf, const RayInfo& ray,
                 const Draws& draws, Vec3& origin, Vec3& direction) const;
+  Rgb seen_through(const Surface& hit, const Vec3& from, const Vec3& to, const RayInfo& ray,
+                   bool delta) const;
   bool scatter_by_program(Path& path, const Surface& hit, const PhotonStart& start,
                           const Draws& draws, const SurfaceFilter& visible, Vec3& origin,
                           Vec3& direction, Photons& photons) const;

@@ -169,6 +169,8 @@ class Scene {
   // What a program that only finds a vector finds there; `registers` are its scratch space.
   Vec3 value_at(const Program& program, const Surface& s, const Vec3& wo, const RayInfo& ray,
                 std::vector<float>& registers) const;
+  // The same place as a ray finds it that comes to its other side.
+  static Surface other_side(const Surface& s);
   // Lambertian reflectance of a surface without a program.
   Rgb albedo(const Surface& s) const { return textured(s.side->albedo, s.side->albedo_texture, s); }
   // Radiance towards `wo`.

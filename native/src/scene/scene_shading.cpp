@@ -54,13 +54,16 @@ void Scene::shade(const Surface& s, const Vec3& wo, const RayInfo& ray, Bsdf& bs
   bsdf.finish();
 }
 
-Rgb Scene::lets_through(const Surface& s, const Vec3& direction, const RayInfo& ray) const {
+Surface Scene::other_side(const Surface& s) {
   Surface other = s;
-  if (!s.on_strand()) {
-    other.ng = -s.ng;
-    other.ns = -s.ns;
-    other.back = !s.back;
-  }
+  other.ng = -s.ng;
+  other.ns = -s.ns;
+  other.back = !s.back;
+  return other;
+}
+
+Rgb Scene::lets_through(const Surface& s, const Vec3& direction, const RayInfo& ray) const {
+  const Surface other = s.on_strand() ? s : other_side(s);
   Bsdf bsdf(Transport::kRadiance, direction, other.ng, other.ns, other.back);
   run_program(*this, *other.program, shading_point(other, direction, ray), bsdf);
   return bsdf.transparency();

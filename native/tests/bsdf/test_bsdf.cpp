@@ -159,6 +159,42 @@ TEST_CASE("photons see the adjoint: the radiance closure with the directions exc
     }
 }
 
+TEST_CASE("a photon's weight follows from what a camera path sees on the way back") {
+  int refracted = 0;
+  for (const BsdfCase& c : bsdf_cases())
+    for (uint32_t i = 0; i < 40; ++i) {
+      CAPTURE(c.name);
+      const Vec2 u = sobol_2d(i, 0, 9), v = sobol_2d(i, 1, 9);
+      const Vec3 from = direction((i % 3 ? 1.0f : -1.0f) * (0.05f + 0.9f * u.x), 6.28f * u.y);
+      Bsdf photon = make_bsdf(c, from, Transport::kFlux);
+      if (i % 2) photon.send_through(0.25f);
+      const auto s = photon.sample(sobol_2d(i, 2, 9).x, v);
+      if (!s) continue;
+      REQUIRE(s->pdf > 0);
+      const Rgb value = make_bsdf(c, s->direction).evaluate(from, nullptr) * s->per_value;
+      for (int k = 0; k < 3; ++k) CHECK(s->weight[k] == approx(value[k]).epsilon(1e-3));
+    }
+  for (uint32_t i = 0; i < 40; ++i) {  // through a smooth boundary
+    const Vec2 u = sobol_2d(i, 0, 9);
+    const Vec3 from = direction((i % 2 ? 1.0f : -1.0f) * (0.05f + 0.9f * u.x), 6.28f * u.y);
+    const auto seen_from = [](const Vec3& w, Transport transport) {
+      const Vec3 up{0, 0, w.z > 0 ? 1.0f : -1.0f};
+      Bsdf bsdf(transport, w, up, up, w.z < 0);
+      bsdf.add_glass({0.9f, 0.8f, 0.7f}, {0, 0, 1}, Distribution::kGgx, 0, 1.5f, 0, 1);
+      bsdf.finish();
+      return bsdf;
+    };
+    const auto s = seen_from(from, Transport::kFlux).sample(0, {0.999f, 0.5f});
+    if (!s || !s->transmitted) continue;
+    const Bsdf camera = seen_from(s->direction, Transport::kRadiance);
+    const Rgb value = camera.refracted_from(from) * s->per_value;
+    for (int k = 0; k < 3; ++k) CHECK(s->weight[k] == approx(value[k]).epsilon(1e-3));
+    CHECK(is_black(camera.refracted_from(normalize(from + Vec3{0.1f, 0, 0}))));
+    ++refracted;
+  }
+  CHECK(refracted > 20);
+}
+
 TEST_CASE("samples fall as the density says: chi-square over cells of both hemispheres") {
   constexpr int kSide = 10, kSamples = 20000;
   int tests = 0;

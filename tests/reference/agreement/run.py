@@ -1,6 +1,6 @@
-"""Splat against reference on random scenes, or on .blend files:
-python -m tests.reference.agreement.run [--first N] [--count N] [--passes N] [--samples N]
-[--files FILE ... --width N] [--out OUT]
+"""Splat against reference on random scenes, on random Blender scenes of glass, gloss and media, or
+on .blend files: python -m tests.reference.agreement.run [--first N] [--count N] [--passes N]
+[--samples N] [--matter | --files FILE ... --width N] [--out OUT]
 
 A line a scene: mean and blocks off against the reference integrator, the told error over the true
 one; scenes that differ leave a sheet in OUT (reference, splat, signed difference: red is brighter,
@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import argparse
 import hashlib
+import random
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -25,6 +26,7 @@ from tests.benchmarks.bench.scenes import from_file
 from tests.reference.agreement import generator
 from tests.reference.agreement.compare import Agreement, agreement
 from tests.reference.agreement.generator import random_scene
+from tests.support import random_matter
 from tests.support.corescene import shoot
 
 MOST_OFF = 1.0 / 50.0
@@ -90,6 +92,15 @@ def sheet(path: Path, pictures: list[NDArray]) -> None:
     buffer.write(str(path))
 
 
+def matter_scene(seed: int) -> Scene:
+    """Of tests/support/random_matter.py. Needs bpy."""
+    import bpy
+    from photon_splat.export import export_scene
+
+    random_matter.build(random.Random(seed))
+    return export_scene(bpy.context.evaluated_depsgraph_get())
+
+
 def scenes(options: argparse.Namespace) -> Iterator[tuple[str, Scene, str]]:
     """Name, scene, and what tells one version of it from another."""
     if options.files:
@@ -97,9 +108,11 @@ def scenes(options: argparse.Namespace) -> Iterator[tuple[str, Scene, str]]:
             version = hashlib.sha256(file.read_bytes()).hexdigest()[:8]
             yield file.stem, from_file(file.resolve(), options.width), f"{version}-{options.width}"
         return
-    version = hashlib.sha256(Path(generator.__file__).read_bytes()).hexdigest()[:8]
+    made_by, kind = (random_matter, "matter-") if options.matter else (generator, "")
+    version = hashlib.sha256(Path(made_by.__file__).read_bytes()).hexdigest()[:8]
     for seed in options.only or range(options.first, options.first + options.count):
-        yield str(seed), random_scene(seed), version
+        what = matter_scene(seed) if options.matter else random_scene(seed)
+        yield f"{kind}{seed}", what, version
 
 
 def main() -> None:
@@ -109,6 +122,7 @@ def main() -> None:
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--count", type=int, default=200)
     parser.add_argument("--only", type=int, nargs="*")
+    parser.add_argument("--matter", action="store_true", help="random Blender scenes instead")
     parser.add_argument("--files", type=Path, nargs="*", help="instead of random scenes")
     parser.add_argument("--width", type=int, default=160, help="of the files' pictures")
     parser.add_argument("--passes", type=int, default=12)

@@ -7,7 +7,7 @@ from __future__ import annotations
 import pytest
 
 from tests.reference.agreement.generator import random_scene
-from tests.reference.agreement.run import MOST_OFF, TOLD_WITHIN, measure
+from tests.reference.agreement.run import MOST_OFF, TOLD_WITHIN, matter_scene, measure
 
 # Once wrong: bent things that run into each other (2, 10), light from far out on a floor (5), a
 # wall of which a metre is seen.
@@ -22,3 +22,11 @@ def test_mean_blocks_and_told_error_agree_with_the_reference(seed: int) -> None:
     assert (
         result.told_over_true is None or TOLD_WITHIN[0] <= result.told_over_true <= TOLD_WITHIN[1]
     ), result
+
+
+# Once wrong: light through surfaces whose shaders ask which side is seen (35).
+@pytest.mark.parametrize("seed", [33, 35])
+def test_mean_agrees_where_light_passes_through_things(seed: int) -> None:
+    result, _ = measure(matter_scene(seed), passes=8, samples=96)
+    assert result.mean_agrees, result
+    assert result.off <= MOST_OFF, result
