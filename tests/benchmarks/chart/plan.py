@@ -92,6 +92,10 @@ CASES = (
     Case("classroom", 384, 216, "classroom", reference_seconds=150.0),
     Case("caustic_glass", 400, 300, "caustic", "photons"),
     Case("caustic_pool", 400, 300, "pool", "photons"),
+    # light gathered by glass and waves, in what scatters it
+    Case("fog_lens", 320, 200, "caustic in fog", "photons", 90.0),
+    Case("cloudy_pool", 320, 200, "cloudy water", "photons", 150.0),
+    Case("chapel", 320, 180, "haze behind panes", "photons", 120.0),
 )
 
 
