@@ -62,7 +62,7 @@ def write(path: Path, rows: list[list[str]]) -> None:
         with path.open(newline="") as file:
             rows = [row for row in csv.reader(file) if row[0] not in {*scenes, "scene"}] + rows
     with path.open("w", newline="") as file:
-        csv.writer(file).writerows([COLUMNS, *rows])
+        csv.writer(file, lineterminator="\n").writerows([COLUMNS, *rows])
 
 
 if __name__ == "__main__":

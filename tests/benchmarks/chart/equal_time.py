@@ -92,7 +92,7 @@ def main() -> None:
             print(f"{path.stem}: {str(error)[-300:] or 'cannot be opened'}", flush=True)
     if options.table:
         with options.table.open("w", newline="") as file:
-            csv.writer(file).writerows([COLUMNS, *rows])
+            csv.writer(file, lineterminator="\n").writerows([COLUMNS, *rows])
     ratios = [float(str(row[7])) for row in rows if row[7] == row[7]]
     if ratios:
         print(f"median {np.median(ratios):.2f}, least {min(ratios):.2f}, of {len(ratios)}")
