@@ -13,7 +13,7 @@ Row = dict[str, object]
 def write(path: Path, rows: list[Row]) -> None:
     rows = sorted(_old_rows(path, rows) + rows, key=_place)
     with path.open("w", newline="") as file:
-        writer = csv.DictWriter(file, list(rows[0]))
+        writer = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
         writer.writeheader()
         writer.writerows(
             {k: f"{v:.5g}" if isinstance(v, float) else v for k, v in row.items()} for row in rows
