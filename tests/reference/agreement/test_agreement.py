@@ -24,9 +24,8 @@ def test_mean_blocks_and_told_error_agree_with_the_reference(seed: int) -> None:
     ), result
 
 
-# Once wrong: light through surfaces whose shaders ask which side is seen (35).
-@pytest.mark.parametrize("seed", [33, 35])
-def test_mean_agrees_where_light_passes_through_things(seed: int) -> None:
-    result, _ = measure(matter_scene(seed), passes=8, samples=96)
+def test_mean_agrees_where_light_passes_through_things() -> None:
+    """A scene that was once wrong: its shaders ask which side is seen."""
+    result, _ = measure(matter_scene(35), passes=8, samples=96)
     assert result.mean_agrees, result
     assert result.off <= MOST_OFF, result

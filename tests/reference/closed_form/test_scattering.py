@@ -18,7 +18,7 @@ HALF, DENSITY, ANISOTROPY = 4.0, 0.3, -0.7
 LAMP, SIZE = np.array([0.3, -1.0, 0.0]), np.array([1.5, 0.8])
 EYE, WINDOW, CENTRE = 3.9, 1.0, np.array([-1.5, -2.5])
 """Of an orthographic camera that looks down."""
-HISTORIES, ORDERS = 2_000_000, 60
+HISTORIES, ORDERS = 1_000_000, 60
 
 
 def phase(cosine: np.ndarray) -> np.ndarray:
@@ -74,7 +74,7 @@ def test_light_of_an_area_lamp_that_fog_scatters_again_and_again() -> None:
     what.programs = [closure("VolumeScatter", color=1.0, density=DENSITY, anisotropy=ANISOTROPY)]
     what.world_volume = 0
     once, all_ = (
-        c.picture(what, Integrator.REFERENCE, passes=2000, seed=1, max_bounces=bounces).mean()
+        c.picture(what, Integrator.REFERENCE, passes=1000, seed=1, max_bounces=bounces).mean()
         for bounces in (0, 64)
     )
-    assert all_ / once == pytest.approx(seen_after_all_scatterings(), rel=0.015)
+    assert all_ / once == pytest.approx(seen_after_all_scatterings(), rel=0.02)

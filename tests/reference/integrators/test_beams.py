@@ -31,7 +31,7 @@ def large_light(name: str) -> Scene:
     return export_scene(bpy.context.evaluated_depsgraph_get())
 
 
-@pytest.mark.parametrize(("name", "samples"), [("fog_lens", 4000), ("cloudy_pool", 600)])
+@pytest.mark.parametrize(("name", "samples"), [("fog_lens", 2000), ("cloudy_pool", 600)])
 def test_the_mean_of_caustics_in_media_is_the_path_tracers(name: str, samples: int) -> None:
     what = large_light(name)
     reference = picture(what, Integrator.REFERENCE, passes=samples, seed=11)
