@@ -13,9 +13,11 @@ BENT = 0.87
 """Cosine, of 30 degrees, between a triangle and its normals."""
 MOST_BENT = 0.25
 """Of a mesh's area."""
+MOST_TRIANGLES = 1_000_000
+"""A mesh of more is not looked at: it is hardly coarse, and the look takes memory."""
 SENTENCE = (
-    "Glass so coarse and yet shaded smooth (as a cube would be) throws a few percent too little "
-    "light: {}"
+    "Glass so coarse and yet shaded smooth (as a cube would be) may throw a few percent too "
+    "little light: {}"
 )
 
 
@@ -39,8 +41,10 @@ def report_coarse_glass(scene: Scene, report: Report) -> None:
 
 def bent_share(mesh: Mesh) -> float:
     """The share of the area whose normals are bent off by more than 30 degrees."""
+    if not 0 < len(mesh.triangles) <= MOST_TRIANGLES:
+        return 0.0
     normals = mesh.normals()
-    if normals is None or not len(mesh.triangles):
+    if normals is None:
         return 0.0
     a, b, c = (mesh.positions[mesh.triangles[:, k]] for k in range(3))
     face = np.cross(b - a, c - a)

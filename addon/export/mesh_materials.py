@@ -18,5 +18,6 @@ def materials_of_meshes(scene: Scene) -> Iterator[tuple[Mesh, set[int]]]:
         mesh = scene.meshes[index]
         of_slots = scene.material_sets[materials]
         if mesh.strands is None:  # other slots may be those of its hair
-            of_slots = of_slots[np.unique(mesh.slots) if mesh.slots is not None else [0]]
+            used = np.unique(mesh.slots) if mesh.slots is not None else [0]
+            of_slots = of_slots[np.minimum(used, len(of_slots) - 1)]
         yield mesh, set(of_slots.tolist())
