@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 import random
+from collections.abc import Callable
 from typing import Any
 
 from tests.support import stage
@@ -50,7 +51,7 @@ def _ground(chance: random.Random, room: bool) -> None:
     else:
         bpy.ops.mesh.primitive_plane_add(size=chance.choice([5, 40]))
     kind = chance.choice([_plastic, _plastic, _coated, _brushed])
-    bpy.context.object.data.materials.append(_material("Ground", lambda tree: kind(tree, chance)))
+    bpy.context.object.data.materials.append(_material(kind, chance))
 
 
 def _thing(chance: random.Random) -> None:
@@ -78,7 +79,7 @@ def _thing(chance: random.Random) -> None:
         return
     shaders = [_glass, _glass, _metal, _plastic, _coated, _skin, _frosted, _leaf, _mixed, _glowing]
     kind = chance.choice(shaders)
-    made = _material(kind.__name__, lambda tree: kind(tree, chance))
+    made = _material(kind, chance)
     if kind in (_glass, _frosted) and chance.random() < 0.3:
         _fill(made.node_tree, chance, chance.choice([0.3, 1, 4]))
     ob.data.materials.append(made)
@@ -107,16 +108,14 @@ def _fog(chance: random.Random, made: Any, room: bool) -> None:
 
     if room and chance.random() < 0.5:
         tree = made.world.node_tree
-        shader = _scatter(tree, chance, chance.choice([0.03, 0.1]))
-        output = next(node for node in tree.nodes if node.type == "OUTPUT_WORLD")
-        tree.links.new(shader.outputs[0], output.inputs["Volume"])
+        stage.output(tree, _scatter(tree, chance, chance.choice([0.03, 0.1])), "Volume")
         return
     bpy.ops.mesh.primitive_cube_add(size=2, location=(0, 0, 1))
     ob = bpy.context.object
     ob.scale = (chance.uniform(1, 1.8), chance.uniform(1, 1.5), chance.uniform(0.7, 1.3))
-    made, tree = stage.empty_material("Fog")
+    fog, tree = stage.empty_material("Fog")
     _fill(tree, chance, chance.choice([0.1, 0.3, 1]))
-    ob.data.materials.append(made)
+    ob.data.materials.append(fog)
 
 
 def _cloud(chance: random.Random) -> Any:
@@ -138,8 +137,7 @@ def _cloud(chance: random.Random) -> Any:
 
 def _fill(tree: Any, chance: random.Random, density: float) -> Any:
     shader = _scatter(tree, chance, density)
-    output = next(node for node in tree.nodes if node.type == "OUTPUT_MATERIAL")
-    tree.links.new(shader.outputs[0], output.inputs["Volume"])
+    stage.output(tree, shader, "Volume")
     return shader
 
 
@@ -155,9 +153,9 @@ def _scatter(tree: Any, chance: random.Random, density: float) -> Any:
     return shader
 
 
-def _material(name: str, make: Any) -> Any:
-    made, tree = stage.empty_material(name)
-    stage.surface(tree, make(tree))
+def _material(kind: Callable[[Any, random.Random], Any], chance: random.Random) -> Any:
+    made, tree = stage.empty_material(kind.__name__)
+    stage.surface(tree, kind(tree, chance))
     return made
 
 

@@ -93,8 +93,13 @@ def empty_material(name: str) -> tuple[Any, Any]:
 
 
 def surface(tree: Any, shader: Any) -> None:
-    output = next(node for node in tree.nodes if node.type == "OUTPUT_MATERIAL")
-    tree.links.new(shader.outputs[0], output.inputs["Surface"])
+    output(tree, shader, "Surface")
+
+
+def output(tree: Any, shader: Any, socket: str) -> None:
+    """Links the shader to that socket of a material's or a world's output."""
+    node = next(node for node in tree.nodes if node.type in {"OUTPUT_MATERIAL", "OUTPUT_WORLD"})
+    tree.links.new(shader.outputs[0], node.inputs[socket])
 
 
 def world(radiance: float) -> None:

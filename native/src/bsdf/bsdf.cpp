@@ -361,7 +361,7 @@ std::optional<BsdfSample> Bsdf::sample_lobe(int index, float choice, const Vec2&
   const Rgb f = evaluate_as(view_, out.direction, &out.pdf, &out.rest, nullptr, nullptr, index);
   if (!(out.pdf > 0) || !std::isfinite(out.pdf)) return std::nullopt;
   out.weight = f / out.pdf;
-  out.per_value = scale_of_flux(out.direction) / out.pdf;
+  if (transport_ == Transport::kFlux) out.per_value = scale_of_flux(out.direction) / out.pdf;
   out.rest = out.rest / out.pdf;
   if (!is_finite(out.weight) || !is_finite(out.rest)) return std::nullopt;
   return out;

@@ -8,6 +8,7 @@ import pytest
 from photon_splat.core.render.settings import Integrator
 from photon_splat.core.scene import Scene
 
+from tests.support import stage
 from tests.support.corescene import picture
 from tests.support.paths import ROOT
 
@@ -20,10 +21,8 @@ def large_light(name: str) -> Scene:
     from photon_splat.export import export_scene
 
     bpy.ops.wm.open_mainfile(filepath=str(ROOT / "blend_scenes" / f"{name}.blend"))
-    scene = bpy.context.scene
-    scene.render.resolution_x, scene.render.resolution_y = 48, 30
-    scene.render.resolution_percentage = 100
-    for ob in scene.objects:
+    stage.resize(48, 30)
+    for ob in stage.scene().objects:
         if ob.type == "LIGHT" and ob.data.type == "SUN":
             ob.data.angle = 0.6
         elif ob.type == "LIGHT":
