@@ -1,6 +1,6 @@
-// Included by splat.frag and gather.comp: how photons are stored, and what one adds to the sums of native/src/simd/splat_kernel.inl.
+// Included by splat.frag: how photons are stored, and what one adds to the sums of native/src/simd/splat_kernel.inl.
 
-// No operation may be fused with another one here and not there.
+// No operation may be fused with another one: the CPU fuses none.
 #if __VERSION__ >= 400
 #define EXACT precise
 #else

@@ -127,11 +127,15 @@ class PhotonSplatSettings(bpy.types.PropertyGroup):
     )
     backend: EnumProperty(  # type: ignore[valid-type]
         name="Backend",
-        description="What splats the photons",
+        description="What splats the photons and denoises the picture",
         items=[
-            (Backend.AUTO.value, "Automatic", "The fastest that is available"),
-            (Backend.CPU.value, "CPU", "The processor"),
-            (Backend.GPU.value, "GPU", "The graphics card"),
+            (
+                Backend.AUTO.value,
+                "Automatic",
+                "The fastest: the processor splats photons, a graphics card denoises the picture",
+            ),
+            (Backend.CPU.value, "CPU", "The processor does all"),
+            (Backend.GPU.value, "GPU", "The graphics card splats photons, too"),
         ],
         default=DEFAULTS.backend.value,
         update=_tell,

@@ -207,6 +207,7 @@ def picture(
             passes_done=sums.passes,
             samples=sums.samples,
             threads=threads,
+            on_card=True,
         )
     return passes, error, warnings
 

@@ -61,10 +61,10 @@ def test_photons_that_are_left_out_are_made_up_for() -> None:
 
 def test_denoising_is_foreseen(monkeypatch: pytest.MonkeyPatch) -> None:
     """Two trial squares of different size tell the seconds per pixel from the seconds per run."""
-    monkeypatch.setattr(ending, "_denoise_seconds", lambda side, threads: 0.1 + 1e-5 * side**2)
+    monkeypatch.setattr(ending, "_denoise_seconds", lambda side, *_: 0.1 + 1e-5 * side**2)
     foreseen = Ending(960, 540)
     assert foreseen.seconds(1, 1.0) == 0.0
-    foreseen.try_denoiser(0)
+    foreseen.try_denoiser(0, on_card=False)
     assert foreseen.seconds(1, 1.0) / ending.CAUTION == pytest.approx(
         0.1 + 1e-5 * 960 * 540, rel=0.05
     )
@@ -74,7 +74,7 @@ def test_denoising_is_foreseen(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_passes_leave_time_for_denoising(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(ending, "_denoise_seconds", lambda side, threads: 10.0 * side**2)
+    monkeypatch.setattr(ending, "_denoise_seconds", lambda side, *_: 10.0 * side**2)
     result = c.shoot(
         room(pixels=32), passes=100, photons_per_pass=1000, time_limit=1000.0, denoise=True
     )

@@ -7,7 +7,6 @@ import threading
 import numpy as np
 import pytest
 from photon_splat.core.gpu import context
-from photon_splat.core.gpu.methods import GATHER_NEEDS, available
 from photon_splat.core.gpu.splatter import GpuSplatter
 from photon_splat.core.native.fill import fill_renderer
 from photon_splat.core.native.library import load
@@ -27,15 +26,6 @@ def need_opengl() -> None:
         )
 
 
-def need_method(name: str) -> None:
-    """Skip where OpenGL is too old for this method."""
-    if (
-        name == "gather"
-        and context.submit(lambda: context.graphics().gl.version_code).result() < GATHER_NEEDS
-    ):
-        pytest.skip("this OpenGL has no compute shaders")
-
-
 def prepared(scene: Scene, **settings: object):
     """A renderer with points and one batch of photons of its first pass."""
     made = RenderSettings(**settings)  # type: ignore[arg-type]
@@ -48,11 +38,9 @@ def prepared(scene: Scene, **settings: object):
     return renderer
 
 
-def splat_on_gpu(
-    renderer, most_texels: int | None = None, method: str | None = None
-) -> tuple[dict[str, np.ndarray], dict]:
+def splat_on_gpu(renderer, most_texels: int | None = None) -> tuple[dict[str, np.ndarray], dict]:
     """The points of `renderer` after its photons, and the splatter's statistics."""
-    splatter = GpuSplatter(renderer, threading.Event(), most_texels, method)
+    splatter = GpuSplatter(renderer, threading.Event(), most_texels)
     try:
         splatter.begin_pass()
         splatter.add_photons()
@@ -62,9 +50,14 @@ def splat_on_gpu(
         splatter.close()
 
 
-def expect_agreement(cpu: dict[str, np.ndarray], gpu: dict[str, np.ndarray]) -> None:
+def expect_agreement(
+    cpu: dict[str, np.ndarray], gpu: dict[str, np.ndarray], at_the_edge: int = 0
+) -> None:
     """Same points and same photons: irradiance to 1e-4 (RMS) and 1e-3 (worst point above 1 % of the
     mean).
+
+    at_the_edge: pairs of a photon and a point that rounding decides, and that carry no light: one
+    splatter may count them and the other not.
     """
     assert np.array_equal(cpu["position"], gpu["position"])
     want, got = cpu["irradiance"].astype(np.float64), gpu["irradiance"].astype(np.float64)
@@ -73,13 +66,12 @@ def expect_agreement(cpu: dict[str, np.ndarray], gpu: dict[str, np.ndarray]) -> 
     bright = size > 0.01 * size.sum() / max(len(size), 1)
     assert not bright.any() or (error[bright] / size[bright]).max() <= WORST
     assert not got[size == 0].any(), "light where the CPU splatter has none"
-    # A photon at the very rim may be counted by one and not by the other.
-    assert np.abs(cpu["count"] - gpu["count"]).sum() <= 1e-5 * cpu["count"].sum() + 1
+    differ = np.abs(cpu["count"] - gpu["count"]).sum()
+    assert differ <= 1e-5 * cpu["count"].sum() + 1 + at_the_edge
 
 
 def compare(scene: Scene, **settings: object) -> None:
-    """The first pass of each photon map by the CPU splatter and by all methods of the GPU's."""
-    methods = context.submit(lambda: list(available(context.graphics().gl))).result()
+    """The first pass of each photon map by both splatters."""
     renderer = prepared(scene, **settings)
     dark = True
     for layer in range(renderer.photon_maps):
@@ -90,8 +82,6 @@ def compare(scene: Scene, **settings: object) -> None:
         renderer.splat()
         cpu = renderer.points()
         dark = dark and not cpu["irradiance"].any()
-        for method in methods:
-            gpu, statistics = splat_on_gpu(renderer, method=method)
-            assert statistics["methods"][method] == statistics["batches"]
-            expect_agreement(cpu, gpu)
+        gpu, _ = splat_on_gpu(renderer)
+        expect_agreement(cpu, gpu)
     assert not dark, "the scene is dark"

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from photon_splat.core.render import denoise
+from photon_splat.core.render import denoise, oidn
 from photon_splat.core.render.settings import FinalGather
 from photon_splat.core.scene import LightKind, Scene
 
@@ -77,15 +77,15 @@ def test_a_lone_speck_is_not_brought_back() -> None:
 
 
 def test_a_missing_library_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(denoise, "DENOISER", "libNoSuchDenoiser.so.2")
-    denoise._library.cache_clear()
+    monkeypatch.setattr(oidn, "DENOISER", "libNoSuchDenoiser.so.2")
+    oidn.library.cache_clear()
     try:
         result = c.shoot(
             _box(), passes=1, photons_per_pass=1000, denoise=True, final_gather=FinalGather.OFF
         )
         plain = c.shoot(_box(), passes=1, photons_per_pass=1000)
     finally:
-        denoise._library.cache_clear()
+        oidn.library.cache_clear()
     assert np.array_equal(result.passes["Combined"], plain.passes["Combined"])
     assert any("libNoSuchDenoiser.so.2" in warning for warning in result.statistics["warnings"])
 

@@ -122,9 +122,11 @@ def graphics(scene: str) -> str:
     used it.
     """
     last = last_renders.get(scene)
-    gpu = last.statistics.get("gpu") if last and last.statistics else None
-    if gpu:
-        return translated("The last render used {name}").format(name=gpu["renderer"])
+    if last and last.statistics:
+        splatter, denoiser = last.statistics.get("gpu"), last.statistics.get("denoiser", "")
+        name = splatter["renderer"] if splatter else denoiser
+        if name not in ("", "CPU"):
+            return translated("The last render used {name}").format(name=name)
     if not may_have_hardware():
         return translated("This machine shows no graphics card")
     return translated("The graphics card is named here after a render with it")

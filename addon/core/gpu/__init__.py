@@ -1,5 +1,4 @@
-"""The splatter that runs on a graphics card, through OpenGL 3.3, with compute shaders where there
-is 4.3.
+"""The splatter that runs on a graphics card, through OpenGL 3.3.
 
 One thread owns the OpenGL context (context.py) and nothing else may touch it: a context that is
 current on Blender's thread corrupts Blender's drawing. That thread draws (painter.py); the render's

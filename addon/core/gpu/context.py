@@ -12,16 +12,14 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from .rule import Rule
-
 if TYPE_CHECKING:
     import moderngl
 
 Result = TypeVar("Result")
 
-OPENGL, BETTER_OPENGL = 330, 430
-"""The least version, and the one asked for first: it has compute shaders. Some drivers give no more
-than they are asked for.
+OPENGL, EXACT_OPENGL = 330, 400
+"""The least version, and the one asked for first: its shaders can forbid that operations are fused.
+Some drivers give no more than they are asked for.
 """
 SOFTWARE = (
     "llvmpipe",
@@ -49,7 +47,7 @@ class Graphics:
 
     idle: a framebuffer to be bound while others are released. moderngl binds the last one again
     whenever it makes or clears another, and OpenGL refuses what has been released. timer: measures
-    the card's own time. rule: what is known of the card's speed.
+    the card's own time.
     """
 
     gl: moderngl.Context
@@ -57,7 +55,6 @@ class Graphics:
     finish: Callable[[], None]
     idle: moderngl.Framebuffer
     timer: moderngl.Query
-    rule: Rule
 
     @property
     def hardware(self) -> bool:
@@ -127,9 +124,7 @@ def _make() -> Graphics:
         found.append(
             (
                 window,
-                Graphics(
-                    gl, str(gl.info["GL_RENDERER"]), finish, idle, gl.query(time=True), Rule()
-                ),
+                Graphics(gl, str(gl.info["GL_RENDERER"]), finish, idle, gl.query(time=True)),
             )
         )
         if found[-1][1].hardware:
@@ -166,6 +161,6 @@ def _contexts() -> Iterator[Callable[[], Any]]:
 
 def _best(make: Callable[[int], Any]) -> Any:
     try:
-        return make(BETTER_OPENGL)
+        return make(EXACT_OPENGL)
     except Exception:  # glcontext raises nothing more special; what the second try says is told
         return make(OPENGL)

@@ -1,7 +1,7 @@
 """Draws photons over atlases of points. Everything here runs on the OpenGL thread.
 
-The photons that a block may catch come in runs of at most LONGEST_RUN: as quads (methods.py)
-blending is then 1/LONGEST_RUN of the work, and a tile of a million photons is shared out as
+The photons that a block may catch come in runs of at most LONGEST_RUN: blending
+is then 1/LONGEST_RUN of the work, and a tile of a million photons is shared out as
 thousands of quads.
 """
 
@@ -18,8 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .atlas import Atlas, AtlasPoints
-from .methods import TEXTURES, Method, available, release, roomy
-from .rule import kind_of
+from .quads import TEXTURES, Quads, release, roomy
 
 if TYPE_CHECKING:
     import moderngl
@@ -27,7 +26,6 @@ if TYPE_CHECKING:
     from .context import Graphics
 
 LONGEST_RUN = 128
-"""As in gather.comp."""
 PHOTONS_PER_ROW = 1024
 """As in estimate.glsl, and so is PAIRS_PER_ROW."""
 PAIRS_PER_ROW = 4096
@@ -52,15 +50,10 @@ class Batch:
 class Painter:
     """One render's objects on the graphics card. `stop` ends a long splat() early.
 
-    method: the name of the only method to use; None leaves it to the rule. ValueError for one that
-    the card cannot do.
-    busy_seconds: wall time of all calls; card_seconds: of drawing, by the card's own clock; used:
-    batches of each method.
+    busy_seconds: wall time of all calls; card_seconds: of drawing, by the card's own clock.
     """
 
-    def __init__(
-        self, graphics: Graphics, stop: threading.Event, method: str | None = None
-    ) -> None:
+    def __init__(self, graphics: Graphics, stop: threading.Event) -> None:
         self._graphics = graphics
         self._stop = stop
         self._atlases: list[Atlas] = []
@@ -68,17 +61,7 @@ class Painter:
         self._order: moderngl.Texture | None = None
         self._pairs_per_draw = 1 << 16
         self.busy_seconds = self.card_seconds = 0.0
-        self._methods: dict[str, Method] = {
-            name: make(graphics.gl) for name, make in available(graphics.gl).items()
-        }
-        self._choices = list(self._methods) if method is None else [method]
-        self.used = dict.fromkeys(self._methods, 0)
-        if self._choices[0] not in self._methods:
-            self.release()
-            raise ValueError(
-                f"{graphics.renderer} cannot splat by the method '{method}'; it can by "
-                f"{', '.join(self._methods)}"
-            )
+        self._quads = Quads(graphics.gl)
 
     def begin(self, atlases: list[AtlasPoints]) -> None:
         """Takes the points of a pass, all sums at 0."""
@@ -91,9 +74,6 @@ class Painter:
     def splat(self, batch: Batch) -> None:
         """Adds the photons of `batch` to the sums."""
         started = time.monotonic()
-        before = self.card_seconds
-        kind = kind_of(len(batch.order), int(np.count_nonzero(np.diff(batch.runs[:, 0]))) + 1)
-        name = self._graphics.rule.choose(kind, self._choices)
         with self._timed():
             self._photons = self._fitting(
                 self._photons, 2 * PHOTONS_PER_ROW, len(batch.photons) // PHOTONS_PER_ROW, 4
@@ -102,17 +82,13 @@ class Painter:
                 batch.photons, (0, 0, 2 * PHOTONS_PER_ROW, len(batch.photons) // PHOTONS_PER_ROW)
             )
         for atlas in self._atlases:
-            self._aim(atlas, self._methods[name])
+            self._aim(atlas)
             first = atlas.points.first
             begin, end = np.searchsorted(batch.runs[:, 0], (first, first + atlas.points.count))
             for runs in self._pieces(batch.runs[begin:end]):
                 with self._timed():
-                    self._draw(runs, batch.order, first, self._methods[name])
+                    self._draw(runs, batch.order, first)
         self._finish(started)
-        # The first batch of a method in a render is not timed: drivers compile and allocate then.
-        if self.used[name] and not self._stop.is_set():
-            self._graphics.rule.record(kind, name, len(batch.order), self.card_seconds - before)
-        self.used[name] += 1
 
     def sums(self) -> list[NDArray[np.float32]]:
         """The sums of all atlases, (H, W, 5) each."""
@@ -123,8 +99,7 @@ class Painter:
 
     def release(self) -> None:
         self._release_atlases()
-        for method in self._methods.values():
-            method.release()
+        self._quads.release()
         release(self._order, self._photons)
 
     def _release_atlases(self) -> None:
@@ -132,7 +107,7 @@ class Painter:
         while self._atlases:
             self._atlases.pop().release()
 
-    def _aim(self, atlas: Atlas, method: Method) -> None:
+    def _aim(self, atlas: Atlas) -> None:
         assert self._photons is not None
         for name, texture in (
             ("positions", atlas.position),
@@ -140,7 +115,7 @@ class Painter:
             ("photons", self._photons),
         ):
             texture.use(TEXTURES.index(name))
-        method.aim(atlas)
+        self._quads.aim(atlas)
 
     @contextmanager
     def _timed(self) -> Iterator[None]:
@@ -173,9 +148,7 @@ class Painter:
             self._pairs_per_draw = int(min(max(wanted, FEWEST_PAIRS), MOST_PAIRS))
             begin = end
 
-    def _draw(
-        self, runs: NDArray[np.uint32], order: NDArray[np.uint32], first_block: int, method: Method
-    ) -> None:
+    def _draw(self, runs: NDArray[np.uint32], order: NDArray[np.uint32], first_block: int) -> None:
         first_pair = int(runs[0, 1])
         pairs = order[first_pair : int(runs[-1, 1]) + int(runs[-1, 2])]
         rows = -(-len(pairs) // PAIRS_PER_ROW)
@@ -184,7 +157,7 @@ class Painter:
         self._order = self._fitting(self._order, PAIRS_PER_ROW, rows, 1)
         self._order.write(padded, (0, 0, PAIRS_PER_ROW, rows))
         self._order.use(TEXTURES.index("order"))
-        method.add(runs - np.array([first_block, first_pair, 0], np.uint32))
+        self._quads.add(runs - np.array([first_block, first_pair, 0], np.uint32))
 
     def _fitting(
         self, texture: moderngl.Texture | None, width: int, height: int, components: int

@@ -43,9 +43,8 @@ class GpuSplatter:
     """A splatter on a graphics card, or on what OpenGL has instead. `stop` is set when the render
     is cancelled.
 
-    most_texels: widest and highest texture to use, if less than what the card can do. method:
-    "quads" or "gather", the only one to use; None takes whichever is measured to be faster. Making
-    one raises NoGraphics where there is no OpenGL context to be had, SplatterFailed where the card
+    most_texels: widest and highest texture to use, if less than what the card can do. Making one
+    raises NoGraphics where there is no OpenGL context to be had, SplatterFailed where the card
     cannot do what it must.
     """
 
@@ -56,11 +55,9 @@ class GpuSplatter:
         renderer: Renderer,
         stop: threading.Event,
         most_texels: int | None = None,
-        method: str | None = None,
     ) -> None:
         self._renderer = renderer
         self._stop = stop
-        self._method = method
         self._pending: deque[Future[None]] = deque()
         self._pairs_per_photon = 64.0
         self._pairs = self._batches = 0
@@ -73,7 +70,7 @@ class GpuSplatter:
     def _make_painter(self) -> tuple[Painter, str, int]:
         graphics = context.graphics()
         return (
-            Painter(graphics, self._stop, self._method),
+            Painter(graphics, self._stop),
             graphics.renderer,
             int(graphics.gl.info["GL_MAX_TEXTURE_SIZE"]),
         )
@@ -123,7 +120,6 @@ class GpuSplatter:
                 wall_seconds=self._wall,
                 pairs=self._pairs,
                 batches=self._batches,
-                methods=dict(self._painter.used),
                 atlases=len(self._ranges),
             )
         }

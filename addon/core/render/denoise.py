@@ -1,23 +1,23 @@
-"""Open Image Denoise, as Blender ships it, by its C interface.
-
-The library is looked up by its name: inside Blender, and after `import bpy`, it is in the process
-or beside Blender's other libraries. Nothing is bundled.
-"""
+"""Denoising by Open Image Denoise (oidn.py), on a graphics card or on the processor."""
 
 from __future__ import annotations
 
-import ctypes
 from collections.abc import Callable
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..native.blender_libraries import DENOISER, places
+from .oidn import (
+    QUALITY_BALANCED,
+    QUALITY_FAST,
+    DenoiserMissing,
+    Device,
+    DeviceFailed,
+    graphics_card,
+    library,
+    processor,
+)
 
-DEVICE_CPU = 1
-FLOAT3 = 3
-QUALITY_FAST, QUALITY_BALANCED = 4, 5
 LUMINANCE = (0.2126, 0.7152, 0.0722)
 WINDOW = 2
 """Half the side, in pixels, of the square over which noise and blur are averaged."""
@@ -28,56 +28,15 @@ DOUBT = 2.0
 would take noise for blur and mix it back in.
 """
 
-_MONITOR = ctypes.CFUNCTYPE(ctypes.c_bool, ctypes.c_void_p, ctypes.c_double)
 
-
-class DenoiserMissing(Exception):
-    """There is no Open Image Denoise here; the message says what was looked for."""
-
-
-@lru_cache(maxsize=1)
-def _library() -> ctypes.CDLL:
-    for name in (DENOISER, *map(str, places(DENOISER))):
-        try:
-            library = ctypes.CDLL(name)
-        except OSError:
-            continue
-        handle = ctypes.c_void_p
-        for function, result, arguments in (
-            ("oidnNewDevice", handle, [ctypes.c_int]),
-            ("oidnCommitDevice", None, [handle]),
-            ("oidnReleaseDevice", None, [handle]),
-            ("oidnSetDeviceInt", None, [handle, ctypes.c_char_p, ctypes.c_int]),
-            ("oidnSetDeviceBool", None, [handle, ctypes.c_char_p, ctypes.c_bool]),
-            ("oidnGetDeviceError", ctypes.c_int, [handle, ctypes.POINTER(ctypes.c_char_p)]),
-            ("oidnNewFilter", handle, [handle, ctypes.c_char_p]),
-            ("oidnReleaseFilter", None, [handle]),
-            (
-                "oidnSetSharedFilterImage",
-                None,
-                [handle, ctypes.c_char_p, handle, ctypes.c_int] + [ctypes.c_size_t] * 5,
-            ),
-            ("oidnSetFilterBool", None, [handle, ctypes.c_char_p, ctypes.c_bool]),
-            ("oidnSetFilterInt", None, [handle, ctypes.c_char_p, ctypes.c_int]),
-            ("oidnSetFilterFloat", None, [handle, ctypes.c_char_p, ctypes.c_float]),
-            ("oidnSetFilterProgressMonitorFunction", None, [handle, _MONITOR, handle]),
-            ("oidnCommitFilter", None, [handle]),
-            ("oidnExecuteFilter", None, [handle]),
-        ):
-            entry = getattr(library, function)
-            entry.restype, entry.argtypes = result, arguments
-        return library
-    raise DenoiserMissing(
-        f"the denoiser needs {DENOISER}, which Blender ships and which has not been found here"
-    )
-
-
-def available() -> bool:
+def device_name(on_card: bool) -> str:
+    """What denoises: a graphics card's name, or CPU; empty where there is no denoiser."""
     try:
-        _library()
+        library()
+        card = graphics_card() if on_card else None
     except DenoiserMissing:
-        return False
-    return True
+        return ""
+    return card.card if card else "CPU"
 
 
 def blend(
@@ -147,7 +106,9 @@ def denoise(
     noisy_features: bool = False,
     fast: bool = False,
     threads: int = 0,
+    on_card: bool = False,
     should_cancel: Callable[[], bool] | None = None,
+    warn: Callable[[str], None] | None = None,
 ) -> NDArray[np.float32]:
     """Returns `color` (height, width, 3), linear, without its noise; the features have its shape.
 
@@ -160,47 +121,25 @@ def denoise(
     fast: a quarter of the time, or with noisy features, which then count less, an eighth; for a
     picture that a better one follows.
 
-    threads: 0 = all. A cancelled run returns `color` unchanged. Raises DenoiserMissing, or
-    RuntimeError with the library's message.
+    threads: of the processor; 0 = all. on_card: on the graphics card, if there is one that can. One
+    that fails leaves the work to the processor, and `warn` is told.
+
+    A cancelled run returns `color` unchanged. Raises DenoiserMissing, or DeviceFailed with the
+    library's message.
     """
-    library = _library()
-    color, albedo, normal = (
-        np.ascontiguousarray(a, np.float32) for a in (color, np.clip(albedo, 0.0, 1.0), normal)
-    )
-    device = library.oidnNewDevice(DEVICE_CPU)
-    if not device:
-        raise RuntimeError("Open Image Denoise could not be started")
-    try:
-        if threads:
-            library.oidnSetDeviceInt(device, b"numThreads", threads)
-        library.oidnSetDeviceBool(device, b"setAffinity", False)
-        library.oidnCommitDevice(device)
-        run = _Run(library, device, should_cancel, fast)
-        if noisy_features and not fast:
-            albedo, normal = (
-                run.filter({name: image}, prefilter=True)
-                for name, image in ((b"albedo", albedo), (b"normal", normal))
-            )
-        parts, exposure = [color], None
-        if apart is not None:
-            apart = np.ascontiguousarray(apart, np.float32)
-            parts, exposure = [apart, np.maximum(color - apart, 0.0)], _exposure(color)
-        filtered = [
-            run.filter(
-                {b"color": part, b"albedo": albedo, b"normal": normal},
-                clean_features=not (noisy_features and fast),
-                exposure=exposure,
-            )
-            for part in parts
-        ]
-        message = ctypes.c_char_p()
-        if library.oidnGetDeviceError(device, ctypes.byref(message)) and not run.cancelled:
-            raise RuntimeError(
-                f"Open Image Denoise failed: {(message.value or b'unknown error').decode()}"
-            )
-    finally:
-        library.oidnReleaseDevice(device)
-    return color if run.cancelled else np.sum(filtered, axis=0, dtype=np.float32)
+    images = [np.ascontiguousarray(a, np.float32) for a in (color, np.clip(albedo, 0, 1), normal)]
+    job = _Job(images, apart, noisy_features, fast, should_cancel)
+    card = graphics_card() if on_card else None
+    if card is not None:
+        try:
+            return job.run(card)
+        except DeviceFailed as failure:
+            if warn is not None:
+                warn(
+                    f"The graphics card has not denoised the picture: {failure}. The processor has."
+                )
+    with processor(threads) as device:
+        return job.run(device)
 
 
 def _exposure(color: NDArray[np.float32]) -> float:
@@ -213,27 +152,54 @@ def _exposure(color: NDArray[np.float32]) -> float:
     return MEDIUM_GREY / mean
 
 
-class _Run:
-    """Runs filters on one device; after a cancelled filter no other one runs."""
+class _Job:
+    """One picture to denoise; after a cancelled filter no other one runs."""
 
     def __init__(
         self,
-        library: ctypes.CDLL,
-        device: int,
-        should_cancel: Callable[[], bool] | None,
+        images: list[NDArray[np.float32]],
+        apart: NDArray[np.float32] | None,
+        noisy_features: bool,
         fast: bool,
+        should_cancel: Callable[[], bool] | None,
     ) -> None:
-        self.library, self.device = library, device
+        self.color, self.albedo, self.normal = images
+        self.apart = None if apart is None else np.ascontiguousarray(apart, np.float32)
+        self.noisy_features, self.fast = noisy_features, fast
         self.should_cancel = should_cancel
-        self.fast = fast
         self.cancelled = False
 
-    def _monitor(self, _: int | None, __: float) -> bool:
+    def run(self, device: Device) -> NDArray[np.float32]:
+        albedo, normal = self.albedo, self.normal
+        if self.noisy_features and not self.fast:
+            albedo, normal = (
+                self._filter(device, {name: image}, prefilter=True)
+                for name, image in ((b"albedo", albedo), (b"normal", normal))
+            )
+        parts, exposure = [self.color], None
+        if self.apart is not None:
+            parts = [self.apart, np.maximum(self.color - self.apart, 0.0)]
+            exposure = _exposure(self.color)
+        filtered = [
+            self._filter(
+                device,
+                {b"color": part, b"albedo": albedo, b"normal": normal},
+                clean_features=not (self.noisy_features and self.fast),
+                exposure=exposure,
+            )
+            for part in parts
+        ]
+        if self.cancelled:
+            return self.color
+        return np.sum(filtered, axis=0, dtype=np.float32)
+
+    def _goes_on(self) -> bool:
         self.cancelled = self.cancelled or (self.should_cancel is not None and self.should_cancel())
         return not self.cancelled
 
-    def filter(
+    def _filter(
         self,
+        device: Device,
         images: dict[bytes, NDArray[np.float32]],
         *,
         prefilter: bool = False,
@@ -248,25 +214,20 @@ class _Run:
         if self.cancelled:
             return first
         output = np.empty_like(first)
-        monitor = _MONITOR(self._monitor)
-        height, width = first.shape[:2]
-        handle = self.library.oidnNewFilter(self.device, b"RT")
-        try:
-            for name, image in (*images.items(), (b"output", output)):
-                self.library.oidnSetSharedFilterImage(
-                    handle, name, image.ctypes.data, FLOAT3, width, height, 0, 0, 0
-                )
+        with device.filter() as it:
+            for name, image in images.items():
+                it.set_image(name, image)
             if self.fast or prefilter:
-                quality = QUALITY_FAST if self.fast else QUALITY_BALANCED
-                self.library.oidnSetFilterInt(handle, b"quality", quality)
+                it.set(b"quality", QUALITY_FAST if self.fast else QUALITY_BALANCED)
             if not prefilter:
-                self.library.oidnSetFilterBool(handle, b"hdr", True)
-                self.library.oidnSetFilterBool(handle, b"cleanAux", clean_features)
+                it.set(b"hdr", True)
+                it.set(b"cleanAux", clean_features)
                 if exposure is not None:
-                    self.library.oidnSetFilterFloat(handle, b"inputScale", exposure)
-            self.library.oidnSetFilterProgressMonitorFunction(handle, monitor, None)
-            self.library.oidnCommitFilter(handle)
-            self.library.oidnExecuteFilter(handle)
-        finally:
-            self.library.oidnReleaseFilter(handle)
+                    it.set(b"inputScale", exposure)
+            it.run(output, self._goes_on)
+        try:
+            device.check()
+        except DeviceFailed:
+            if not self.cancelled:  # being cancelled counts as an error there
+                raise
         return output

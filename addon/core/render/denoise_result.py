@@ -6,7 +6,8 @@ from collections.abc import Callable
 from typing import Any
 
 from ..scene import Scene
-from .denoise import DenoiserMissing, blend, denoise
+from .denoise import blend, denoise
+from .oidn import DenoiserMissing
 from .result import Passes
 from .shadow_catcher import has_catchers, with_shadow
 
@@ -40,13 +41,14 @@ def denoise_result(
     passes_done: int,
     samples: float,
     threads: int,
+    on_card: bool,
     should_cancel: Callable[[], bool] | None = None,
 ) -> list[str]:
     """Denoises Combined with the features in `film`, which holds the arrays that final_arrays()
     names; samples: camera samples per pixel of all passes. If that cannot be done the picture stays
     as it is. Returns warnings for the user.
     """
-    warnings = []
+    warnings: list[str] = []
     catchers = has_catchers(scene)
     noisy = (film["matte"] if catchers else passes["Combined"])[..., :3]
     how = denoising_options(samples, scene)
@@ -58,11 +60,13 @@ def denoise_result(
             apart=film["diffuse_direct"] if how["apart"] else None,
             noisy_features=how["noisy_features"],
             threads=threads,
+            on_card=on_card,
             should_cancel=should_cancel,
+            warn=warnings.append,
         )
         noisy[...] = blend(noisy, clean, film["variance"][..., 0], passes_done)
         if catchers:
-            _denoise_shadow(passes, film, scene, threads, should_cancel)
+            _denoise_shadow(passes, film, scene, threads, on_card, should_cancel)
     except (DenoiserMissing, RuntimeError) as error:
         warnings.append(f"The picture has not been denoised: {error}.")
     if scene.light_groups:
@@ -78,6 +82,7 @@ def _denoise_shadow(
     film: dict[str, Any],
     scene: Scene,
     threads: int,
+    on_card: bool,
     should_cancel: Callable[[], bool] | None,
 ) -> None:
     """The shadow on catchers has noise of its own. Makes the picture of it and of what has been
@@ -88,6 +93,7 @@ def _denoise_shadow(
         film["albedo"],
         film["feature_normal"],
         threads=threads,
+        on_card=on_card,
         should_cancel=should_cancel,
     )
     if not scene.shadow_pass:

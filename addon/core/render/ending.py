@@ -58,15 +58,15 @@ class Ending:
         renderer.film(["combined"])
         self._film = (time.monotonic() - began) * channels / 4
 
-    def try_denoiser(self, threads: int) -> None:
+    def try_denoiser(self, threads: int, on_card: bool) -> None:
         large = int(min(LARGE_SIDE, (TRIAL_SHARE * self.pixels) ** 0.5))
         side = SMALL_SIDE if large >= 2 * SMALL_SIDE else SMALL_SIDE // 2
         large = max(large // side, 2) * side
         try:
-            _denoise_seconds(side, threads)  # loads the library
-            small = _denoise_seconds(side, threads)
+            _denoise_seconds(side, threads, on_card)  # loads the library
+            small = _denoise_seconds(side, threads, on_card)
             # The lesser of two: what holds up one of them would count many times over
-            seconds = min(_denoise_seconds(large, threads) for _ in range(2))
+            seconds = min(_denoise_seconds(large, threads, on_card) for _ in range(2))
         except (DenoiserMissing, RuntimeError):  # denoise() itself tells the user
             return
         area = large**2 - side**2
@@ -85,8 +85,8 @@ class Ending:
         )
 
 
-def _denoise_seconds(side: int, threads: int) -> float:
+def _denoise_seconds(side: int, threads: int, on_card: bool) -> float:
     noise = np.random.default_rng(0).random((3, side, side, 3), np.float32)
     began = time.monotonic()
-    denoise(*noise, threads=threads)
+    denoise(*noise, threads=threads, on_card=on_card)
     return time.monotonic() - began

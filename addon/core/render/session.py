@@ -8,6 +8,7 @@ from collections.abc import Callable, Collection
 import numpy as np
 
 from ..scene import Scene
+from .denoise import device_name
 from .denoise_result import denoise_result
 from .final_film import OF_DENOISING, final_arrays, final_passes
 from .final_statistics import final_statistics, still_noisy
@@ -103,6 +104,7 @@ def render(
             passes_done=record.part.passes_before + worker.passes_done,
             samples=record.samples_before + worker.samples_done,
             threads=settings.threads,
+            on_card=settings.denoises_on_card,
             should_cancel=should_cancel,
         )
         denoising = time.monotonic() - began
@@ -111,6 +113,7 @@ def render(
     statistics["warnings"] += still_noisy(statistics, settings, cancelled=worker.cancelled)
     if settings.denoise:
         statistics["seconds"]["denoise"] = denoising
+        statistics["denoiser"] = device_name(settings.denoises_on_card)
     if persistent is not None and worker.prepared:
         persistent.keep(scene, settings, renderer)
     return RenderResult(passes, worker.cancelled, statistics, noisy, scene.labels)

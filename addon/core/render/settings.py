@@ -65,6 +65,8 @@ class RenderSettings:
     caustics             photons of their own, aimed and with narrow kernels, for light through
                          sharp lobes; False: in with the others
     denoise              run Open Image Denoise on the finished picture
+    backend              AUTO: the processor splats, and a graphics card denoises if there is one
+                         that can; CPU: the processor does both; GPU: the card splats, too
     occlusion            look for things that stand inside of the discs, and for walls; part of
                          boundary_correction
     adaptive_indirect    camera paths go on for indirect light where surfaces are too small, too
@@ -102,6 +104,11 @@ class RenderSettings:
     threads: int = 0
     integrator: Integrator = Integrator.SPLAT
     point_spacing: float = 1.0 / 3.0
+
+    @property
+    def denoises_on_card(self) -> bool:
+        """Whether a graphics card denoises, if there is one that can."""
+        return self.backend != Backend.CPU
 
     def __post_init__(self) -> None:
         self.backend = _word(Backend, "backend", self.backend)

@@ -132,8 +132,6 @@ class Gpu(TypedDict):
     pairs: int
     """Of a photon and a block of gather points."""
     batches: int
-    methods: dict[str, int]
-    """Batches that each way to draw was used for."""
     atlases: int
     """Textures that the gather points of the last pass filled."""
 
@@ -167,6 +165,8 @@ class Statistics(TypedDict):
     """Of the whole process, Blender included."""
     warnings: list[str]
     plan: PlanSummary
+    denoiser: NotRequired[str]
+    """What denoises: the graphics card's name, or CPU; empty where there is no denoiser."""
     gpu: NotRequired[Gpu]
     """Where a graphics card splatted."""
     startup_seconds: NotRequired[float]

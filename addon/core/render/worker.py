@@ -116,7 +116,7 @@ class Worker(threading.Thread):
             self.data = data_passes(self.renderer, self.scene, labels)
         if settings.time_limit and settings.denoise:
             self.stage = "Trying the denoiser"
-            self.ending.try_denoiser(settings.threads)
+            self.ending.try_denoiser(settings.threads, settings.denoises_on_card)
 
     def _do_pass(self, arrays: list[str]) -> bool:
         """One pass and what is told of it. Returns whether another may follow."""
@@ -176,9 +176,7 @@ class Worker(threading.Thread):
 
     def _choose_splatter(self) -> Splatter:
         if not self.scene.light_groups:
-            return choose_splatter(
-                self.renderer, self.settings.backend, self.cancel_asked, self.warnings
-            )
+            return choose_splatter(self.renderer, self.settings.backend, self.cancel_asked)
         if self.settings.backend == Backend.GPU:
             self.warnings.append(
                 "Light groups: the CPU splatter has been used, as that of the GPU does not keep "

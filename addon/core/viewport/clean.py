@@ -41,6 +41,7 @@ class Cleaner:
         *,
         last: bool,
         threads: int,
+        on_card: bool,
         should_cancel: Callable[[], bool],
     ) -> NDArray[np.float32]:
         """renderer.picture() without its noise, or as it is where there is no denoiser. samples: of
@@ -61,6 +62,7 @@ class Cleaner:
                 noisy_features=how["noisy_features"],
                 fast=not last,
                 threads=threads,
+                on_card=on_card,
                 should_cancel=should_cancel,
             )
         except (DenoiserMissing, RuntimeError) as error:

@@ -354,6 +354,7 @@ class Controller:
             samples,
             last=last,
             threads=settings.threads,
+            on_card=settings.denoises_on_card,
             should_cancel=lambda: self._is_new(view),
         )
 

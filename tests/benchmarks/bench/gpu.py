@@ -1,7 +1,7 @@
-"""The GPU splatter: time against photons, radius and resolution, its two methods, the CPU splatter,
-and what overlaps.
+"""The GPU splatter: time against photons, radius and resolution, beside the CPU splatter, and what
+overlaps.
 
-    make bench-gpu [GPU_OPTIONS="--only seed methods"]
+    make bench-gpu [GPU_OPTIONS="--only seed renders"]
 
 Prints figures and writes them as JSON and Markdown, with the machine's description, after every
 group. GPU times are OpenGL timer queries. Refuses renderers that run on the CPU: --software --quick
@@ -15,6 +15,7 @@ import json
 import math
 import os
 import platform
+import shutil
 import subprocess
 import sys
 from collections.abc import Sequence
@@ -22,9 +23,9 @@ from pathlib import Path
 from typing import Any
 
 from photon_splat.core.gpu import context
-from photon_splat.core.gpu.methods import available
 
 from tests.benchmarks.bench.gpu_cases import MILLION, Case, cases, measure, renders
+from tests.benchmarks.bench.gpu_denoiser import denoisers
 
 SEED_MS = 740.0
 """Lavignotte & Paulin (2003): one million photons on a GeForce FX 5800."""
@@ -34,11 +35,22 @@ TITLES = {
     "photons": "Photons",
     "radius": "Kernel radius",
     "resolution": "Resolution",
-    "methods": "Quads against compute shader",
     "runs": "Longest run of a quad",
     "pixels": "A point per pixel, and the seed's way: discs projected into the image",
+    "denoiser": "Open Image Denoise, both parts of a picture and its features",
     "renders": "Whole renders: overlap, and what M(x) on the card could save at most",
 }
+
+
+def commit() -> str:
+    """The short hash of what is measured; empty outside of a checkout or without git."""
+    if not shutil.which("git"):
+        return ""
+    asked = ["git", "rev-parse", "--short", "HEAD"]
+    git = subprocess.run(
+        asked, capture_output=True, text=True, check=False, cwd=Path(__file__).parent
+    )
+    return git.stdout.strip()
 
 
 def machine(graphics: context.Graphics) -> dict[str, Any]:
@@ -49,24 +61,16 @@ def machine(graphics: context.Graphics) -> dict[str, Any]:
         cpu = next(
             (line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")), cpu
         )
-    git = subprocess.run(
-        ["git", "rev-parse", "--short", "HEAD"],
-        capture_output=True,
-        text=True,
-        check=False,
-        cwd=Path(__file__).parent,
-    )
     return {
         "renderer": graphics.renderer,
         "graphics_card": graphics.hardware,
         "opengl": graphics.gl.info["GL_VERSION"],
-        "methods": list(available(graphics.gl)),
         "vendor": graphics.gl.info["GL_VENDOR"],
         "cpu": cpu,
         "cores": os.cpu_count(),
         "system": platform.platform(),
         "python": platform.python_version(),
-        "commit": git.stdout.strip(),
+        "commit": commit(),
     }
 
 
@@ -139,12 +143,9 @@ def run(options: argparse.Namespace, graphics: context.Graphics) -> None:
     for name in options.only:
         rows = report["groups"][name] = []
         print(f"\n{TITLES[name]}", flush=True)
-        found = [
-            case
-            for case in cases(options.quick).get(name, [])
-            if case.method in (None, "discs", *report["machine"]["methods"])
-        ]
-        for row in renders(options.quick) if name == "renders" else map(measure, found):
+        found = cases(options.quick).get(name, [])
+        others = {"renders": renders, "denoiser": denoisers}
+        for row in others[name](options.quick) if name in others else map(measure, found):
             rows.append(row)
             print(
                 "  "

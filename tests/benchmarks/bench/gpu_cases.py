@@ -22,7 +22,7 @@ from tests.support import gpu_scenes as scenes
 PATHS_PER_BATCH = 1 << 17
 MILLION = 10**6
 REPEATS = 3
-"""Passes whose median counts, after one in which the rule finds the faster method; of more than a
+"""Passes whose median counts, after one in which the driver compiles and allocates; of more than a
 million photons, one in all.
 """
 
@@ -34,15 +34,15 @@ PASSES = 4
 class Case:
     """One pass of at least `photons` photons.
 
-    method: None for the rule's choice; "discs": see gpu_discs.py. spacing 0: a point per camera
-    sample. cpu: measure the CPU splatter, too.
+    discs: see gpu_discs.py. spacing 0: a point per camera sample. cpu: measure the CPU splatter,
+    too.
     """
 
     width: int
     height: int
     photons: int
     radius: float = 1.0
-    method: str | None = None
+    discs: bool = False
     longest_run: int = painter.LONGEST_RUN
     spacing: float = 1 / 3
     cpu: bool = True
@@ -74,20 +74,15 @@ def cases(quick: bool) -> dict[str, list[Case]]:
         "photons": [Case(*full, n) for n in counts],
         "radius": [Case(*full, photons, radius=r) for r in radii],
         "resolution": [Case(*size, photons) for size in sizes],
-        "methods": [
-            Case(*full, photons, radius=r, method=m, cpu=False)
-            for r in radii
-            for m in ("quads", "gather")
-        ]
-        + [Case(*full, counts[-2], method=m, cpu=False) for m in ("quads", "gather")],
         "runs": [
-            Case(*full, photons, radius=r, method="quads", longest_run=n, cpu=False)
+            Case(*full, photons, radius=r, longest_run=n, cpu=False)
             for r in radii[:3:2]
             for n in runs
         ],
         "pixels": [
-            Case(*full, photons, method=m, longest_run=n, spacing=0.0)
-            for m, n in (("quads", 1), ("quads", 128), ("gather", 128), ("discs", 1))
+            Case(*full, photons, longest_run=1, spacing=0.0),
+            Case(*full, photons, spacing=0.0),
+            Case(*full, photons, discs=True, spacing=0.0),
         ],
     }
 
@@ -99,7 +94,7 @@ def measure(case: Case) -> dict[str, Any]:
     with points and sums to and fro. cpu_ms holds the search for pairs; the GPU splatter needs
     pairs_ms of the CPU for it.
     """
-    if case.method == "discs":
+    if case.discs:
         return measure_discs(case, room(case.width, case.height))
     splatter.LONGEST_RUN = case.longest_run
     settings = RenderSettings(
@@ -113,7 +108,7 @@ def measure(case: Case) -> dict[str, Any]:
     renderer.build()
     renderer.trace_camera(0)
     renderer.place_points(0)
-    card = splatter.GpuSplatter(renderer, threading.Event(), method=case.method)
+    card = splatter.GpuSplatter(renderer, threading.Event())
     try:
         repeats = REPEATS if case.photons <= MILLION else 0
         found = [
@@ -121,7 +116,6 @@ def measure(case: Case) -> dict[str, Any]:
             for i in range(repeats + 1)
         ][-REPEATS:]
         hits = float(renderer.points()["count"].sum())
-        methods = card.statistics()["gpu"]["methods"]
     finally:
         card.close()
         splatter.LONGEST_RUN = painter.LONGEST_RUN
@@ -134,7 +128,7 @@ def measure(case: Case) -> dict[str, Any]:
         "width": case.width,
         "height": case.height,
         "radius": case.radius,
-        "method": case.method or ", ".join(f"{name} {count}" for name, count in methods.items()),
+        "drawn": "blocks",
         "longest_run": case.longest_run,
         "points": renderer.statistics()["visible_points"],
         "photons": last["photons"],
@@ -208,8 +202,7 @@ def renders(quick: bool) -> Iterator[dict[str, Any]]:
             if backend == "GPU":
                 gpu = statistics["gpu"]
                 found |= {
-                    name: gpu[name]
-                    for name in ("wall_seconds", "busy_seconds", "cpu_busy_seconds", "methods")
+                    name: gpu[name] for name in ("wall_seconds", "busy_seconds", "cpu_busy_seconds")
                 }
                 found["gpu_idle_ms"] = 1e3 * (seconds["total"] - gpu["busy_seconds"]) / PASSES
                 found["wall_over_busiest"] = gpu["wall_seconds"] / max(

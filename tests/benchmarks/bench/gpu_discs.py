@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 from photon_splat.core.gpu import context
-from photon_splat.core.gpu.methods import TEXTURES
 from photon_splat.core.gpu.painter import PHOTONS_PER_ROW
+from photon_splat.core.gpu.quads import TEXTURES
 from photon_splat.core.gpu.shaders import source
 from photon_splat.core.native.fill import fill_renderer
 from photon_splat.core.native.library import load
@@ -158,7 +158,7 @@ def measure_discs(case: Case, scene: Any) -> dict[str, Any]:
         "width": case.width,
         "height": case.height,
         "radius": case.radius,
-        "method": "discs",
+        "drawn": "discs",
         "points": len(pixels),
         "photons": done,
         "fragments_per_photon": fragments / done,
