@@ -35,6 +35,8 @@ class Method(StrEnum):
     CYCLES = "Cycles"
     CYCLES_DENOISED = "Cycles, denoised"
     CYCLES_DEFAULT = "Cycles, defaults"
+    CYCLES_CARD = "Cycles on a graphics card"
+    CYCLES_CARD_DENOISED = "Cycles on a graphics card, denoised"
     MITSUBA = "Mitsuba"
     MITSUBA_PARTICLES = "Mitsuba, particle tracer"
     LUXCORE = "LuxCore"
@@ -51,7 +53,8 @@ MEAN_TOLERANCE, MEAN_CASE, MEAN_SECONDS = 0.02, "cornell_box", 30.0
 @dataclass(frozen=True)
 class Case:
     """reference: "paths" = the unbiased path tracer of this module; "photons" = long renders by
-    photons with final gathering, where hardly a path finds some of the light.
+    photons with final gathering, where hardly a path finds some of the light; "cycles-card" =
+    Cycles on a graphics card, for large pictures.
     """
 
     scene: str

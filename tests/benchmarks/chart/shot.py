@@ -1,10 +1,10 @@
 """One render in a process of its own: `python -m tests.benchmarks.chart.shot METHOD SCENE.blend
 WIDTH HEIGHT SECONDS SEED OUT.npz [PARTS]`.
 
-METHOD is a Method or "reference-paths" / "reference-photons". Writes pictures (height, width, 3)
-float32 with the seconds of each: the render call alone, as Blender's user waits for it, export,
-start-up and denoising included; not Blender's own start. PARTS: folder for the parts of a long
-render (plan.LONG).
+METHOD is a Method or "reference-paths" / "reference-photons" / "reference-cycles-card". Writes
+pictures (height, width, 3) float32 with the seconds of each: the render call alone, as Blender's
+user waits for it, export, start-up and denoising included; not Blender's own start. PARTS: folder
+for the parts of a long render (plan.LONG).
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 
+from tests.benchmarks.chart.card import use_graphics_card
 from tests.benchmarks.chart.plan import LONG, Method
 from tests.reference.cycles.references import cycles_settings
 
@@ -39,7 +40,9 @@ def main(arguments: list[str]) -> None:
         100,
     )
     scene.render.use_border = scene.render.use_compositing = False
-    if method.startswith(("Photon Splat", "reference")):
+    if method == "reference-cycles-card":
+        found = _cycles(Method.CYCLES_CARD, float(seconds), int(seed), Path())
+    elif method.startswith(("Photon Splat", "reference")):
         found = _photon_splat(method, float(seconds), int(seed))
     else:
         found = _cycles(Method(method), float(seconds), int(seed), Path(*arguments[7:]))
@@ -92,8 +95,11 @@ def _cycles(method: Method, seconds: float, seed: int, parts: Path) -> dict[str,
     else:
         cycles_settings(ENDLESS, seed)
         cycles.sampling_pattern = "AUTOMATIC"
-        cycles.use_denoising = method == Method.CYCLES_DENOISED
+        cycles.use_denoising = method in (Method.CYCLES_DENOISED, Method.CYCLES_CARD_DENOISED)
         cycles.denoiser = "OPENIMAGEDENOISE"
+    if method in (Method.CYCLES_CARD, Method.CYCLES_CARD_DENOISED):
+        use_graphics_card()
+        _warm_up()
     image = scene.render.image_settings
     if hasattr(image, "media_type"):
         image.media_type = "IMAGE"
@@ -105,6 +111,15 @@ def _cycles(method: Method, seconds: float, seed: int, parts: Path) -> dict[str,
     bpy.ops.render.render()
     took = time.monotonic() - started
     return {"picture": _shown(), "seconds": took}
+
+
+def _warm_up() -> None:
+    """Lets the card load its kernels, which whoever renders a second time does not wait for."""
+    render, cycles = bpy.context.scene.render, bpy.context.scene.cycles
+    kept = render.resolution_percentage, cycles.samples
+    render.resolution_percentage, cycles.samples = 10, 2
+    bpy.ops.render.render()
+    render.resolution_percentage, cycles.samples = kept
 
 
 def _long(seconds: float, folder: Path) -> dict[str, object]:
