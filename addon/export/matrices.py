@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .geometry.flatness import ordinary
+
 
 class Matrices:
     """Of the instances of a graph, (4, 4) to the world, by their places in it.
@@ -17,19 +19,22 @@ class Matrices:
     """
 
     def __init__(self, depsgraph: Any) -> None:
-        self._first: NDArray[np.float64] | None = None
-        instances = iter(depsgraph.object_instances)
-        first = next(instances, None)
-        if first is None or not first.is_instance:
-            return
-        said, own = _matrix(first), _matrix(first.object)
-        after = next(instances, None)
-        if after is not None and not after.is_instance and np.array_equal(said, _matrix(after)):
-            self._first = own
+        found = np.empty((1024, 4, 4))
+        own: NDArray[np.float64] | None = None
+        count = 0
+        for count, instance in enumerate(depsgraph.object_instances, 1):
+            if count > len(found):
+                found = np.concatenate([found, np.empty_like(found)])
+            found[count - 1] = instance.matrix_world
+            if count == 1 and instance.is_instance:
+                own = np.array(instance.object.matrix_world, np.float64)
+            if count == 2 and own is not None:
+                if not instance.is_instance and np.array_equal(found[0], found[1]):
+                    found[0] = own
+                own = None
+        self._all = found[:count]
+        self.ordinary: list[bool] = ordinary(self._all).tolist()
+        """Where is_flat() would find nothing."""
 
-    def of(self, place: int, instance: Any) -> NDArray[np.float64]:
-        return self._first if place == 0 and self._first is not None else _matrix(instance)
-
-
-def _matrix(what: Any) -> NDArray[np.float64]:
-    return np.array(what.matrix_world, np.float64)
+    def of(self, place: int) -> NDArray[np.float64]:
+        return self._all[place]

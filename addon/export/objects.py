@@ -62,7 +62,6 @@ class Objects:
         self._sets = MaterialSets(materials)
         self._set_of: dict[tuple[int, int], int] = {}
         self._rows = Rows()
-        self._rows_of: dict[int, range] = {}  # by index in the graph's list of instances
         self._light_group_of = {name: i for i, name in enumerate(light_groups)}
         self._object_shading = ObjectShading(self._shapes, self._rows, shading, kept)
         self._attributes: list[InstanceAttribute] = []
@@ -89,6 +88,7 @@ class Objects:
         linking = Linking(depsgraph, self._report)
         visibility = Visibility(view_layer)
         repeats, matrices = Repeats(), Matrices(depsgraph)
+        plain = self._moving is None and self._labelled is None
         for place, instance in enumerate(depsgraph.object_instances):
             ob = instance.object
             if visible is not None and not visible(instance):
@@ -98,14 +98,18 @@ class Objects:
             if known is None or place % LOOKS == 0:
                 self._shading.around.watch.go_on()
             if known is not None:
-                self._repeat(place, instance, matrices.of(place, instance), known)
+                matrix = matrices.of(place)
+                if plain and matrices.ordinary[place]:
+                    self._rows.repeat(place, known.placed, matrix, known.traits)
+                else:
+                    self._repeat(place, instance, matrix, known)
                 continue
             kind = ob.type
             if kind in {"MESH", "VOLUME"} or kind in STRANDS:
                 rays, holdout, catcher = visibility.of(instance)
                 if not rays & SEEING_RAYS:
                     continue
-                matrix = matrices.of(place, instance)
+                matrix = matrices.of(place)
                 rows = self._add_rows(instance, matrix, depsgraph, override)
                 if not rows:
                     continue
@@ -120,13 +124,13 @@ class Objects:
                     terminator_offset=terminator_offset(ob, "geometry"),
                 )
                 self._describe(place, instance, rows, traits)
-                mesh, materials = self._rows.placed[rows.start]
+                placed = self._rows.placed[rows.start]
                 # neither flattened nor displaced
-                if key is not None and len(rows) == 1 and mesh == self._shapes.of_mesh(ob):
-                    repeats.keep(key, Repeat(mesh, materials, traits))
+                if len(rows) == 1 and kind == "MESH" and placed[0] == self._shapes.of_mesh(ob):
+                    repeats.keep(key, ob, Repeat(placed, traits))
             elif kind == "LIGHT":
                 if instance.show_self:
-                    self._add_light(ob, matrices.of(place, instance), linking)
+                    self._add_light(ob, matrices.of(place), linking)
             elif kind in PENCILS and instance.show_self:
                 self._report.warn(
                     "Blender draws grease pencil objects over the picture; they cast no shadow, "
@@ -136,29 +140,26 @@ class Objects:
 
     def _describe(self, place: int, instance: Any, rows: range, traits: Traits) -> None:
         """Of an instance of the graph that has become these rows."""
-        self._rows_of[place] = rows
         for row in rows:
             self._add_moving(instance, row)
             if self._labelled is not None:
                 self._labelled.add(instance.object)
-            self._rows.add_traits(traits)
+            self._rows.describe(place, traits)
 
     def _repeat(
         self, place: int, instance: Any, matrix: NDArray[np.float64], known: Repeat
     ) -> None:
-        """Places the mesh of an earlier instance."""
-        row = len(self._rows)
-        name = instance.object.name
-        flat = is_flat(matrix, name, self._report)
+        """Places the mesh of an earlier instance, whose matrix may flatten it."""
+        ob, row, (mesh, materials) = instance.object, len(self._rows), known.placed
+        flat = is_flat(matrix, ob.name, self._report)
         if flat is None:
             return
-        mesh = known.mesh
         if flat:
-            flattened = self._shapes.flattened(mesh, matrix, name)
+            flattened = self._shapes.flattened(mesh, matrix, ob.name)
             if flattened is None:
                 return
             mesh, matrix = flattened, np.eye(4)
-        self._rows.add(mesh, known.materials, matrix)
+        self._rows.add(mesh, materials, matrix)
         self._describe(place, instance, range(row, row + 1), known.traits)
 
     def collect_shading(
@@ -169,7 +170,7 @@ class Objects:
         """
         with_uv = wants.active_uv_map or depsgraph.view_layer.use_pass_uv
         self._attributes = self._object_shading.collect(
-            depsgraph, self._rows_of, wants, of_meshes, of_instances, with_uv
+            depsgraph, wants, of_meshes, of_instances, with_uv
         )
 
     def displace(self, depsgraph: Any, camera: Camera, frame: Frame) -> None:

@@ -16,8 +16,7 @@ Key = tuple[int, int, int]
 class Repeat:
     """The mesh of a row and its material set, by their indices, and the row's traits."""
 
-    mesh: int
-    materials: int
+    placed: tuple[int, int]
     traits: Traits
 
 
@@ -29,18 +28,18 @@ class Repeats:
 
     @staticmethod
     def key(instance: Any, ob: Any) -> Key | None:
-        """None where each row is to be made on its own: no instances of a mesh, or ones that may
-        have hair.
-        """
-        if not instance.is_instance or ob.type != "MESH" or not instance.show_self:
+        """None where each row is to be made on its own: what is no instance, or not shown."""
+        if not instance.is_instance or not instance.show_self:
             return None
-        maker, mesh = instance.parent, ob.data
-        if maker is None or mesh is None or len(ob.particle_systems):
+        own, maker, data = instance.instance_object, instance.parent, ob.data
+        if own is None or maker is None or data is None:
             return None
-        return ob.original.as_pointer(), maker.original.as_pointer(), mesh.as_pointer()
+        return own.as_pointer(), maker.as_pointer(), data.as_pointer()
 
     def get(self, key: Key | None) -> Repeat | None:
         return None if key is None else self._known.get(key)
 
-    def keep(self, key: Key, repeat: Repeat) -> None:
-        self._known[key] = repeat
+    def keep(self, key: Key | None, ob: Any, repeat: Repeat) -> None:
+        """Of a mesh; not if it may have hair."""
+        if key is not None and not len(ob.particle_systems):
+            self._known[key] = repeat

@@ -13,12 +13,10 @@ from numpy.typing import NDArray
 
 from ...core.scene.shading import GENERATED, Domain, GeneratedSpace, MeshAttribute, MeshShading
 from ..arrays import read, read_copy
-from ..nodes.inputs import property_value
 from ..nodes.node import Want
-from ..nodes.random_numbers import name_random, number_random
+from ..nodes.random_numbers import number_random
 from ..report import Report
 from .curvature import pointiness
-from .instance_attributes import InstanceAttributes
 from .mesh import Triangles, sound_triangles
 
 NUMBERS = {"FLOAT", "INT", "INT8", "BOOLEAN"}
@@ -28,12 +26,6 @@ STORED = {
     "FLOAT2": ("vector", 2),
     "FLOAT_COLOR": ("color", 4),
     "QUATERNION": ("value", 4),
-}
-INSTANCE_WIDTHS = {"info/color": 4, "info/generated": 3, "info/uv": 3}
-PARTICLE_VECTORS = {
-    "Location": "location",
-    "Velocity": "velocity",
-    "Angular Velocity": "angular_velocity",
 }
 
 
@@ -198,70 +190,3 @@ def _tangents(
     values[:, 3] = read_copy(mesh.loops, "bitangent_sign", np.float32)
     mesh.free_tangents()
     return Domain.CORNER, values[triangles().corners.ravel()]
-
-
-# --- instances ---
-
-
-def width_of(want: Want) -> int:
-    """Components of an attribute of instances."""
-    if want.kind in {"object", "instancer"}:
-        return 4
-    if want.kind == "particle":
-        return 3 if want.name in PARTICLE_VECTORS else 1
-    return INSTANCE_WIDTHS.get(f"{want.kind}/{want.name}", 1)
-
-
-def instance_value(instance: Any, want: Want, depsgraph: Any, of_nodes: InstanceAttributes) -> Any:
-    """A number or tuple for one of the graph's instances; 0 where it has nothing of the kind."""
-    ob = instance.object
-    if want.kind == "info":
-        return _info(instance, ob, want.name)
-    if want.kind == "particle":
-        return _particle(instance, want.name, depsgraph)
-    owners = [ob, ob.data]
-    if want.kind == "instancer" and instance.is_instance and instance.parent is not None:
-        owners = [instance.parent, instance.parent.data, *owners]
-        if instance.particle_system is not None:
-            owners = [instance.particle_system.settings, *owners]
-        found = of_nodes.find(instance, want.name)
-        if found is not None:
-            return found
-    return property_value(owners, want.name) or (0.0, 0.0, 0.0, 0.0)
-
-
-def _info(instance: Any, ob: Any, name: str) -> Any:
-    if name == "color":
-        return tuple(ob.color)
-    if name == "index":
-        return float(ob.pass_index)
-    if name == "random":
-        return (
-            (instance.random_id & 0xFFFFFFFF) / 0xFFFFFFFF
-            if instance.is_instance
-            else name_random(ob.name)
-        )
-    if not instance.is_instance:
-        return 0.0
-    if name == "generated":
-        return tuple(0.5 * v - 0.5 for v in instance.orco)
-    return (*instance.uv, 0.0)
-
-
-def _particle(instance: Any, name: str, depsgraph: Any) -> Any:
-    system = instance.particle_system
-    if system is None:
-        return number_random(0) if name == "Random" else 0.0
-    index = instance.persistent_id[0]
-    if not 0 <= index < len(system.particles):
-        return 0.0
-    particle = system.particles[index]
-    if name in PARTICLE_VECTORS:
-        return tuple(getattr(particle, PARTICLE_VECTORS[name]))
-    if name == "Index":
-        return float(index)
-    if name == "Random":
-        return number_random(index)
-    if name == "Age":
-        return depsgraph.scene.frame_current_final - particle.birth_time
-    return particle.lifetime if name == "Lifetime" else particle.size

@@ -14,16 +14,21 @@ FLAT = 1e-12
 """Volumes and areas of a scaled unit cube that count as none."""
 
 
+def ordinary(matrices: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Which of these (N, 4, 4) are ordinary for sure: nearly all. is_flat() looks at the others."""
+    a, b, c = (matrices[:, :3, k] for k in range(3))
+    with np.errstate(all="ignore"):
+        most = np.abs(matrices[:, :3, :3]).max(axis=(1, 2), initial=0.0)
+        volume = np.einsum("ij,ij->i", a, np.cross(b, c))
+        finite = np.isfinite(volume + matrices[:, :3, 3].sum(axis=1))
+        return np.asarray((np.abs(volume) > FLAT * most**3) & finite)
+
+
 def is_flat(matrix: NDArray[np.float64], name: str, report: Report) -> bool | None:
     """False: an ordinary matrix. True: it flattens the mesh into a plane. None: it leaves nothing
     of the object `name`, which `report` is told.
     """
     entries: list[list[float]] = matrix.tolist()
-    (a, b, c, px), (d, e, f, py), (g, h, i, pz), _ = entries
-    most = max(a, b, c, d, e, f, g, h, i, -a, -b, -c, -d, -e, -f, -g, -h, -i)
-    volume = a * (e * i - f * h) + b * (f * g - d * i) + c * (d * h - e * g)
-    if abs(volume) > FLAT * most * most * most and isfinite(volume + px + py + pz):
-        return False  # nearly all; what is not finite, or too large for this, is looked at below
     if not all(map(isfinite, chain.from_iterable(entries))):
         report.warn("Objects left out, as their transformation is not a finite number: {}", name)
         return None

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -13,9 +12,10 @@ from ..kept import Kept
 from ..materials import Shading
 from ..nodes.node import Want, Wants
 from ..report import Report
-from .attributes import instance_value, mesh_shading, width_of
+from .attributes import mesh_shading
 from .flat_uv_maps import report_flat_uv_maps
 from .instance_attributes import InstanceAttributes
+from .instance_values import Reader, reader_of, width_of
 from .particle_hair import hair_of, hair_shading
 from .rows import Rows
 from .shapes import Shapes, mesh_key, sources, with_mesh
@@ -33,15 +33,14 @@ class ObjectShading:
     def collect(
         self,
         depsgraph: Any,
-        rows_of: Mapping[int, range],
         wants: Wants,
         of_meshes: frozenset[int],
         of_instances: frozenset[int],
         with_uv: bool,
     ) -> list[InstanceAttribute]:
         """Gives meshes what programs read from them, and returns what they read from instances: ids
-        of `wants`. `rows_of`: by place in the graph's list of instances, which has not changed
-        since the rows were made. `with_uv`: meshes are to have their render-active UV maps.
+        of `wants`. The graph has not changed since the rows were made. `with_uv`: meshes are to
+        have their render-active UV maps.
         """
         if not of_meshes and not of_instances and not with_uv:
             return []
@@ -50,21 +49,26 @@ class ObjectShading:
         askers = {
             number: list(found) for number, found in wants.askers.items() if number in of_meshes
         }
-        instance_wants = {number: names[number] for number in sorted(of_instances)}
-        values = {
-            number: np.zeros((len(self._rows), width_of(want)), np.float32)
-            for number, want in instance_wants.items()
-        }
-        done: set[int] = set()
         of_nodes = InstanceAttributes(self._report)
+        readers: list[tuple[int, int, Reader, list[Any]]] = [
+            (number, width_of(want), reader_of(want, depsgraph, of_nodes), [])
+            for number, want in ((number, names[number]) for number in sorted(of_instances))
+        ]
+        done: set[int] = set()
         meshes, of_any = self._shapes.list, bool(mesh_wants or with_uv)
+        placed, places = self._rows.placed, [*self._rows.places, -1]
+        row = 0
         for place, instance in enumerate(depsgraph.object_instances):
-            rows = rows_of.get(place)
-            if rows is None:
+            if places[row] != place:
                 continue
             if place % LOOKS == 0:
                 self._watch.go_on()
-            for index in {self._rows.placed[row][0] for row in rows} - done if of_any else ():
+            first = row
+            while places[row] == place:  # a mesh and its hair have rows of their own
+                index = placed[row][0]
+                row += 1
+                if index in done or not of_any:
+                    continue
                 self._watch.go_on()
                 done.add(index)
                 ob = instance.object
@@ -77,10 +81,12 @@ class ObjectShading:
                 )
                 if meshes[index].strands is None and not meshes[index].shading.grids:
                     report_flat_uv_maps(ob, mesh_wants, askers, self._report)
-            for number, want in instance_wants.items():
-                found = instance_value(instance, want, depsgraph, of_nodes)
-                values[number][rows.start : rows.stop] = found
-        return [InstanceAttribute(number, found) for number, found in values.items()]
+            for _, _, read, found in readers:
+                found += [read(instance)] * (row - first)
+        return [
+            InstanceAttribute(number, np.array(found, np.float32).reshape(len(placed), width))
+            for number, width, _, found in readers
+        ]
 
     def _of_mesh(self, ob: Any, index: int, wants: dict[int, Want], depsgraph: Any) -> MeshShading:
         mesh = self._shapes.list[index]

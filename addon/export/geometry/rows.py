@@ -33,6 +33,7 @@ class Rows:
     def __init__(self) -> None:
         self.placed: list[tuple[int, int]] = []  # mesh, material set
         self.matrices: list[NDArray[np.float64]] = []
+        self.places: list[int] = []  # in the graph's list of instances
         self._densities: dict[int, float] = {}  # of media, by row
         self._traits: list[Traits] = []
 
@@ -47,8 +48,18 @@ class Rows:
         self.placed.append((mesh, materials))
         self.matrices.append(matrix)
 
-    def add_traits(self, traits: Traits) -> None:
-        """Of the next row that has none."""
+    def repeat(
+        self, place: int, placed: tuple[int, int], matrix: NDArray[np.float64], traits: Traits
+    ) -> None:
+        """add() and describe() of a mesh and material set that have stood elsewhere."""
+        self.placed.append(placed)
+        self.matrices.append(matrix)
+        self.places.append(place)
+        self._traits.append(traits)
+
+    def describe(self, place: int, traits: Traits) -> None:
+        """Of the next row that has not been described."""
+        self.places.append(place)
         self._traits.append(traits)
 
     def keep_used_meshes(self) -> NDArray[np.uint32]:
