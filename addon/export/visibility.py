@@ -59,10 +59,11 @@ def seen_by(instance: Any, view_layer: Any) -> int:
 
 
 def is_holdout(instance: Any, view_layer: Any) -> bool:
+    """What makes the instance says so, as in Cycles: instances of a held-out object are shown."""
     maker = (
         instance.parent if instance.is_instance and instance.parent is not None else instance.object
     )
-    return bool(instance.object.is_holdout) or _held_out(maker, view_layer)
+    return _held_out(maker, view_layer)
 
 
 def is_catcher(instance: Any) -> bool:

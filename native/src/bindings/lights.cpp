@@ -64,7 +64,7 @@ void set_world(Renderer& r, Rgb3 radiance, RayMask seen_by) {
   r.scene.world = max(to_rgb(radiance), Vec3{});
   r.scene.world_map = {};
   r.scene.sun_discs.clear();
-  r.scene.world_seen_by = seen_by;
+  r.scene.world_seen_by = light_rays(seen_by, true);
 }
 
 void set_world_map(Renderer& r, int texture, bool mirror_ball, Matrix to_lookup) {

@@ -9,14 +9,11 @@ constexpr int kFirstLights = 2;
 constexpr float kBrightest = 20;  // times the world's mean: a sighting counts at most as much
 
 // Leaves of what lobes scatter that of those whose rays see the light.
-void keep_seen(const LightSample& light, const Surface& hit, Rgb& scattered, Rgb& diffuse,
-               float& sharp) {
+void keep_seen(const LightSample& light, bool through, Rgb& scattered, Rgb& diffuse, float& sharp) {
   const Rgb rest = scattered - diffuse;
-  const bool through = dot(light.direction, hit.ng) < 0;
-  const bool keeps_rest =
-      light.seen_by & ray_bit(through ? RayInfo::kTransmission : RayInfo::kGlossy);
+  const bool keeps_rest = light.seen_by & lobe_rays(false, through);
   const float before = average(scattered);
-  if (!(light.seen_by & ray_bit(RayInfo::kDiffuse))) diffuse = {};
+  if (!(light.seen_by & lobe_rays(true, through))) diffuse = {};
   scattered = diffuse + (keeps_rest ? rest : Rgb{});
   const float after = average(scattered);
   sharp = keeps_rest && after > 0 ? std::min(sharp * before / after, 1.0f) : 0;  // of what is left
@@ -63,7 +60,8 @@ void CameraTracer::add_light(Path& path, const Surface& hit, const Bsdf& bsdf,
       receiver.bent
           ? bsdf.evaluate_smooth(light.direction, &pdf, &diffuse, any_covered ? &sharp : nullptr)
           : bsdf.evaluate(light.direction, &pdf, nullptr, &diffuse, any_covered ? &sharp : nullptr);
-  if (light.seen_by != kAllRays) keep_seen(light, hit, scattered, diffuse, sharp);
+  const bool through = passes_below(hit, light.direction);
+  if (light.seen_by != kAllRays) keep_seen(light, through, scattered, diffuse, sharp);
   if (path.only_mirrored) {
     scattered = scattered - diffuse;
     diffuse = {};
@@ -79,7 +77,6 @@ void CameraTracer::add_light(Path& path, const Surface& hit, const Bsdf& bsdf,
     see_world(path, receiver, light.direction, arriving, false);
   }
   if (light.from_world && lights_.environment().asks_ray()) {
-    const bool through = dot(light.direction, hit.ng) < 0;
     const Rgb seen =
         lights_.environment().share(light.direction, path.info.scattered(true, through, false));
     const Rgb seen_rest = bsdf.has_rest()
@@ -96,7 +93,6 @@ void CameraTracer::add_light(Path& path, const Surface& hit, const Bsdf& bsdf,
   if (path.is_beyond()) see_deep(path, arriving * scattered);
   if (path.groups) GroupLight{path.groups, scattered}.add(arriving, light.light_group);
   if (path.vertex == 0) {
-    const bool through = passes_below(hit, light.direction);
     add_finite(path.pixel.diffuse_direct, arriving * diffuse, path.tile.bad_samples);
     add_finite(direct_of(path.pixel, through ? LobeCategory::kTransmission : LobeCategory::kGlossy),
                arriving * (scattered - diffuse), path.tile.bad_samples);

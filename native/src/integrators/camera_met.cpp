@@ -43,8 +43,10 @@ void CameraTracer::add_lamps(Path& path, float far) const {
 // Before the ray of a lobe is traced, what it would find behind surfaces that do not block it.
 void CameraTracer::add_linked(Path& path) const {
   GroupLight light{path.groups, path.emission_throughput};
+  RayInfo shadows = path.info;
+  --shadows.depth;  // those of the vertex, as for light samples
   const auto through = [&](float far, uint64_t blockers) {
-    return transmittance(path.origin, path.direction, far, path.info, blockers, path.media,
+    return transmittance(path.origin, path.direction, far, shadows, blockers, path.media,
                          path.random);
   };
   const Rgb radiance = lights_.linked_met(path.from, path.origin, path.direction, path.pdf,
@@ -68,9 +70,9 @@ void CameraTracer::add_world(Path& path) const {
 
 Rgb CameraTracer::world_seen(const Path& path) const {
   const Environment& world = lights_.environment();
-  return path.vertex == 0 && world.asks_camera()
-             ? world.radiance(path.direction, path.info)
-             : lights_.world_met(path.from, path.direction, path.pdf);
+  if (path.vertex > 0 || !world.asks_camera())
+    return lights_.world_met(path.from, path.direction, path.pdf);
+  return scene_.world_seen_by & path.from.ray ? world.radiance(path.direction, path.info) : Rgb{};
 }
 
 // The world's light as a ray of each kind sees it. What diffuse lobes sent on this way and what

@@ -13,6 +13,7 @@ bool CameraTracer::continues(Path& path, const Surface& hit, const Bsdf& bsdf) c
   if (!here && is_black(bsdf.gather_through())) return false;
   if (follows_motion_ && !scene_.moves(hit.instance) && scene_.moves_near(hit.position))
     return true;
+  if (follows_translucence_ && !is_black(bsdf.gather_through())) return true;
   if (!strategy_) return false;
   if (strategy_->kind() == IndirectStrategy::Kind::kPathTraced) return true;
   if (strategy_->kind() == IndirectStrategy::Kind::kFinalGather && path.gather_bounces == 0)
@@ -124,7 +125,7 @@ bool CameraTracer::scatter(Path& path, const Surface& hit, const Bsdf& bsdf,
   path.near = 0;
   path.far = INFINITY;
   path.from = receiver;
-  path.from.ray = static_cast<uint8_t>(ray_bit(path.info.kind));
+  path.from.ray = static_cast<uint8_t>(lobe_rays(s->diffuse, s->transmitted));
   path.pdf = s->pdf > 0 ? s->pdf : INFINITY;
   ++path.vertex;
   return true;

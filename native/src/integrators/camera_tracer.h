@@ -63,7 +63,10 @@ class CameraTracer {
   // Whether paths go on for the indirect light, where photons bring it, beside what moves: the
   // light there when it is seen may not be that of all times.
   void follow_motion(bool on) { follows_motion_ = on; }
-  bool follows_motion() const { return follows_motion_; }
+  // The same at surfaces that scatter light through themselves: what is stored there is what
+  // diffuse rays see, and things are hidden from those or from rays of transmission alone.
+  void follow_translucence(bool on) { follows_translucence_ = on; }
+  bool follows_more() const { return follows_motion_ || follows_translucence_; }
 
   // Distance of the Ambient Occlusion pass, m: how open it is above what pixels show; 0: there is
   // no such pass.
@@ -229,7 +232,7 @@ class CameraTracer {
   const IndirectStrategy* strategy_ = nullptr;
   const BeamTree* beams_ = nullptr;
   CacheUse cache_use_;
-  bool caustic_photons_ = false, follows_motion_ = false;
+  bool caustic_photons_ = false, follows_motion_ = false, follows_translucence_ = false;
   Trial trial_ = Trial::kNone;
   float radius_factor_ = 1, ambient_distance_ = 0;
 };

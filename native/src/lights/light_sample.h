@@ -32,7 +32,7 @@ struct Receiver {
   // The guide to the world at this place, from Lights::guide_at(), or null
   const EnvironmentGuide::Cell* guide = nullptr;
   uint8_t world_samples = 1;  // how many sample_world() is asked for
-  uint8_t ray = 0xff;         // RayMask of the ray on its way from there
+  uint8_t ray = 0xff;         // RayMask of the ray on its way from there, see light_rays()
   uint16_t bounces = 0;       // of the path before that
   // unit: it scatters in proportion to the cosine with this, more or less; 0: who knows
   Vec3 ns{};

@@ -93,7 +93,7 @@ void Lights::add_lamp(const LampSettings& settings) {
   e.lit_groups = settings.lit_groups;
   e.blockers = settings.blockers;
   e.light_group = settings.light_group;
-  e.seen_by = as_scattered(settings.seen_by);
+  e.seen_by = as_scattered(light_rays(settings.seen_by, false));
   e.max_bounces = settings.max_bounces;
   e.met_by_rays = settings.met_by_rays;
   e.casts_shadows = settings.casts_shadows;
@@ -122,7 +122,7 @@ void Lights::add_emissive_instances() {
     e.lit_groups = instance.lit_groups;
     e.blockers = instance.blockers;
     e.light_group = instance.light_group;
-    e.seen_by = as_scattered(instance.seen_by);
+    e.seen_by = as_scattered(light_rays(instance.seen_by, false));
     Bounds bounds;
     double sum = 0;
     e.mesh = make_mesh_light(scene_, i, bounds, sum);

@@ -28,7 +28,7 @@ Rgb Lights::linked_met(const Receiver& to, const Vec3& origin, const Vec3& direc
   }
   Surface s;
   RayInfo info = ray;
-  const RayMask kinds = RayMask{to.ray} << (to.catchers_only ? kCatcherShift : 0);
+  const RayMask kinds = ray_mask(ray);
   for (float near = 0;
        meshes && scene_.intersect(origin, direction, near, INFINITY, false, s, kinds, to.time);
        near = past(s)) {

@@ -103,8 +103,8 @@ MeshLight make_mesh_light(const Scene& scene, uint32_t instance, Bounds& bounds,
   return light;
 }
 
-bool sample_mesh_light(const Scene& scene, const MeshLight& mesh, uint32_t instance, const Vec3& x,
-                       const Vec2& u, float time, LightSample& out) {
+bool sample_mesh_light(const Scene& scene, const MeshLight& mesh, uint32_t instance,
+                       const Receiver& receiver, const Vec2& u, LightSample& out) {
   // The triangle is picked by the integer part of a stretched sample; the rest is used again.
   const float target = u.x * mesh.cdf.back();
   const size_t pick = mesh.triangle_at(target);
@@ -113,11 +113,12 @@ bool sample_mesh_light(const Scene& scene, const MeshLight& mesh, uint32_t insta
   if (!(share > 0)) return false;
   const float again = std::clamp((target - low) / share, 0.0f, 1.0f);
   EmissiveTriangle moved;
-  const EmissiveTriangle& t = triangle_at_time(scene, instance, mesh.triangles[pick], time, moved);
+  const EmissiveTriangle& t =
+      triangle_at_time(scene, instance, mesh.triangles[pick], receiver.time, moved);
   const float root = std::sqrt(again), b1 = root * (1 - u.y), b2 = root * u.y;
   const Vec3 point = t.corner[0] * (1 - root) + t.corner[1] * b1 + t.corner[2] * b2;
 
-  const Vec3 to = point - x;
+  const Vec3 to = point - receiver.x;
   const float d2 = length2(to);
   if (!(d2 > 0)) return false;
   out.distance = std::sqrt(d2);
@@ -126,7 +127,9 @@ bool sample_mesh_light(const Scene& scene, const MeshLight& mesh, uint32_t insta
   if (cosine <= 1e-7f) return false;
   out.pdf = t.pdf * d2 / cosine;
   const bool back = facing > 0;
-  out.weight = emission_of(scene, instance, t, b1, b2, back, -out.direction, time) / out.pdf;
+  out.weight = emission_of(scene, instance, t, b1, b2, back, -out.direction, receiver.time,
+                           static_cast<uint16_t>(receiver.bounces + 1)) /
+               out.pdf;
   out.normal = back ? -t.normal : t.normal;
   return !is_black(out.weight);
 }

@@ -81,12 +81,13 @@ bool may_emit(const Scene& scene, const Material& material);
 // The triangles of an instance that emit; `power` is the sum over them, about, RGB averaged, W/pi.
 MeshLight make_mesh_light(const Scene& scene, uint32_t instance, Bounds& bounds, double& power);
 inline Rgb emission_of(const Scene& scene, uint32_t instance, const EmissiveTriangle& t, float u,
-                       float v, bool back, const Vec3& wo, float time) {
-  return scene.emission_at(scene.materials[t.material], instance, t.triangle, u, v, back, wo, time);
+                       float v, bool back, const Vec3& wo, float time, uint16_t depth = 1) {
+  return scene.emission_at(scene.materials[t.material], instance, t.triangle, u, v, back, wo, time,
+                           depth);
 }
 // As of lamps.
-bool sample_mesh_light(const Scene& scene, const MeshLight& mesh, uint32_t instance, const Vec3& x,
-                       const Vec2& u, float time, LightSample& out);
+bool sample_mesh_light(const Scene& scene, const MeshLight& mesh, uint32_t instance,
+                       const Receiver& to, const Vec2& u, LightSample& out);
 PhotonStart emit_mesh_light(const Scene& scene, const MeshLight& mesh, uint32_t instance,
                             float pick, const Vec2& place, const Vec2& way, float time);
 

@@ -40,7 +40,7 @@ bool PhotonTracer::scatter_in_medium(Path& path, const Flight& flight, const Pho
                                      const Draws& draws, Vec3& origin, Vec3& direction) const {
   const bool direct = path.bounces == 0;
   if (path.bounces == max_bounces_ || path.bounces >= start.max_bounces ||
-      !scatters_for(start, path, RayInfo::kVolume))
+      !scatters_for(start, path, ray_bit(RayInfo::kVolume)))
     return false;
   if (path.guessed && path.kind != (direct ? RayInfo::kShadow : RayInfo::kVolume)) return false;
   const Vec3 place = origin + direction * flight.distance;

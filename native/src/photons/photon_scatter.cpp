@@ -11,8 +11,9 @@ constexpr float kFaint = 1 / 32.0f;
 constexpr float kSentThrough = 0.25f;  // of what meets a surface whose sides may differ
 constexpr float kGrazing = 0.1f;       // cosine, below which seen_twin() does not look all the way
 
+// By which the next vertex of a camera path sees what the photon comes from.
 RayInfo::Kind kind_of(const BsdfSample& s) {
-  return s.diffuse ? RayInfo::kDiffuse : s.transmitted ? RayInfo::kTransmission : RayInfo::kGlossy;
+  return s.transmitted ? RayInfo::kTransmission : s.diffuse ? RayInfo::kDiffuse : RayInfo::kGlossy;
 }
 
 }  // namespace
@@ -252,7 +253,7 @@ bool PhotonTracer::shade(Path& path, const Surface& hit, const PhotonStart& star
   if (path.bounces == max_bounces_ || path.bounces >= start.max_bounces ||
       stream_ == PhotonStream::kCaustic)
     return false;
-  if (!scatters_for(start, path, RayInfo::kDiffuse)) return false;
+  if (!scatters_for(start, path, ray_bit(RayInfo::kDiffuse))) return false;
   if (path.guessed && path.kind != (path.bounces == 0 ? RayInfo::kShadow : RayInfo::kDiffuse))
     return false;
   if (!sends_on(path, hit)) return false;
@@ -349,7 +350,7 @@ bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const Phot
     const float below = bsdf.lobe_count() > 0 ? goes / std::max(goes + stays, 1e-20f) : 1;
     if (choice < below) {
       // Seen from where it lands it is a diffuse ray
-      if (!scatters_for(start, path, RayInfo::kDiffuse) ||
+      if (!scatters_for(start, path, ray_bit(RayInfo::kDiffuse)) ||
           (path.guessed && path.kind != (direct ? RayInfo::kShadow : RayInfo::kDiffuse)) ||
           !light_up_by_ray(path, start, {1, 1, 1}, false, false))
         return false;
@@ -370,7 +371,7 @@ bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const Phot
     if (is_black(s->weight)) return false;
   }
   if (direct && s->pdf <= 0 && (!start.deltas || path.unshadowed)) return false;
-  if (!scatters_for(start, path, kind_of(*s))) return false;
+  if (!scatters_for(start, path, lobe_rays(s->diffuse, s->transmitted))) return false;
   if (path.guessed) {
     const bool delta = s->pdf <= 0;
     if (path.kind == RayInfo::kShadow ? delta : (direct && !delta) || kind_of(*s) != path.kind)

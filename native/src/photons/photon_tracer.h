@@ -139,8 +139,9 @@ class PhotonTracer {
                   float* useful, std::vector<PhotonBeam>& beams) const;
   PhotonStart start(uint64_t index, uint32_t seed) const;
   void start(uint64_t first, uint32_t count, uint32_t seed, PhotonStart* starts) const;
-  bool scatters_for(const PhotonStart& start, const Path& path, RayInfo::Kind kind) const {
-    return path.bounces > 0 || start.seen_by & ray_bit(kind);
+  // Whether such rays see the light that the path has just left.
+  bool scatters_for(const PhotonStart& start, const Path& path, RayMask rays) const {
+    return path.bounces > 0 || start.seen_by & rays;
   }
   // Whether light straight from its lamp arrives at a place, `distance` from where it started.
   bool arrives(const Path& path, const Vec3& place, float distance, const PhotonStart& start) const;

@@ -75,7 +75,9 @@ void CameraPass::trace(uint32_t pass, const PhotonMaps& maps, PackedFilm& film) 
              learns =
                  !chosen_ && options.adaptive_indirect && photons && !context_.scene.needs_paths();
   const bool by_view = learns && !options.keeps_photons();
-  tracer_.follow_motion(photons && options.adaptive_indirect && context_.scene.moves());
+  const bool follows = photons && options.adaptive_indirect;
+  tracer_.follow_motion(follows && context_.scene.moves());
+  tracer_.follow_translucence(follows && context_.scene.translucence_differs());
   // Photons bring caustics alone then.
   if (!strategy_ && context_.scene.needs_paths())
     strategy_.emplace(context_.scene, IndirectStrategy::Kind::kPathTraced);
@@ -250,6 +252,7 @@ void CameraPass::trace_from_cache(const CameraTracer::CacheUse& use, const Photo
   tracer_.set_strategy(nullptr, maps.size() > 1, 1);
   tracer_.look_around(0);
   tracer_.follow_motion(false);
+  tracer_.follow_translucence(false);
   tracer_.set_beams(nullptr);
   film.reset(film.width, film.height, film.light_groups);
   gather_points_ =

@@ -45,7 +45,7 @@ class CameraPass {
   const std::vector<size_t>& tile_ranges() const { return tracer_.tile_ranges(); }
   // Whether paths go on anywhere at all.
   bool paths_continue() const {
-    return strategy_.has_value() || tracer_.follows_motion() || context_.scene.scatters_in_media();
+    return strategy_.has_value() || tracer_.follows_more() || context_.scene.scatters_in_media();
   }
   // Whether camera paths bring all of the map's light, so that it has no photons.
   bool path_traced(const PhotonMap& map) const { return all_path_traced() && !map.caustic(); }

@@ -133,7 +133,8 @@ class Scene {
   bool moves() const { return moves_; }
   bool has_strands() const { return strands_; }
   bool has_catchers() const { return catchers_; }
-  // Whether photons do not bring all light: not what media emit, nor what strands do.
+  // Whether photons do not bring all light: not what media emit, nor what strands do, nor to and
+  // from what asks how deep a camera path is (Light Path).
   bool needs_paths() const;
   bool scatters_in_media() const;
   // Whether rays that media scatter see an instance as diffuse rays do not, or the other way round.
@@ -176,9 +177,9 @@ class Scene {
   // Radiance towards `wo`.
   Rgb emission(const Surface& s, const Vec3& wo, const RayInfo& ray) const;
   // That of a point of a triangle of this material, for whoever samples lights: surface_at() is
-  // left out where it tells nothing.
+  // left out where it tells nothing. depth: RayInfo::depth of the ray that would find it.
   Rgb emission_at(const Material& material, uint32_t instance, uint32_t triangle, float u, float v,
-                  bool back, const Vec3& wo, float time = kShutterCentre) const;
+                  bool back, const Vec3& wo, float time = kShutterCentre, uint16_t depth = 1) const;
   // Whether the material lets light through without scattering it, or could (its program knows).
   bool may_be_transparent(const Surface& s) const {
     return s.program && s.program->features & kProgramTransparent;
@@ -192,7 +193,14 @@ class Scene {
   // depends on the kind of ray that looks back along them: along all of their ways, or straight
   // from a light.
   bool limits_rays() const { return any_ray_ == 0; }
-  bool kinds_differ() const { return kinds_differ_ && features_ & kProgramRest; }
+  bool kinds_differ() const {
+    return kinds_differ_ && features_ & (kProgramRest | kProgramTransmits);
+  }
+  // Whether something is hidden from diffuse rays or from those that surfaces scatter through
+  // themselves, and not from both.
+  bool translucence_differs() const {
+    return translucence_differs_ && features_ & kProgramTransmits;
+  }
   bool first_kinds_differ() const { return first_kinds_differ_ && features_ & kProgramSharp; }
   // To be called when materials have changed after build(). Throw Cancelled.
   void update_features();
@@ -279,9 +287,9 @@ class Scene {
   uint32_t features_ = 0;
   // Rays are of these kinds as well: all, where no instance's mask is set
   RayMask any_ray_ = kAllRays;
-  bool kinds_differ_ = false, first_kinds_differ_ = false;
-  bool moves_ = false, strands_ = false, strands_emit_ = false, catchers_ = false,
-       is_built_ = false;
+  bool kinds_differ_ = false, first_kinds_differ_ = false, translucence_differs_ = false;
+  bool moves_ = false, strands_ = false, strands_emit_ = false, asks_depth_ = false,
+       catchers_ = false, is_built_ = false;
   std::unique_ptr<SweptBoxes> swept_;  // where that is so
   bool packets_ = false;               // this Embree has code for packets of eight
   std::vector<RTCScene> mesh_scenes_;

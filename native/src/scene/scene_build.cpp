@@ -309,7 +309,9 @@ void Scene::update_own_scenes(const CancelFlag& cancel) {
 
 void Scene::update_media(const CancelFlag& cancel) { media_ = Media::of(*this, pool_, cancel); }
 
-bool Scene::needs_paths() const { return strands_emit_ || (media_ && media_->emits()); }
+bool Scene::needs_paths() const {
+  return strands_emit_ || asks_depth_ || (media_ && media_->emits());
+}
 
 bool Scene::scatters_in_media() const { return media_ && media_->scatters(); }
 
@@ -317,7 +319,7 @@ void Scene::see_limits() {
   catchers_ = std::any_of(instances.begin(), instances.end(),
                           [](const Instance& instance) { return instance.catcher; });
   any_ray_ = moves_ || strands_ || catchers_ ? 0 : kAllRays;
-  kinds_differ_ = first_kinds_differ_ = false;
+  kinds_differ_ = first_kinds_differ_ = translucence_differs_ = false;
   for (const Instance& instance : instances) {
     const RayMask seen_by = instance.seen_by, scattered = seen_by & kScatteredRays;
     const auto same = [&](RayInfo::Kind a, RayInfo::Kind b) {
@@ -325,6 +327,7 @@ void Scene::see_limits() {
     };
     if (seen_by != kAllRays) any_ray_ = 0;
     kinds_differ_ |= scattered != 0 && scattered != kScatteredRays;
+    translucence_differs_ |= !same(RayInfo::kDiffuse, RayInfo::kTransmission);
     first_kinds_differ_ |= !same(RayInfo::kShadow, RayInfo::kGlossy) ||
                            !same(RayInfo::kShadow, RayInfo::kTransmission);
   }
@@ -345,8 +348,10 @@ bool Scene::emits(const Instance& instance) const {
 
 void Scene::update_features() {
   features_ = 0;
+  asks_depth_ = false;
   for (int32_t material : slot_materials) {
     const int program = materials[material].program;
+    asks_depth_ |= program >= 0 && programs[program].asks_depth;
     features_ |= program < 0 ? kProgramGathers | kProgramEmits : programs[program].features;
   }
   strands_emit_ = false;

@@ -26,6 +26,7 @@ ShadingPoint shading_point(const Surface& s, const Vec3& wo, const RayInfo& ray)
 RayInfo shadow_ray(const RayInfo& before) {
   RayInfo ray = before;
   ray.kind = RayInfo::kShadow;
+  ++ray.depth;  // as of the next ray
   ray.singular = ray.through = false;
   ray.from = 0;
   return ray;
@@ -75,11 +76,12 @@ Vec3 Scene::value_at(const Program& program, const Surface& s, const Vec3& wo, c
 }
 
 Rgb Scene::emission_at(const Material& material, uint32_t instance, uint32_t triangle, float u,
-                       float v, bool back, const Vec3& wo, float time) const {
+                       float v, bool back, const Vec3& wo, float time, uint16_t depth) const {
   const MaterialSide& side = back ? material.back : material.front;
   if (material.program < 0 && side.emission_texture < 0) return side.emission;
   RayInfo ray{RayInfo::kEmission};
   ray.time = time;
+  ray.depth = depth;
   return emission(surface_at(instance, triangle, u, v, back, time), wo, ray);
 }
 

@@ -90,7 +90,8 @@ struct RayInfo {
 };
 
 // Rays by which something is seen: a bit for each kind. Light samples come by shadow rays. What a
-// translucent surface scatters through itself counts as diffuse.
+// translucent surface scatters through itself sees what rays of transmission see, as in Cycles; for
+// lights it has a bit of its own, see light_rays().
 using RayMask = uint32_t;
 inline constexpr RayMask kAllRays = ~0u;
 constexpr RayMask ray_bit(RayInfo::Kind kind) { return 1u << kind; }
@@ -103,13 +104,32 @@ inline constexpr RayMask kCatcherRays = 0x7fu << kCatcherShift;
 constexpr RayMask ray_mask(const RayInfo& ray, RayInfo::Kind kind) {
   return ray_bit(kind) << (ray.catchers_only ? kCatcherShift : 0);
 }
-constexpr RayMask ray_mask(const RayInfo& ray) { return ray_mask(ray, ray.kind); }
+constexpr RayMask ray_mask(const RayInfo& ray) {
+  const bool translucent = ray.kind == RayInfo::kDiffuse && ray.through;
+  return ray_mask(ray, translucent ? RayInfo::kTransmission : ray.kind);
+}
 inline constexpr RayMask kScatteredRays =
     ray_bit(RayInfo::kDiffuse) | ray_bit(RayInfo::kGlossy) | ray_bit(RayInfo::kTransmission);
 
+// Of lights: what diffuse lobes send through surfaces. Nothing moves there, see kStillRays.
+inline constexpr RayMask kTranslucentRays = kStillRays;
+constexpr RayMask lobe_rays(bool diffuse, bool transmitted) {
+  return diffuse       ? transmitted ? kTranslucentRays : ray_bit(RayInfo::kDiffuse)
+         : transmitted ? ray_bit(RayInfo::kTransmission)
+                       : ray_bit(RayInfo::kGlossy);
+}
+// What a light is seen by, from what Blender says. Cycles shows lamps to what translucent surfaces
+// scatter if diffuse rays see them, by light samples, and the world if rays of transmission see it,
+// too, by rays that find it.
+constexpr RayMask light_rays(RayMask seen_by, bool world) {
+  const RayMask asked =
+      ray_bit(RayInfo::kDiffuse) | (world ? ray_bit(RayInfo::kTransmission) : RayMask{0});
+  return (seen_by & asked) == asked ? seen_by | kTranslucentRays : seen_by & ~kTranslucentRays;
+}
+
 // For light that is scattered only these make a difference.
 constexpr RayMask as_scattered(RayMask seen_by) {
-  return seen_by | ~(kScatteredRays | ray_bit(RayInfo::kVolume));
+  return seen_by | ~(kScatteredRays | kTranslucentRays | ray_bit(RayInfo::kVolume));
 }
 
 // Where a lamp stands, in coordinates relative to the scene's origin.

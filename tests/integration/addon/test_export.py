@@ -518,7 +518,9 @@ def test_ray_visibility() -> None:
     stage.plane("Indirect", collection=group)
     bpy.context.view_layer.layer_collection.children["Group"].indirect_only = True
     within = bpy.data.collections.new("Within")
-    stage.plane("Instanced", collection=within).visible_glossy = False
+    instanced = stage.plane("Instanced", collection=within)
+    instanced.visible_glossy = False
+    instanced.is_holdout = True  # of itself alone, as in Cycles
     stand = stage.add("Stand")
     stand.instance_type, stand.instance_collection = "COLLECTION", within
     stand.visible_diffuse = False

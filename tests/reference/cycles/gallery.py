@@ -191,6 +191,11 @@ def _light_paths() -> dict[str, Spec]:
         "path_reflection": mix(
             light_path("Is Reflection Ray"), glossy("GGX", 0.1), transparent((0.8, 0.6, 0.4))
         ),
+        "path_depth": mix(light_path("Ray Depth"), red, transparent((0.7, 0.9, 0.8))),
+        "path_depth_emission": mix(
+            light_path("Ray Depth"), node("Emission", Strength=2.0), diffuse((0.2, 0.6, 0.3))
+        ),
+        "path_diffuse_depth": mix(light_path("Diffuse Depth"), red, diffuse((0.8, 0.8, 0.8))),
         "path_emission": mix(
             light_path("Is Camera Ray"),
             node("Emission", Strength=2.0),

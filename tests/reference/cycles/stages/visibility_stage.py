@@ -14,13 +14,20 @@ from blend_scenes.scripts import modelling as m
 from tests.reference.cycles.stages import stage
 
 
-def ray_visibility(on: str, off: Sequence[str], transparent: bool = False) -> None:
+def ray_visibility(
+    on: str,
+    off: Sequence[str],
+    transparent: bool = False,
+    translucent: bool = False,
+    asked: bool = False,
+) -> None:
     """A mirror, rough metal, a pane of glass and a box on the stage; `on` is not seen by the rays
     `off`.
 
-    on: box, instance (of a collection with the box), emitter (the only light), lamp, world (the
-    only light), or collection, whose flags are `indirect_only` and `holdout`; an object's flag may
-    be `holdout`, too.
+    on: box, instance (of a collection with the box), instanced (the box of which there is an
+    instance), emitter (the only light), lamp, world (the only light), or collection, whose flags
+    are `indirect_only` and `holdout`; an object's flag may be `holdout`, too. translucent: a sheet
+    hangs before the box. asked: the world is another one to the camera.
     """
     stage._stage(things=False)
     m.add_sphere(
@@ -45,6 +52,12 @@ def ray_visibility(on: str, off: Sequence[str], transparent: bool = False) -> No
     thing: Any = box
     if on in {"instance", "collection"}:
         thing = _in_collection(box, instanced=on == "instance")
+    elif on == "instanced":
+        _in_collection(box, instanced=True).location = (0.0, 0.75, 0.0)
+        bpy.context.scene.collection.objects.link(box)
+    if translucent:
+        sheet = [(-0.7, -0.75, 0.02), (0.3, -0.75, 0.02), (0.3, -0.65, 0.9), (-0.7, -0.65, 0.9)]
+        m.add_mesh("Sheet", sheet, [(0, 1, 2, 3)], _cloth("Sheet", (0.6, 0.8, 0.5)))
     if on == "emitter":
         sheet = [(-0.6, -0.6, 0.0), (0.6, -0.6, 0.0), (0.6, 0.6, 0.0), (-0.6, 0.6, 0.0)]
         thing = m.add_mesh(
@@ -56,6 +69,8 @@ def ray_visibility(on: str, off: Sequence[str], transparent: bool = False) -> No
         )
     elif on == "world":
         m.set_world((0.5, 0.6, 0.8))
+        if asked:
+            _ask_world()
         thing = bpy.context.scene.world.cycles_visibility
     else:
         # Large: what glass and metal make of it, path tracers find by chance.
@@ -70,6 +85,27 @@ def ray_visibility(on: str, off: Sequence[str], transparent: bool = False) -> No
         else:
             setattr(thing, flag if on == "world" else f"visible_{flag}", False)
     bpy.context.scene.render.film_transparent = transparent
+
+
+def _cloth(name: str, color: Sequence[float]) -> bpy.types.Material:
+    material, tree, output = m._node_material(name)
+    node = tree.nodes.new("ShaderNodeBsdfTranslucent")
+    node.inputs["Color"].default_value = (*color, 1.0)
+    tree.links.new(node.outputs[0], output.inputs["Surface"])
+    return material
+
+
+def _ask_world() -> None:
+    tree = bpy.context.scene.world.node_tree
+    (output,) = (node for node in tree.nodes if node.bl_idname == "ShaderNodeOutputWorld")
+    mix, path, other = (
+        tree.nodes.new(f"ShaderNode{kind}") for kind in ("MixShader", "LightPath", "Background")
+    )
+    other.inputs["Color"].default_value = (0.9, 0.3, 0.1, 1.0)
+    tree.links.new(path.outputs["Is Camera Ray"], mix.inputs[0])
+    tree.links.new(output.inputs["Surface"].links[0].from_socket, mix.inputs[1])
+    tree.links.new(other.outputs[0], mix.inputs[2])
+    tree.links.new(mix.outputs[0], output.inputs["Surface"])
 
 
 def _metal(name: str, color: Sequence[float], roughness: float) -> bpy.types.Material:
