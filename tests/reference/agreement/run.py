@@ -1,6 +1,9 @@
-"""Splat against reference on random scenes, on random Blender scenes of glass, gloss and media, or
-on .blend files: python -m tests.reference.agreement.run [--first N] [--count N] [--passes N]
-[--samples N] [--matter | --files FILE ... --width N] [--out OUT]
+"""Splat against reference on random scenes, on random Blender scenes of glass, gloss and media or
+of lamps, lenses and visibility, or on .blend files: python -m tests.reference.agreement.run
+[--first N] [--count N] [--passes N] [--samples N] [--matter | --stages | --files FILE ...
+--width N] [--cycles] [--out OUT]
+
+--cycles, for random Blender scenes: the reference integrator against Cycles instead.
 
 A line a scene: mean and blocks off against the reference integrator, the told error over the true
 one; scenes that differ leave a sheet in OUT (reference, splat, signed difference: red is brighter,
@@ -14,7 +17,9 @@ import hashlib
 import random
 import time
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 import OpenImageIO as oiio
@@ -26,7 +31,7 @@ from tests.benchmarks.bench.scenes import from_file
 from tests.reference.agreement import generator
 from tests.reference.agreement.compare import Agreement, agreement
 from tests.reference.agreement.generator import random_scene
-from tests.support import random_matter
+from tests.support import random_matter, random_stage
 from tests.support.corescene import shoot
 
 MOST_OFF = 1.0 / 50.0
@@ -92,13 +97,26 @@ def sheet(path: Path, pictures: list[NDArray]) -> None:
     buffer.write(str(path))
 
 
-def matter_scene(seed: int) -> Scene:
-    """Of tests/support/random_matter.py. Needs bpy."""
+def blender_scene(made_by: ModuleType, seed: int) -> Scene:
+    """Of random_matter or random_stage. Needs bpy, where it stays open."""
     import bpy
     from photon_splat.export import export_scene
 
-    random_matter.build(random.Random(seed))
+    made_by.build(random.Random(seed))
     return export_scene(bpy.context.evaluated_depsgraph_get())
+
+
+def beside_cycles(what: Scene, samples: int) -> tuple[Agreement, list[NDArray]]:
+    """The same as measure() of the reference integrator and Cycles, for the scene that is open."""
+    from tests.reference.cycles.references import render_with_cycles
+
+    pictures = reference(what, samples)
+    pictures += [render_with_cycles(samples, seed)[..., :3].astype(np.float64) for seed in (21, 22)]
+    nothing = np.zeros(pictures[0].shape[:2])
+    agrees = agreement(
+        (pictures[0], pictures[1]), nothing, nothing.astype(bool), (pictures[2], pictures[3])
+    )
+    return replace(agrees, told_over_true=None), pictures
 
 
 def scenes(options: argparse.Namespace) -> Iterator[tuple[str, Scene, str]]:
@@ -108,10 +126,13 @@ def scenes(options: argparse.Namespace) -> Iterator[tuple[str, Scene, str]]:
             version = hashlib.sha256(file.read_bytes()).hexdigest()[:8]
             yield file.stem, from_file(file.resolve(), options.width), f"{version}-{options.width}"
         return
-    made_by, kind = (random_matter, "matter-") if options.matter else (generator, "")
-    version = hashlib.sha256(Path(made_by.__file__).read_bytes()).hexdigest()[:8]
+    made_by: ModuleType = generator
+    if options.matter or options.stages:
+        made_by = random_matter if options.matter else random_stage
+    kind = "matter-" if options.matter else "stage-" if options.stages else ""
+    version = hashlib.sha256(Path(made_by.__file__ or "").read_bytes()).hexdigest()[:8]
     for seed in options.only or range(options.first, options.first + options.count):
-        what = matter_scene(seed) if options.matter else random_scene(seed)
+        what = blender_scene(made_by, seed) if kind else random_scene(seed)
         yield f"{kind}{seed}", what, version
 
 
@@ -123,6 +144,8 @@ def main() -> None:
     parser.add_argument("--count", type=int, default=200)
     parser.add_argument("--only", type=int, nargs="*")
     parser.add_argument("--matter", action="store_true", help="random Blender scenes instead")
+    parser.add_argument("--stages", action="store_true", help="others")
+    parser.add_argument("--cycles", action="store_true")
     parser.add_argument("--files", type=Path, nargs="*", help="instead of random scenes")
     parser.add_argument("--width", type=int, default=160, help="of the files' pictures")
     parser.add_argument("--passes", type=int, default=12)
@@ -134,7 +157,10 @@ def main() -> None:
     for name, what, version in scenes(options):
         began = time.monotonic()
         kept = options.out / f"{name}-{options.samples}-{version}.npy"
-        result, pictures = measure(what, options.passes, options.samples, kept)
+        if options.cycles:
+            result, pictures = beside_cycles(what, options.samples)
+        else:
+            result, pictures = measure(what, options.passes, options.samples, kept)
         if not pictures[2].any():
             print(f"{name:4} black", flush=True)
             continue

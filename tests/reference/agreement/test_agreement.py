@@ -7,7 +7,8 @@ from __future__ import annotations
 import pytest
 
 from tests.reference.agreement.generator import random_scene
-from tests.reference.agreement.run import MOST_OFF, TOLD_WITHIN, matter_scene, measure
+from tests.reference.agreement.run import MOST_OFF, TOLD_WITHIN, blender_scene, measure
+from tests.support import random_matter
 
 # Once wrong: bent things that run into each other (2, 10), light from far out on a floor (5), a
 # wall of which a metre is seen.
@@ -26,6 +27,6 @@ def test_mean_blocks_and_told_error_agree_with_the_reference(seed: int) -> None:
 
 def test_mean_agrees_where_light_passes_through_things() -> None:
     """A scene that was once wrong: its shaders ask which side is seen."""
-    result, _ = measure(matter_scene(35), passes=8, samples=96)
+    result, _ = measure(blender_scene(random_matter, 35), passes=8, samples=96)
     assert result.mean_agrees, result
     assert result.off <= MOST_OFF, result
