@@ -128,7 +128,9 @@ def _thing(chance: random.Random) -> None:
         face.material_index = face.index % len(ob.data.materials)
     modifier = chance.choice(["", "", "", "SUBSURF", "ARRAY", "WIREFRAME", "BEVEL"])
     if modifier:
-        ob.modifiers.new(modifier, modifier)
+        made = ob.modifiers.new(modifier, modifier)
+        if modifier == "SUBSURF":  # scenes are exported as the viewport has them
+            made.levels = made.render_levels
     if chance.random() < 0.15:  # a parent that shears
         ob.parent = stage.add("Parent")
         ob.parent.scale = [chance.uniform(0.5, 1.5) for _ in range(3)]

@@ -61,7 +61,7 @@ void set_panorama(Renderer& r, const std::string& kind, std::array<float, 2> lon
   p.sensor_width = sensor[0], p.sensor_height = sensor[1];
   p.polynomial = polynomial;
   p.u_min = cylinder[0], p.u_max = cylinder[1], p.v_min = cylinder[2], p.v_max = cylinder[3];
-  r.camera_settings.panorama = p;
+  r.camera_settings.panorama = r.scene.view.panorama = p;
 }
 
 }  // namespace

@@ -154,6 +154,7 @@ void set_shading_view(Renderer& r, Array<double, nb::shape<4, 4>> matrix,
   view.bottom = screen[2];
   view.top = screen[3];
   view.orthographic = orthographic;
+  view.panorama = {};
 }
 
 // Runs the programs of the surfaces that rays meet first. For tests.

@@ -40,13 +40,4 @@ struct GeneratedSpace {
   Vec3 scale{1, 1, 1}, offset{};
 };
 
-// The camera as the nodes Camera Data, Texture Coordinate and Vector Transform see it.
-struct ShadingView {
-  Affine camera_to_world;  // looks along +Z, Y up; relative to the scene's origin
-  Affine world_to_camera;
-  // Edges of the frame on z = 1 (perspective) or in metres
-  float left = -1, right = 1, bottom = -1, top = 1;
-  bool orthographic = false;
-};
-
 }  // namespace photon_splat

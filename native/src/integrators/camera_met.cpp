@@ -70,6 +70,11 @@ void CameraTracer::add_world(Path& path) const {
 
 Rgb CameraTracer::world_seen(const Path& path) const {
   const Environment& world = lights_.environment();
+  if (path.vertex > 0 && world.asks_ray()) {  // add_world_by_ray() looks who sees it
+    Receiver from = path.from;
+    from.ray = from.diffuse_ray = 0xff;
+    return lights_.world_met(from, path.direction, path.pdf);
+  }
   if (path.vertex > 0 || !world.asks_camera())
     return lights_.world_met(path.from, path.direction, path.pdf);
   return scene_.world_seen_by & path.from.ray ? world.radiance(path.direction, path.info) : Rgb{};
@@ -82,6 +87,8 @@ void CameraTracer::add_world_by_ray(Path& path, const Rgb& light) const {
   const Environment& world = lights_.environment();
   const bool delta = !(path.pdf < INFINITY), through = path.info.through;
   const auto share = [&](bool diffuse) {
+    const uint8_t kinds = diffuse ? path.from.diffuse_ray : path.from.ray;
+    if (!(scene_.world_seen_by & kinds)) return Rgb{};
     RayInfo ray = path.before.scattered(diffuse, through, delta);
     ray.transparent_depth = path.info.transparent_depth;
     return world.share(path.direction, ray);

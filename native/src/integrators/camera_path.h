@@ -124,8 +124,8 @@ struct CameraTracer::Path {
   float near, far;
   RayInfo info{};
   RayInfo before{};  // of the ray that met the last vertex
-  // The share of diffuse lobes in what the last vertex sent this way; used where the world asks for
-  // the kind of ray
+  // The share of diffuse lobes in what the last vertex sent this way; exact where the world asks
+  // for the kind of ray, or a light hides from some
   Rgb diffuse_share{1, 1, 1};
   int vertex = 0;     // number of the next scattering
   MediumStack media;  // around the ray

@@ -32,8 +32,11 @@ struct Receiver {
   // The guide to the world at this place, from Lights::guide_at(), or null
   const EnvironmentGuide::Cell* guide = nullptr;
   uint8_t world_samples = 1;  // how many sample_world() is asked for
-  uint8_t ray = 0xff;         // RayMask of the ray on its way from there, see light_rays()
-  uint16_t bounces = 0;       // of the path before that
+  // RayMasks of the ray on its way from there, see light_rays(): as diffuse lobes send it, whose
+  // share of it is known, and as the others do. By which lobe it was drawn tells less.
+  uint8_t ray = 0xff, diffuse_ray = 0xff;
+  Rgb diffuse_share{};
+  uint16_t bounces = 0;  // of the path before that
   // unit: it scatters in proportion to the cosine with this, more or less; 0: who knows
   Vec3 ns{};
   // Its mesh is coarse for its smooth normals: lights below the surface proper count as well
@@ -41,6 +44,11 @@ struct Receiver {
   float time = kShutterCentre;
   bool catchers_only = false;  // RayInfo::catchers_only of the path
 
+  // The share of the ray that finds lights which are seen by these.
+  Rgb seeing(RayMask seen_by) const {
+    return (seen_by & diffuse_ray ? diffuse_share : Rgb{}) +
+           (seen_by & ray ? Rgb{1, 1, 1} - diffuse_share : Rgb{});
+  }
   Vec3 horizon() const { return bent ? Vec3{} : n; }
   // Whether light is to be sampled in proportion to the cosine.
   bool diffuse() const { return !sharp && !is_black(n * n) && !is_black(ns * ns); }

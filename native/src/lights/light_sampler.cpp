@@ -325,8 +325,9 @@ Rgb Lights::lamp_radiance_met(const Lamp& lamp, const Vec3& origin, const Vec3& 
 }
 
 Rgb Lights::world_met(const Receiver& to, const Vec3& direction, float bsdf_pdf) const {
-  if (!(scene_.world_seen_by & to.ray)) return {};
-  const Rgb radiance = environment_.radiance(direction);
+  const Rgb seeing = to.seeing(scene_.world_seen_by);
+  if (is_black(seeing)) return {};
+  const Rgb radiance = environment_.radiance(direction) * seeing;
   if (!(bsdf_pdf < INFINITY) || is_black(radiance)) return radiance;
   if (to.guide)
     return radiance *
@@ -340,13 +341,16 @@ Rgb Lights::world_met(const Receiver& to, const Vec3& direction, float bsdf_pdf)
 Rgb Lights::lamp_met(uint32_t emitter, const Receiver& to, const Vec3& direction, float near,
                      float far, float bsdf_pdf, float* distance) const {
   const Emitter& e = emitters_[emitter];
-  if (e.lamp < 0 || !(e.lit_groups & to.group) || !(e.seen_by & to.ray) ||
-      e.max_bounces < to.bounces || !shares_with_rays(e, to))
+  if (e.lamp < 0 || !(e.lit_groups & to.group) || e.max_bounces < to.bounces ||
+      !shares_with_rays(e, to))
     return {};
+  const Rgb seeing = to.seeing(e.seen_by);
+  if (is_black(seeing)) return {};
   float pdf, at = 0;
   const Rgb radiance =
       lamp_radiance_met(lamps_[e.lamp], to.x, direction, near, e.exact ? reach_of_exact(far) : far,
-                        pdf, e.exact ? &at : distance);
+                        pdf, e.exact ? &at : distance) *
+      seeing;
   if (e.exact) {
     if (distance) *distance = at;
     const float epsilon = ray_epsilon(to.x, 0), cosine = dot(to.n, direction);

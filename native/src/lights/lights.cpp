@@ -47,6 +47,8 @@ Lights::Lights(Scene& scene, const std::vector<LampSettings>& lamps)
       visible_lamps_.push_back(i);
   for (uint32_t i = 0; i < emitters_.size(); ++i)
     if (~emitters_[i].blockers) shadow_linked_.push_back(i);
+  hide_from_some_ = hides_from_some(scene_.world_seen_by);
+  for (const Emitter& e : emitters_) hide_from_some_ |= hides_from_some(e.seen_by);
 }
 
 void Lights::add_lamp(const LampSettings& settings) {

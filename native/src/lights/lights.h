@@ -103,6 +103,8 @@ class Lights {
   // those, lamps and surfaces alike, that comes to the receiver against a ray from `origin`,
   // through whatever does not block it, weighted as above.
   bool shadow_linked() const { return !shadow_linked_.empty(); }
+  // Whether some scattered rays see a lamp or the world and others do not.
+  bool hide_from_some() const { return hide_from_some_; }
   // `through`: what comes through up to there, past all but these blockers.
   using Through = std::function<Rgb(float far, uint64_t blockers)>;
   Rgb linked_met(const Receiver& to, const Vec3& origin, const Vec3& direction, float bsdf_pdf,
@@ -193,6 +195,7 @@ class Lights {
   std::vector<int32_t> tree_item_;       // of an emitter; -1: a sun
   std::vector<uint32_t> visible_lamps_;  // emitters that the camera may see
   std::vector<uint32_t> along_;          // those that rays through media ask
+  bool hide_from_some_ = false;
   std::vector<uint32_t> shadow_linked_;  // emitters whose light not everything blocks
   std::vector<double> power_cdf_;        // over emitters and, last, the world
   double world_power_ = 0, total_power_ = 0;

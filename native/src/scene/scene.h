@@ -16,6 +16,7 @@
 #include "scene/material.h"
 #include "scene/moving_place.h"
 #include "scene/ray_hits.h"
+#include "scene/shading_view.h"
 #include "scene/surface.h"
 #include "shading/program.h"
 #include "textures/texture.h"

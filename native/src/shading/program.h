@@ -127,6 +127,12 @@ constexpr RayMask light_rays(RayMask seen_by, bool world) {
   return (seen_by & asked) == asked ? seen_by | kTranslucentRays : seen_by & ~kTranslucentRays;
 }
 
+// Whether a light is seen by some scattered rays and not by others.
+constexpr bool hides_from_some(RayMask seen_by) {
+  constexpr RayMask all = kScatteredRays | kTranslucentRays;
+  return (seen_by & all) != 0 && (seen_by & all) != all;
+}
+
 // For light that is scattered only these make a difference.
 constexpr RayMask as_scattered(RayMask seen_by) {
   return seen_by | ~(kScatteredRays | kTranslucentRays | ray_bit(RayInfo::kVolume));

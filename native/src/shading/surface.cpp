@@ -34,6 +34,10 @@ Vec3 camera_coordinates(const Frame& f) {
 Vec3 window_coordinates(const Frame& f) {
   const ShadingView& view = f.scene.view;
   Vec3 p = camera_coordinates(f);
+  if (view.panorama.kind != PanoramaKind::kNone) {  // without the lens' shift, as in Cycles
+    const Vec2 place = panorama_place(view.panorama, safe_normalize({p.x, p.y, -p.z}));
+    return {place.x, place.y, 0};
+  }
   if (!view.orthographic) p = p.z != 0 ? p / p.z : Vec3{};
   return {(p.x - view.left) / (view.right - view.left),
           (p.y - view.bottom) / (view.top - view.bottom), 0};
