@@ -60,8 +60,8 @@ void CameraTracer::add_light(Path& path, const Surface& hit, const Bsdf& bsdf,
       receiver.bent
           ? bsdf.evaluate_smooth(light.direction, &pdf, &diffuse, any_covered ? &sharp : nullptr)
           : bsdf.evaluate(light.direction, &pdf, nullptr, &diffuse, any_covered ? &sharp : nullptr);
-  const bool through = passes_below(hit, light.direction);
-  if (light.seen_by != kAllRays) keep_seen(light, through, scattered, diffuse, sharp);
+  if (light.seen_by != kAllRays)
+    keep_seen(light, passes_below(hit, light.direction), scattered, diffuse, sharp);
   if (path.only_mirrored) {
     scattered = scattered - diffuse;
     diffuse = {};
@@ -77,6 +77,7 @@ void CameraTracer::add_light(Path& path, const Surface& hit, const Bsdf& bsdf,
     see_world(path, receiver, light.direction, arriving, false);
   }
   if (light.from_world && lights_.environment().asks_ray()) {
+    const bool through = passes_below(hit, light.direction);
     const Rgb seen =
         lights_.environment().share(light.direction, path.info.scattered(true, through, false));
     const Rgb seen_rest = bsdf.has_rest()
@@ -93,6 +94,7 @@ void CameraTracer::add_light(Path& path, const Surface& hit, const Bsdf& bsdf,
   if (path.is_beyond()) see_deep(path, arriving * scattered);
   if (path.groups) GroupLight{path.groups, scattered}.add(arriving, light.light_group);
   if (path.vertex == 0) {
+    const bool through = passes_below(hit, light.direction);
     add_finite(path.pixel.diffuse_direct, arriving * diffuse, path.tile.bad_samples);
     add_finite(direct_of(path.pixel, through ? LobeCategory::kTransmission : LobeCategory::kGlossy),
                arriving * (scattered - diffuse), path.tile.bad_samples);

@@ -71,9 +71,10 @@ bool CameraTracer::scatter(Path& path, const Surface& hit, const Bsdf& bsdf,
     diffuse = diffuse / s->pdf;
   }
   const Rgb weight = path.only_mirrored ? s->weight - diffuse : s->weight;
-  path.diffuse_share = s->diffuse ? Rgb{1, 1, 1} : Rgb{};
-  if (lights_.environment().asks_ray() || lights_.hide_from_some()) {
+  const bool shares = lights_.environment().asks_ray() || lights_.hide_from_some();
+  if (shares) {
     path.before = path.info;
+    path.diffuse_share = s->diffuse ? Rgb{1, 1, 1} : Rgb{};
     if (bsdf.has_rest() && s->pdf > 0) {
       float pdf;
       Rgb by_diffuse;
@@ -126,8 +127,10 @@ bool CameraTracer::scatter(Path& path, const Surface& hit, const Bsdf& bsdf,
   path.far = INFINITY;
   path.from = receiver;
   path.from.ray = static_cast<uint8_t>(lobe_rays(false, s->transmitted));
-  path.from.diffuse_ray = static_cast<uint8_t>(lobe_rays(true, s->transmitted));
-  path.from.diffuse_share = path.diffuse_share;
+  if (shares) {
+    path.from.diffuse_ray = static_cast<uint8_t>(lobe_rays(true, s->transmitted));
+    path.from.diffuse_share = path.diffuse_share;
+  }
   path.pdf = s->pdf > 0 ? s->pdf : INFINITY;
   ++path.vertex;
   return true;

@@ -325,9 +325,8 @@ Rgb Lights::lamp_radiance_met(const Lamp& lamp, const Vec3& origin, const Vec3& 
 }
 
 Rgb Lights::world_met(const Receiver& to, const Vec3& direction, float bsdf_pdf) const {
-  const Rgb seeing = to.seeing(scene_.world_seen_by);
-  if (is_black(seeing)) return {};
-  const Rgb radiance = environment_.radiance(direction) * seeing;
+  Rgb radiance = environment_.radiance(direction);
+  if (scene_.world_seen_by != kAllRays) radiance *= to.seeing(scene_.world_seen_by);
   if (!(bsdf_pdf < INFINITY) || is_black(radiance)) return radiance;
   if (to.guide)
     return radiance *
@@ -344,13 +343,11 @@ Rgb Lights::lamp_met(uint32_t emitter, const Receiver& to, const Vec3& direction
   if (e.lamp < 0 || !(e.lit_groups & to.group) || e.max_bounces < to.bounces ||
       !shares_with_rays(e, to))
     return {};
-  const Rgb seeing = to.seeing(e.seen_by);
-  if (is_black(seeing)) return {};
   float pdf, at = 0;
-  const Rgb radiance =
+  Rgb radiance =
       lamp_radiance_met(lamps_[e.lamp], to.x, direction, near, e.exact ? reach_of_exact(far) : far,
-                        pdf, e.exact ? &at : distance) *
-      seeing;
+                        pdf, e.exact ? &at : distance);
+  if (e.seen_by != kAllRays) radiance *= to.seeing(e.seen_by);
   if (e.exact) {
     if (distance) *distance = at;
     const float epsilon = ray_epsilon(to.x, 0), cosine = dot(to.n, direction);
