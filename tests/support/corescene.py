@@ -178,6 +178,16 @@ def lamp(
     return Light("lamp", kind, matrix, (strength,) * 3, **settings)  # type: ignore[arg-type]
 
 
+def lit_box(width: int, height: int) -> Scene:
+    """A box of 2 m, seen from within, with a lamp under its ceiling."""
+    what = scene(
+        perspective((0.0, -0.95, 0.0), (0.0, 1.0, 0.0), width, height, 2.2),
+        [(box((-1, -1, -1), (1, 1, 1), inwards=True), lambert(0.7))],
+    )
+    what.lights = [lamp(LightKind.AREA, 10.0, (0.0, 0.0, 0.9), size=(0.8, 0.8))]
+    return what
+
+
 def shoot(
     what: Scene, integrator: Integrator = Integrator.SPLAT, **settings: object
 ) -> RenderResult:

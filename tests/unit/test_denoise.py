@@ -8,24 +8,20 @@ import numpy as np
 import pytest
 from photon_splat.core.render import denoise, oidn
 from photon_splat.core.render.settings import FinalGather
-from photon_splat.core.scene import LightKind, Scene
 
 from tests.support import corescene as c
 
 
-def _box() -> Scene:
-    what = c.scene(
-        c.perspective((0.0, -0.95, 0.0), (0.0, 1.0, 0.0), 64, 64, 2.2),
-        [(c.box((-1, -1, -1), (1, 1, 1), inwards=True), c.lambert(0.7))],
-    )
-    what.lights = [c.lamp(LightKind.AREA, 10.0, (0.0, 0.0, 0.9), size=(0.8, 0.8))]
-    return what
-
-
 def test_less_noise_and_the_same_light() -> None:
-    reference = c.picture(_box(), passes=32, photons_per_pass=20_000, seed=5)
+    reference = c.picture(c.lit_box(64, 64), passes=32, photons_per_pass=20_000, seed=5)
     noisy, clean = (
-        c.shoot(_box(), passes=1, photons_per_pass=5_000, denoise=on, final_gather=FinalGather.OFF)
+        c.shoot(
+            c.lit_box(64, 64),
+            passes=1,
+            photons_per_pass=5_000,
+            denoise=on,
+            final_gather=FinalGather.OFF,
+        )
         for on in (False, True)
     )
     error = {
@@ -81,9 +77,13 @@ def test_a_missing_library_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     oidn.library.cache_clear()
     try:
         result = c.shoot(
-            _box(), passes=1, photons_per_pass=1000, denoise=True, final_gather=FinalGather.OFF
+            c.lit_box(64, 64),
+            passes=1,
+            photons_per_pass=1000,
+            denoise=True,
+            final_gather=FinalGather.OFF,
         )
-        plain = c.shoot(_box(), passes=1, photons_per_pass=1000)
+        plain = c.shoot(c.lit_box(64, 64), passes=1, photons_per_pass=1000)
     finally:
         oidn.library.cache_clear()
     assert np.array_equal(result.passes["Combined"], plain.passes["Combined"])

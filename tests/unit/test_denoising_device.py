@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from photon_splat.core.render import denoise, oidn
 from photon_splat.core.render.settings import FinalGather
-from photon_splat.core.scene import LightKind, Scene
 
 from tests.support import corescene as c
 
@@ -26,18 +25,9 @@ def card(monkeypatch: pytest.MonkeyPatch) -> Iterator[oidn.Device]:
     device.release()
 
 
-def box() -> Scene:
-    what = c.scene(
-        c.perspective((0.0, -0.95, 0.0), (0.0, 1.0, 0.0), 64, 48, 2.2),
-        [(c.box((-1, -1, -1), (1, 1, 1), inwards=True), c.lambert(0.7))],
-    )
-    what.lights = [c.lamp(LightKind.AREA, 10.0, (0.0, 0.0, 0.9), size=(0.8, 0.8))]
-    return what
-
-
 def shoot(backend: str, denoises: bool = True) -> tuple[np.ndarray, dict]:
     result = c.shoot(
-        box(),
+        c.lit_box(64, 48),
         passes=1,
         photons_per_pass=2000,
         denoise=denoises,
@@ -93,6 +83,18 @@ def test_a_card_that_fails_is_named_and_the_picture_is_denoised(
         "The graphics card has not denoised the picture: Open Image Denoise failed: out of memory. "
         "The processor has."
     ]
+
+
+def test_a_card_without_memory_leaves_the_work_to_the_processor(
+    card: oidn.Device, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    want, _ = shoot("CPU")
+    monkeypatch.setattr(oidn.library(), "oidnNewBuffer", lambda *_: None)
+    got, statistics = shoot("AUTO")
+    assert np.array_equal(got, want)
+    (said,) = statistics["warnings"]
+    assert said.startswith("The graphics card has not denoised the picture: ")
+    assert said.endswith(". The processor has.")
 
 
 def test_no_buffer_is_left(card: oidn.Device, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -123,7 +123,7 @@ class Filter:
     def __init__(self, lib: ctypes.CDLL, device: int | None, copies: bool) -> None:
         self._library, self._device, self._copies = lib, device, copies
         self._handle = lib.oidnNewFilter(device, b"RT")
-        self._buffers: list[int] = []
+        self._buffers: list[int | None] = []  # None: there was no memory, as check() will tell
         self._monitor = _MONITOR()
 
     def set(self, name: bytes, value: bool | int | float) -> None:
@@ -141,6 +141,8 @@ class Filter:
             return
         buffer = self._library.oidnNewBuffer(self._device, image.nbytes)
         self._buffers.append(buffer)
+        if not buffer:
+            return
         if given:
             self._library.oidnWriteBuffer(buffer, 0, image.nbytes, place)
         self._library.oidnSetFilterImage(self._handle, name, buffer, FLOAT3, width, height, 0, 0, 0)
@@ -152,14 +154,15 @@ class Filter:
         self._library.oidnSetFilterProgressMonitorFunction(self._handle, self._monitor, None)
         self._library.oidnCommitFilter(self._handle)
         self._library.oidnExecuteFilter(self._handle)
-        if self._copies:
+        if self._copies and self._buffers[-1]:
             place = output.ctypes.data
             self._library.oidnReadBuffer(self._buffers[-1], 0, output.nbytes, place)
 
     def release(self) -> None:
         self._library.oidnReleaseFilter(self._handle)
-        while self._buffers:
-            self._library.oidnReleaseBuffer(self._buffers.pop())
+        for buffer in filter(None, self._buffers):
+            self._library.oidnReleaseBuffer(buffer)
+        self._buffers.clear()
 
 
 @contextmanager
@@ -186,9 +189,13 @@ def graphics_card() -> Device | None:
         name = (lib.oidnGetPhysicalDeviceString(number, b"name") or b"a graphics card").decode()
         try:
             device = Device(lib.oidnNewDeviceByID(number), name)
-            device.commit()
+        except DeviceFailed:
+            continue
+        device.commit()
+        try:
             device.check()
         except DeviceFailed:  # a driver too old for it; the next one may do
+            device.release()
             continue
         return device
     return None

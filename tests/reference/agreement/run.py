@@ -143,9 +143,11 @@ def main() -> None:
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--count", type=int, default=200)
     parser.add_argument("--only", type=int, nargs="*")
-    parser.add_argument("--matter", action="store_true", help="random Blender scenes instead")
-    parser.add_argument("--stages", action="store_true", help="others")
-    parser.add_argument("--cycles", action="store_true")
+    parser.add_argument(
+        "--matter", action="store_true", help="random Blender scenes of glass, gloss and media"
+    )
+    parser.add_argument("--stages", action="store_true", help="of lamps, lenses and visibility")
+    parser.add_argument("--cycles", action="store_true", help="path tracer against Cycles")
     parser.add_argument("--files", type=Path, nargs="*", help="instead of random scenes")
     parser.add_argument("--width", type=int, default=160, help="of the files' pictures")
     parser.add_argument("--passes", type=int, default=12)
