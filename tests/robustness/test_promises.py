@@ -105,6 +105,13 @@ def test_the_last_pass_gets_what_fits() -> None:
     assert fits(1.1, 3.0, seconds, last, PassSize(1.0, 1.0)) is None  # too few photons
     assert fits(0.4, 3.0, seconds, last, last) is None  # the rest alone takes longer
     assert fits(-1.0, 3.0, PassSize(0.0, 0.0), last, last) is None
+    # samples of some pixels alone
+    less = {"may_lack_pixels": True}
+    one = PassSize(1.0, 1.0)
+    assert fits(1.1, 3.0, seconds, last, one, **less) == PassSize(pytest.approx(0.95), 0.25)
+    assert fits(1.2, 3.0, seconds, last, one, **less) == fits(1.2, 3.0, seconds, last, one)
+    assert fits(0.65, 3.0, seconds, last, one, **less) is None
+    assert fits(0.4, 3.0, seconds, last, one, **less) is None
     # photons cost nothing
     assert fits(2.0, 3.0, PassSize(2.5, 0.0), last, last) == PassSize(
         pytest.approx(2.4), pytest.approx(7 / 15)

@@ -7,6 +7,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from photon_splat.core.render import denoise, oidn
+from photon_splat.core.render.blend import blend
+from photon_splat.core.render.denoise import Quality
 from photon_splat.core.render.settings import FinalGather
 
 from tests.support import corescene as c
@@ -49,14 +51,14 @@ def test_the_mixture_is_never_much_worse_than_either() -> None:
     noisy = reference + sigma * random.standard_normal((64, 64, 1)).astype(np.float32)
     blurred = reference.copy()
     blurred[:, 30:34] = 2.0
-    mixed = denoise.blend(noisy, blurred, np.full((64, 64), sigma**2, np.float32), passes=64)
+    mixed = blend(noisy, blurred, np.full((64, 64), sigma**2, np.float32), passes=64)
     error = {
         name: ((p - reference) ** 2).mean()
         for name, p in (("noisy", noisy), ("blurred", blurred), ("mixed", mixed))
     }
     assert error["mixed"] < 0.5 * error["noisy"]
     assert error["mixed"] < 0.1 * error["blurred"]
-    same = denoise.blend(noisy, noisy, np.zeros((64, 64), np.float32), passes=1)
+    same = blend(noisy, noisy, np.zeros((64, 64), np.float32), passes=1)
     assert np.array_equal(same, noisy)
 
 
@@ -66,9 +68,7 @@ def test_a_lone_speck_is_not_brought_back() -> None:
         3, np.float32
     )
     noisy[10, 10], noisy[20, 21] = 40.0, -3.0
-    mixed = denoise.blend(
-        noisy, np.ones_like(noisy), np.full((32, 32), 4e-4, np.float32), passes=64
-    )
+    mixed = blend(noisy, np.ones_like(noisy), np.full((32, 32), 4e-4, np.float32), passes=64)
     assert np.abs(mixed - 1).max() < 0.005, "neither it nor the noise around it"
 
 
@@ -90,19 +90,18 @@ def test_a_missing_library_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     assert any("libNoSuchDenoiser.so.2" in warning for warning in result.statistics["warnings"])
 
 
-def test_noise_of_the_features_does_not_come_back_in_the_picture() -> None:
+@pytest.mark.parametrize("quality", Quality)
+def test_noise_of_the_features_does_not_come_back_in_the_picture(quality: Quality) -> None:
     random = np.random.default_rng(3)
     stripes = np.where((np.arange(96) // 16 % 2)[None, :, None], 0.8, 0.3) * np.ones((96, 96, 3))
     normal = np.tile(np.array([0.0, 0.0, 1.0], np.float32), (96, 96, 1))
     albedo, light = (
         np.clip(stripes + random.normal(0, sigma, stripes.shape), 0, 1) for sigma in (0.15, 0.3)
     )
-    error = {
-        noisy: float(
-            ((denoise.denoise(light, albedo, normal, noisy_features=noisy) - stripes) ** 2).mean()
-        )
-        for noisy in (False, True)
-    }
+    error = {}
+    for noisy in (False, True):
+        clean = denoise.denoise(light, albedo, normal, noisy_features=noisy, quality=quality)
+        error[noisy] = float(((clean - stripes) ** 2).mean())
     assert error[True] < 0.5 * error[False], error
 
 
@@ -144,6 +143,16 @@ def test_a_part_that_is_mostly_black_keeps_its_highlights() -> None:
     found = denoise.denoise(direct + rest, flat, normal, apart=direct)
     assert found[23:27, 25:55].mean() == pytest.approx(6.3, rel=0.02)
     assert denoise._exposure(np.zeros((4, 4, 3), np.float32)) < float("inf")
+
+
+def test_black_stays_black() -> None:
+    black, bright = np.zeros((16, 16, 3), np.float32), np.ones((16, 16, 3), np.float32)
+    for quality in Quality:
+        for noisy in (False, True):
+            clean = denoise.denoise(
+                black, bright, bright, apart=black, noisy_features=noisy, quality=quality
+            )
+            assert not clean.any()
 
 
 def test_a_cancelled_denoiser_leaves_the_picture() -> None:

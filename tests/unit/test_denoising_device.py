@@ -38,17 +38,17 @@ def shoot(backend: str, denoises: bool = True) -> tuple[np.ndarray, dict]:
 
 
 @pytest.mark.parametrize("noisy_features", [False, True])
-@pytest.mark.parametrize("fast", [False, True])
+@pytest.mark.parametrize("quality", denoise.Quality)
 @pytest.mark.parametrize("parts", [False, True])
 def test_copies_to_and_fro_change_nothing(
-    card: oidn.Device, noisy_features: bool, fast: bool, parts: bool
+    card: oidn.Device, noisy_features: bool, quality: denoise.Quality, parts: bool
 ) -> None:
     random = np.random.default_rng(1)
     images = [random.random((48, 80, 3), np.float32) for _ in range(3)]
     apart = 0.5 * images[0] if parts else None
     here, there = (
         denoise.denoise(
-            *images, apart=apart, noisy_features=noisy_features, fast=fast, on_card=on_card
+            *images, apart=apart, noisy_features=noisy_features, quality=quality, on_card=on_card
         )
         for on_card in (False, True)
     )

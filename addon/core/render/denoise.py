@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from enum import IntEnum
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,14 +20,28 @@ from .oidn import (
 )
 
 LUMINANCE = (0.2126, 0.7152, 0.0722)
-WINDOW = 2
-"""Half the side, in pixels, of the square over which noise and blur are averaged."""
 MEDIUM_GREY = 0.18
-CAUTION = 8.0
-DOUBT = 2.0
-"""Factor on the estimated variance, which may be half of the true one: an estimate that is too low
-would take noise for blur and mix it back in.
-"""
+
+
+class Quality(IntEnum):
+    """How much work a picture is worth: see denoising_runs()."""
+
+    FAST = 0
+    QUICK = 1
+    BEST = 2
+
+
+OF_LIBRARY = {Quality.FAST: QUALITY_FAST, Quality.QUICK: QUALITY_BALANCED, Quality.BEST: None}
+OF_FILTER = {Quality.FAST: 0.5, Quality.QUICK: 1.0, Quality.BEST: 2.2}
+"""Work of one filter, in filters of Quality.QUICK."""
+OF_FEATURES = 2.1
+"""The same of denoising albedo and normal first."""
+
+
+def denoising_runs(quality: Quality, *, apart: bool, noisy_features: bool) -> float:
+    """Work of denoise(), in filters of Quality.QUICK on the whole picture."""
+    prefilters = noisy_features and quality is Quality.BEST
+    return OF_FILTER[quality] * (1 + apart) + OF_FEATURES * prefilters
 
 
 def device_name(on_card: bool) -> str:
@@ -39,64 +54,6 @@ def device_name(on_card: bool) -> str:
     return card.card if card else "CPU"
 
 
-def blend(
-    noisy: NDArray[np.float32],
-    denoised: NDArray[np.float32],
-    variance: NDArray[np.float32],
-    passes: int,
-) -> NDArray[np.float32]:
-    """The mixture of both pictures (height, width, 3) of the least expected squared error: a
-    denoiser blurs what it takes for noise, and what it blurs stays wrong however long one renders.
-    Where the two differ by more than the noise of the one explains, (noisy - denoised)^2 = variance
-    + blur^2 (as in Stein's estimate), the noisy one has the share blur^2 / (blur^2 + variance).
-
-    A pixel that differs alone, without two like it around it, is a speck of noise: it gets nothing,
-    and tells nothing of the blur around it.
-
-    variance: of the noisy picture's luminance, (height, width), as estimated after `passes` passes;
-    few passes are trusted less.
-    """
-    difference = (noisy - denoised) @ np.asarray(LUMINANCE, np.float32)
-    square = difference**2
-    alone = _alone(square)
-    known = np.maximum(_window_mean((~alone).astype(np.float32)), 1e-6)
-    square, noise = (
-        _window_mean(np.where(alone, 0.0, square)) / known,
-        _window_mean(np.where(alone, 0.0, variance)) / known * DOUBT * (1.0 + CAUTION / passes),
-    )
-    blur = np.maximum(square - noise, 0.0)
-    share = np.divide(blur, blur + noise, out=np.zeros_like(blur), where=(blur > 0) & ~alone)
-    share = share[..., None]
-    return denoised + share * (noisy - denoised)
-
-
-def _alone(square: NDArray[np.float32]) -> NDArray[np.bool_]:
-    """Whether a pixel differs by itself: fewer than two of its neighbours have a tenth of its
-    squared difference.
-    """
-    height, width = square.shape
-    around = np.pad(square, 1, mode="edge")
-    alike = sum(
-        (around[y : y + height, x : x + width] > 0.1 * square).astype(np.int8)
-        for y in range(3)
-        for x in range(3)
-        if (y, x) != (1, 1)
-    )
-    return np.asarray(alike < 2)
-
-
-def _window_mean(values: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Mean over (2 WINDOW + 1)^2 pixels; pixels at the border are repeated outwards."""
-    size = 2 * WINDOW + 1
-    padded = np.pad(
-        values.astype(np.float64), ((WINDOW + 1, WINDOW), (WINDOW + 1, WINDOW)), mode="edge"
-    )
-    padded[0, :] = padded[:, 0] = 0.0
-    sums = padded.cumsum(0).cumsum(1)
-    boxes = sums[size:, size:] - sums[:-size, size:] - sums[size:, :-size] + sums[:-size, :-size]
-    return np.asarray(np.maximum(boxes, 0.0) / size**2, np.float32)
-
-
 def denoise(
     color: NDArray[np.float32],
     albedo: NDArray[np.float32],
@@ -104,7 +61,7 @@ def denoise(
     *,
     apart: NDArray[np.float32] | None = None,
     noisy_features: bool = False,
-    fast: bool = False,
+    quality: Quality = Quality.BEST,
     threads: int = 0,
     on_card: bool = False,
     should_cancel: Callable[[], bool] | None = None,
@@ -115,11 +72,8 @@ def denoise(
     apart: a part of `color` with noise and edges of its own, such as direct light. It and the rest
     are denoised separately.
 
-    noisy_features: albedo and normal come from few samples and are denoised first, or their own
-    noise would show in the picture.
-
-    fast: a quarter of the time, or with noisy features, which then count less, an eighth; for a
-    picture that a better one follows.
+    noisy_features: albedo and normal come from few samples, and their own noise would show in the
+    picture: they are denoised first, or below Quality.BEST count less.
 
     threads: of the processor; 0 = all. on_card: on the graphics card, if there is one that can. One
     that fails leaves the work to the processor, and `warn` is told.
@@ -128,7 +82,7 @@ def denoise(
     library's message.
     """
     images = [np.ascontiguousarray(a, np.float32) for a in (color, np.clip(albedo, 0, 1), normal)]
-    job = _Job(images, apart, noisy_features, fast, should_cancel)
+    job = _Job(images, apart, noisy_features, quality, should_cancel)
     card = graphics_card() if on_card else None
     if card is not None:
         try:
@@ -160,18 +114,19 @@ class _Job:
         images: list[NDArray[np.float32]],
         apart: NDArray[np.float32] | None,
         noisy_features: bool,
-        fast: bool,
+        quality: Quality,
         should_cancel: Callable[[], bool] | None,
     ) -> None:
         self.color, self.albedo, self.normal = images
         self.apart = None if apart is None else np.ascontiguousarray(apart, np.float32)
-        self.noisy_features, self.fast = noisy_features, fast
+        self.noisy_features, self.quality = noisy_features, quality
         self.should_cancel = should_cancel
         self.cancelled = False
 
     def run(self, device: Device) -> NDArray[np.float32]:
         albedo, normal = self.albedo, self.normal
-        if self.noisy_features and not self.fast:
+        prefilters = self.noisy_features and self.quality is Quality.BEST
+        if prefilters:
             albedo, normal = (
                 self._filter(device, {name: image}, prefilter=True)
                 for name, image in ((b"albedo", albedo), (b"normal", normal))
@@ -184,9 +139,11 @@ class _Job:
             self._filter(
                 device,
                 {b"color": part, b"albedo": albedo, b"normal": normal},
-                clean_features=not (self.noisy_features and self.fast),
+                clean_features=prefilters or not self.noisy_features,
                 exposure=exposure,
             )
+            if part.any()
+            else part  # not every network leaves black as it is
             for part in parts
         ]
         if self.cancelled:
@@ -217,8 +174,9 @@ class _Job:
         with device.filter() as it:
             for name, image in images.items():
                 it.set_image(name, image)
-            if self.fast or prefilter:
-                it.set(b"quality", QUALITY_FAST if self.fast else QUALITY_BALANCED)
+            quality = QUALITY_BALANCED if prefilter else OF_LIBRARY[self.quality]
+            if quality:
+                it.set(b"quality", quality)
             if not prefilter:
                 it.set(b"hdr", True)
                 it.set(b"cleanAux", clean_features)

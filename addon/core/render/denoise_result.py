@@ -6,19 +6,15 @@ from collections.abc import Callable
 from typing import Any
 
 from ..scene import Scene
-from .denoise import blend, denoise
+from .blend import blend
+from .denoise import Quality, denoise, denoising_runs
 from .oidn import DenoiserMissing
 from .result import Passes
 from .shadow_catcher import has_catchers, with_shadow
 
-SAMPLES_WORTH_TWO = 8.0
-"""Camera samples per pixel from which the diffuse direct light is denoised separately. That takes a
-tenth of a second per 100,000 pixels; after 14 samples relMSE is .90 (cornell_box), .95 (kitchen,
-street), .99 (interior) times as large.
-"""
 SAMPLES_OF_NOISY_FEATURES = 32.0
-"""Camera samples per pixel up to which the denoiser's features are noisier than it expects, so that
-they are denoised first. After 1, 14, 64 samples relMSE of street is .49, .90, .99 times as large.
+"""Camera samples per pixel up to which the denoiser's features are noisier than it expects. Where
+they were denoised first, after 1, 14, 64 samples relMSE of street is .49, .90, .99 times as large.
 """
 SAMPLES_OF_BLURRED_FEATURES = 256.0
 """The same where depth of field makes noise in them: after 50 samples relMSE of a file with two
@@ -26,11 +22,18 @@ cars is .90 times as large.
 """
 
 
-def denoising_options(samples: float, scene: Scene) -> dict[str, bool]:
-    """The options of denoise() for a picture of so many camera samples per pixel."""
+def has_noisy_features(samples: float, scene: Scene) -> bool:
+    """Whether the denoiser's features are noisy after so many camera samples per pixel."""
     sharp = scene.camera.aperture is None
-    most = SAMPLES_OF_NOISY_FEATURES if sharp else SAMPLES_OF_BLURRED_FEATURES
-    return {"apart": samples >= SAMPLES_WORTH_TWO, "noisy_features": samples <= most}
+    return samples <= (SAMPLES_OF_NOISY_FEATURES if sharp else SAMPLES_OF_BLURRED_FEATURES)
+
+
+def runs_of_result(quality: Quality, samples: float, scene: Scene) -> float:
+    """Work of denoise_result(), in the unit of denoising_runs()."""
+    noisy = has_noisy_features(samples, scene)
+    of_picture = denoising_runs(quality, apart=True, noisy_features=noisy)
+    of_shadow = denoising_runs(quality, apart=False, noisy_features=False)
+    return of_picture + of_shadow * has_catchers(scene)
 
 
 def denoise_result(
@@ -42,6 +45,7 @@ def denoise_result(
     samples: float,
     threads: int,
     on_card: bool,
+    quality: Quality = Quality.BEST,
     should_cancel: Callable[[], bool] | None = None,
 ) -> list[str]:
     """Denoises Combined with the features in `film`, which holds the arrays that final_arrays()
@@ -51,14 +55,14 @@ def denoise_result(
     warnings: list[str] = []
     catchers = has_catchers(scene)
     noisy = (film["matte"] if catchers else passes["Combined"])[..., :3]
-    how = denoising_options(samples, scene)
     try:
         clean = denoise(
             noisy,
             film["albedo"],
             film["feature_normal"],
-            apart=film["diffuse_direct"] if how["apart"] else None,
-            noisy_features=how["noisy_features"],
+            apart=film["diffuse_direct"],
+            noisy_features=has_noisy_features(samples, scene),
+            quality=quality,
             threads=threads,
             on_card=on_card,
             should_cancel=should_cancel,
@@ -66,7 +70,7 @@ def denoise_result(
         )
         noisy[...] = blend(noisy, clean, film["variance"][..., 0], passes_done)
         if catchers:
-            _denoise_shadow(passes, film, scene, threads, on_card, should_cancel)
+            _denoise_shadow(passes, film, scene, quality, threads, on_card, should_cancel)
     except (DenoiserMissing, RuntimeError) as error:
         warnings.append(f"The picture has not been denoised: {error}.")
     if scene.light_groups:
@@ -81,6 +85,7 @@ def _denoise_shadow(
     passes: Passes,
     film: dict[str, Any],
     scene: Scene,
+    quality: Quality,
     threads: int,
     on_card: bool,
     should_cancel: Callable[[], bool] | None,
@@ -92,6 +97,7 @@ def _denoise_shadow(
         film["shadow_catcher"],
         film["albedo"],
         film["feature_normal"],
+        quality=quality,
         threads=threads,
         on_card=on_card,
         should_cancel=should_cancel,

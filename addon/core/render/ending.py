@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from .denoise import DenoiserMissing, denoise
+from .denoise import DenoiserMissing, Quality, denoise
 
 SMALL_SIDE, LARGE_SIDE = 32, 128
 """Sides, in pixels, of the two squares that are denoised as a trial. The difference between their
@@ -19,18 +19,13 @@ sides up. Of tiny pictures the small one is half as wide.
 """
 TRIAL_SHARE = 1 / 6
 """Largest share of the picture's pixels that the large square may have."""
-OF_SECOND_PART = 1.1
-"""Extra work of denoising direct light separately, in runs of the denoiser."""
-OF_FEATURES = 1.0
-"""Extra work of denoising albedo and normal first, in runs of the denoiser."""
 CAUTION = 1.1
+WORTH = 0.125
+"""Share of the time that the next better quality of the denoiser may take. It brings 5 to 12 % of
+relMSE (classroom, staircase, village; 3 and 14 samples per pixel), as so much more time would.
+"""
 BLEND_SECONDS = 2e-7
 """Seconds per pixel for mixing the noisy picture in again."""
-
-
-def denoising_runs(*, apart: bool, noisy_features: bool) -> float:
-    """Work of denoise(), in runs of one filter on one picture."""
-    return 1.0 + OF_SECOND_PART * apart + OF_FEATURES * noisy_features
 
 
 class Ending:
@@ -76,17 +71,43 @@ class Ending:
         )
 
     def seconds(self, passes: int, runs: float) -> float:
-        """Seconds from the last of `passes` passes to the result, with `runs` runs of the
-        denoiser.
+        """Seconds from the last of `passes` passes to the result; `runs` of the denoiser, in the
+        unit of denoising_runs().
         """
-        denoising = runs * (self._denoise_once + self._denoise_pixels) if runs else 0.0
         return CAUTION * (
-            self._estimate * passes.bit_length() / self._levels + self._film + denoising
-        )
+            self._estimate * passes.bit_length() / self._levels + self._film
+        ) + self.denoising_seconds(runs)
+
+    def denoising_seconds(self, runs: float) -> float:
+        return CAUTION * runs * (self._denoise_once + self._denoise_pixels)
+
+    def worth(self, seconds: float, runs: Callable[[Quality], float]) -> Quality:
+        """The quality for a picture whose passes and denoising have `seconds`. runs: what it
+        takes.
+        """
+        quality = Quality.FAST
+        for better in (Quality.QUICK, Quality.BEST):
+            more = self.denoising_seconds(runs(better)) - self.denoising_seconds(runs(quality))
+            if more > WORTH * seconds:
+                break
+            quality = better
+        return quality
+
+    def best_within(
+        self, seconds: float, runs: Callable[[Quality], float], reserved: Quality
+    ) -> Quality:
+        """The best quality that takes no longer; the fastest where none does. reserved: time has
+        been kept for that one, caution and all.
+        """
+        for quality in reversed(Quality):
+            caution = 1.0 if quality <= reserved else CAUTION
+            if caution * self.denoising_seconds(runs(quality)) <= CAUTION * seconds:
+                return quality
+        return Quality.FAST
 
 
 def _denoise_seconds(side: int, threads: int, on_card: bool) -> float:
     noise = np.random.default_rng(0).random((3, side, side, 3), np.float32)
     began = time.monotonic()
-    denoise(*noise, threads=threads, on_card=on_card)
+    denoise(*noise, quality=Quality.QUICK, threads=threads, on_card=on_card)
     return time.monotonic() - began

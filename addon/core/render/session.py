@@ -103,6 +103,7 @@ def render(
             scene,
             passes_done=record.part.passes_before + worker.passes_done,
             samples=record.samples_before + worker.samples_done,
+            quality=worker.denoising_quality(),
             threads=settings.threads,
             on_card=settings.denoises_on_card,
             should_cancel=should_cancel,

@@ -12,8 +12,9 @@ from ..gpu.choice import choose_splatter
 from ..native.library import load
 from ..scene import Scene
 from .data_passes import asks_ambient, asks_rays, data_passes
-from .denoise_result import denoising_options
-from .ending import Ending, denoising_runs
+from .denoise import Quality
+from .denoise_result import runs_of_result
+from .ending import Ending
 from .error_limit import FEWEST_PASSES_TO_STOP, next_estimate, share_of_most
 from .final_film import final_arrays, interim_passes
 from .pass_size import PassSize, pass_that_fits
@@ -21,7 +22,6 @@ from .persistent import Start
 from .record import Record
 from .result import Passes, Progress, channels_of_arrays
 from .settings import Backend, Integrator, RenderSettings
-from .shadow_catcher import has_catchers
 from .splatter import CpuSplatter, ExternalSplatter, Splatter, SplatterFailed
 
 
@@ -64,6 +64,7 @@ class Worker(threading.Thread):
         self.warnings: list[str] = []
         self.splatter: Splatter = CpuSplatter(self.renderer)
         self.ending = Ending(*scene.frame.region[2:])
+        self.quality_wanted = Quality.BEST
         self.scene = scene
         self.passes_wanted = settings.passes - record.part.passes_before
         self.data: Passes = {}
@@ -117,6 +118,7 @@ class Worker(threading.Thread):
         if settings.time_limit and settings.denoise:
             self.stage = "Trying the denoiser"
             self.ending.try_denoiser(settings.threads, settings.denoises_on_card)
+            self.quality_wanted = self.ending.worth(self._seconds_to_limit(), self._runs)
 
     def _do_pass(self, arrays: list[str]) -> bool:
         """One pass and what is told of it. Returns whether another may follow."""
@@ -137,8 +139,8 @@ class Worker(threading.Thread):
         if self.want_interim and self.interim is None and self.passes_done < self.passes_wanted:
             self.interim = interim_passes(self.renderer, self.wanted, self.scene)
         self.pass_finished.set()
-        if converged or not self.settings.time_limit:
-            return not converged
+        if converged or size.samples < 1.0 or not self.settings.time_limit:
+            return not converged and size.samples >= 1.0
         pilot = self.renderer.pilot_seconds - pilot
         now, took = self._stage_seconds(), time.monotonic() - began - pilot
         photons = min(max(now.photons - before.photons - pilot, 0.0), took)
@@ -153,7 +155,9 @@ class Worker(threading.Thread):
         be.
         """
         wanted = PassSize(*self.renderer.next_pass)
-        fitting = pass_that_fits(self._seconds_left(wanted.samples), took, seconds, last, wanted)
+        left = self._seconds_left(wanted.samples)
+        adaptive = self.settings.adaptive_samples and self.settings.integrator is Integrator.SPLAT
+        fitting = pass_that_fits(left, took, seconds, last, wanted, may_lack_pixels=adaptive)
         if fitting is None:
             return False
         if fitting != wanted:
@@ -164,15 +168,22 @@ class Worker(threading.Thread):
         """For passes, where the next has so many camera samples a pixel; the time limit less what
         comes after them.
         """
+        runs = self._runs(self.quality_wanted, samples) if self.settings.denoise else 0.0
+        return self._seconds_to_limit() - self.ending.seconds(self.passes_done + 1, runs)
+
+    def _seconds_to_limit(self) -> float:
         if not self.settings.time_limit:
             return math.inf
-        runs = 0.0
-        if self.settings.denoise:
-            before = self.record.samples_before
-            options = denoising_options(before + self.samples_done + samples, self.scene)
-            runs = denoising_runs(**options) + has_catchers(self.scene)
-        after = self.ending.seconds(self.passes_done + 1, runs)
-        return self.started + self.settings.time_limit - time.monotonic() - after
+        return self.started + self.settings.time_limit - time.monotonic()
+
+    def _runs(self, quality: Quality, more_samples: float = 0.0) -> float:
+        """Work of denoising the result after so many more camera samples per pixel."""
+        samples = self.record.samples_before + self.samples_done + more_samples
+        return runs_of_result(quality, samples, self.scene)
+
+    def denoising_quality(self) -> Quality:
+        """What there is time for once the passes are done."""
+        return self.ending.best_within(self._seconds_to_limit(), self._runs, self.quality_wanted)
 
     def _choose_splatter(self) -> Splatter:
         if not self.scene.light_groups:

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ..render.denoise import DenoiserMissing, denoise
-from ..render.denoise_result import denoising_options
+from ..render.denoise import DenoiserMissing, Quality, denoise
+from ..render.denoise_result import has_noisy_features
 from ..scene import Scene
 
 if TYPE_CHECKING:
@@ -46,21 +46,20 @@ class Cleaner:
     ) -> NDArray[np.float32]:
         """renderer.picture() without its noise, or as it is where there is no denoiser. samples: of
         the camera per pixel. last: no better one follows; others are denoised in a quarter of the
-        time.
+        time, or less.
         """
         pixels = renderer.picture()
         if self.missing:
             return pixels
         began = time.monotonic()
         features = renderer.film(FEATURES)
-        how = denoising_options(samples, scene)
         try:
             pixels[..., :3] = denoise(
                 pixels[..., :3],
                 features["albedo"],
                 features["feature_normal"],
-                noisy_features=how["noisy_features"],
-                fast=not last,
+                noisy_features=has_noisy_features(samples, scene),
+                quality=Quality.BEST if last else Quality.FAST,
                 threads=threads,
                 on_card=on_card,
                 should_cancel=should_cancel,

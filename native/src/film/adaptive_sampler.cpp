@@ -10,6 +10,7 @@ namespace {
 
 constexpr int kReach = 2;         // pixels around one that tell after one sample
 constexpr float kFurther = 0.1f;  // weight of those that are not next to it
+constexpr double kGolden = 0.6180339887;
 constexpr double kMost = 256;     // samples of a pixel in one pass
 constexpr double kOutlier = 100;  // times the mean deviation: more counts as that much
 constexpr double kLeastWork = 0.05;
@@ -72,7 +73,7 @@ void AdaptiveSampler::reset(int width, int height, uint32_t least, std::vector<P
   width_ = width;
   height_ = height;
   passes_ = 0;
-  to_choose_ = false;
+  to_choose_ = lacks_pixels_ = false;
   const size_t pixels = static_cast<size_t>(width) * height;
   camera_.reset(pixels);
   all_.reset(pixels);
@@ -173,6 +174,7 @@ void AdaptiveSampler::count_pass() {
     samples_[i] += count_[i];
     extra_[i] += count_[i] - 1u;
   }
+  lacks_pixels_ = false;
 }
 
 void AdaptiveSampler::end_pass(const PackedFilm& pass, const PassWork& work, ThreadPool& pool) {
@@ -195,13 +197,16 @@ void AdaptiveSampler::end_pass(const PackedFilm& pass, const PassWork& work, Thr
 void AdaptiveSampler::limit(double mean, double photons, ThreadPool& pool) {
   begin_pass(pool);
   const double all = mean_count();
+  lacks_pixels_ = mean < 1;
   if (all > mean) {
-    const double part = std::max(mean - 1, 0.0) / (all - 1);
+    const double least = lacks_pixels_ ? 0 : 1, part = std::max(mean - least, 0.0) / (all - least);
     double due = 0;  // and not given yet: what is left over goes to the next pixel
-    for (uint16_t& count : count_) {
-      due += 1 + part * (count - 1);
-      count = static_cast<uint16_t>(due);
-      due -= count;
+    for (size_t i = 0; i < count_.size(); ++i) {
+      if (lacks_pixels_ && i % width_ == 0)  // else a column would have some in every row
+        due = std::fmod(kGolden * static_cast<double>(i / width_), 1.0);
+      due += least + part * (count_[i] - least);
+      count_[i] = static_cast<uint16_t>(due);
+      due -= count_[i];
     }
   }
   const double share = std::min(1.0, photons / photon_count());

@@ -93,14 +93,16 @@ class AdaptiveSampler {
   // Samples of pixel i in pass `pass` of the film: numbers [first, first + count) of its sequence.
   uint32_t first(size_t i, uint32_t pass) const { return pass + extra_[i]; }
   uint32_t count(size_t i) const { return count_[i]; }
-  double mean_count() const;  // of all pixels, in the next pass
+  double mean_count() const;                           // of all pixels, in the next pass
+  bool lacks_pixels() const { return lacks_pixels_; }  // the next pass
   PhotonSet& photons(size_t set) { return photons_[set]; }
   const PhotonSet& photons(size_t set) const { return photons_[set]; }
   // Photons of the next pass over those of the first, by their work.
   double photon_count() const;
   // Fewer in the passes until the next choice: one sample of each pixel and the same part of those
   // beyond it, so that they are `mean` at most, and the same part of all photons, so that
-  // photon_count() is at most `photons`.
+  // photon_count() is at most `photons`. A mean below 1: a pass without some of the pixels, which
+  // has to be the last, as choices and estimates do not count it.
   void limit(double mean, double photons, ThreadPool& pool);
 
   // The pass' film when it holds what camera paths found, and again when photons have been added.
@@ -136,7 +138,7 @@ class AdaptiveSampler {
   Known earlier_;
   uint32_t passes_ = 0, least_ = 1;
   double most_mean_ = kMostMean;
-  bool to_choose_ = false;
+  bool to_choose_ = false, lacks_pixels_ = false;
   PassWork work_;  // of the last pass
   Moments camera_, all_;
   std::vector<PhotonSet> photons_;

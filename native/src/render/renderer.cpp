@@ -216,7 +216,7 @@ void Renderer::resolve() {
   map();
   if (!camera_pass_->gather_points())
     throw std::logic_error("trace_camera() comes before resolve()");
-  const bool adaptive = options.adaptive_samples;
+  const bool whole = !sampler_.lacks_pixels(), adaptive = options.adaptive_samples && whole;
   Timer timer(seconds_.splat);
   PackedFilm& pass = film_.pass();
   const GatherPoints& gather_points = *camera_pass_->gather_points();
@@ -249,12 +249,12 @@ void Renderer::resolve() {
   }
   for (const auto& map : maps_) map->end_pass();
   camera_pass_->look_for_crowds(film_.sum().passes);
-  finish_pass();
+  finish_pass(whole);
 }
 
-void Renderer::finish_pass() {
+void Renderer::finish_pass(bool whole) {
   if (learns_) return;
-  {
+  if (whole) {
     Timer timer(seconds_.error);
     film_.errors().add(film_.pass(), scene.pool());
   }
@@ -266,7 +266,7 @@ void Renderer::trace_reference(uint32_t sample) {
   if (!begun_ && !options.part.whole()) camera_pass_->begin_part();
   begun_ = true;
   camera_pass_->trace_reference(sample, film_.begin_pass());
-  finish_pass();
+  finish_pass(true);
 }
 
 void Renderer::make_error_estimate() {

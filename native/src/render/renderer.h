@@ -125,7 +125,7 @@ class Renderer {
   void add_photons_to_samples();
   void read_light_cache();
   void reset_film();
-  void finish_pass();
+  void finish_pass(bool whole);  // whole: it has samples of all pixels
   void learn_in_common(ExternalSplatter* elsewhere);
   bool splat_photons(double seconds, uint64_t paths_per_batch, ExternalSplatter* elsewhere);
 

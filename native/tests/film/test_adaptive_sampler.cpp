@@ -124,8 +124,27 @@ TEST_CASE("limited samples keep where they go, and number on") {
   CHECK(choice.count(kMiddle + 20) > choice.count(kMiddle + 5));
   CHECK(choice.count(kMiddle + 20) < count);
   CHECK(choice.first(kMiddle + 20, 4) == first);
-  choice.limit(0, 8, pool);
+  choice.limit(1, 8, pool);
   CHECK(choice.mean_count() == 1);
+  CHECK_FALSE(choice.lacks_pixels());
+}
+
+TEST_CASE("a last pass may have samples of some pixels alone, of no column more than of others") {
+  AdaptiveSampler choice = after(4, nothing, nothing);
+  ThreadPool pool(2);
+  choice.limit(0.4, 8, pool);
+  CHECK(choice.lacks_pixels());
+  CHECK(choice.mean_count() == approx(0.4).epsilon(0.02));
+  const auto in_column = [&](size_t x) {
+    int sum = 0;
+    for (size_t y = 0; y < kHeight; ++y) sum += static_cast<int>(choice.count(y * kWidth + x));
+    return static_cast<double>(sum) / static_cast<double>(kHeight);
+  };
+  for (size_t x = 0; x < kWidth; ++x) CHECK(in_column(x) == approx(0.4).epsilon(0.3));
+  const uint32_t seen = choice.count(5), first = choice.first(5, 4);
+  choice.count_pass();
+  CHECK(choice.first(5, 5) == first + seen);  // none is left out of the sequence
+  CHECK_FALSE(choice.lacks_pixels());
 }
 
 TEST_CASE("a black picture and light that is not finite ask for nothing") {

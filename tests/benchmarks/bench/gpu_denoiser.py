@@ -8,7 +8,7 @@ from statistics import median
 from typing import Any
 
 import numpy as np
-from photon_splat.core.render.denoise import denoise
+from photon_splat.core.render.denoise import Quality, denoise
 from photon_splat.core.render.oidn import DenoiserMissing, graphics_card
 
 REPEATS = 5
@@ -32,13 +32,13 @@ def denoisers(quick: bool) -> Iterator[dict[str, Any]]:
         for on_card in (False, True) if card else (False,):
             taken, fast = [], []
             for _ in range(REPEATS + 1):
-                for times, quality in ((taken, False), (fast, True)):
+                for times, quality in ((taken, Quality.BEST), (fast, Quality.FAST)):
                     began = time.monotonic()
                     denoise(
                         *images,
-                        apart=None if quality else 0.5 * images[0],
+                        apart=0.5 * images[0] if quality else None,
                         noisy_features=True,
-                        fast=quality,
+                        quality=quality,
                         on_card=on_card,
                     )
                     times.append(time.monotonic() - began)
