@@ -25,6 +25,7 @@ class PhotonSplatEngine(bpy.types.RenderEngine):
     bl_use_postprocess = True
     bl_use_eevee_viewport = True
     bl_use_shading_nodes_custom = False
+    bl_use_spherical_stereo = True
 
     def render(self, depsgraph: Any) -> None:
         render_view_layer(self, depsgraph)

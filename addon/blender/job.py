@@ -24,7 +24,9 @@ from ..core.scene import Camera, Frame, Scene
 from ..export import export_scene
 from ..export.camera import NoCameraError, export_frame
 from ..export.cancelled import Cancelled, Watch
+from ..export.kept import Kept
 from ..export.report import readable
+from ..export.views import View, views_of
 from .persistent import Held, held_for
 from .properties import render_settings
 from .records import origin_of, record_of
@@ -84,11 +86,19 @@ def render_view_layer(engine: Any, depsgraph: Any) -> None:
         frame = export_frame(depsgraph.scene_eval)
         _, _, width, height = frame.region
         blender_result = engine.begin_result(0, 0, width, height, layer=layer_name)
-        result = _render(engine, depsgraph, frame, blender_result, started, held)
-        fill_passes(blender_result, result.passes)
-        _finish(engine, scene_name, result)
-        if observer.on_result:
-            observer.on_result(result, frame)
+        views = views_of(engine, blender_result, depsgraph.scene)
+        kept = Kept() if len(views) > 1 else None
+        told_before: set[str] = set()
+        for number, view in enumerate(views):
+            job = _Job(engine, depsgraph, frame, blender_result, held, kept, view, number)
+            result = _render(job, started, last=number + 1 == len(views))
+            fill_passes(blender_result, result.passes, number)
+            _finish(engine, scene_name, result, told_before)
+            if observer.on_result:
+                observer.on_result(result, frame)
+            if result.cancelled:
+                break
+            started = time.monotonic()
         failed = False
     except NoCameraError as error:
         if not engine.is_preview:
@@ -103,14 +113,25 @@ def render_view_layer(engine: Any, depsgraph: Any) -> None:
             whole.stamp_data_add_field(key, value)
 
 
-def _render(
-    engine: Any,
-    depsgraph: Any,
-    frame: Frame,
-    blender_result: Any,
-    started: float,
-    held: Held | None,
-) -> RenderResult:
+@dataclass(frozen=True, slots=True)
+class _Job:
+    """One view of a view layer. kept: what its views share; number: that of the view."""
+
+    engine: Any
+    depsgraph: Any
+    frame: Frame
+    blender_result: Any
+    held: Held | None
+    kept: Kept | None
+    view: View | None
+    number: int
+
+
+def _render(job: _Job, started: float, last: bool) -> RenderResult:
+    """last: of the views of a view layer."""
+    engine, depsgraph, frame, held = job.engine, job.depsgraph, job.frame, job.held
+    if job.view is not None:
+        job.view.enter()
     engine.update_stats("", "Exporting scene")
     settings = observer.settings(render_settings(depsgraph.scene_eval, depsgraph.view_layer))
     if engine.is_preview:
@@ -125,9 +146,10 @@ def _render(
             depsgraph,
             engine.camera_override,
             frame,
-            held.kept if held else None,
+            held.kept if held else job.kept,
             Watch(should_cancel),
             None if engine.is_preview else engine.frame_set,
+            job.view,
         )
     except Cancelled:  # The result of a render that is cancelled at once, of an empty scene.
         nothing = Scene(Camera(np.eye(4), (-1.0, 1.0, -1.0, 1.0)), frame)
@@ -136,6 +158,8 @@ def _render(
         raise ValueError(scene.missing[0])
     if held:
         held.kept.forget_unused()
+    elif job.kept is not None and last:
+        job.kept.clear()
     export_seconds = time.monotonic() - began
     record = Record()
     if not engine.is_preview:
@@ -144,15 +168,14 @@ def _render(
             if observer.record
             else record_of(depsgraph, scene)
         )
+    if record.active and job.view is not None:
+        raise ValueError(
+            "Parts and checkpoints hold one view: switch Stereoscopy off, or render each camera by "
+            "itself"
+        )
 
-    # As Cycles does where nobody edits meanwhile: Blender's evaluated copies of the scene. Of views
-    # of stereo pictures the next one needs them.
-    if (
-        bpy.app.background
-        and held is None
-        and not engine.is_preview
-        and not depsgraph.scene.render.use_multiview
-    ):
+    # As Cycles does where nobody edits meanwhile: Blender's evaluated copies of the scene.
+    if bpy.app.background and held is None and not engine.is_preview and last:
         engine.free_blender_memory()
 
     def on_progress(progress: Progress) -> None:
@@ -164,8 +187,8 @@ def _render(
             memory_used=current_memory_bytes() / 2**20, memory_peak=peak_memory_bytes() / 2**20
         )
         if progress.interim is not None:
-            fill_passes(blender_result, progress.interim)
-            engine.update_result(blender_result)
+            fill_passes(job.blender_result, progress.interim, job.number)
+            engine.update_result(job.blender_result)
         observer.on_progress(progress)
 
     result = render(
@@ -177,11 +200,11 @@ def _render(
         should_cancel=should_cancel,
         want_interim=not (bpy.app.background or engine.is_preview),
         persistent=held.persistent if held else None,
-        release=True,
+        release=last,
         record=record,
         wanted=None
         if observer.on_result
-        else {p.name for layer in blender_result.layers for p in layer.passes},
+        else {p.name for layer in job.blender_result.layers for p in layer.passes},
     )
     if observer.record is None and not result.cancelled:
         record.forget()
@@ -203,30 +226,36 @@ def remaining(progress: Progress, elapsed: float) -> str:
     )
 
 
-def fill_passes(blender_result: Any, passes: dict[str, np.ndarray]) -> None:
-    """Copy `passes` (row 0 at the bottom, as Blender has it) into those that the render result
-    has.
+def fill_passes(blender_result: Any, passes: dict[str, np.ndarray], view: int = 0) -> None:
+    """Copy `passes` (row 0 at the bottom, as Blender has it) into those that the render result has
+    of its `view`-th view.
     """
     for layer in blender_result.layers:
         for blender_pass in layer.passes:
             pixels = passes.get(blender_pass.name)
-            if pixels is not None and pixels.shape[2] == blender_pass.channels:
+            if (
+                blender_pass.view_id == view
+                and pixels is not None
+                and pixels.shape[2] == blender_pass.channels
+            ):
                 blender_pass.rect.foreach_set(np.ascontiguousarray(pixels, np.float32).reshape(-1))
 
 
-def _finish(engine: Any, scene_name: str, result: RenderResult) -> None:
+def _finish(engine: Any, scene_name: str, result: RenderResult, told_before: set[str]) -> None:
+    """told_before: warnings of earlier views; those of this one are added."""
     if engine.is_preview:
         return
     warnings = list(result.statistics["warnings"])
     last_renders[scene_name] = LastRender(result.statistics, warnings)
     engine.update_progress(1.0)
-    for warning in warnings:
+    for warning in (w for w in warnings if w not in told_before):
         short = (
             warning
             if len(warning) <= MAX_REPORT
             else warning[:MAX_REPORT] + "... (Render Properties > Approximated has all of it)"
         )
         engine.report({"WARNING"}, f"Photon Splat: {short}")
+    told_before.update(warnings)
 
 
 def _fail(engine: Any, scene_name: str, error: BaseException) -> None:

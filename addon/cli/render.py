@@ -121,15 +121,30 @@ def render_layers(
         raise CommandError(" ".join(str(failure).split()).removeprefix("Error: "))
     if not results:
         raise CommandError("Blender rendered no view layer; is at least one enabled for rendering?")
-    names = [layer.name for layer in scene.view_layers if layer.use]
-    names += [f"Layer {i}" for i in range(len(names), len(results))]
+    names = _names(scene, len(results))
     layers = [(name, result, frame) for name, (result, frame) in zip(names, results, strict=False)]
     if has_drawings(scene):
-        if options.part is not None:
-            say("photon-splat: warning: grease pencil objects are not drawn over parts\n")
+        if options.part is not None or scene.render.use_multiview:
+            of_what = "parts" if options.part is not None else "stereo pictures"
+            say(f"photon-splat: warning: grease pencil objects are not drawn over {of_what}\n")
         else:
             take_drawings(scene, layers)
     return layers
+
+
+def _names(scene: Any, count: int) -> list[str]:
+    """Of `count` results: view layers, and of each its views; the first view is not named."""
+    render = scene.render
+    views = [view.name for view in render.views if view.use] if render.use_multiview else [""]
+    if render.use_multiview and render.views_format == "STEREO_3D":
+        views = [name for name in views if name in ("left", "right")]
+    names = [layer.name for layer in scene.view_layers if layer.use]
+    names += [f"Layer {i}" for i in range(len(names), -(-count // len(views)))]
+    return [
+        ".".join((name, *views[number : number + 1])) if number else name
+        for name in names
+        for number in range(len(views))
+    ][:count]
 
 
 def write_files(

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from .cancelled import Watch
     from .kept import Kept
     from .motion import Blur, FrameSet, Moving
+    from .views import View
 
 
 def export_scene(
@@ -25,10 +26,12 @@ def export_scene(
     kept: Kept | None = None,
     watch: Watch | None = None,
     frame_set: FrameSet | None = None,
+    view: View | None = None,
 ) -> Scene:
     """Export what `depsgraph` (evaluated) holds, seen through `camera` (default: the scene's);
-    `kept` and `watch` as in export_contents. `frame_set` takes the graph to other frames, for
-    motion blur and motion vectors; None: everything stands still.
+    `kept` and `watch` as in export_contents; in one view of several if there is a `view`.
+    `frame_set` takes the graph to other frames, for motion blur and motion vectors; None:
+    everything stands still.
 
     Raises ValueError with one sentence if there is nothing to look through; whatever else cannot be
     rendered is named in the result's `warnings`.
@@ -37,8 +40,8 @@ def export_scene(
 
     blur = blur_of(depsgraph) if frame_set is not None else None
     if blur is None or frame_set is None:
-        return _export_still(depsgraph, camera, frame, Report(), kept, watch)
-    return _export_moving(depsgraph, camera, frame, kept, watch, frame_set, blur)
+        return _export_still(depsgraph, camera, frame, Report(), kept, watch, view=view)
+    return _export_moving(depsgraph, camera, frame, kept, watch, frame_set, blur, view)
 
 
 def _export_still(
@@ -49,13 +52,14 @@ def _export_still(
     kept: Kept | None,
     watch: Watch | None,
     moving: Moving | None = None,
+    view: View | None = None,
 ) -> Scene:
     from .camera import export_camera, export_frame
     from .culling import kept_by_culling
     from .visibility import wants_shadow_pass
 
     scene = depsgraph.scene_eval
-    seen = export_camera(camera or scene.camera, scene, report)
+    seen = export_camera(camera or scene.camera, scene, report, view)
     # Here and below, of originals: a graph that Blender keeps is not told when they change.
     light_groups = [group.name for group in depsgraph.view_layer.lightgroups]
     exported = export_contents(
@@ -82,6 +86,7 @@ def _export_moving(
     watch: Watch | None,
     frame_set: FrameSet,
     blur: Blur,
+    view: View | None,
 ) -> Scene:
     """All is described as it is at the middle of the shutter's opening; then the graph is looked at
     at other times.
@@ -96,9 +101,9 @@ def _export_moving(
         if blur.centre:
             go(blur.centre)
             kept = None  # what is kept is that of whole frames
-        moving = Moving(depsgraph, blur, report)
+        moving = Moving(depsgraph, blur, report, view)
         now = None if eye is None else eye.evaluated_get(depsgraph)
-        scene = _export_still(depsgraph, now, frame, report, kept, watch, moving)
+        scene = _export_still(depsgraph, now, frame, report, kept, watch, moving, view)
         moving.add_camera(eye.evaluated_get(depsgraph), Report())
         for time in moving.times():
             watch.go_on()

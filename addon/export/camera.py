@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from ..core.scene import Aperture, Camera, Frame, Panorama, PanoramaKind, PixelFilter
 from .report import Report
+from .views import View
 
 
 class NoCameraError(ValueError):
@@ -50,9 +51,9 @@ def film_of(scene: Any) -> dict[str, Any]:
     }
 
 
-def export_camera(ob: Any, scene: Any, report: Report) -> Camera:
-    """Camera object `ob` (evaluated) framed by `scene.render`; raises NoCameraError if there is
-    none.
+def export_camera(ob: Any, scene: Any, report: Report, view: View | None = None) -> Camera:
+    """Camera object `ob` (evaluated) framed by `scene.render`, in one view of several if there is a
+    `view`; raises NoCameraError if there is no camera.
     """
     if ob is None:
         raise NoCameraError(
@@ -69,37 +70,38 @@ def export_camera(ob: Any, scene: Any, report: Report) -> Camera:
             f"Camera '{ob.name}' is of type {camera.type}; there are perspective, orthographic "
             "and panoramic cameras"
         )
-    _report_unsupported(ob, camera, render, report)
     width, height = resolution(render)
-    x, y = camera.shift_x, camera.shift_y
+    x, y = view.shift_x(ob) if view else float(camera.shift_x), float(camera.shift_y)
     whole = (
         (x, 1.0 + x, y, 1.0 + y)
         if camera.type == "PANO"
-        else screen(camera, width, height, render.pixel_aspect_y / render.pixel_aspect_x)
+        else screen(camera, width, height, render.pixel_aspect_y / render.pixel_aspect_x, x)
     )
     return Camera(
-        matrix=camera_matrix(ob, report),
+        matrix=camera_matrix(ob, report, view),
         screen=whole,
         orthographic=camera.type == "ORTHO",
         clip_start=float(camera.clip_start),
         clip_end=float(camera.clip_end),
         panorama=_panorama(ob.name, camera, render) if camera.type == "PANO" else None,
         aperture=_aperture(ob, camera) if camera.dof.use_dof else None,
+        stereo=view.stereo(ob) if view else None,
     )
 
 
-def camera_matrix(ob: Any, report: Report) -> NDArray[np.float64]:
+def camera_matrix(ob: Any, report: Report, view: View | None = None) -> NDArray[np.float64]:
     """Where an evaluated camera is, without scale."""
-    return _rigid(np.array(ob.matrix_world, np.float64), ob.name, report)
+    matrix = view.matrix(ob) if view else np.array(ob.matrix_world, np.float64)
+    return _rigid(matrix, ob.name, report)
 
 
 def screen(
-    camera: Any, width: int, height: int, aspect: float
+    camera: Any, width: int, height: int, aspect: float, shift_x: float | None = None
 ) -> tuple[float, float, float, float]:
     """(left, right, bottom, top) of the frame at z = -1 (perspective) or in metres (orthographic).
 
-    `aspect` is a pixel's height over its width. Lens, sensor and shift refer to the side that the
-    sensor is fitted to.
+    `aspect` is a pixel's height over its width; `shift_x`: of the view, where there are several.
+    Lens, sensor and shift refer to the side that the sensor is fitted to.
     """
     tall = height * aspect
     fit = camera.sensor_fit
@@ -112,7 +114,7 @@ def screen(
             camera.lens
         )
     pixel = extent / fitted
-    x, y = camera.shift_x * extent, camera.shift_y * extent
+    x, y = (camera.shift_x if shift_x is None else shift_x) * extent, camera.shift_y * extent
     half_x, half_y = 0.5 * width * pixel, 0.5 * tall * pixel
     return (x - half_x, x + half_x, y - half_y, y + half_y)
 
@@ -220,8 +222,3 @@ def _rigid(matrix: NDArray[np.float64], name: str, report: Report) -> NDArray[np
     rigid[:3, 0] = side if side @ x >= 0.0 else -side
     rigid[:3, 1] = upright
     return rigid
-
-
-def _report_unsupported(ob: Any, camera: Any, render: Any, report: Report) -> None:
-    if render.use_multiview:
-        report.warn("Stereoscopy is not supported yet; all views are the same")

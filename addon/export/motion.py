@@ -24,6 +24,7 @@ from .geometry.particle_hair import hair_keys, hair_of
 from .geometry.strands import STRANDS, keys_now
 from .kept import identity
 from .report import Report
+from .views import View
 
 FrameSet = Callable[[int, float], None]
 """Takes Blender's scene, and the dependency graph that is exported, to a frame and a subframe."""
@@ -161,13 +162,16 @@ class Moving:
     at other times.
     """
 
-    def __init__(self, depsgraph: Any, blur: Blur, report: Report) -> None:
+    def __init__(
+        self, depsgraph: Any, blur: Blur, report: Report, view: View | None = None
+    ) -> None:
         self._scene, self._blur, self._report = depsgraph.scene, blur, report
         self._placed: dict[Key, _Placed] = {}
         self._shapes: dict[Key, _Shape] = {}
         self._shape_of: dict[int, _Shape | None] = {}
         self._camera: dict[float, tuple[NDArray[np.float64], float]] = {}
         self._camera_steps = 0
+        self._view = view
         self._about = "Vector pass" if blur.vectors else "Motion blur"
 
     def _steps_of(self, ob: Any, parent: Any = None) -> int:
@@ -308,7 +312,7 @@ class Moving:
         lens = float(data.lens) if data.type == "PERSP" else 1.0
         side = data.sensor_height if data.sensor_fit == "VERTICAL" else data.sensor_width
         extent = float(side) / lens if data.type == "PERSP" else 1.0
-        self._camera[time] = (camera_matrix(ob, report), extent)
+        self._camera[time] = (camera_matrix(ob, report, self._view), extent)
 
     def move(self, scene: Scene, render: Any) -> None:
         """Tells `scene` what has moved, and its shutter if anything has."""

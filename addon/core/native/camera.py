@@ -40,6 +40,9 @@ def place_camera(renderer: Renderer, camera: Camera, frame: Frame) -> None:
         renderer.set_panorama(**panorama | {"kind": str(camera.panorama.kind)})
     if camera.aperture is not None:
         renderer.set_aperture(**asdict(camera.aperture))
+    if camera.stereo is not None:
+        begins, ends = camera.stereo.merge or (0.0, 0.0)
+        renderer.set_stereo(camera.stereo.offset, camera.stereo.convergence, begins, ends)
     if camera.motion is not None:
         renderer.set_camera_motion(
             np.ascontiguousarray(camera.motion.matrices, np.float64), list(camera.motion.zoom)

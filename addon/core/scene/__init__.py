@@ -7,7 +7,7 @@ Blender.
 
 from __future__ import annotations
 
-from .camera import Aperture, Camera, Frame, Panorama, PanoramaKind, PixelFilter
+from .camera import Aperture, Camera, Frame, Panorama, PanoramaKind, PixelFilter, Stereo
 from .labels import Labels, Neighbours
 from .lights import Light, LightKind, SunDisc, WorldMap
 from .material import NO_PROGRAM, NO_TEXTURE, Extension, Interpolation, Material, Rgb, Side, Texture
@@ -50,6 +50,7 @@ __all__ = [
     "Scene",
     "Shutter",
     "Side",
+    "Stereo",
     "StrandShape",
     "Strands",
     "SunDisc",

@@ -66,6 +66,21 @@ class Aperture:
 
 
 @dataclass(slots=True)
+class Stereo:
+    """One eye of a picture all around, where every ray has an eye of its own: beside the camera,
+    `offset` m to the right of the ray and of what is up. Eyes look at the same point at the
+    distance `convergence` (m; infinite: in parallel). merge: angles above and below the horizon,
+    radians, between which both eyes become one; None: they never do.
+
+    Up is the camera's own for a panorama, and the scene's +Z for a perspective.
+    """
+
+    offset: float
+    convergence: float = np.inf
+    merge: tuple[float, float] | None = None
+
+
+@dataclass(slots=True)
 class Camera:
     """A camera that looks along its local -Z axis, +Y up (scale and shear of `matrix` already
     removed).
@@ -86,6 +101,7 @@ class Camera:
     panorama: Panorama | None = None
     aperture: Aperture | None = None
     motion: CameraMotion | None = None
+    stereo: Stereo | None = None
 
 
 @dataclass(slots=True)

@@ -87,7 +87,14 @@ void bind_camera(RendererClass& renderer) {
             r.camera_settings.aperture = {radius, focus, blades, rotation, ratio};
           },
           "radius"_a, "focus"_a, "blades"_a, "rotation"_a, "ratio"_a,
-          "After set_camera(): a lens of that radius, m, sharp at the distance `focus`, m; blades: 0 for a round one.");
+          "After set_camera(): a lens of that radius, m, sharp at the distance `focus`, m; blades: 0 for a round one.")
+      .def(
+          "set_stereo",
+          [](Renderer& r, float offset, float convergence, float merge_begins, float merge_ends) {
+            r.camera_settings.stereo = {offset, convergence, merge_begins, merge_ends};
+          },
+          "offset"_a, "convergence"_a, "merge_begins"_a, "merge_ends"_a,
+          "After set_camera(): every ray begins `offset` m to its right, and meets that of the other eye at the distance `convergence`, m, or nowhere where that is infinite. Angles above the horizon, rad, from which the eyes come together, and from which they are one; 0: they stay apart.");
 }
 
 }  // namespace photon_splat

@@ -89,6 +89,25 @@ Vec2 Camera::on_aperture(const Vec2& u) const {
   return {p.x * a.radius / a.ratio, p.y * a.radius};
 }
 
+// Moves a ray to the eye that stereo asks for. Straight up and down there is no side.
+void Camera::to_eye(const Vec3& up, Vec3& origin, Vec3& direction) const {
+  const StereoSettings& stereo = s_.stereo;
+  const Vec3 across = cross(direction, up);
+  const float cosine = length(across);
+  if (stereo.offset == 0 || !(cosine > 1e-6f)) return;
+  float apart = stereo.offset;
+  if (stereo.merge_ends > 0) {
+    const float angle = std::atan2(std::abs(dot(direction, up)), cosine),
+                merged = (angle - stereo.merge_begins) /
+                         std::max(stereo.merge_ends - stereo.merge_begins, 1e-6f);
+    apart *= std::cos(0.5f * kPi * std::clamp(merged, 0.0f, 1.0f));
+  }
+  const Vec3 to_side = across * (apart / cosine);
+  origin += to_side;
+  if (std::isfinite(stereo.convergence))
+    direction = normalize(direction * stereo.convergence - to_side);
+}
+
 std::optional<CameraRay> Camera::ray(int x, int y, const Vec2& u, const Vec2& lens,
                                      float time) const {
   const float px = static_cast<float>(s_.x0 + x) + 0.5f + filter_offset(u.x);
@@ -123,6 +142,7 @@ std::optional<CameraRay> Camera::ray(int x, int y, const Vec2& u, const Vec2& le
   ray.origin = axes.position + axes.to_world(from);
   ray.direction = axes.to_world(toward) / len;
   ray.cosine = -toward.z / len;
+  if (!s_.orthographic) to_eye({0, 0, 1}, ray.origin, ray.direction);
   ray.near = s_.clip_start / ray.cosine;
   ray.far = s_.clip_end / ray.cosine;
   return ray;
@@ -150,6 +170,7 @@ std::optional<CameraRay> Camera::panoramic(float u, float v, const Vec2& step, c
     from = x * p.x + cross(*seen, x) * (mirror ? -p.y : p.y);
     toward = normalize(*seen * s_.aperture.focus - from);
   }
+  to_eye({0, 1, 0}, from, toward);
   ray.origin = axes.position + axes.to_world(from);
   ray.direction = axes.to_world(toward);
   ray.cosine = 1;

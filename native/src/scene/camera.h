@@ -20,6 +20,14 @@ struct ApertureSettings {
   float ratio = 1;     // of height to width
 };
 
+// One eye of two, for pictures all around: every ray has an eye of its own, to its side.
+struct StereoSettings {
+  float offset = 0;              // m, to the right; 0: there is one eye
+  float convergence = INFINITY;  // m, where both eyes' rays meet
+  // Angles to the horizontal plane: eyes come together between them; 0: they never do
+  float merge_begins = 0, merge_ends = 0;
+};
+
 struct CameraSettings {
   Affine to_world;  // rigid; looks along -Z; at the shutter's centre
   // The camera's matrix at steps of the shutter's opening; none: it stays where it is
@@ -33,6 +41,7 @@ struct CameraSettings {
   // Where its kind is not kNone: left .. top are in (u, v) of its map of directions
   PanoramaSettings panorama;
   ApertureSettings aperture;
+  StereoSettings stereo;
   float clip_start = 0, clip_end = INFINITY;
   int width = 1, height = 1;  // whole frame, pixels
   // What is rendered of it, origin bottom left
@@ -84,6 +93,7 @@ class Camera {
   Axes axes_at(float time) const { return motion_ ? Axes(motion_->at(time)) : axes_; }
   float filter_offset(float u) const;
   Vec2 on_aperture(const Vec2& u) const;
+  void to_eye(const Vec3& up, Vec3& origin, Vec3& direction) const;
   std::optional<CameraRay> panoramic(float u, float v, const Vec2& step, const Vec2& lens,
                                      const Axes& axes) const;
 

@@ -164,6 +164,36 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("rays of two eyes stand to either side and meet at the distance of convergence") {
+  CameraSettings s = settings_of(64, 32);
+  s.left = s.bottom = 0, s.right = s.top = 1;
+  s.panorama = panorama_of(PanoramaKind::kEquirectangular);
+  s.to_world = {{1, 0, 0, 3, 0, 1, 0, 4, 0, 0, 1, 5}};
+  const Vec2 middle{0.5f, 0.5f};
+  const auto seen = [&](float offset, float convergence, int x, int y) {
+    s.stereo = {offset, convergence, 0.5f, 1.0f};
+    return *Camera(s).ray(x, y, middle, middle);
+  };
+  for (const int x : {3, 20, 50}) {
+    const CameraRay one = seen(0, INFINITY, x, 16), left = seen(-0.1f, INFINITY, x, 16),
+                    right = seen(0.1f, INFINITY, x, 16);
+    const Vec3 apart = right.origin - left.origin;
+    CHECK(length(apart) == approx(0.2));
+    CHECK(length(right.origin + left.origin - one.origin * 2) < 1e-5f);
+    CHECK(std::abs(dot(apart, one.direction)) < 1e-6f);
+    CHECK(dot(cross(apart, one.direction), Vec3{0, 1, 0}) > 0);  // to the right
+    CHECK(length(left.direction - right.direction) < 1e-6f);
+    const CameraRay inward = seen(-0.1f, 2, x, 16);
+    const Vec3 met = one.origin + one.direction * 2;
+    CHECK(length(cross(met - inward.origin, inward.direction)) < 1e-5f);
+  }
+  // 32 rows are 180 degrees: the eyes come together from 28 to 57 degrees above the horizon
+  CHECK(length(seen(0.1f, 2, 20, 20).origin - Vec3{3, 4, 5}) == approx(0.1));
+  CHECK(length(seen(0.1f, 2, 20, 23).origin - Vec3{3, 4, 5}) ==
+        approx(0.1 * std::cos(0.5 * kPi * (7.5 * kPi / 32 - 0.5) / 0.5)).epsilon(0.01));
+  CHECK(length(seen(0.1f, 2, 20, 30).origin - Vec3{3, 4, 5}) < 1e-6f);
+}
+
 TEST_CASE("an aperture that cannot be is refused") {
   CameraSettings s = settings_of();
   s.aperture = {0.1f, 0, 0, 0, 1};

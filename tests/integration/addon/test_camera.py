@@ -149,15 +149,6 @@ def test_a_camera_of_a_type_that_nobody_knows() -> None:
 
 
 @in_blender
-def test_what_a_camera_cannot_do_yet_is_named() -> None:
-    stage.scene().render.use_multiview = True
-    stage.camera()
-    assert stage.exported().warnings == [
-        "Stereoscopy is not supported yet; all views are the same",
-    ]
-
-
-@in_blender
 def test_aperture_and_focus() -> None:
     ob = stage.camera((1, 2, 3))
     dof = ob.data.dof

@@ -41,6 +41,10 @@ def _save_scenes(folder: str) -> None:
     scene = stage.room(pixels=24, passes=4, photons=3000)
     stage.plane("Lamp shade", 0.5, location=(1, 1, 1))
     save("room")
+    scene.render.use_multiview = True
+    scene.camera.data.stereo.interocular_distance = 0.8
+    save("stereo")
+    scene.render.use_multiview = False
     stage.portal()
     scene.view_layers.new("Second")
     scene.render.use_border = True
@@ -427,6 +431,20 @@ def test_border_layers_and_warnings(scenes: Path, tmp_path: Path) -> None:
     spec, _ = _picture(tmp_path / "crop.exr")
     assert (spec.x, spec.y, spec.width, spec.height) == (0, 0, 12, 6)
     assert (spec.full_width, spec.full_height) == (12, 6)
+
+
+def test_views_are_in_one_file(scenes: Path, tmp_path: Path) -> None:
+    assert _render(tmp_path, scenes / "stereo.blend", "-o", "out.exr")[0] == 0
+    spec, pixels = _picture(tmp_path / "out.exr")
+    names = list(spec.channelnames)
+    left, right = (pixels[..., names.index(name)] for name in ("R", "ViewLayer.right.Combined.R"))
+    assert left.mean() > 0
+    assert not np.array_equal(left, right)
+    status, errors = _render(
+        tmp_path, scenes / "stereo.blend", "-o", "part.exr", "--part", "1/2", "--seed", "7"
+    )
+    assert status != 0
+    assert "Parts and checkpoints hold one view" in errors
 
 
 def test_seconds_are_kept(scenes: Path, tmp_path: Path) -> None:

@@ -159,7 +159,7 @@ def test_a_click_on_a_warning_selects_what_it_names() -> None:
     ]
     assert bpy.ops.photon_splat.select(name="Other") == {"FINISHED"}
     assert bpy.context.view_layer.objects.active == other
-    assert report.named("Stereoscopy is not supported yet; all views are the same") == []
+    assert report.named("The picture is noisy") == []
     assert bpy.ops.photon_splat.select(name="Odd\nOther") == {"FINISHED"}
     assert {ob.name for ob in bpy.context.selected_objects} == {one.name, other.name}
     assert bpy.context.view_layer.objects.active == one
@@ -202,7 +202,8 @@ def test_all_warnings_are_shown_one_a_kind_and_lead_to_all_they_name() -> None:
     from photon_splat.blender import job
 
     scene = stage.room()
-    scene.render.use_multiview = True
+    scene.photon_splat.denoise = True
+    bpy.context.view_layer.lightgroups.add(name="Lamps")
     for k in range(4):
         thing = stage.plane(f"Thing {k}", location=(0, 0, 0.1 * (k + 1)))
         shade, tree = stage.empty_material(f"Photo {k}")
@@ -217,7 +218,7 @@ def test_all_warnings_are_shown_one_a_kind_and_lead_to_all_they_name() -> None:
     bpy.ops.render.render()
     first, second = job.last_renders[scene.name].warnings
     assert "cannot be read; shown in pink; likewise Material 'Photo " in first
-    assert second == "Stereoscopy is not supported yet; all views are the same"
+    assert second.startswith("Only Combined is denoised")
     panel = next(cls for cls in _panels() if cls.__name__ == "PHOTON_SPLAT_PT_approximations")
     assert _draw(panel).count("photon_splat.select") == 1
     from photon_splat.blender.panels import report
@@ -237,6 +238,6 @@ def test_every_warning_reaches_blenders_reports() -> None:
         is_preview=False, update_progress=lambda _: None, report=lambda _, text: said.append(text)
     )
     warnings = [f"Thing {k} is left out" for k in range(5)]
-    job._finish(engine, "Odd", SimpleNamespace(statistics={"warnings": warnings}))
+    job._finish(engine, "Odd", SimpleNamespace(statistics={"warnings": warnings}), set())
     assert said == [f"Photon Splat: {warning}" for warning in warnings]
     del job.last_renders["Odd"]

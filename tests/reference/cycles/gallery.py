@@ -22,6 +22,7 @@ from tests.reference.cycles.specs import Spec, node
 from tests.reference.cycles.strands import STRANDS
 from tests.reference.cycles.subsurface import SUBSURFACE
 from tests.reference.cycles.terminator import TERMINATOR
+from tests.reference.cycles.views import VIEWS
 from tests.reference.cycles.visibility import VISIBILITY
 
 ORANGE, STEEL, GREENISH = (0.75, 0.42, 0.18), (0.8, 0.82, 0.85), (0.55, 0.9, 0.6)
@@ -447,6 +448,7 @@ ALL: tuple[Case, ...] = (
     + TERMINATOR
     + MOTION
     + PASSES
+    + VIEWS
     + SUBSURFACE
     + STRANDS
     + GALLERY

@@ -58,7 +58,7 @@ def cycles_settings(samples: int, seed: int) -> None:
 
 def render_with_cycles(samples: int, seed: int, render_pass: str = "") -> np.ndarray:
     """The current scene as (height, width, 4) float32, row 0 at the bottom; of a border only its
-    inside. All channels of another pass than Combined.
+    inside. All channels of another pass than Combined. One view, if there are several.
     """
     import bpy
 
@@ -74,7 +74,8 @@ def render_with_cycles(samples: int, seed: int, render_pass: str = "") -> np.nda
     with tempfile.TemporaryDirectory() as folder:
         render.filepath = str(Path(folder, "half.exr"))
         bpy.ops.render.render(write_still=True)
-        image = bpy.data.images.load(render.filepath)
+        (written,) = Path(folder).iterdir()  # with the suffix of a view, where there are several
+        image = bpy.data.images.load(str(written))
         image.colorspace_settings.name = "Non-Color"
         width, height = image.size
         pixels = np.empty(width * height * 4, np.float32)

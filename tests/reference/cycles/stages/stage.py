@@ -40,6 +40,7 @@ def build(case: Case) -> bpy.types.Scene:
         strands_stage,
         subsurface_stage,
         terminator_stage,
+        views_stage,
         visibility_stage,
     )
 
@@ -54,6 +55,7 @@ def build(case: Case) -> bpy.types.Scene:
         | vars(displacement_stage)
         | vars(adaptive_stage)
         | vars(terminator_stage)
+        | vars(views_stage)
         | vars(motion_stage)
         | vars(strands_stage)
         | vars(subsurface_stage)
