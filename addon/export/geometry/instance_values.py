@@ -59,12 +59,17 @@ def _random(instance: Any) -> float:
     return (instance.random_id & 0xFFFFFFFF) / 0xFFFFFFFF
 
 
+def _color(instance: Any) -> Any:
+    """Instances have the colour of what makes them, the outermost of all."""
+    return tuple((instance.parent or instance.object).color)
+
+
 def _generated(instance: Any) -> Any:
     return tuple(0.5 * v - 0.5 for v in instance.orco) if instance.is_instance else (0.0,) * 3
 
 
 _INFO: dict[str, Reader] = {
-    "color": lambda instance: tuple(instance.object.color),
+    "color": _color,
     "index": lambda instance: float(instance.object.pass_index),
     "random": _random,
     "generated": _generated,

@@ -358,6 +358,41 @@ def test_only_what_programs_ask_for_is_exported() -> None:
 
 
 @in_blender
+def test_instances_have_the_colour_of_what_makes_them() -> None:
+    """As in Cycles: of the outermost of all that make them; their index is their own."""
+    import bpy
+
+    made, tree = stage.empty_material("Asks")
+    shader, info = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("Emission", "ObjectInfo"))
+    tree.links.new(info.outputs["Color"], shader.inputs["Color"])
+    tree.links.new(info.outputs["Object Index"], shader.inputs["Strength"])
+    stage.surface(tree, shader)
+
+    def collection(name: str, *things: Any) -> Any:
+        kept = bpy.data.collections.new(name)
+        for thing in things:
+            kept.objects.link(thing)
+        return kept
+
+    def maker(name: str, of: Any, color: Any) -> Any:
+        empty = bpy.data.objects.new(name, None)
+        empty.instance_type, empty.instance_collection = "COLLECTION", of
+        empty.color, empty.pass_index = color, 9
+        return empty
+
+    ob = stage.plane()
+    ob.data.materials[0] = made
+    ob.color, ob.pass_index = (1, 0, 0, 0.5), 4
+    inner = maker("Inner", collection("A", ob), (0, 1, 0, 1))
+    outer = maker("Outer", collection("B", inner), (0, 0, 1, 1))
+    stage.scene().collection.objects.link(outer)
+    stage.scene().collection.objects.link(inner)
+    found = {a.values.shape[1]: a.values for a in stage.exported().instances.attributes}
+    assert sorted(map(tuple, found[4].tolist())) == [(0, 0, 1, 1), (0, 1, 0, 1), (1, 0, 0, 0.5)]
+    assert found[1].tolist() == [[4.0]] * 3
+
+
+@in_blender
 def test_no_material_and_an_empty_slot() -> None:
     import bpy
 
