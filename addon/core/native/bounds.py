@@ -32,19 +32,16 @@ def _instance_boxes(scene: Scene) -> NDArray[np.float64]:
     filled = np.array(
         [len(mesh.triangles) > 0 or mesh.strands is not None for mesh in scene.meshes], bool
     )
-    corners = np.zeros((len(scene.meshes), 8, 3))
+    boxes = np.zeros((len(scene.meshes), 2, 3))
     for i in np.flatnonzero(filled):
-        box = _box(scene.meshes[i])
-        corners[i] = np.array(
-            [[box[a, 0], box[b, 1], box[c, 2]] for a in (0, 1) for b in (0, 1) for c in (0, 1)]
-        )
+        boxes[i] = _box(scene.meshes[i])
     shown = filled[instances.mesh] if len(instances.mesh) else np.zeros(0, bool)
-    matrices = instances.matrix[shown]
-    world = (
-        np.einsum("ijk,ick->icj", matrices[:, :3, :3], corners[instances.mesh[shown]])
-        + matrices[:, None, :3, 3]
-    )
-    return np.stack([world.min(axis=1), world.max(axis=1)], axis=1)
+    matrices, local = instances.matrix[shown], boxes[instances.mesh[shown]]
+    # What turns a box: it reaches as far from its middle as its half sides do together.
+    turns = matrices[:, :3, :3]
+    middle = (turns @ local.mean(axis=1)[:, :, None])[..., 0] + matrices[:, :3, 3]
+    half = (np.abs(turns) @ (0.5 * (local[:, 1] - local[:, 0]))[:, :, None])[..., 0]
+    return np.stack([middle - half, middle + half], axis=1)
 
 
 def _box(mesh: Mesh) -> NDArray[np.float64]:

@@ -58,7 +58,12 @@ def displaced(
         normals.vertices,
     )
     add_mesh_shading(renderer, 0, with_old)
-    renderer.add_instance(0, np.ascontiguousarray(matrix, np.float64), [0])
+    renderer.add_instances(
+        np.zeros(1, np.uint32),
+        np.ascontiguousarray(matrix, np.float64)[None],
+        np.zeros(1, np.uint32),
+        [[0]],
+    )
     for attribute in attributes:
         renderer.add_instance_attribute(attribute.id, attribute.values)
     renderer.set_shading_view(

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..scene import ALL_GROUPS, ALL_RAYS, NO_LIGHT_GROUP, TERMINATOR_OFFSET, Scene
+from ..scene import Scene
 
 if TYPE_CHECKING:
     from photon_splat_native import Renderer
@@ -16,48 +16,37 @@ if TYPE_CHECKING:
 def add_instances(renderer: Renderer, scene: Scene) -> None:
     """After the meshes and materials that they refer to. Warns of what a scale of 0 flattens."""
     instances = scene.instances
-    material_sets = [[int(m) for m in s] for s in scene.material_sets]
-    matrices = np.ascontiguousarray(instances.matrix, np.float64)
-    flat = find_flat(scene)
-    count = len(flat)
-    groups = np.zeros(count, int) if instances.group is None else instances.group
-    lit = [ALL_GROUPS] * count if instances.lit_groups is None else instances.lit_groups.tolist()
-    blockers = [ALL_GROUPS] * count if instances.blockers is None else instances.blockers.tolist()
-    light_groups = (
-        [NO_LIGHT_GROUP] * count
-        if instances.light_group is None
-        else instances.light_group.tolist()
-    )
-    seen_by = [ALL_RAYS] * count if instances.seen_by is None else instances.seen_by.tolist()
-    holdout = [False] * count if instances.holdout is None else instances.holdout.tolist()
-    catcher = [False] * count if instances.catcher is None else instances.catcher.tolist()
-    offset = (
-        [TERMINATOR_OFFSET] * count
-        if instances.terminator_offset is None
-        else instances.terminator_offset.tolist()
-    )
     # Of surfaces that coincide rays meet the one that was added first; Cycles shows the object that
     # comes last.
-    for i in _order(flat):
-        materials = material_sets[int(instances.material_set[i])]
-        linking = (int(groups[i]), lit[i], blockers[i], light_groups[i])
-        renderer.add_instance(
-            int(instances.mesh[i]),
-            matrices[i],
-            materials,
-            *linking,
-            seen_by[i],
-            holdout[i],
-            offset[i],
-            catcher[i],
-        )
-        if instances.density is not None and instances.density[i] != 1.0:
-            renderer.set_density(float(instances.density[i]))
-        if int(i) in instances.motion:
-            renderer.set_motion(np.ascontiguousarray(instances.motion[int(i)], np.float64))
+    order = _order(find_flat(scene))
+
+    def of(values: NDArray[Any], kind: Any) -> NDArray[Any]:
+        return np.ascontiguousarray(values[order], kind)
+
+    def some(values: NDArray[Any] | None, kind: Any) -> NDArray[Any] | None:
+        return None if values is None else of(values, kind)
+
+    renderer.add_instances(
+        of(instances.mesh, np.uint32),
+        of(instances.matrix, np.float64),
+        of(instances.material_set, np.uint32),
+        [[int(m) for m in materials] for materials in scene.material_sets],
+        groups=some(instances.group, np.uint8),
+        lit_groups=some(instances.lit_groups, np.uint64),
+        blockers=some(instances.blockers, np.uint64),
+        light_groups=some(instances.light_group, np.int16),
+        seen_by=some(instances.seen_by, np.uint32),
+        holdouts=some(instances.holdout, np.bool_),
+        terminator_offsets=some(instances.terminator_offset, np.float32),
+        catchers=some(instances.catcher, np.bool_),
+        densities=some(instances.density, np.float32),
+    )
+    for at in np.flatnonzero(np.isin(order, list(instances.motion))):
+        steps = instances.motion[int(order[at])]
+        renderer.set_motion(int(at), np.ascontiguousarray(steps, np.float64))
     for attribute in instances.attributes:
         renderer.add_instance_attribute(
-            attribute.id, np.ascontiguousarray(attribute.values[_order(flat)], np.float32)
+            attribute.id, np.ascontiguousarray(attribute.values[order], np.float32)
         )
 
 

@@ -31,14 +31,14 @@ using Rgb3 = std::array<float, 3>;
 inline Rgb to_rgb(const Rgb3& c) { return {c[0], c[1], c[2]}; }
 
 // The upper three rows, relative to the renderer's origin.
-inline std::array<double, 12> relative_rows(const Matrix& matrix, const double origin[3]) {
+inline std::array<double, 12> relative_rows(const double* matrix, const double origin[3]) {
   std::array<double, 12> rows;
-  std::copy_n(matrix.data(), 12, rows.begin());
+  std::copy_n(matrix, 12, rows.begin());
   for (int i = 0; i < 3; ++i) rows[4 * i + 3] -= origin[i];
   return rows;
 }
 inline Affine relative(const Matrix& matrix, const double origin[3]) {
-  const auto rows = relative_rows(matrix, origin);
+  const auto rows = relative_rows(matrix.data(), origin);
   Affine out;
   for (int i = 0; i < 12; ++i) out.m[i] = static_cast<float>(rows[i]);
   return out;
@@ -60,6 +60,7 @@ void bind_geometry(nanobind::module_& m, RendererClass& renderer);
 void bind_strands(RendererClass& renderer);
 // Volume grids.
 void bind_grids(RendererClass& renderer);
+void bind_instances(RendererClass& renderer);
 // Lamps, light groups, world, skies and suns.
 void bind_lights(nanobind::module_& m, RendererClass& renderer);
 void bind_camera(RendererClass& renderer);

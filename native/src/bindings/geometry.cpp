@@ -1,4 +1,4 @@
-// Textures, materials, meshes and instances: numpy's arrays are copied, checked by all threads.
+// Textures, materials and meshes: numpy's arrays are copied, checked by all threads.
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
@@ -186,28 +186,6 @@ MaterialSide make_side(const Renderer& r, const nb::tuple& t) {
   return side;
 }
 
-uint32_t add_instance(Renderer& r, uint32_t mesh, Matrix matrix, std::vector<int32_t> materials,
-                      int group, uint64_t lit_groups, uint64_t blockers, int16_t light_group,
-                      RayMask seen_by, bool holdout, float terminator_offset, bool catcher) {
-  const auto rows = relative_rows(matrix, r.scene.origin);
-  for (double d : rows)
-    if (!std::isfinite(d))
-      throw std::invalid_argument("an instance has a matrix that is not finite");
-  if (group < 0 || group > 63)
-    throw std::invalid_argument("an instance has a group of light linking beyond 0..63");
-  r.scene.add_instance(mesh, rows, materials);
-  Instance& added = r.scene.instances.back();
-  added.group = uint64_t{1} << group;
-  added.lit_groups = lit_groups;
-  added.blockers = blockers;
-  added.light_group = light_group;
-  added.seen_by = seen_by;
-  added.holdout = holdout;
-  added.terminator_offset = terminator_offset;
-  added.catcher = catcher;
-  return static_cast<uint32_t>(r.scene.instances.size() - 1);
-}
-
 std::vector<std::tuple<uint32_t, uint32_t, float>> coincident(const Renderer& r) {
   nb::gil_scoped_release release;
   std::vector<std::tuple<uint32_t, uint32_t, float>> found;
@@ -264,17 +242,6 @@ void bind_geometry(nb::module_& m, RendererClass& renderer) {
           "(T, 3, 3) float32 or None; uv: (T, 3, 2) float32 or None; slots: (T,) uint16 material slots or None;\n"
           "vertex_normals: (V, 3) float32 instead of corner_normals. Returns the mesh's index. ValueError for shapes that\n"
           "do not fit, vertices that do not exist or are not finite.")
-      .def(
-          "add_instance", &add_instance, "mesh"_a, "matrix"_a, "materials"_a, "group"_a = 0,
-          "lit_groups"_a = ~uint64_t{0}, "blockers"_a = ~uint64_t{0},
-          "light_group"_a = kNoLightGroup, "seen_by"_a = kAllRays, "holdout"_a = false,
-          "terminator_offset"_a = 0.1f, "catcher"_a = false,
-          "matrix: (4, 4) float64, to the world; materials: index of a material for each slot. For light linking: group\n"
-          "0..63, and as an emitter bits of the groups it lights (lit_groups) and of those that block it (blockers).\n"
-          "light_group: index, -1 for none; seen_by: bits of the kinds of rays that meet it; holdout: a hole in the\n"
-          "picture; terminator_offset: cosine below which shadow rays start off the surface that smooth normals promise,\n"
-          "0: nowhere; catcher: shows the camera what other things take from its light, and no more. Returns the instance's\n"
-          "index. After its mesh and materials.")
       .def(
           "coincident_surfaces", &coincident,
           "Opaque surfaces that lie exactly in each other, in view or beside it, in a built scene, as (instance, instance\n"

@@ -30,13 +30,6 @@ void add_mesh_grid(Renderer& r, uint32_t mesh, uint32_t attribute, uint32_t grid
   r.scene.meshes[mesh].grids.push_back({attribute, r.scene.grids[grid]});
 }
 
-void set_density(Renderer& r, float density) {
-  if (r.scene.instances.empty()) throw std::invalid_argument("a density is that of no instance");
-  if (!(density >= 0) || !std::isfinite(density))
-    throw std::invalid_argument("an instance has a density that is negative or not finite");
-  r.scene.instances.back().density = density;
-}
-
 }  // namespace
 
 void bind_grids(RendererClass& renderer) {
@@ -48,9 +41,7 @@ void bind_grids(RendererClass& renderer) {
           "values: (B, 512, 1, 3 or 4) float32, z fastest; background: value where there is no brick. Returns the\n"
           "grid's index. ValueError for what does not fit or is not finite.")
       .def("add_mesh_grid", &add_mesh_grid, "mesh"_a, "attribute"_a, "grid"_a,
-           "Programs of the medium within a mesh read this grid by that id.")
-      .def("set_density", &set_density, "density"_a,
-           "Of the instance added last: coefficients of its medium over what programs say.");
+           "Programs of the medium within a mesh read this grid by that id.");
 }
 
 }  // namespace photon_splat

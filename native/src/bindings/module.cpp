@@ -22,6 +22,7 @@ NB_MODULE(photon_splat_native, m) {
   bind_geometry(m, renderer);
   bind_strands(renderer);
   bind_grids(renderer);
+  bind_instances(renderer);
   bind_lights(m, renderer);
   bind_camera(renderer);
   bind_motion(renderer);

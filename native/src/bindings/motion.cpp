@@ -116,12 +116,10 @@ void bind_motion(RendererClass& renderer) {
           "that the shutter is open; an odd number, of which the middle one is the mesh, instance or camera as it was added.")
       .def(
           "set_motion",
-          [](Renderer& r, Matrices matrices) {
-            if (r.scene.instances.empty())
-              throw std::invalid_argument("there is no instance that could move");
-            r.scene.set_motion(relative(r, matrices));
+          [](Renderer& r, uint32_t instance, Matrices matrices) {
+            r.scene.set_motion(instance, relative(r, matrices));
           },
-          "matrices"_a, "(S, 4, 4) float64, to the world, of the instance that was added last.")
+          "instance"_a, "matrices"_a, "(S, 4, 4) float64, to the world.")
       .def(
           "set_mesh_motion", &set_mesh_motion, "mesh"_a, "positions"_a,
           "corner_normals"_a = nb::none(), "vertex_normals"_a = nb::none(),

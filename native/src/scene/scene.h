@@ -68,7 +68,7 @@ class Scene {
 
   // Sets the transform of the instance added last at steps of the shutter, an odd number of them,
   // relative to `origin`; the middle one is that of add_instance().
-  void set_motion(std::span<const Affine> steps);
+  void set_motion(uint32_t instance, std::span<const Affine> steps);
 
   // Patches, world-space meshes and the acceleration structure. Stops with Cancelled.
   void build(const CancelFlag& cancel);

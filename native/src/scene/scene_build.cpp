@@ -160,10 +160,12 @@ void Scene::add_instance(uint32_t mesh, const std::array<double, 12>& exact,
   instances.push_back(instance);
 }
 
-void Scene::set_motion(std::span<const Affine> steps) {
+void Scene::set_motion(uint32_t instance, std::span<const Affine> steps) {
+  if (instance >= instances.size())
+    throw std::invalid_argument("there is no instance that could move");
   if (steps.size() < 3 || steps.size() % 2 == 0)
     throw std::invalid_argument("an instance's motion has no step in its middle");
-  instances.back().motion = static_cast<int32_t>(motions.size());
+  instances[instance].motion = static_cast<int32_t>(motions.size());
   motions.emplace_back(steps);
 }
 

@@ -43,12 +43,14 @@ std::array<double, 12> exact(const Affine& a) {
   return out;
 }
 
+uint32_t last(const Scene& scene) { return static_cast<uint32_t>(scene.instances.size() - 1); }
+
 // A scene of one mesh that moves.
 void fill_moving(Scene& scene, Mesh mesh, std::vector<Affine> steps) {
   scene.materials.resize(1);
   scene.meshes.push_back(padded(std::move(mesh)));
   scene.add_instance(0, exact(steps[steps.size() / 2]), {0});
-  scene.set_motion(steps);
+  scene.set_motion(last(scene), steps);
   scene.shutter.set({}, -1);
   scene.build(CancelFlag());
 }
@@ -301,7 +303,8 @@ TEST_CASE("still surfaces take no notice of what moves, but know that it comes b
   low[11] = -1;
   scene.add_instance(0, low, {0});
   scene.add_instance(0, identity, {0});
-  scene.set_motion(std::vector<Affine>{moved({-4, 0, 0}), moved({0, 0, 0}), moved({4, 0, 0})});
+  scene.set_motion(last(scene),
+                   std::vector<Affine>{moved({-4, 0, 0}), moved({0, 0, 0}), moved({4, 0, 0})});
   scene.build(CancelFlag());
   const Vec3 above{0.5f, 0.4f, 1}, down{0, 0, -1};
   Surface s;
@@ -322,5 +325,5 @@ TEST_CASE("what does not move asks for no time") {
   fill(scene, make_grid(1), {identity});
   CHECK_FALSE(scene.moves());
   CHECK_FALSE(scene.moves(0));
-  CHECK_THROWS_AS(scene.set_motion(std::vector<Affine>(2)), std::invalid_argument);
+  CHECK_THROWS_AS(scene.set_motion(last(scene), std::vector<Affine>(2)), std::invalid_argument);
 }
