@@ -37,6 +37,8 @@ def reader_of(want: Want, depsgraph: Any, of_nodes: InstanceAttributes) -> Reade
         return _INFO[want.name]
     if want.kind == "particle":
         return partial(_particle, name=want.name, depsgraph=depsgraph)
+    if want.kind == "object" and want.name == "color":
+        return _color
     return partial(_property, want=want, of_nodes=of_nodes)
 
 

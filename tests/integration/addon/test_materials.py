@@ -357,14 +357,19 @@ def test_only_what_programs_ask_for_is_exported() -> None:
     assert what.meshes[0].shading.generated is None
 
 
+@pytest.mark.parametrize("by", ["ObjectInfo", "Attribute"])
 @in_blender
-def test_instances_have_the_colour_of_what_makes_them() -> None:
+def test_instances_have_the_colour_of_what_makes_them(by: str) -> None:
     """As in Cycles: of the outermost of all that make them; their index is their own."""
     import bpy
 
     made, tree = stage.empty_material("Asks")
-    shader, info = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("Emission", "ObjectInfo"))
-    tree.links.new(info.outputs["Color"], shader.inputs["Color"])
+    shader, info, asked = (
+        tree.nodes.new(f"ShaderNode{kind}") for kind in ("Emission", "ObjectInfo", by)
+    )
+    if by == "Attribute":
+        asked.attribute_type, asked.attribute_name = "OBJECT", "color"
+    tree.links.new(asked.outputs["Color"], shader.inputs["Color"])
     tree.links.new(info.outputs["Object Index"], shader.inputs["Strength"])
     stage.surface(tree, shader)
 
