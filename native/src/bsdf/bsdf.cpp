@@ -219,6 +219,14 @@ Rgb Bsdf::diffuse_albedo() const {
   return same + through + below_weight();
 }
 
+Rgb Bsdf::diffuse_share(const BsdfSample& s) const {
+  if (!has_rest() || !(s.pdf > 0)) return s.diffuse ? Rgb{1, 1, 1} : Rgb{};
+  float pdf;
+  Rgb diffuse;
+  const Rgb whole = evaluate(s.direction, &pdf, nullptr, &diffuse);
+  return divided(diffuse, whole);
+}
+
 float Bsdf::scale_of_flux(const Vec3& wi) const {
   return std::abs(dot(wi, view_.ng)) / std::max(std::abs(dot(view_.wo, view_.ng)), 1e-6f);
 }

@@ -180,6 +180,9 @@ class Bsdf {
   // For who has no use for samples of lobes that are not sharp: draws others only, whose weights
   // are as much smaller as they are more.
   std::optional<BsdfSample> sample_sharp(float choice, const Vec2& u) const;
+  // The part of diffuse-like lobes in what all lobes scatter the way of a sample. Where they are
+  // gathered sample() draws others more often: a ray then counts by these parts, not by its lobe.
+  Rgb diffuse_share(const BsdfSample& s) const;
 
  private:
   // A closure kept to be expanded again for another direction: `size` bytes of it follow.

@@ -74,13 +74,7 @@ bool CameraTracer::scatter(Path& path, const Surface& hit, const Bsdf& bsdf,
   const bool shares = lights_.environment().asks_ray() || lights_.hide_from_some();
   if (shares) {
     path.before = path.info;
-    path.diffuse_share = s->diffuse ? Rgb{1, 1, 1} : Rgb{};
-    if (bsdf.has_rest() && s->pdf > 0) {
-      float pdf;
-      Rgb by_diffuse;
-      const Rgb whole_way = bsdf.evaluate(s->direction, &pdf, nullptr, &by_diffuse);
-      path.diffuse_share = divided(by_diffuse, whole_way);
-    }
+    path.diffuse_share = bsdf.diffuse_share(*s);
   }
   const Rgb before = path.throughput, world_before = path.world_throughput;
   path.throughput = !goes_on                      ? Rgb{}

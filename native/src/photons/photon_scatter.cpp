@@ -16,16 +16,6 @@ RayInfo::Kind kind_of(const BsdfSample& s) {
   return s.transmitted ? RayInfo::kTransmission : s.diffuse ? RayInfo::kDiffuse : RayInfo::kGlossy;
 }
 
-// Of what the lobes send that way together.
-Rgb diffuse_share(const Bsdf& bsdf, const BsdfSample& s) {
-  if (!bsdf.has_rest() || !(s.pdf > 0)) return s.diffuse ? Rgb{1, 1, 1} : Rgb{};
-  float pdf;
-  Rgb diffuse;
-  const Rgb whole = bsdf.evaluate(s.direction, &pdf, nullptr, &diffuse);
-  return {whole.x != 0 ? diffuse.x / whole.x : 0, whole.y != 0 ? diffuse.y / whole.y : 0,
-          whole.z != 0 ? diffuse.z / whole.z : 0};
-}
-
 }  // namespace
 
 // A kind of ray, most often `first`, which is of shadows straight from a lamp alone; *chance: its
@@ -387,7 +377,7 @@ bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const Phot
       return false;
   }
   if (direct && (start.asks_ray || start.seen_by != kAllRays)) {
-    const Rgb diffuse = caustic ? Rgb{} : diffuse_share(bsdf, *s), rest = Rgb{1, 1, 1} - diffuse;
+    const Rgb diffuse = caustic ? Rgb{} : bsdf.diffuse_share(*s), rest = Rgb{1, 1, 1} - diffuse;
     path.power *= (start.seen_by & lobe_rays(true, s->transmitted) ? diffuse : Rgb{}) +
                   (start.seen_by & lobe_rays(false, s->transmitted) ? rest : Rgb{});
     if (!light_up_by_ray(path, start, diffuse, s->transmitted, s->pdf <= 0)) return false;
