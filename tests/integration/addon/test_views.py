@@ -91,8 +91,9 @@ def test_eyes_all_around() -> None:
 
 
 @in_blender
-def test_blender_gets_each_view_and_a_warning_once(tmp_path: str) -> None:
+def test_blender_gets_each_view(tmp_path: str) -> None:
     import bpy
+    import OpenImageIO as oiio
 
     scene = _room()
     scene.render.use_multiview = True
@@ -103,11 +104,8 @@ def test_blender_gets_each_view_and_a_warning_once(tmp_path: str) -> None:
     wanted = _combined()
     bpy.ops.render.render(write_still=True)
     for suffix, picture in zip(("L", "R"), wanted, strict=True):
-        shown = bpy.data.images.load(f"{tmp_path}/both_{suffix}.exr")
-        shown.colorspace_settings.name = "Non-Color"
-        pixels = np.empty(12 * 12 * 4, np.float32)
-        shown.pixels.foreach_get(pixels)
-        assert np.allclose(pixels.reshape(12, 12, 4), picture, atol=1e-6)
+        pixels = oiio.ImageBuf(f"{tmp_path}/both_{suffix}.exr").get_pixels(oiio.FLOAT)
+        assert np.allclose(pixels[::-1, :, :4], picture, atol=1e-6)
 
 
 @in_blender
