@@ -135,15 +135,15 @@ def render_layers(
 def _names(scene: Any, count: int) -> list[str]:
     """Of `count` results: view layers, and of each its views; the first view is not named."""
     render = scene.render
-    views = [view.name for view in render.views if view.use] if render.use_multiview else [""]
-    if render.use_multiview and render.views_format == "STEREO_3D":
-        views = [name for name in views if name in ("left", "right")]
+    views = [""]
+    if render.use_multiview:
+        used = [view.name for view in render.views if view.use]
+        eyes = [name for name in used if name in ("left", "right")]
+        views = (eyes if render.views_format == "STEREO_3D" else used) or views
     names = [layer.name for layer in scene.view_layers if layer.use]
     names += [f"Layer {i}" for i in range(len(names), -(-count // len(views)))]
     return [
-        ".".join((name, *views[number : number + 1])) if number else name
-        for name in names
-        for number in range(len(views))
+        f"{name}.{view}" if number else name for name in names for number, view in enumerate(views)
     ][:count]
 
 

@@ -100,8 +100,8 @@ class Ending:
         been kept for that one, caution and all.
         """
         for quality in reversed(Quality):
-            caution = 1.0 if quality <= reserved else CAUTION
-            if caution * self.denoising_seconds(runs(quality)) <= CAUTION * seconds:
+            given = CAUTION * seconds if quality <= reserved else seconds
+            if self.denoising_seconds(runs(quality)) <= given:
                 return quality
         return Quality.FAST
 

@@ -139,8 +139,9 @@ class Worker(threading.Thread):
         if self.want_interim and self.interim is None and self.passes_done < self.passes_wanted:
             self.interim = interim_passes(self.renderer, self.wanted, self.scene)
         self.pass_finished.set()
-        if converged or size.samples < 1.0 or not self.settings.time_limit:
-            return not converged and size.samples >= 1.0
+        last = converged or size.samples < 1.0
+        if last or not self.settings.time_limit:
+            return not last
         pilot = self.renderer.pilot_seconds - pilot
         now, took = self._stage_seconds(), time.monotonic() - began - pilot
         photons = min(max(now.photons - before.photons - pilot, 0.0), took)

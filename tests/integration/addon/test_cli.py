@@ -44,6 +44,11 @@ def _save_scenes(folder: str) -> None:
     scene.render.use_multiview = True
     scene.camera.data.stereo.interocular_distance = 0.8
     save("stereo")
+    for view in scene.render.views:
+        view.use = False
+    save("no_view")
+    for view in scene.render.views:
+        view.use = True
     scene.render.use_multiview = False
     stage.portal()
     scene.view_layers.new("Second")
@@ -440,6 +445,8 @@ def test_views_are_in_one_file(scenes: Path, tmp_path: Path) -> None:
     left, right = (pixels[..., names.index(name)] for name in ("R", "ViewLayer.right.Combined.R"))
     assert left.mean() > 0
     assert not np.array_equal(left, right)
+    assert _render(tmp_path, scenes / "no_view.blend", "-o", "none.exr")[0] == 0
+    assert _picture(tmp_path / "none.exr")[1].any()
     status, errors = _render(
         tmp_path, scenes / "stereo.blend", "-o", "part.exr", "--part", "1/2", "--seed", "7"
     )
