@@ -17,12 +17,15 @@ from .denoise_result import runs_of_result
 from .ending import Ending
 from .error_limit import FEWEST_PASSES_TO_STOP, next_estimate, share_of_most
 from .final_film import final_arrays, interim_passes
-from .pass_size import PassSize, pass_that_fits
+from .pass_size import FEWEST_PHOTONS, PassSize, pass_that_fits
 from .persistent import Start
 from .record import Record
 from .result import Passes, Progress, channels_of_arrays
 from .settings import Backend, Integrator, RenderSettings
 from .splatter import CpuSplatter, ExternalSplatter, Splatter, SplatterFailed
+
+OF_LEARNING = 0.15
+"""Of the time that is left, for what a part learns before its passes."""
 
 
 class Worker(threading.Thread):
@@ -92,6 +95,8 @@ class Worker(threading.Thread):
         arrays = final_arrays(self.wanted, self.settings, self.scene)
         self._prepare(arrays)
         self.record.built(self.renderer, self.data)
+        if self.settings.integrator is Integrator.SPLAT and not self.record.part.whole:
+            self._learn_in_common()
         self.stage = "Rendering"
         more = True
         while more and self.passes_done < self.passes_wanted:
@@ -148,6 +153,21 @@ class Worker(threading.Thread):
         seconds = PassSize(min(now.samples - before.samples, took - photons), photons)
         return self._another_fits(took, seconds, size)
 
+    def _learn_in_common(self) -> None:
+        """What a part does before its passes; it tells how much of the first one there is time
+        for.
+        """
+        self.stage = "Learning"
+        seconds = PassSize(
+            *self.renderer.learn_in_common(
+                OF_LEARNING * self._seconds_to_limit(), self._splatter_elsewhere()
+            )
+        )
+        if not self.settings.time_limit:
+            return
+        if not self._another_fits(sum(seconds), seconds, PassSize(1.0, 1.0)):
+            self.renderer.limit_pass(1.0, FEWEST_PHOTONS)
+
     def _stage_seconds(self) -> PassSize:
         return PassSize(self.renderer.camera_seconds, self.renderer.photon_seconds)
 
@@ -157,8 +177,12 @@ class Worker(threading.Thread):
         """
         wanted = PassSize(*self.renderer.next_pass)
         left = self._seconds_left(wanted.samples)
-        adaptive = self.settings.adaptive_samples and self.settings.integrator is Integrator.SPLAT
-        fitting = pass_that_fits(left, took, seconds, last, wanted, may_lack_pixels=adaptive)
+        may_lack = (
+            self.settings.adaptive_samples
+            and self.settings.integrator is Integrator.SPLAT
+            and self.passes_done > 0
+        )
+        fitting = pass_that_fits(left, took, seconds, last, wanted, may_lack_pixels=may_lack)
         if fitting is None:
             return False
         if fitting != wanted:
@@ -198,21 +222,23 @@ class Worker(threading.Thread):
 
     def _splat_pass(self, number: int) -> None:
         seconds = self._seconds_left(self.renderer.next_pass[0])
+        self.renderer.render_pass(number, seconds=seconds, splatter=self._splatter_elsewhere())
+
+    def _splatter_elsewhere(self) -> ExternalSplatter | None:
+        """The GPU's, for the native side; the CPU's is there."""
         if self.splatter.backend == Backend.CPU:
-            return self.renderer.render_pass(number, seconds=seconds)
+            return None
 
         def failed(failure: SplatterFailed) -> None:
             self.warnings.append(
-                f"The GPU splatter failed in pass {number + 1} ({failure}); the CPU splatter has "
-                "done the rest."
+                f"The GPU splatter failed in pass {self.passes_done + 1} ({failure}); the CPU "
+                "splatter has done the rest."
             )
             self.splatter.close()
             gpu_context.submit(gpu_context.discard)
             self.splatter = CpuSplatter(self.renderer)
 
-        return self.renderer.render_pass(
-            number, seconds=seconds, splatter=ExternalSplatter(self.splatter, failed)
-        )
+        return ExternalSplatter(self.splatter, failed)
 
     def _estimate_error(self) -> bool:
         """Estimates the error now and then. Returns whether it is small enough to end the

@@ -41,6 +41,14 @@ void render_pass(Renderer& r, uint32_t pass, double seconds, uint64_t paths_per_
   r.render_pass(pass, {seconds, paths_per_batch}, elsewhere ? &*elsewhere : nullptr);
 }
 
+std::pair<double, double> learn_in_common(Renderer& r, double seconds, nb::object splatter) {
+  std::optional<PythonSplatter> elsewhere;
+  if (!splatter.is_none()) elsewhere.emplace(std::move(splatter));
+  nb::gil_scoped_release release;
+  const Renderer::PassSize of_one = r.learn_in_common(seconds, elsewhere ? &*elsewhere : nullptr);
+  return {of_one.samples, of_one.photons};
+}
+
 nb::dict bench(Renderer& r, uint64_t paths) {
   TracerBench result;
   {
@@ -142,6 +150,12 @@ void bind_render(nb::module_& m, RendererClass& renderer) {
           "object whose begin_pass(), add_photons() and finish_pass() splat elsewhere what this holds (photon_count,\n"
           "photon_runs(), point_atlas(), set_sums()); False from one of them: it cannot go on, and its photons are\n"
           "splatted here. Raises what it raises, and Cancelled.")
+      .def(
+          "learn_in_common", &learn_in_common, "seconds"_a = INFINITY, "splatter"_a = nb::none(),
+          "Before the first pass of a part of a picture, which else begins with it: passes that only teach what all\n"
+          "parts have in common, smaller ones where `seconds` do not suffice, but with a sample of each pixel. Returns\n"
+          "the seconds of such a sample of all pixels, and of a first pass' photons; zeros where nothing was to be done.\n"
+          "splatter: as render_pass(). Raises what it raises.")
       .def(
           "trace_reference", &Renderer::trace_reference, "sample"_a, released,
           "One sample per pixel of the path tracer that needs no photons, instead of a pass. Raises Cancelled.")

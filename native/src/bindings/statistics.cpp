@@ -114,8 +114,7 @@ void bind_statistics(RendererClass& renderer) {
           "camera_seconds", [](const Renderer& r) { return r.seconds().camera; },
           "Of the stages' seconds: those that camera samples took.")
       .def_prop_ro(
-          "photon_seconds",
-          [](const Renderer& r) { return r.seconds().photons + r.seconds().splat; },
+          "photon_seconds", [](const Renderer& r) { return r.seconds().with_photons(); },
           "Likewise: photons.")
       .def_prop_ro(
           "pilot_seconds", [](const Renderer& r) { return r.seconds().pilot; },

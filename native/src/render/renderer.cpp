@@ -13,11 +13,12 @@ constexpr uint64_t kKeptPathsPerBatch = 1 << 18;
 constexpr uint64_t kBatchesElsewhere = 8, kFewestPathsElsewhere = 1 << 14;
 // Of a part, before its own ones: radii and samples have been chosen twice or three times by then
 constexpr uint32_t kCommonPasses = 4;
+constexpr double kFewestInCommon = 0.25;  // of the photons that such a pass wants
 
 }  // namespace
 
 void Renderer::render_pass(uint32_t pass, const PassLimits& limits, ExternalSplatter* elsewhere) {
-  if (!begun_ && !options.part.whole()) learn_in_common(elsewhere);
+  learn_in_common(INFINITY, elsewhere);
   begun_ = true;
   PassClock clock(limits.seconds);
   const double before = seconds_.camera;
@@ -72,15 +73,29 @@ bool Renderer::splat_photons(double seconds, uint64_t paths_per_batch_wanted,
   return true;
 }
 
-// Time limits do not count here: it is a pilot, and counts as one.
-void Renderer::learn_in_common(ExternalSplatter* elsewhere) {
+Renderer::PassSize Renderer::learn_in_common(double seconds, ExternalSplatter* elsewhere) {
+  if (begun_ || options.part.whole()) return {0, 0};
   const double began = PassClock::now();
   const StageSeconds before = seconds_;
   const RenderPart part = options.part;
+  PassSize of_one{0, 0};
   options.part = {};
   begun_ = learns_ = true;
   try {
-    for (uint32_t pass = 0; pass < kCommonPasses; ++pass) render_pass(pass, {}, elsewhere);
+    for (uint32_t pass = 0; pass < kCommonPasses; ++pass) {
+      const double share = (seconds - (PassClock::now() - began)) / (kCommonPasses - pass);
+      PassSize size = next_pass();
+      const double fits = share / (of_one.samples * size.samples + of_one.photons * size.photons);
+      if (fits < 1) {
+        limit_pass(
+            {std::max(1.0, fits * size.samples), std::max(fits, kFewestInCommon) * size.photons});
+        size = next_pass();
+      }
+      const StageSeconds so_far = seconds_;
+      render_pass(pass, {}, elsewhere);
+      of_one = {(seconds_.camera - so_far.camera) / size.samples,
+                (seconds_.with_photons() - so_far.with_photons()) / size.photons};
+    }
   } catch (...) {
     options.part = part;
     begun_ = learns_ = false;
@@ -96,6 +111,7 @@ void Renderer::learn_in_common(ExternalSplatter* elsewhere) {
   seconds_ = before;
   seconds_.pilot += took;
   seconds_.photons += took;
+  return of_one;
 }
 
 DataPasses Renderer::data_passes(const DataLabels& labels, DataSettings settings) {

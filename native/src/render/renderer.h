@@ -45,7 +45,11 @@ class Renderer {
   void limit_pass(const PassSize& most);
 
   // A part of a picture (RenderOptions::part) first has passes of no part, which all parts have in
-  // common and which teach photon maps, radii and samples as those of a render do.
+  // common and which teach photon maps, radii and samples as those of a render do. The first pass
+  // does this where it has not been done. Passes get smaller where `seconds` do not suffice, but
+  // have one camera sample in each pixel. Returns the seconds of such a sample and of a first pass'
+  // photons; zeros if nothing was to be done.
+  PassSize learn_in_common(double seconds, ExternalSplatter* elsewhere = nullptr);
 
   // --- the stages of a pass ---
   // Camera samples with their direct light; gather points where photons are wanted.
@@ -126,7 +130,6 @@ class Renderer {
   void read_light_cache();
   void reset_film();
   void finish_pass(bool whole);  // whole: it has samples of all pixels
-  void learn_in_common(ExternalSplatter* elsewhere);
   bool splat_photons(double seconds, uint64_t paths_per_batch, ExternalSplatter* elsewhere);
 
   CancelFlag cancel_;

@@ -15,6 +15,7 @@ namespace photon_splat {
 struct StageSeconds {
   double acceleration = 0, camera = 0, photons = 0, splat = 0, boundary = 0, error = 0;
   double pilot = 0;  // of those: what a render's first pass does beyond any other
+  double with_photons() const { return photons + splat; }
 };
 
 // Adds the seconds of its life to a sum.
