@@ -16,6 +16,9 @@ from numpy.typing import DTypeLike, NDArray
 FEW = 512
 """So few elements are copied without a check: copying them is faster than the check."""
 
+ROWS = 1 << 16
+"""That are gathered at once."""
+
 
 def read(collection: Any, attribute: str, dtype: DTypeLike, width: int = 1) -> NDArray:
     """(n, width) array, or (n,) for width 1, of `attribute` of all n elements of a Blender
@@ -26,6 +29,14 @@ def read(collection: Any, attribute: str, dtype: DTypeLike, width: int = 1) -> N
         return np.empty(shape, dtype)
     view = _view(collection, attribute, np.dtype(dtype), width) if shape[0] > FEW else None
     return read_copy(collection, attribute, dtype, width) if view is None else view.reshape(shape)
+
+
+def gathered(values: NDArray, indices: NDArray) -> NDArray:
+    """values[indices], by rows: numpy turns int32 indices into larger ones, all at once."""
+    result = np.empty((*indices.shape, *values.shape[1:]), values.dtype)
+    for first in range(0, len(indices), ROWS):
+        result[first : first + ROWS] = values[indices[first : first + ROWS]]
+    return result
 
 
 def read_copy(collection: Any, attribute: str, dtype: DTypeLike, width: int = 1) -> NDArray:

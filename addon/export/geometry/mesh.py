@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ...core.native.library import load
 from ...core.scene import Mesh
-from ..arrays import read
+from ..arrays import gathered, read
 from ..report import Report
 
 MAX_SLOT = np.iinfo(np.uint16).max
@@ -39,7 +39,7 @@ def sound_triangles(mesh: Any, name: str, report: Report) -> Triangles | None:
     mesh.calc_loop_triangles()
     positions = read(mesh.vertices, "co", np.float32, 3)
     corners = read(mesh.loop_triangles, "loops", np.int32, 3)
-    vertices = np.take(read(mesh.loops, "vertex_index", np.int32), corners)
+    vertices = gathered(read(mesh.loops, "vertex_index", np.int32), corners)
     kept = sound_part(positions, vertices, name, report)
     if kept is not None:
         if not kept.any():
@@ -151,7 +151,7 @@ def _normals(
     sound = not _far_from_unit(all_normals).any()
     if sound and by_vertex:
         return None, np.array(all_normals)
-    normals = np.take(all_normals, vertices if by_vertex else corners, axis=0)
+    normals = gathered(all_normals, vertices if by_vertex else corners)
     if sound:
         return normals, None
     bad = _far_from_unit(normals)
@@ -184,7 +184,7 @@ def active_uv(mesh: Any, kept: NDArray[np.bool_] | None) -> NDArray[np.float32] 
     corners = read(mesh.loop_triangles, "loops", np.int32, 3)
     if kept is not None:
         corners = corners[kept]
-    uv = np.take(read(layer.uv, "vector", np.float32, 2), corners, axis=0)
+    uv = gathered(read(layer.uv, "vector", np.float32, 2), corners)
     return uv if np.isfinite(uv.sum()) else np.nan_to_num(uv, nan=0.0, posinf=0.0, neginf=0.0)
 
 
@@ -196,6 +196,6 @@ def _slots(mesh: Any, kept: NDArray | None) -> NDArray[np.uint16] | None:
     if not per_face.any():
         return None
     slots = np.clip(
-        np.take(per_face, read(mesh.loop_triangle_polygons, "value", np.int32)), 0, MAX_SLOT
+        gathered(per_face, read(mesh.loop_triangle_polygons, "value", np.int32)), 0, MAX_SLOT
     ).astype(np.uint16)
     return slots if kept is None else slots[kept]
