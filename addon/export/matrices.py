@@ -19,22 +19,24 @@ class Matrices:
     """
 
     def __init__(self, depsgraph: Any) -> None:
-        found = np.empty((1024, 4, 4))
-        own: NDArray[np.float64] | None = None
-        count = 0
-        for count, instance in enumerate(depsgraph.object_instances, 1):
-            if count > len(found):
-                found = np.concatenate([found, np.empty_like(found)])
-            found[count - 1] = instance.matrix_world
-            if count == 1 and instance.is_instance:
-                own = np.array(instance.object.matrix_world, np.float64)
-            if count == 2 and own is not None:
-                if not instance.is_instance and np.array_equal(found[0], found[1]):
-                    found[0] = own
-                own = None
-        self._all = found[:count]
-        self.ordinary: list[bool] = ordinary(self._all).tolist()
+        instances = depsgraph.object_instances
+        flat = np.empty(16 * len(instances), np.float32)
+        instances.foreach_get("matrix_world", flat)
+        # Blender keeps them by columns.
+        self.all = flat.reshape(-1, 4, 4).transpose(0, 2, 1).astype(np.float64, order="C")
+        if len(self.all) > 1 and np.array_equal(self.all[0], self.all[1]):
+            self._mend_first(instances)
+        self.ordinary: list[bool] = ordinary(self.all).tolist()
         """Where is_flat() would find nothing."""
 
+    def _mend_first(self, instances: Any) -> None:
+        for place, instance in enumerate(instances):
+            if instance.is_instance != (place == 0):
+                return
+            if place == 1:
+                break
+            own = np.array(instance.object.matrix_world, np.float64)
+        self.all[0] = own
+
     def of(self, place: int) -> NDArray[np.float64]:
-        return self._all[place]
+        return self.all[place]

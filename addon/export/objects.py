@@ -28,7 +28,7 @@ from .materials import Materials, Shading, grid_interpolation
 from .matrices import Matrices
 from .motion import Moving
 from .nodes.node import Wants
-from .repeats import Repeat, Repeats
+from .repeats import Repeats
 from .visibility import FLAGS, Visibility, report_unsupported, terminator_offset
 
 SEEING_RAYS = sum(FLAGS.values())
@@ -88,6 +88,7 @@ class Objects:
         linking = Linking(depsgraph, self._report)
         visibility = Visibility(view_layer)
         repeats, matrices = Repeats(), Matrices(depsgraph)
+        self._rows.of_graph = matrices.all
         plain = self._moving is None and self._labelled is None
         for place, instance in enumerate(depsgraph.object_instances):
             ob = instance.object
@@ -98,11 +99,10 @@ class Objects:
             if known is None or place % LOOKS == 0:
                 self._shading.around.watch.go_on()
             if known is not None:
-                matrix = matrices.of(place)
                 if plain and matrices.ordinary[place]:
-                    self._rows.repeat(place, known.placed, matrix, known.traits)
+                    self._rows.repeat(place, known, instance.random_id)
                 else:
-                    self._repeat(place, instance, matrix, known)
+                    self._repeat(place, instance, matrices.of(place), known)
                 continue
             kind = ob.type
             if kind in {"MESH", "VOLUME"} or kind in STRANDS:
@@ -124,10 +124,10 @@ class Objects:
                     terminator_offset=terminator_offset(ob, "geometry"),
                 )
                 self._describe(place, instance, rows, traits)
-                placed = self._rows.placed[rows.start]
+                mesh, _ = self._rows.placed(rows.start)
                 # neither flattened nor displaced
-                if len(rows) == 1 and kind == "MESH" and placed[0] == self._shapes.of_mesh(ob):
-                    repeats.keep(key, ob, Repeat(placed, traits))
+                if len(rows) == 1 and kind == "MESH" and mesh == self._shapes.of_mesh(ob):
+                    repeats.keep(key, ob, self._rows.kinds[rows.start])
             elif kind == "LIGHT":
                 if instance.show_self:
                     self._add_light(ob, matrices.of(place), linking)
@@ -141,26 +141,30 @@ class Objects:
     def _describe(self, place: int, instance: Any, rows: range, traits: Traits) -> None:
         """Of an instance of the graph that has become these rows."""
         for row in rows:
-            self._add_moving(instance, row)
-            if self._labelled is not None:
-                self._labelled.add(instance.object)
             self._rows.describe(place, traits)
+            self._follow(instance, row)
 
-    def _repeat(
-        self, place: int, instance: Any, matrix: NDArray[np.float64], known: Repeat
-    ) -> None:
+    def _follow(self, instance: Any, row: int) -> None:
+        self._add_moving(instance, row)
+        if self._labelled is not None:
+            self._labelled.add(instance.object)
+
+    def _repeat(self, place: int, instance: Any, matrix: NDArray[np.float64], kind: int) -> None:
         """Places the mesh of an earlier instance, whose matrix may flatten it."""
-        ob, row, (mesh, materials) = instance.object, len(self._rows), known.placed
+        ob, row = instance.object, len(self._rows)
         flat = is_flat(matrix, ob.name, self._report)
         if flat is None:
             return
-        if flat:
-            flattened = self._shapes.flattened(mesh, matrix, ob.name)
-            if flattened is None:
-                return
-            mesh, matrix = flattened, np.eye(4)
-        self._rows.add(mesh, materials, matrix)
-        self._describe(place, instance, range(row, row + 1), known.traits)
+        if not flat:
+            self._rows.repeat(place, kind, instance.random_id)
+            self._follow(instance, row)
+            return
+        mesh, materials = self._rows.placed(self._rows.first_rows[kind])
+        flattened = self._shapes.flattened(mesh, matrix, ob.name)
+        if flattened is None:
+            return
+        self._rows.add(flattened, materials, np.eye(4))
+        self._describe(place, instance, range(row, row + 1), self._rows.traits(kind))
 
     def collect_shading(
         self, depsgraph: Any, wants: Wants, of_meshes: frozenset[int], of_instances: frozenset[int]
@@ -180,7 +184,7 @@ class Objects:
         if not self._displaced.found:
             return
         self._displaced.move(
-            self._rows.matrices,
+            self._rows.matrices(),
             self._attributes,
             self._shading.around.textures.list,
             camera,
@@ -328,7 +332,7 @@ class Objects:
     def _add_moving(self, instance: Any, row: int) -> None:
         if self._moving is None:
             return
-        own = self._rows.placed[row][0]
+        own, _ = self._rows.placed(row)
         strands = self.meshes[own].strands is not None or bool(self.meshes[own].shading.grids)
         index = own if strands else self._shapes.of_mesh(instance.object)
         assert index is not None

@@ -4,27 +4,18 @@ tens of thousands of them.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
-
-from .geometry.rows import Traits
 
 Key = tuple[int, int, int]
 
 
-@dataclass(frozen=True, slots=True)
-class Repeat:
-    """The mesh of a row and its material set, by their indices, and the row's traits."""
-
-    placed: tuple[int, int]
-    traits: Traits
-
-
 class Repeats:
-    """By the object, what makes its instances, and its mesh, as they are within one export."""
+    """The kinds of rows by the object, what makes its instances, and its mesh, as they are within
+    one export.
+    """
 
     def __init__(self) -> None:
-        self._known: dict[Key, Repeat] = {}
+        self._known: dict[Key, int] = {}
 
     @staticmethod
     def key(instance: Any, ob: Any) -> Key | None:
@@ -36,10 +27,10 @@ class Repeats:
             return None
         return own.as_pointer(), maker.as_pointer(), data.as_pointer()
 
-    def get(self, key: Key | None) -> Repeat | None:
+    def get(self, key: Key | None) -> int | None:
         return None if key is None else self._known.get(key)
 
-    def keep(self, key: Key | None, ob: Any, repeat: Repeat) -> None:
+    def keep(self, key: Key | None, ob: Any, kind: int) -> None:
         """Of a mesh; not if it may have hair."""
         if key is not None and not len(ob.particle_systems):
-            self._known[key] = repeat
+            self._known[key] = kind

@@ -99,7 +99,7 @@ class Displaced:
 
     def move(
         self,
-        matrices: Sequence[NDArray[np.float64]],
+        matrices: NDArray[np.float64],
         attributes: Sequence[InstanceAttribute],
         textures: Sequence[Texture],
         camera: Camera,

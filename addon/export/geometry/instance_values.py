@@ -42,6 +42,21 @@ def reader_of(want: Want, depsgraph: Any, of_nodes: InstanceAttributes) -> Reade
     return partial(_property, want=want, of_nodes=of_nodes)
 
 
+def is_of_kind(want: Want) -> bool:
+    """Whether repeats (see Rows) have what the first of them has; or is_random()."""
+    return want.kind == "object" or (want.kind == "info" and want.name in _OF_KIND)
+
+
+def is_random(want: Want) -> bool:
+    """The number that instances have each for itself, by their random_id."""
+    return (want.kind, want.name) == ("info", "random")
+
+
+def random_of(ids: Any) -> Any:
+    """0..1, of numbers or arrays of them."""
+    return (ids & 0xFFFFFFFF) / 0xFFFFFFFF
+
+
 def _property(instance: Any, want: Want, of_nodes: InstanceAttributes) -> Any:
     ob = instance.object
     owners = [ob, ob.data]
@@ -58,7 +73,7 @@ def _property(instance: Any, want: Want, of_nodes: InstanceAttributes) -> Any:
 def _random(instance: Any) -> float:
     if not instance.is_instance:
         return name_random(instance.object.name)
-    return (instance.random_id & 0xFFFFFFFF) / 0xFFFFFFFF
+    return float(random_of(instance.random_id))
 
 
 def _color(instance: Any) -> Any:
@@ -77,6 +92,7 @@ _INFO: dict[str, Reader] = {
     "generated": _generated,
     "uv": lambda instance: (*instance.uv, 0.0) if instance.is_instance else (0.0,) * 3,
 }
+_OF_KIND = {"color", "index", "random"}
 _INFO_WIDTHS = {"color": 4, "generated": 3, "uv": 3}
 
 

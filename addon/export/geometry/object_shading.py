@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...core.scene.shading import InstanceAttribute, MeshShading
 from ..kept import Kept
@@ -15,7 +16,7 @@ from ..report import Report
 from .attributes import mesh_shading
 from .flat_uv_maps import report_flat_uv_maps
 from .instance_attributes import InstanceAttributes
-from .instance_values import Reader, reader_of, width_of
+from .instance_values import Reader, is_of_kind, is_random, random_of, reader_of, width_of
 from .particle_hair import hair_of, hair_shading
 from .rows import Rows
 from .shapes import Shapes, mesh_key, sources, with_mesh
@@ -23,6 +24,32 @@ from .strands import strand_shading
 
 LOOKS = 64
 """Of as many instances one asks whether the export has been cancelled; so does each mesh."""
+
+
+@dataclass(slots=True)
+class Reading:
+    """What is read of the graph's instances: once for each kind of rows where that tells of all."""
+
+    number: int
+    want: Want
+    read: Reader
+    found: list[Any] = field(default_factory=list)
+
+    @property
+    def by_kind(self) -> bool:
+        return is_of_kind(self.want)
+
+    def values(self, rows: Rows) -> NDArray[np.float32]:
+        """(N, components) of all rows."""
+        count = len(rows.first_rows) if self.by_kind else len(rows)
+        values = np.array(self.found, np.float32).reshape(count, width_of(self.want))
+        if not self.by_kind:
+            return values
+        values = values[rows.kinds]
+        if is_random(self.want):
+            repeats = rows.repeats()
+            values[repeats, 0] = random_of(np.array(rows.random_ids)[repeats])
+        return values
 
 
 class ObjectShading:
@@ -50,23 +77,33 @@ class ObjectShading:
             number: list(found) for number, found in wants.askers.items() if number in of_meshes
         }
         of_nodes = InstanceAttributes(self._report)
-        readers: list[tuple[int, int, Reader, list[Any]]] = [
-            (number, width_of(want), reader_of(want, depsgraph, of_nodes), [])
-            for number, want in ((number, names[number]) for number in sorted(of_instances))
+        readers = [
+            Reading(number, names[number], reader_of(names[number], depsgraph, of_nodes))
+            for number in sorted(of_instances)
         ]
         done: set[int] = set()
         meshes, of_any = self._shapes.list, bool(mesh_wants or with_uv)
-        placed, places = self._rows.placed, [*self._rows.places, -1]
-        row = 0
+        rows, first_rows = self._rows, set(self._rows.first_rows)
+        looked_at = (
+            rows.first_rows if all(reader.by_kind for reader in readers) else list(range(len(rows)))
+        )
+        places = [rows.places[row] for row in looked_at]
+        at = 0
         for place, instance in enumerate(depsgraph.object_instances):
-            if places[row] != place:
+            if at == len(places):
+                break
+            if places[at] != place:
                 continue
             if place % LOOKS == 0:
                 self._watch.go_on()
-            first = row
-            while places[row] == place:  # a mesh and its hair have rows of their own
-                index = placed[row][0]
-                row += 1
+            # a mesh and its hair have rows of their own
+            while at < len(places) and places[at] == place:
+                row = looked_at[at]
+                at += 1
+                for reader in readers:
+                    if not reader.by_kind or row in first_rows:
+                        reader.found.append(reader.read(instance))
+                index, _ = rows.placed(row)
                 if index in done or not of_any:
                     continue
                 self._watch.go_on()
@@ -81,12 +118,7 @@ class ObjectShading:
                 )
                 if meshes[index].strands is None and not meshes[index].shading.grids:
                     report_flat_uv_maps(ob, mesh_wants, askers, self._report)
-            for _, _, read, found in readers:
-                found += [read(instance)] * (row - first)
-        return [
-            InstanceAttribute(number, np.array(found, np.float32).reshape(len(placed), width))
-            for number, width, _, found in readers
-        ]
+        return [InstanceAttribute(reader.number, reader.values(rows)) for reader in readers]
 
     def _of_mesh(self, ob: Any, index: int, wants: dict[int, Want], depsgraph: Any) -> MeshShading:
         mesh = self._shapes.list[index]
