@@ -219,12 +219,37 @@ Rgb Bsdf::diffuse_albedo() const {
   return same + through + below_weight();
 }
 
-Rgb Bsdf::diffuse_share(const BsdfSample& s) const {
+Rgb Bsdf::diffuse_share(const BsdfSample& s, float light_pdf) const {
   if (!has_rest() || !(s.pdf > 0)) return s.diffuse ? Rgb{1, 1, 1} : Rgb{};
+  return diffuse_share(s.direction, light_pdf);
+}
+
+Rgb Bsdf::diffuse_share(const Vec3& wi, float light_pdf) const {
   float pdf;
   Rgb diffuse;
-  const Rgb whole = evaluate(s.direction, &pdf, nullptr, &diffuse);
-  return divided(diffuse, whole);
+  const Rgb whole = evaluate(wi, &pdf, nullptr, &diffuse);
+  const Rgb by_value = divided(diffuse, whole);
+  if (!(light_pdf < INFINITY)) return by_value;
+  const Drawn rays = drawn(wi);
+  const float both = rays.pdf * rays.pdf + light_pdf * light_pdf;
+  const float by_rays = both > 0 ? rays.pdf * rays.pdf / both : 1;
+  return by_value * (1 - by_rays) + Rgb{1, 1, 1} * (rays.diffuse * by_rays);
+}
+
+Bsdf::Drawn Bsdf::drawn(const Vec3& wi) const {
+  LobeList seen;
+  const bool radiance = transport_ == Transport::kRadiance;
+  const View view = radiance ? view_ : view_.towards(wi);
+  if (!radiance) expand(view, seen);
+  float all = 0, density = 0, diffuse = 0;
+  for (const Lobe& lobe : radiance ? lobes_ : seen) {
+    if (!(lobe.albedo > 0)) continue;
+    const float part = lobe.albedo * lobe.evaluate(view, radiance ? wi : view_.wo).pdf;
+    all += lobe.albedo;
+    density += part;
+    if (lobe.diffuse()) diffuse += part;
+  }
+  return density > 0 ? Drawn{density / all, diffuse / density} : Drawn{0, 0};
 }
 
 float Bsdf::scale_of_flux(const Vec3& wi) const {

@@ -180,9 +180,12 @@ class Bsdf {
   // For who has no use for samples of lobes that are not sharp: draws others only, whose weights
   // are as much smaller as they are more.
   std::optional<BsdfSample> sample_sharp(float choice, const Vec2& u) const;
-  // The part of diffuse-like lobes in what all lobes scatter the way of a sample. Where they are
-  // gathered sample() draws others more often: a ray then counts by these parts, not by its lobe.
-  Rgb diffuse_share(const BsdfSample& s) const;
+  // The part that counts as diffuse of what all lobes scatter towards wi, for light that diffuse
+  // rays see otherwise than others do, as Cycles counts it: samples of the light, of the density
+  // `light_pdf`, by the lobes' values, and rays by the lobe that they would be drawn by. The two
+  // share by the power heuristic. INFINITY: all by samples.
+  Rgb diffuse_share(const Vec3& wi, float light_pdf) const;
+  Rgb diffuse_share(const BsdfSample& s, float light_pdf) const;
 
  private:
   // A closure kept to be expanded again for another direction: `size` bytes of it follow.
@@ -203,6 +206,11 @@ class Bsdf {
   // sampled: the lobe that wi was drawn by, or -1
   Rgb evaluate_as(const View& view, const Vec3& wi, float* pdf, Rgb* rest, Rgb* diffuse,
                   float* sharp, int sampled) const;
+  // Of rays that Cycles would draw towards wi: over solid angle, and the part of diffuse-like lobes
+  struct Drawn {
+    float pdf, diffuse;
+  };
+  Drawn drawn(const Vec3& wi) const;
   float scale_of_flux(const Vec3& wi) const;  // of light that comes from wo and leaves along wi
   Rgb adjoint(const Vec3& wi, Rgb* rest, Rgb* diffuse) const;
   std::optional<BsdfSample> sample_lobe(int index, float choice, const Vec2& u) const;

@@ -60,6 +60,9 @@ void CameraTracer::add_light(Path& path, const Surface& hit, const Bsdf& bsdf,
       receiver.bent
           ? bsdf.evaluate_smooth(light.direction, &pdf, &diffuse, any_covered ? &sharp : nullptr)
           : bsdf.evaluate(light.direction, &pdf, nullptr, &diffuse, any_covered ? &sharp : nullptr);
+  if (light.from_world && lights_.world_asks() && !path.only_mirrored)
+    diffuse =
+        scattered * bsdf.diffuse_share(light.direction, lights_.world_density(light.direction));
   if (light.seen_by != kAllRays)
     keep_seen(light, passes_below(hit, light.direction), scattered, diffuse, sharp);
   if (path.only_mirrored) {

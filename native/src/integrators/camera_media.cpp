@@ -130,7 +130,7 @@ bool CameraTracer::scatter_in_medium(Path& path, const Flight& flight, bool dire
   if (path.vertex == 0) path.category = LobeCategory::kVolume;
   if (lights_.environment().asks_ray()) {
     path.before = path.info;
-    path.diffuse_share = {};
+    path.diffuse_share = path.diffuse_share_of_world = {};
   }
   path.clear = false;
   path.info = path.info.scattered_in_medium();

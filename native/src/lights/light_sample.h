@@ -33,9 +33,10 @@ struct Receiver {
   const EnvironmentGuide::Cell* guide = nullptr;
   uint8_t world_samples = 1;  // how many sample_world() is asked for
   // RayMasks of the ray on its way from there, see light_rays(): as diffuse lobes send it, whose
-  // share of it is known, and as the others do. By which lobe it was drawn tells less.
+  // share of it is known, for lights and for the world, and as the others do. By which lobe it was
+  // drawn tells less.
   uint8_t ray = 0xff, diffuse_ray = 0xff;
-  Rgb diffuse_share{};
+  Rgb diffuse_share{}, diffuse_share_of_world{};
   uint16_t bounces = 0;  // of the path before that
   // unit: it scatters in proportion to the cosine with this, more or less; 0: who knows
   Vec3 ns{};
@@ -44,10 +45,11 @@ struct Receiver {
   float time = kShutterCentre;
   bool catchers_only = false;  // RayInfo::catchers_only of the path
 
-  // The share of the ray that finds lights which are seen by these.
-  Rgb seeing(RayMask seen_by) const {
-    return (seen_by & diffuse_ray ? diffuse_share : Rgb{}) +
-           (seen_by & ray ? Rgb{1, 1, 1} - diffuse_share : Rgb{});
+  // The share of the ray that finds lights, or the world, that are seen by these.
+  Rgb seeing(RayMask seen_by, bool world) const {
+    const Rgb& diffuse = world ? diffuse_share_of_world : diffuse_share;
+    return (seen_by & diffuse_ray ? diffuse : Rgb{}) +
+           (seen_by & ray ? Rgb{1, 1, 1} - diffuse : Rgb{});
   }
   Vec3 horizon() const { return bent ? Vec3{} : n; }
   // Whether light is to be sampled in proportion to the cosine.

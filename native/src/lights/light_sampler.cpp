@@ -26,6 +26,9 @@ float mean_cosine(float along, float distance, float radius) {
   return std::clamp((along + reach) / (distance + reach), kLeastShare, 1.0f);
 }
 
+// Chance that Cycles is thought to give the world where there are lights too
+constexpr float kWorldBesideLights = 0.5f;
+
 float power_heuristic(float a, float b) {
   if (!(a < 1e18f)) return 1;  // a delta
   return a * a / (a * a + b * b);
@@ -104,6 +107,11 @@ float Lights::world_probability(const Receiver& to, float emitters) const {
   if (environment_.constant() || to.guide || !(scene_.world_seen_by & kScatteredRays)) return 0;
   const float world = environment_.irradiance(to.n) * environment_.contrast();
   return world > 0 ? world / (world + emitters) : 0;
+}
+
+float Lights::world_density(const Vec3& direction) const {
+  if (environment_.constant()) return 0;
+  return environment_.pdf(direction) * (emitters_.empty() ? 1.0f : kWorldBesideLights);
 }
 
 float Lights::choice_probability(uint32_t emitter, const Receiver& to) const {
@@ -326,7 +334,7 @@ Rgb Lights::lamp_radiance_met(const Lamp& lamp, const Vec3& origin, const Vec3& 
 
 Rgb Lights::world_met(const Receiver& to, const Vec3& direction, float bsdf_pdf) const {
   Rgb radiance = environment_.radiance(direction);
-  if (scene_.world_seen_by != kAllRays) radiance *= to.seeing(scene_.world_seen_by);
+  if (scene_.world_seen_by != kAllRays) radiance *= to.seeing(scene_.world_seen_by, true);
   if (!(bsdf_pdf < INFINITY) || is_black(radiance)) return radiance;
   if (to.guide)
     return radiance *
@@ -347,7 +355,7 @@ Rgb Lights::lamp_met(uint32_t emitter, const Receiver& to, const Vec3& direction
   Rgb radiance =
       lamp_radiance_met(lamps_[e.lamp], to.x, direction, near, e.exact ? reach_of_exact(far) : far,
                         pdf, e.exact ? &at : distance);
-  if (e.seen_by != kAllRays) radiance *= to.seeing(e.seen_by);
+  if (e.seen_by != kAllRays) radiance *= to.seeing(e.seen_by, false);
   if (e.exact) {
     if (distance) *distance = at;
     const float epsilon = ray_epsilon(to.x, 0), cosine = dot(to.n, direction);

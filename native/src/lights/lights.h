@@ -105,6 +105,13 @@ class Lights {
   bool shadow_linked() const { return !shadow_linked_.empty(); }
   // Whether some scattered rays see a lamp or the world and others do not.
   bool hide_from_some() const { return hide_from_some_; }
+  // Some rays see the world otherwise than others.
+  bool world_asks() const {
+    return environment_.asks_ray() || hides_from_some(scene_.world_seen_by);
+  }
+  // Of light samples of the world about as Cycles takes them, which has none of one that is the
+  // same everywhere; for Bsdf::diffuse_share().
+  float world_density(const Vec3& direction) const;
   // `through`: what comes through up to there, past all but these blockers.
   using Through = std::function<Rgb(float far, uint64_t blockers)>;
   Rgb linked_met(const Receiver& to, const Vec3& origin, const Vec3& direction, float bsdf_pdf,

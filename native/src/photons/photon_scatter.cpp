@@ -377,7 +377,9 @@ bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const Phot
       return false;
   }
   if (direct && (start.asks_ray || start.seen_by != kAllRays)) {
-    const Rgb diffuse = caustic ? Rgb{} : bsdf.diffuse_share(*s), rest = Rgb{1, 1, 1} - diffuse;
+    const float light_pdf = start.of_world ? lights_.world_density(-start.direction) : INFINITY;
+    const Rgb diffuse = caustic ? Rgb{} : bsdf.diffuse_share(*s, light_pdf),
+              rest = Rgb{1, 1, 1} - diffuse;
     path.power *= (start.seen_by & lobe_rays(true, s->transmitted) ? diffuse : Rgb{}) +
                   (start.seen_by & lobe_rays(false, s->transmitted) ? rest : Rgb{});
     if (!light_up_by_ray(path, start, diffuse, s->transmitted, s->pdf <= 0)) return false;

@@ -143,8 +143,16 @@ std::optional<CameraRay> Camera::ray(int x, int y, const Vec2& u, const Vec2& le
   ray.direction = axes.to_world(toward) / len;
   ray.cosine = -toward.z / len;
   if (!s_.orthographic) to_eye({0, 0, 1}, ray.origin, ray.direction);
-  ray.near = s_.clip_start / ray.cosine;
-  ray.far = s_.clip_end / ray.cosine;
+  // As Cycles clips what an open lens sees: by the ray through its centre, or an orthographic
+  // camera's at a depth in front, and so far along the ray behind.
+  if (s_.orthographic) {
+    ray.near = s_.clip_start / ray.cosine;
+    ray.far = ray.near + (s_.clip_end - s_.clip_start);
+  } else {
+    const float along = length(Vec3{sx, sy, -1});
+    ray.near = s_.clip_start * along;
+    ray.far = s_.clip_end * along;
+  }
   return ray;
 }
 

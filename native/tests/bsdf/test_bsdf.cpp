@@ -195,6 +195,39 @@ TEST_CASE("a photon's weight follows from what a camera path sees on the way bac
   CHECK(refracted > 20);
 }
 
+TEST_CASE("what counts as diffuse: rays by the lobes they are drawn by, the same for photons") {
+  for (const BsdfCase& c : bsdf_cases()) {
+    CAPTURE(c.name);
+    const Vec3 wo = direction(0.6f, 0.4f);
+    const Bsdf bsdf = make_bsdf(c, wo);
+    double drawn = 0, told = 0, pulled = 0;
+    int count = 0;
+    for (int i = 0; i < 1 << 12; ++i) {
+      const auto s = bsdf.sample(sobol_2d(uint32_t(i), 1, 3).x, sobol_2d(uint32_t(i), 0, 3));
+      if (!s || !(s->pdf > 0)) continue;
+      ++count;
+      drawn += s->diffuse;
+      const float share = bsdf.diffuse_share(s->direction, 0).x;
+      told += share;
+      Rgb diffuse;
+      float pdf;
+      const Rgb whole = bsdf.evaluate(s->direction, &pdf, nullptr, &diffuse);
+      const float by_value = bsdf.diffuse_share(s->direction, INFINITY).y;
+      CHECK(by_value * whole.y == approx(diffuse.y).epsilon(1e-4).scale(1e-3));
+      // Where as many light samples fall as rays the two have halves of it.
+      const float half = bsdf.diffuse_share(s->direction, pdf).y;
+      pulled += std::abs(double(half) - 0.5 * (double(share) + double(by_value)));
+      const Bsdf photon = make_bsdf(c, s->direction, Transport::kFlux);
+      for (float light_pdf : {0.0f, 1.0f, INFINITY})
+        CHECK(photon.diffuse_share(wo, light_pdf).y ==
+              approx(bsdf.diffuse_share(s->direction, light_pdf).y).epsilon(0.01).scale(0.1));
+    }
+    if (!count) continue;
+    CHECK(told / count == approx(drawn / count).epsilon(0.02).scale(1));
+    CHECK(pulled / count < 0.01);
+  }
+}
+
 TEST_CASE("samples fall as the density says: chi-square over cells of both hemispheres") {
   constexpr int kSide = 10, kSamples = 20000;
   int tests = 0;

@@ -106,7 +106,10 @@ TEST_CASE(
       const auto through = camera.ray(6, 2, u, lens), centre = pinhole.ray(6, 2, u, lens);
       REQUIRE(through);
       CHECK(length(through->direction) == approx(1).epsilon(1e-5));
-      CHECK(through->near * through->cosine == approx(0.5).epsilon(1e-4));
+      const float clips_by = orthographic ? through->cosine : centre->cosine;
+      CHECK(through->near * clips_by == approx(0.5).epsilon(1e-4));
+      CHECK(through->far - through->near ==
+            approx(49.5 / (orthographic ? 1.0 : double(clips_by))).epsilon(1e-4));
       CHECK(through->cosine == approx(-through->direction.z).epsilon(1e-5));
       const auto at_depth = [](const CameraRay& r, float depth) {
         return r.origin + r.direction * (depth / r.cosine);

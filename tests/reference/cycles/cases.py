@@ -582,6 +582,8 @@ CASES: tuple[Case, ...] = (
     _focus("dof_object", target=(0.45, -1.6, 0.75), fstop=0.08),
     _focus("dof_ortho", kind="ORTHO", fstop=2.5, blades=4, rotation=0.2),
     _focus("dof_ortho_clip", kind="ORTHO", fstop=1.5, clip_start=2.0, distance=2.5),
+    _focus("dof_ortho_end", kind="ORTHO", fstop=0.5, clip_start=0.5, clip_end=4.6, distance=2.5),
+    _focus("dof_clips", fstop=0.02, distance=2.9, clip_start=2.2, clip_end=4.6),
     _panorama("equirectangular", width=64, height=32, splat=True),
     _panorama(
         "equirectangular_limits",

@@ -53,6 +53,11 @@ VISIBILITY = (
     ),
     *(_hidden(f"lamp_{kind}", "lamp", kind) for kind in ("diffuse", "glossy", "transmission")),
     *(_hidden(f"world_{kind}", "world", kind) for kind in ("camera", "diffuse", "glossy")),
+    *(
+        _hidden(f"{on}_{kind}_plastic", on, kind, plastic=True)
+        for on in ("world", "sky", "lamp")
+        for kind in ("diffuse", "glossy")
+    ),
     _hidden("world_camera_asked", "world", "camera", asked=True),
     _shadowless("POINT", 30.0, shadow_soft_size=0.05),
     _shadowless("SPOT", 60.0, aim=(0.0, 0.0, 0.0), spot_size=radians(70.0), shadow_soft_size=0.05),

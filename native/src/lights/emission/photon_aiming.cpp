@@ -401,6 +401,7 @@ PhotonStart PhotonEmitter::emit_towards(const EmissionTargets& targets, uint64_t
   draft.start.time = p.time;
   draft.start.light_group = scene_.world_light_group;
   draft.start.seen_by = as_scattered(scene_.world_seen_by);
+  draft.start.of_world = p.emitter == emitters_.size();
   if (p.emitter < emitters_.size()) {
     draft.start.lit_groups = emitters_[p.emitter].lit_groups;
     draft.start.blockers = emitters_[p.emitter].blockers;

@@ -135,6 +135,7 @@ PhotonStart& PhotonEmitter::finished(PhotonStart& start, const EmissionPrimary& 
   if (p.emitter == emitters_.size()) {
     start.light_group = scene_.world_light_group;
     start.seen_by = as_scattered(scene_.world_seen_by);
+    start.of_world = true;
   } else {
     const Emitter& e = emitters_[p.emitter];
     if (e.lamp >= 0 && lamps_[e.lamp].s.program >= 0) start.shaded_by = e.lamp;

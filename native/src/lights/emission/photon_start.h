@@ -30,6 +30,7 @@ struct PhotonStart {
   int32_t shaded_by = -1;
   // A photon of the world: `power` lacks Environment::share() of the ray that sees it
   bool asks_ray = false;
+  bool of_world = false;
   bool from_afar = false;  // of a sun or the world
   float time = kShutterCentre;
 

@@ -834,6 +834,7 @@ def depth_of_field(
     distance: float = 3.6,
     target: Sequence[float] | None = None,
     clip_start: float = 0.1,
+    clip_end: float = 1000.0,
 ) -> None:
     """A near globe that shines and the stage behind it, in and out of focus. target: where an
     object in focus stands.
@@ -842,7 +843,8 @@ def depth_of_field(
     _lamp("AREA", 40.0, HIGH, size=0.6)
     m.add_sphere("Spark", 0.05, m.emission("Spark", (1.0, 0.8, 0.5), 20.0), (0.45, -1.6, 0.75), 16)
     data = bpy.context.scene.camera.data
-    data.type, data.ortho_scale, data.clip_start = kind, 3.2, clip_start
+    data.type, data.ortho_scale = kind, 3.2
+    data.clip_start, data.clip_end = clip_start, clip_end
     data.dof.use_dof = True
     data.dof.aperture_fstop, data.dof.aperture_blades = fstop, blades
     data.dof.aperture_rotation, data.dof.aperture_ratio = rotation, ratio

@@ -20,14 +20,16 @@ def ray_visibility(
     transparent: bool = False,
     translucent: bool = False,
     asked: bool = False,
+    plastic: bool = False,
 ) -> None:
     """A mirror, rough metal, a pane of glass and a box on the stage; `on` is not seen by the rays
     `off`.
 
     on: box, instance (of a collection with the box), instanced (the box of which there is an
-    instance), emitter (the only light), lamp, world (the only light), or collection, whose flags
-    are `indirect_only` and `holdout`; an object's flag may be `holdout`, too. translucent: a sheet
-    hangs before the box. asked: the world is another one to the camera.
+    instance), emitter (the only light), lamp, world or sky (the only light; a sky is brighter on
+    one side), or collection, whose flags are `indirect_only` and `holdout`; an object's flag may be
+    `holdout`, too. translucent: a sheet hangs before the box. asked: the world is another one to
+    the camera. plastic: the box is, which scatters in diffuse and glossy lobes at once.
     """
     stage._stage(things=False)
     m.add_sphere(
@@ -45,7 +47,7 @@ def ray_visibility(
     box = m.add_boxes(
         "Box",
         [((-0.3, -0.3, 0.0), (0.3, 0.3, 0.8))],
-        m.diffuse("Red", (0.7, 0.2, 0.15)),
+        (_plastic if plastic else m.diffuse)("Red", (0.7, 0.2, 0.15)),
         (0.1, 0.35, 0.05),
         0.4,
     )
@@ -67,8 +69,10 @@ def ray_visibility(
             m.emission("Sheet", (1.0, 0.8, 0.6), 4.0),
             location=(-0.2, 0.2, 1.5),
         )
-    elif on == "world":
+    elif on in {"world", "sky"}:
         m.set_world((0.5, 0.6, 0.8))
+        if on == "sky":
+            _shade_world()
         if asked:
             _ask_world()
         thing = bpy.context.scene.world.cycles_visibility
@@ -83,8 +87,17 @@ def ray_visibility(
         elif flag == "holdout":
             thing.is_holdout = True
         else:
-            setattr(thing, flag if on == "world" else f"visible_{flag}", False)
+            setattr(thing, flag if on in {"world", "sky"} else f"visible_{flag}", False)
     bpy.context.scene.render.film_transparent = transparent
+
+
+def _plastic(name: str, color: Sequence[float]) -> bpy.types.Material:
+    material, tree, output = m._node_material(name)
+    node = tree.nodes.new("ShaderNodeBsdfPrincipled")
+    node.inputs["Base Color"].default_value = (*color, 1.0)
+    node.inputs["Roughness"].default_value = 0.4
+    tree.links.new(node.outputs[0], output.inputs["Surface"])
+    return material
 
 
 def _cloth(name: str, color: Sequence[float]) -> bpy.types.Material:
@@ -93,6 +106,14 @@ def _cloth(name: str, color: Sequence[float]) -> bpy.types.Material:
     node.inputs["Color"].default_value = (*color, 1.0)
     tree.links.new(node.outputs[0], output.inputs["Surface"])
     return material
+
+
+def _shade_world() -> None:
+    tree = bpy.context.scene.world.node_tree
+    (background,) = (node for node in tree.nodes if node.bl_idname == "ShaderNodeBackground")
+    gradient = tree.nodes.new("ShaderNodeTexGradient")
+    tree.links.new(gradient.outputs["Color"], background.inputs["Color"])
+    background.inputs["Strength"].default_value = 2.0
 
 
 def _ask_world() -> None:
