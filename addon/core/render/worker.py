@@ -49,6 +49,7 @@ class Worker(threading.Thread):
         self.prepared = False
         self.settings = settings
         self.record = record
+        self.denoises = settings.denoise and not record.keeps
         self.started = started - record.seconds_before
         self.want_interim = want_interim
         self.wanted = wanted
@@ -120,7 +121,7 @@ class Worker(threading.Thread):
         if labels is not None and asks_rays(labels):
             self.stage = "Passes of data"
             self.data = data_passes(self.renderer, self.scene, labels)
-        if settings.time_limit and settings.denoise:
+        if settings.time_limit and self.denoises:
             self.stage = "Trying the denoiser"
             self.ending.try_denoiser(settings.threads, settings.denoises_on_card)
             self.quality_wanted = self.ending.worth(self._seconds_to_limit(), self._runs)
@@ -193,7 +194,7 @@ class Worker(threading.Thread):
         """For passes, where the next has so many camera samples a pixel; the time limit less what
         comes after them.
         """
-        runs = self._runs(self.quality_wanted, samples) if self.settings.denoise else 0.0
+        runs = self._runs(self.quality_wanted, samples) if self.denoises else 0.0
         return self._seconds_to_limit() - self.ending.seconds(self.passes_done + 1, runs)
 
     def _seconds_to_limit(self) -> float:
