@@ -128,10 +128,7 @@ bool CameraTracer::scatter_in_medium(Path& path, const Flight& flight, bool dire
   if (!(path.random.next() < survival)) return false;
   path.scale(Rgb{1, 1, 1} / survival);
   if (path.vertex == 0) path.category = LobeCategory::kVolume;
-  if (lights_.environment().asks_ray()) {
-    path.before = path.info;
-    path.diffuse_share = path.diffuse_share_of_world = {};
-  }
+  if (lights_.environment().asks_ray()) path.before = path.info;
   path.clear = false;
   path.info = path.info.scattered_in_medium();
   path.travelled += flight.distance;

@@ -93,14 +93,14 @@ void CameraTracer::add_world_by_ray(Path& path, const Rgb& light) const {
     ray.transparent_depth = path.info.transparent_depth;
     return world.share(path.direction, ray);
   };
-  const Rgb diffuse = is_black(path.diffuse_share_of_world) ? Rgb{} : share(true),
+  const Rgb diffuse = is_black(path.from.diffuse_share_of_world) ? Rgb{} : share(true),
             rest = share(false);
   const Rgb all = path.emission_throughput + path.withheld + path.world_emission;
   const Rgb withheld = lights_.world_by_paths() ? Rgb{} : path.withheld;
   const Rgb kept = path.emission_throughput, kept_diffuse = path.diffuse_emission;
   path.diffuse_emission = path.diffuse_emission * diffuse;
-  path.emission_throughput = all * (path.diffuse_share_of_world * diffuse +
-                                    (Rgb{1, 1, 1} - path.diffuse_share_of_world) * rest) -
+  path.emission_throughput = all * (path.from.diffuse_share_of_world * diffuse +
+                                    (Rgb{1, 1, 1} - path.from.diffuse_share_of_world) * rest) -
                              withheld * rest;
   add_met(path, light, path.pixel.environment, scene_.world_light_group);
   path.emission_throughput = kept;

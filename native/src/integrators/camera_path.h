@@ -123,10 +123,7 @@ struct CameraTracer::Path {
   Vec3 origin, direction;
   float near, far;
   RayInfo info{};
-  RayInfo before{};  // of the ray that met the last vertex
-  // Of Bsdf::diffuse_share() of the last vertex this way, for lights and for the world; exact where
-  // the world asks for the kind of ray, or a light hides from some
-  Rgb diffuse_share{1, 1, 1}, diffuse_share_of_world{1, 1, 1};
+  RayInfo before{};   // of the ray that met the last vertex
   int vertex = 0;     // number of the next scattering
   MediumStack media;  // around the ray
   // Before it, straight through glass that bends nothing: vertex 0 is not what the pixel shows

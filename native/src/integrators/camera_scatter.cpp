@@ -72,13 +72,7 @@ bool CameraTracer::scatter(Path& path, const Surface& hit, const Bsdf& bsdf,
   }
   const Rgb weight = path.only_mirrored ? s->weight - diffuse : s->weight;
   const bool shares = lights_.environment().asks_ray() || lights_.hide_from_some();
-  if (shares) {
-    path.before = path.info;
-    path.diffuse_share = bsdf.diffuse_share(*s, INFINITY);
-    path.diffuse_share_of_world = lights_.world_asks()
-                                      ? bsdf.diffuse_share(*s, lights_.world_density(s->direction))
-                                      : path.diffuse_share;
-  }
+  if (shares) path.before = path.info;
   const Rgb before = path.throughput, world_before = path.world_throughput;
   path.throughput = !goes_on                      ? Rgb{}
                     : whole || path.only_mirrored ? before * weight
@@ -126,8 +120,10 @@ bool CameraTracer::scatter(Path& path, const Surface& hit, const Bsdf& bsdf,
   path.from.ray = static_cast<uint8_t>(lobe_rays(false, s->transmitted));
   if (shares) {
     path.from.diffuse_ray = static_cast<uint8_t>(lobe_rays(true, s->transmitted));
-    path.from.diffuse_share = path.diffuse_share;
-    path.from.diffuse_share_of_world = path.diffuse_share_of_world;
+    path.from.diffuse_share = bsdf.diffuse_share(*s, INFINITY);
+    path.from.diffuse_share_of_world =
+        lights_.world_asks() ? bsdf.diffuse_share(*s, lights_.world_density(s->direction))
+                             : path.from.diffuse_share;
   }
   path.pdf = s->pdf > 0 ? s->pdf : INFINITY;
   ++path.vertex;

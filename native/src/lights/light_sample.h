@@ -32,9 +32,9 @@ struct Receiver {
   // The guide to the world at this place, from Lights::guide_at(), or null
   const EnvironmentGuide::Cell* guide = nullptr;
   uint8_t world_samples = 1;  // how many sample_world() is asked for
-  // RayMasks of the ray on its way from there, see light_rays(): as diffuse lobes send it, whose
-  // share of it is known, for lights and for the world, and as the others do. By which lobe it was
-  // drawn tells less.
+  // RayMasks of the ray on its way from there, see light_rays(): as diffuse lobes send it, and as
+  // the others do. Which share of it counts as the former, for lights and for the world, says
+  // Bsdf::diffuse_share(); exact where a light hides from some rays or the world asks.
   uint8_t ray = 0xff, diffuse_ray = 0xff;
   Rgb diffuse_share{}, diffuse_share_of_world{};
   uint16_t bounces = 0;  // of the path before that
