@@ -11,6 +11,7 @@ from .denoise import Quality, denoise, denoising_runs
 from .oidn import DenoiserMissing
 from .result import Passes
 from .shadow_catcher import has_catchers, with_shadow
+from .specks import without_specks
 
 SAMPLES_OF_NOISY_FEATURES = 32.0
 """Camera samples per pixel up to which the denoiser's features are noisier than it expects. Where
@@ -55,12 +56,14 @@ def denoise_result(
     warnings: list[str] = []
     catchers = has_catchers(scene)
     noisy = (film["matte"] if catchers else passes["Combined"])[..., :3]
+    direct, variance = film["diffuse_direct"], film["variance"][..., 0]
     try:
+        calm = direct + without_specks(noisy - direct, variance, passes_done)
         clean = denoise(
-            noisy,
+            calm,
             film["albedo"],
             film["feature_normal"],
-            apart=film["diffuse_direct"],
+            apart=direct,
             noisy_features=has_noisy_features(samples, scene),
             quality=quality,
             threads=threads,
@@ -68,7 +71,7 @@ def denoise_result(
             should_cancel=should_cancel,
             warn=warnings.append,
         )
-        noisy[...] = blend(noisy, clean, film["variance"][..., 0], passes_done)
+        noisy[...] = blend(calm, clean, variance, passes_done)
         if catchers:
             _denoise_shadow(passes, film, scene, quality, threads, on_card, should_cancel)
     except (DenoiserMissing, RuntimeError) as error:

@@ -1,0 +1,80 @@
+"""Takes out single pixels that a few paths of strong light have made far too bright: a denoiser
+takes them for highlights as soon as the picture around them has little noise.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .denoise import LUMINANCE
+
+WINDOW = 2
+"""Half the side, in pixels, of the square that a pixel is compared with, and over which the
+estimate of the variance has been averaged.
+"""
+BRIGHTER = 2.0
+"""Times the third brightest of the eight neighbours."""
+APART = 12.0
+"""Deviations by which a speck exceeds that neighbour, as the pixels of the square deviate."""
+CAUTION = 2.0
+DOUBT = 2.0
+"""Factor on the estimated variance: of a single path of strong light the variance equals the square
+of what it adds, of two such paths half of that.
+"""
+OF_MEDIAN = 1.4826
+"""Standard deviation of normal numbers over their median absolute deviation."""
+
+
+def without_specks(
+    color: NDArray[np.float32], variance: NDArray[np.float32], passes: int
+) -> NDArray[np.float32]:
+    """`color` (height, width, 3), linear, where pixels that stand out lose as much of their excess
+    as noise explains: of the excess d over the third brightest neighbour max(0, 1 - variance / d^2)
+    is left. What is as bright after many paths as after few stays.
+
+    variance: of the luminance, (height, width), a mean over the square around each pixel, as
+    estimated after `passes` passes. After few of them most pixels stand out somewhat, and those
+    that are taken out have to do so by more.
+    """
+    picture = color @ np.asarray(LUMINANCE, np.float32)
+    third = _third_brightest_neighbour(picture)
+    places = np.nonzero((picture > 0.0) & (picture > BRIGHTER * third))
+    light, third = picture[places], np.maximum(third[places], 0.0)
+    around = _square_around(picture, places)
+    deviation = OF_MEDIAN * np.median(np.abs(around - np.median(around, axis=0)), axis=0)
+    excess = light - third
+    apart = excess > APART * (1.0 + CAUTION / passes) * deviation
+    pixels = (2 * WINDOW + 1) ** 2  # all variance of the square may be this one's
+    noise = DOUBT * pixels * np.maximum(variance[places], 0.0)
+    share = np.where(apart, np.maximum(1.0 - noise / np.maximum(excess**2, 1e-30), 0.0), 1.0)
+    result = color.copy()
+    result[places] *= ((third + share * excess) / light)[:, None].astype(np.float32)
+    return result
+
+
+def _third_brightest_neighbour(light: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Of the eight around each pixel; pixels at the border are repeated outwards."""
+    height, width = light.shape
+    padded = np.pad(light, 1, mode="edge")
+    best = [np.full_like(light, -np.inf) for _ in range(3)]
+    for y in range(3):
+        for x in range(3):
+            if (y, x) == (1, 1):
+                continue
+            value = padded[y : y + height, x : x + width]
+            for rank, kept in enumerate(best):
+                best[rank], value = np.maximum(kept, value), np.minimum(kept, value)
+    return best[2]
+
+
+def _square_around(
+    light: NDArray[np.float32], places: tuple[NDArray[np.intp], ...]
+) -> NDArray[np.float32]:
+    """(pixels of the square but the middle one, places)."""
+    padded = np.pad(light, WINDOW, mode="edge")
+    rows, columns = places
+    side = range(2 * WINDOW + 1)
+    return np.stack(
+        [padded[rows + y, columns + x] for y in side for x in side if (y, x) != (WINDOW, WINDOW)]
+    )
