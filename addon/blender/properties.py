@@ -14,7 +14,7 @@ from ..core.render.settings import Backend, FinalGather, RenderSettings
 from .registration import register_classes, unregister_classes
 
 DEFAULTS = RenderSettings()
-CLICK = RenderSettings(passes=4096, error_threshold=0.05, denoise=True)
+CLICK = RenderSettings(passes=4096, error_threshold=0.12, denoise=True)
 """What a click on Render gives, where nothing has been set."""
 
 
@@ -41,12 +41,13 @@ class PhotonSplatSettings(bpy.types.PropertyGroup):
     )
     error_threshold: FloatProperty(  # type: ignore[valid-type]
         name="Error Threshold",
-        description="Stop when the estimated relative error (RMS error over mean brightness) of "
-        "the picture before denoising is this small; 0 = off. Left at its default it does not end "
-        "a render for which passes or a time limit have been set",
+        description="Stop when the estimated relative error of the picture is this small: before "
+        "denoising, each pixel's over its own brightness; without Denoise the RMS error over the "
+        "mean brightness. 0 = off. Left at its default it does not end a render for which passes "
+        "or a time limit have been set",
         default=CLICK.error_threshold,
         min=0.0,
-        soft_max=0.2,
+        soft_max=0.5,
         precision=4,
         update=_tell,
     )

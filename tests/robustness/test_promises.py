@@ -8,7 +8,7 @@ import time
 
 import numpy as np
 import pytest
-from photon_splat.core.render.error_limit import share_of_most
+from photon_splat.core.render.error_limit import error_seen
 from photon_splat.core.render.pass_size import PassSize, pass_that_fits
 from photon_splat.core.render.result import RenderResult
 from photon_splat.core.render.session import render
@@ -118,14 +118,24 @@ def test_the_last_pass_gets_what_fits() -> None:
     )
 
 
-def test_few_outliers_do_not_count() -> None:
-    even = np.full((20, 50, 1), 0.1, np.float32)
-    assert share_of_most(even) == pytest.approx(1.0)
-    even[3, 7] = 50.0
-    assert share_of_most(even) == pytest.approx(0.1 / np.sqrt(0.01 * 0.999 + 2.5), rel=1e-3)
-    even[:, :10] = 50.0  # a fifth of the picture is no outlier
-    assert share_of_most(even) > 0.97
-    assert share_of_most(np.zeros((4, 4, 1), np.float32)) == 1.0
+def test_the_error_of_what_is_to_be_denoised() -> None:
+    light, error = np.full((20, 50), 2.0, np.float32), np.full((20, 50), 0.2, np.float32)
+    assert error_seen(error, light) == pytest.approx(0.1)
+    error[3, 7] = 50.0  # a thousandth of the pixels
+    assert error_seen(error, light) == pytest.approx(0.1)
+    error[:, :10] = 4.0  # a fifth of the picture is no outlier
+    assert error_seen(error, light) == pytest.approx(
+        np.sqrt((0.8 * 0.01 + 0.19 * 4) / 0.99), rel=0.01
+    )
+    error[...] = 0.02
+    light[:10] = 0.1  # a bright sky hides nothing in the shade under it
+    light[10:] = 4.0
+    assert error_seen(error, light) == pytest.approx(0.2 * np.sqrt(490 / 990), rel=0.01)
+    light[:10] = 1e-3  # as good as black
+    assert error_seen(error, light) == pytest.approx(0.4 * np.sqrt(490 / 990), rel=0.01)
+    dim = np.sqrt((490 * 0.02**2 + 500 * 0.005**2) / 990)  # where black is half the mean
+    assert error_seen(error * 1e-3, light * 1e-3) == pytest.approx(dim, rel=0.01)
+    assert error_seen(error, np.zeros_like(light)) == 0.0
 
 
 def test_time_limit_is_kept() -> None:

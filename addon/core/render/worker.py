@@ -15,7 +15,7 @@ from .data_passes import asks_ambient, asks_rays, data_passes
 from .denoise import Quality
 from .denoise_result import runs_of_result
 from .ending import Ending
-from .error_limit import FEWEST_PASSES_TO_STOP, next_estimate, share_of_most
+from .error_limit import ErrorLimit
 from .final_film import final_arrays, interim_passes
 from .pass_size import FEWEST_PHOTONS, PassSize, pass_that_fits
 from .persistent import Start
@@ -56,8 +56,7 @@ class Worker(threading.Thread):
         self.stage = "Building acceleration structure"
         self.passes_done = 0
         self.samples_done = 0.0
-        self.next_estimate = 1
-        self.relative_error = 0.0
+        self.error_limit = ErrorLimit(settings, record.part)
         self.fraction = 0.0
         self.interim: Passes | None = None
         self.error: BaseException | None = None
@@ -138,7 +137,7 @@ class Worker(threading.Thread):
         self.passes_done += 1
         self.samples_done += size.samples
         self.film_bytes = max(self.film_bytes, self.renderer.film_bytes)
-        converged = self._estimate_error()
+        converged = self.error_limit.after_pass(self.renderer, self.ending, self.passes_done)
         if self.settings.time_limit and self.passes_done == 1:
             self.ending.try_film(self.renderer, channels_of_arrays(arrays))
         self.record.pass_done(self.renderer, self.passes_done, self.samples_done)
@@ -241,28 +240,6 @@ class Worker(threading.Thread):
 
         return ExternalSplatter(self.splatter, failed)
 
-    def _estimate_error(self) -> bool:
-        """Estimates the error now and then. Returns whether it is small enough to end the
-        render.
-        """
-        if self.passes_done < self.next_estimate:
-            return False
-        threshold = self.settings.error_threshold
-        # Without a threshold the estimate is only shown, and few are enough.
-        self.next_estimate = (
-            next_estimate(self.passes_done) if threshold > 0 else 2 * self.passes_done
-        )
-        self.ending.estimate(self.renderer.make_error_estimate, self.passes_done)
-        self.relative_error = self.record.part.error_of_whole(
-            self.renderer.statistics()["error"], self.passes_done
-        )
-        if threshold <= 0 or self.passes_done < FEWEST_PASSES_TO_STOP:
-            return False
-        error = self.relative_error
-        if self.settings.denoise and error > threshold:
-            error *= share_of_most(self.renderer.film(["error"])["error"])
-        return error <= threshold
-
     def progress(self) -> Progress:
         done, settings = self.record.part.passes_before + self.passes_done, self.settings
         fraction = done / settings.passes
@@ -271,11 +248,7 @@ class Worker(threading.Thread):
             fraction = max(fraction, min(elapsed / settings.time_limit, 1.0))
         message = f"{self.stage} | {done} passes | {elapsed:.1f} s"
         if done:
-            message += f" | error {100 * self.relative_error:.2g} %"
-        if settings.error_threshold and self.relative_error:
-            fraction = max(
-                fraction, min((settings.error_threshold / self.relative_error) ** 2, 1.0)
-            )
-        self.fraction = max(fraction, self.fraction)
+            message += f" | error {100 * self.error_limit.error:.2g} %"
+        self.fraction = max(fraction, self.fraction, self.error_limit.fraction)
         interim, self.interim = self.interim, None
         return Progress(self.fraction, message, done, interim)
