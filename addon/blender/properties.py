@@ -14,7 +14,7 @@ from ..core.render.settings import Backend, FinalGather, RenderSettings
 from .registration import register_classes, unregister_classes
 
 DEFAULTS = RenderSettings()
-CLICK = RenderSettings(passes=4096, error_threshold=0.12, denoise=True)
+CLICK = RenderSettings(passes=4096, error_threshold=0.045, denoise=True)
 """What a click on Render gives, where nothing has been set."""
 
 
@@ -41,8 +41,8 @@ class PhotonSplatSettings(bpy.types.PropertyGroup):
     )
     error_threshold: FloatProperty(  # type: ignore[valid-type]
         name="Error Threshold",
-        description="Stop when the estimated relative error of the picture is this small: before "
-        "denoising, each pixel's over its own brightness; without Denoise the RMS error over the "
+        description="Stop when the estimated relative error of the picture is this small: of the "
+        "denoised one each pixel's over its own brightness; without Denoise the RMS error over the "
         "mean brightness. 0 = off. Left at its default it does not end a render for which passes "
         "or a time limit have been set",
         default=CLICK.error_threshold,

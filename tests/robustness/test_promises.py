@@ -8,7 +8,7 @@ import time
 
 import numpy as np
 import pytest
-from photon_splat.core.render.error_limit import error_seen
+from photon_splat.core.render.error_limit import error_left
 from photon_splat.core.render.pass_size import PassSize, pass_that_fits
 from photon_splat.core.render.result import RenderResult
 from photon_splat.core.render.session import render
@@ -118,24 +118,49 @@ def test_the_last_pass_gets_what_fits() -> None:
     )
 
 
+class Film:
+    """Of even features until they are changed."""
+
+    def __init__(self, error: float, light: float) -> None:
+        self.error, self.light = (np.full((20, 50), x, np.float32) for x in (error, light))
+        self.albedo, self.normal = (np.full((20, 50, 3), x, np.float32) for x in (0.5, 1.0))
+
+    def film(self, names: list[str]) -> dict[str, np.ndarray]:
+        arrays = {
+            "error": self.error[..., None],
+            "combined": self.light[..., None] * np.ones(4, np.float32),
+            "albedo": self.albedo,
+            "feature_normal": self.normal,
+        }
+        return {name: arrays[name] for name in names}
+
+
 def test_the_error_of_what_is_to_be_denoised() -> None:
-    light, error = np.full((20, 50), 2.0, np.float32), np.full((20, 50), 0.2, np.float32)
-    assert error_seen(error, light) == pytest.approx(0.1)
-    error[3, 7] = 50.0  # a thousandth of the pixels
-    assert error_seen(error, light) == pytest.approx(0.1)
-    error[:, :10] = 4.0  # a fifth of the picture is no outlier
-    assert error_seen(error, light) == pytest.approx(
-        np.sqrt((0.8 * 0.01 + 0.19 * 4) / 0.99), rel=0.01
+    even = Film(0.2, 2.0)
+    assert error_left(even) == pytest.approx(0.1 * 0.1)
+    even.error[3, 7] = 50.0  # a thousandth of the pixels
+    assert error_left(even) == pytest.approx(0.01)
+    even.error[:, :10] = 4.0  # a fifth of the picture is no outlier
+    assert error_left(even) == pytest.approx(
+        0.1 * np.sqrt((0.8 * 0.01 + 0.19 * 4) / 0.99), rel=0.01
     )
-    error[...] = 0.02
-    light[:10] = 0.1  # a bright sky hides nothing in the shade under it
-    light[10:] = 4.0
-    assert error_seen(error, light) == pytest.approx(0.2 * np.sqrt(490 / 990), rel=0.01)
-    light[:10] = 1e-3  # as good as black
-    assert error_seen(error, light) == pytest.approx(0.4 * np.sqrt(490 / 990), rel=0.01)
+    shade, half = Film(0.02, 4.0), np.sqrt(490 / 990)
+    shade.light[:10] = 0.1  # a bright sky hides nothing in the shade under it
+    assert error_left(shade) == pytest.approx(0.1 * 0.2 * half, rel=0.01)
+    shade.light[:10] = 1e-3  # as good as black
+    assert error_left(shade) == pytest.approx(0.1 * 0.4 * half, rel=0.01)
+    shade.error, shade.light = shade.error * 1e-3, shade.light * 1e-3
     dim = np.sqrt((490 * 0.02**2 + 500 * 0.005**2) / 990)  # where black is half the mean
-    assert error_seen(error * 1e-3, light * 1e-3) == pytest.approx(dim, rel=0.01)
-    assert error_seen(error, np.zeros_like(light)) == 0.0
+    assert error_left(shade) == pytest.approx(0.1 * dim, rel=0.01)
+    assert error_left(Film(0.2, 0.0)) == 0.0
+
+
+def test_denoisers_leave_more_where_there_is_detail() -> None:
+    even, papered, leaves = Film(0.2, 2.0), Film(0.2, 2.0), Film(0.2, 2.0)
+    papered.albedo[:, ::2] -= 0.04
+    leaves.normal[::2, :, 1] = -0.5
+    found = [error_left(film) for film in (even, papered, leaves)]
+    assert found == pytest.approx([0.1 * 0.1, 0.1 * 0.2, 0.1 * 0.5], rel=1e-3)
 
 
 def test_time_limit_is_kept() -> None:

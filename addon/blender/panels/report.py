@@ -153,6 +153,9 @@ def statistics_lines(statistics: Statistics | None) -> Iterator[str]:
     if error := statistics["error"]["relative_rmse"]:
         line = translated("Estimated error {error:.2g} % of the mean brightness")
         yield line.format(error=100 * error)
+    if left := statistics["error"].get("denoised"):
+        line = translated("Denoised about {error:.2g} % of each pixel's brightness")
+        yield line.format(error=100 * left)
     line = translated("{traced:,} photons traced, {stored:,} stored, {rays:,} rays")
     yield line.format(traced=photons["traced"], stored=photons["stored"], rays=statistics["rays"])
     for name, value in dict(seconds).items():

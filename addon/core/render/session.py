@@ -10,6 +10,7 @@ import numpy as np
 from ..scene import Scene
 from .denoise import device_name
 from .denoise_result import denoise_result
+from .error_limit import error_left
 from .final_film import OF_DENOISING, final_arrays, final_passes
 from .final_statistics import final_statistics, still_noisy
 from .memory import check_picture_fits
@@ -111,6 +112,8 @@ def render(
         denoising = time.monotonic() - began
     statistics = final_statistics(start, worker, scene, started, export_seconds)
     statistics["error"] = record.error(statistics["error"])
+    if noisy is not None:
+        statistics["error"]["denoised"] = error_left(source)
     statistics["warnings"] += still_noisy(statistics, settings, cancelled=worker.cancelled)
     if settings.denoise:
         statistics["seconds"]["denoise"] = denoising

@@ -68,14 +68,20 @@ class Photons(TypedDict):
 
 
 class Error(TypedDict):
-    """Estimates for Combined, relative to its mean luminance, RMS over the pixels."""
+    """Estimates for Combined, RMS over the pixels, relative to its mean luminance where nothing
+    else is said.
+    """
 
     relative_rmse: float
-    """Of noise and bias together: what error_threshold is compared with."""
+    """Of noise and bias together: what error_threshold is compared with if nothing is denoised."""
     standard_error: float
     """Noise alone."""
     bias: float
     """Blur by the kernel."""
+    denoised: NotRequired[float]
+    """Of a denoised picture, about, relative to each pixel's own luminance: what error_threshold is
+    compared with then.
+    """
 
 
 class Discs(TypedDict):

@@ -587,7 +587,7 @@ def test_settings_of_the_scene_reach_the_session() -> None:
     from photon_splat.core.render.settings import Backend, RenderSettings
 
     scene = stage.scene()
-    click = RenderSettings(passes=4096, error_threshold=0.12, denoise=True)
+    click = RenderSettings(passes=4096, error_threshold=0.045, denoise=True)
     assert render_settings(scene) == click
     assert scene.photon_splat.passes == 4096
     values = {
@@ -637,14 +637,14 @@ def test_an_error_threshold_that_nobody_has_set_ends_no_render_with_another_limi
     from photon_splat.blender.properties import render_settings
 
     group = stage.scene().photon_splat
-    assert render_settings(stage.scene()).error_threshold == pytest.approx(0.12)
+    assert render_settings(stage.scene()).error_threshold == pytest.approx(0.045)
     group.time_limit = 3.0
     assert render_settings(stage.scene()).error_threshold == 0.0
     group.time_limit = 0.0
     group.passes = 4096
     assert render_settings(stage.scene()).error_threshold == 0.0
-    group.error_threshold = 0.12
-    assert render_settings(stage.scene()).error_threshold == pytest.approx(0.12)
+    group.error_threshold = 0.045
+    assert render_settings(stage.scene()).error_threshold == pytest.approx(0.045)
 
 
 @in_blender

@@ -2,7 +2,7 @@ import bpy
 
 settings = bpy.context.scene.photon_splat
 
-settings.error_threshold = 0.3
+settings.error_threshold = 0.1
 settings.passes = 64
 settings.time_limit = 0.0
 settings.photons_per_pass = 100_000

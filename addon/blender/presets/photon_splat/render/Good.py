@@ -2,7 +2,7 @@ import bpy
 
 settings = bpy.context.scene.photon_splat
 
-settings.error_threshold = 0.1
+settings.error_threshold = 0.03
 settings.passes = 512
 settings.time_limit = 0.0
 settings.photons_per_pass = 200_000
