@@ -111,7 +111,9 @@ def _with_old_places(mesh: Mesh, bumps: bool) -> Mesh:
     if shading.generated is not None and GENERATED not in known:
         space = shading.generated
         scale, offset = (np.array(each, np.float32) for each in (space.scale, space.offset))
-        added.append(MeshAttribute(GENERATED, Domain.POINT, mesh.positions * scale + offset))
+        places = mesh.positions * scale
+        places += offset
+        added.append(MeshAttribute(GENERATED, Domain.POINT, places))
     if bumps:
         added.append(MeshAttribute(UNDISPLACED, Domain.POINT, mesh.positions))
     return replace(mesh, shading=replace(shading, attributes=[*shading.attributes, *added]))

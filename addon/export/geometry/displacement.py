@@ -238,7 +238,9 @@ def smooth_normals(mesh: Any, exported: Mesh, name: str) -> Normals:
     """The normals along which a bpy.types.Mesh is displaced: smooth ones of flat faces as well."""
     domain = mesh.normals_domain
     if domain == "FACE":
-        of_vertices = np.nan_to_num(read(mesh.vertex_normals, "vector", np.float32, 3))
+        of_vertices = np.array(read(mesh.vertex_normals, "vector", np.float32, 3))
+        if not np.isfinite(of_vertices).all():
+            of_vertices = np.nan_to_num(of_vertices)
         return Normals(None, of_vertices, np.zeros(len(exported.triangles), np.bool_))
     smooth_ones = None
     sharp = mesh.attributes.get("sharp_face")

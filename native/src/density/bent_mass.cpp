@@ -57,25 +57,27 @@ struct Sum {
     if (distance2 > kClear * (h + radius) * (h + radius)) return false;
     const float distance = std::sqrt(distance2);
     if (distance - radius >= h || node.area <= 0) return false;
-    const float even = node.even;
+    const float even = node.even();
     if (even < kEven && radius > kTiny * h) return true;
     const float near = distance - radius, far = distance + radius, narrow = kNarrow * h;
     const bool whole = far <= narrow || (far <= h && near >= narrow);
     if ((!whole && radius > kSmall * h) || even <= 0) return true;
-    Vec3 front = node.normal / even;
+    Vec3 front = node.normal() / even;
     Vec3 towards = way;
-    double area = node.area, spread = 0;
+    double area = node.area;
+    float spread = 0;     // in spread_unit()
     if (placed.shared) {  // an area element grows by |det M| |M^-T n|
       front = placed.to_local.transposed_vector(front);
       const float stretch = length(front);
       front = front / stretch;
       area *= stretch * volume;
       towards = placed.to_world.transposed_vector(way);
-      for (int i = 0; i < 6; ++i) spread += double(gram[i]) * node.spread[i];
+      for (int i = 0; i < 6; ++i) spread += gram[i] * node.spread[i];
     } else {
-      spread = double(node.spread[0]) + node.spread[1] + node.spread[2];
+      spread = static_cast<float>(node.spread[0] + node.spread[1] + node.spread[2]);
     }
-    const Piece piece{near, far, distance2 + spread, node.variance_along(towards)};
+    const Piece piece{near, far, distance2 + double(spread) * node.spread_unit(),
+                      node.variance_along(towards)};
     const double factor = weight_of(front) * area * (2 / M_PI);
     mass.wide += factor * inverse_h2 * piece.kernel(h, inverse_h2);
     if (near < narrow)

@@ -21,7 +21,7 @@ struct Moments {
 };
 
 constexpr int kPlaceBits = 30;     // of place_in()
-constexpr size_t kUsedOfLeaf = 4;  // triangles in a leaf, about
+constexpr size_t kUsedOfLeaf = 5;  // triangles in a leaf, about
 
 // Axes of the entries of a symmetric matrix
 constexpr int kPairs[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}};
@@ -44,7 +44,7 @@ struct SurfaceTree::Builder {
   std::span<const Triangle> triangles;
   SurfaceTree& tree;
   const CancelFlag& cancel;
-  LargeArray<uint64_t> keys;  // patch << kPlaceBits | Morton code, sorted
+  LargeArray<uint32_t> places;  // Morton codes, sorted within a patch
 
   Vec3 centroid(uint32_t t) const {
     const Triangle& v = triangles[t];
@@ -71,14 +71,24 @@ struct SurfaceTree::Builder {
     return m;
   }
 
-  // Where the highest bit in which the keys differ turns to 1; the middle where they are all equal.
+  // Where the highest bit in which the places differ turns to 1; the middle where they are all
+  // equal.
   uint32_t split(uint32_t first, uint32_t end) const {
-    const uint64_t differ = keys[first] ^ keys[end - 1];
+    const uint32_t differ = places[first] ^ places[end - 1];
     if (!differ) return (first + end) / 2;
-    const uint64_t bit = std::bit_floor(differ);
-    return static_cast<uint32_t>(std::partition_point(keys.begin() + first, keys.begin() + end,
-                                                      [&](uint64_t k) { return !(k & bit); }) -
-                                 keys.begin());
+    const uint32_t bit = std::bit_floor(differ);
+    return static_cast<uint32_t>(std::partition_point(places.begin() + first, places.begin() + end,
+                                                      [&](uint32_t p) { return !(p & bit); }) -
+                                 places.begin());
+  }
+
+  // Has the triangles of the leaves after the one that ends at `end` come.
+  void fetch_ahead(uint32_t end) const {
+    const size_t count = tree.order_.size();
+    for (size_t i = end; i < std::min<size_t>(end + kLeaf, count); ++i)
+      for (uint32_t v : triangles[tree.order_[i]]) prefetch(&positions[v]);
+    for (size_t i = end + kLeaf; i < std::min<size_t>(end + 2 * kLeaf, count); ++i)
+      prefetch(&triangles[tree.order_[i]]);
   }
 
   Moments build(uint32_t first, uint32_t end, const Vec3& origin) {
@@ -88,6 +98,7 @@ struct SurfaceTree::Builder {
     uint32_t right = 0;
     float radius = 0;
     if (end - first <= kLeaf) {
+      fetch_ahead(end);
       for (uint32_t i = first; i < end; ++i) m.add(moments(tree.order_[i], origin));
     } else {
       cancel.check();
@@ -102,13 +113,10 @@ struct SurfaceTree::Builder {
     const Vec3 offset{static_cast<float>(mean[0]), static_cast<float>(mean[1]),
                       static_cast<float>(mean[2])};
     node.centre = m.area > 0 ? origin + offset : centroid(tree.order_[first]);
-    node.normal = {static_cast<float>(m.normal[0] * scale), static_cast<float>(m.normal[1] * scale),
-                   static_cast<float>(m.normal[2] * scale)};
-    node.even = length(node.normal);
+    node.set_normal({static_cast<float>(m.normal[0] * scale),
+                     static_cast<float>(m.normal[1] * scale),
+                     static_cast<float>(m.normal[2] * scale)});
     node.area = static_cast<float>(m.area);
-    for (int i = 0; i < 6; ++i)
-      node.spread[i] =
-          static_cast<float>(m.second[i] * scale - mean[kPairs[i][0]] * mean[kPairs[i][1]]);
     if (right) {
       for (const SurfaceNode* child : {&tree.nodes_[index + 1], &tree.nodes_[right]})
         radius = std::max(radius, length(child->centre - node.centre) + child->radius);
@@ -118,9 +126,12 @@ struct SurfaceTree::Builder {
           radius = std::max(radius, length(positions[v] - node.centre));
     }
     node.radius = radius;
+    double covariance[6];
+    for (int i = 0; i < 6; ++i)
+      covariance[i] = m.second[i] * scale - mean[kPairs[i][0]] * mean[kPairs[i][1]];
+    node.set_spread(covariance);
     node.first = first;
-    node.count = end - first;
-    node.right = right;
+    node.next = right ? right : SurfaceNode::kIsLeaf | (end - first);
     tree.nodes_[index] = node;
     return m;
   }
@@ -145,19 +156,24 @@ SurfaceTree::SurfaceTree(std::span<const Vec3> positions, std::span<const Triang
       if (const uint32_t p = topology.patch[t]; !topology.planar[p])
         visit(uint64_t{p} << kPlaceBits | place_in(bounds[p], builder.centroid(t)), t);
   };
-  LargeArray<uint64_t>& keys = builder.keys;
-  keys.reserve(count);
   order_.resize(count);
+  LargeArray<uint32_t>& places = builder.places;
+  const auto keep = [&](size_t i, uint64_t key, uint32_t triangle) {
+    places[i] = static_cast<uint32_t>(key & ((uint64_t{1} << kPlaceBits) - 1));
+    order_[i] = triangle;
+  };
   if (key_bits + triangle_bits <= 64) {  // both in one number
+    LargeArray<uint64_t> keys, scratch;
+    keys.reserve(count);
     for_bent([&](uint64_t key, uint32_t t) { keys.push_back(key << triangle_bits | t); });
     cancel.check();
-    LargeArray<uint64_t> scratch;
     radix_sort(keys, scratch, triangle_bits, triangle_bits + key_bits, nullptr,
                [](uint64_t both) { return both; });
-    for (size_t i = 0; i < count; ++i) {
-      order_[i] = static_cast<uint32_t>(keys[i] & ((uint64_t{1} << triangle_bits) - 1));
-      keys[i] >>= triangle_bits;
-    }
+    scratch = {};
+    places.resize(count);
+    const uint64_t mask = (uint64_t{1} << triangle_bits) - 1;
+    for (size_t i = 0; i < count; ++i)
+      keep(i, keys[i] >> triangle_bits, static_cast<uint32_t>(keys[i] & mask));
   } else {
     struct Placed {
       uint64_t key;
@@ -168,20 +184,19 @@ SurfaceTree::SurfaceTree(std::span<const Vec3> positions, std::span<const Triang
     for_bent([&](uint64_t key, uint32_t t) { sorted.push_back({key, t}); });
     cancel.check();
     radix_sort(sorted, scratch, 0, key_bits, nullptr, [](const auto& one) { return one.key; });
-    for (size_t i = 0; i < count; ++i) {
-      keys.push_back(sorted[i].key);
-      order_[i] = sorted[i].triangle;
-    }
+    scratch = {};
+    places.resize(count);
+    for (size_t i = 0; i < count; ++i) keep(i, sorted[i].key, sorted[i].triangle);
   }
   cancel.check();
   nodes_.reserve(2 * count / kUsedOfLeaf);
   roots_.assign(patches, kNone);
   for (uint32_t first = 0, end; first < count; first = end) {
-    const uint64_t patch = builder.keys[first] >> kPlaceBits;
+    const uint32_t patch = topology.patch[order_[first]];
     end = static_cast<uint32_t>(
-        std::partition_point(builder.keys.begin() + first, builder.keys.end(),
-                             [&](uint64_t k) { return k >> kPlaceBits == patch; }) -
-        builder.keys.begin());
+        std::partition_point(order_.begin() + first, order_.end(),
+                             [&](uint32_t t) { return topology.patch[t] == patch; }) -
+        order_.begin());
     roots_[patch] = static_cast<uint32_t>(nodes_.size());
     builder.build(first, end, bounds[patch].center());
   }

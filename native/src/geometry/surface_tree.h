@@ -2,28 +2,56 @@
 // over a surface then costs what its rim costs, however finely the surface is tessellated.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+
 #include "geometry/topology.h"
 #include "util/large_pages.h"
 
 namespace photon_splat {
 
-// Lengths in mesh coordinates.
+// Lengths in mesh coordinates. There are many: normal and spread are kept in 16 bits a number.
 struct SurfaceNode {
+  static constexpr float kMost = 32767;
+  static constexpr uint32_t kIsLeaf = 1u << 31;
+
   Vec3 centre;   // mean position over the area
   float radius;  // of a ball about `centre` that holds all triangles
-  Vec3 normal;   // mean of the unit normals over the area: the shorter, the more they differ
-  float even;    // length of that mean
   float area;
-  float spread[6];  // covariance of positions over the area, m^2: xx, yy, zz, xy, xz, yz
-  uint32_t first;   // of its triangles, in order()
-  uint32_t count;
-  uint32_t right;  // second child, the first being the next node; 0: a leaf
+  uint32_t first;      // of its triangles, in order
+  uint32_t next;       // kIsLeaf | number of its triangles, or second child, the first being the
+                       // node after this one
+  int16_t normals[3];  // mean of the unit normals over the area: the shorter, the more they differ
+  uint16_t evenness;   // length of that mean
+  int16_t spread[6];   // covariance of positions over the area: xx, yy, zz, xy, xz, yz, in radius^2
+
+  bool is_leaf() const { return next & kIsLeaf; }
+  uint32_t count() const { return next & ~kIsLeaf; }  // of a leaf
+  float even() const { return evenness / kMost; }
+  Vec3 normal() const { return Vec3{normals[0] / kMost, normals[1] / kMost, normals[2] / kMost}; }
+  float spread_unit() const { return radius * radius / kMost; }
+
+  void set_normal(const Vec3& mean) {
+    for (int i = 0; i < 3; ++i) normals[i] = rounded(mean[i]);
+    evenness = static_cast<uint16_t>(rounded(length(mean)));
+  }
+
+  // covariance: m^2, within radius^2.
+  void set_spread(const double covariance[6]) {
+    const double scale = radius > 0 ? 1 / (double(radius) * radius) : 0;
+    for (int i = 0; i < 6; ++i) spread[i] = rounded(static_cast<float>(covariance[i] * scale));
+  }
 
   // Variance of v.x over the points x of the node.
   double variance_along(const Vec3& v) const {
     const float along = v.x * (v.x * spread[0] + 2 * (v.y * spread[3] + v.z * spread[4])) +
                         v.y * (v.y * spread[1] + 2 * v.z * spread[5]) + v.z * v.z * spread[2];
-    return std::max(along, 0.0f);
+    return std::max(along * spread_unit(), 0.0f);
+  }
+
+ private:
+  static int16_t rounded(float share) {
+    return static_cast<int16_t>(std::lrint(std::clamp(share, -1.0f, 1.0f) * kMost));
   }
 };
 
@@ -43,11 +71,11 @@ class SurfaceTree {
       const uint32_t index = stack[--depth];
       const SurfaceNode& node = nodes_[index];
       if (!enter(node)) continue;
-      if (node.right) {
-        stack[depth++] = node.right;
+      if (!node.is_leaf()) {
+        stack[depth++] = node.next;
         stack[depth++] = index + 1;
       } else {
-        for (uint32_t i = node.first; i < node.first + node.count; ++i) leaf(order_[i]);
+        for (uint32_t i = node.first; i < node.first + node.count(); ++i) leaf(order_[i]);
       }
     }
   }

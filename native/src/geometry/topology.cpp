@@ -24,18 +24,29 @@ std::vector<uint32_t> weld(std::span<const Vec3> positions, const CancelFlag& ca
   size_t capacity = 16;
   while (capacity < 2 * count) capacity *= 2;
   std::vector<uint32_t> table(capacity, kNone), welded(count);
-  for (uint32_t i = 0; i < count; ++i) {
-    check_now_and_then(i, cancel);
-    const Vec3 p = positions[i] + Vec3{0, 0, 0};  // turns -0 into +0
-    uint32_t bits[3];
-    std::memcpy(bits, &p, sizeof bits);
-    uint64_t slot = hash64(bits[0] | uint64_t{bits[1]} << 32) ^ hash64(bits[2]);
-    for (slot &= capacity - 1; table[slot] != kNone; slot = (slot + 1) & (capacity - 1)) {
-      const Vec3& q = positions[table[slot]];
-      if (q.x == p.x && q.y == p.y && q.z == p.z) break;
+  constexpr uint32_t kAhead = 64;  // whose places in the table come while others are looked at
+  uint64_t slots[kAhead];
+  for (uint32_t first = 0; first < count; first += kAhead) {
+    check_now_and_then(first, cancel);
+    const uint32_t end = static_cast<uint32_t>(std::min<size_t>(first + kAhead, count));
+    for (uint32_t i = first; i < end; ++i) {
+      const Vec3 p = positions[i] + Vec3{0, 0, 0};  // turns -0 into +0
+      uint32_t bits[3];
+      std::memcpy(bits, &p, sizeof bits);
+      const uint64_t hash = hash64(bits[0] | uint64_t{bits[1]} << 32) ^ hash64(bits[2]);
+      slots[i - first] = hash & (capacity - 1);
+      prefetch(&table[slots[i - first]]);
     }
-    if (table[slot] == kNone) table[slot] = i;
-    welded[i] = table[slot];
+    for (uint32_t i = first; i < end; ++i) {
+      const Vec3& p = positions[i];
+      uint64_t slot = slots[i - first];
+      for (; table[slot] != kNone; slot = (slot + 1) & (capacity - 1)) {
+        const Vec3& q = positions[table[slot]];
+        if (q.x == p.x && q.y == p.y && q.z == p.z) break;
+      }
+      if (table[slot] == kNone) table[slot] = i;
+      welded[i] = table[slot];
+    }
   }
   return welded;
 }
