@@ -15,9 +15,9 @@ estimate of the variance has been averaged.
 """
 BRIGHTER = 2.0
 """Times the third brightest of the eight neighbours."""
-APART = 12.0
+APART = 8.0
 """Deviations by which a speck exceeds that neighbour, as the pixels of the square deviate."""
-CAUTION = 2.0
+CAUTION = 3.0
 DOUBT = 2.0
 """Factor on the estimated variance: of a single path of strong light the variance equals the square
 of what it adds, of two such paths half of that.
