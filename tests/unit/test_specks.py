@@ -10,7 +10,7 @@ from photon_splat.core.render.specks import without_specks
 from tests.support import corescene as c
 
 Array = np.ndarray
-SIDE, PASSES = 64, 64
+SIDE, SAMPLES = 64, 500.0
 PLACE = (30, 31)
 
 
@@ -35,7 +35,7 @@ def with_paths(paths: int, total: float, noise: float = 0.02) -> tuple[Array, Ar
 @pytest.mark.parametrize("paths", [1, 2])
 def test_what_one_or_two_paths_brought_is_taken_out(paths: int) -> None:
     picture, variance = with_paths(paths, 20.0)
-    calm = without_specks(picture, variance, PASSES)
+    calm = without_specks(picture, variance, SAMPLES)
     assert calm[PLACE] == pytest.approx(1.0, abs=0.1)
     there = np.ones((SIDE, SIDE), bool)
     there[PLACE] = False
@@ -45,23 +45,23 @@ def test_what_one_or_two_paths_brought_is_taken_out(paths: int) -> None:
 
 def test_what_many_paths_found_stays() -> None:
     for paths, left in ((100, 0.98), (8, 0.75)):
-        calm = without_specks(*with_paths(paths, 20.0), PASSES)
+        calm = without_specks(*with_paths(paths, 20.0), SAMPLES)
         assert calm[PLACE].mean() - 1 == pytest.approx(20.0 * left, rel=0.01)
 
 
 def test_a_highlight_of_several_pixels_stays() -> None:
     picture, variance = with_paths(1, 20.0)
     picture[30:32, 31:33] = 21.0
-    assert np.array_equal(without_specks(picture, variance, PASSES), picture)
+    assert np.array_equal(without_specks(picture, variance, SAMPLES), picture)
 
 
-@pytest.mark.parametrize("passes", [1, 2, 64])
-def test_noise_loses_no_light(passes: int) -> None:
+@pytest.mark.parametrize("samples", [1.0, 4.0, 16.0, 500.0])
+def test_noise_loses_no_light(samples: float) -> None:
     random = np.random.default_rng(8)
-    for shape in (16.0, 1.0) if passes < 3 else (16.0,):  # nearly normal, and exponential
+    for shape in (16.0, 1.0) if samples < 16.0 else (16.0,):  # nearly normal, and exponential
         picture = (random.gamma(shape, 1 / shape, (SIDE, SIDE, 1)) * np.ones(3)).astype(np.float32)
         variance = np.full((SIDE, SIDE), 1 / shape, np.float32)
-        calm = without_specks(picture, variance, passes)
+        calm = without_specks(picture, variance, samples)
         assert calm.mean() == pytest.approx(picture.mean(), rel=0.002)
 
 
@@ -70,9 +70,9 @@ def test_pictures_without_noise_light_or_size() -> None:
     star[PLACE] = 5.0
     star[3, 3] = -1.0  # as control variates may leave it
     none = np.zeros((SIDE, SIDE), np.float32)
-    assert np.array_equal(without_specks(star, none, 1), star)
+    assert np.array_equal(without_specks(star, none, 16.0), star)
     one = np.ones((1, 1, 3), np.float32)
-    assert np.array_equal(without_specks(one, none[:1, :1], 1), one)
+    assert np.array_equal(without_specks(one, none[:1, :1], 16.0), one)
 
 
 def test_a_denoised_picture_has_none() -> None:
@@ -97,7 +97,7 @@ def test_a_denoised_picture_has_none() -> None:
     def denoised() -> float:
         passes = {"Combined": picture.copy()}
         said = ending.denoise_result(
-            passes, film, scene, passes_done=PASSES, samples=1e3, threads=0, on_card=False
+            passes, film, scene, passes_done=64, samples=SAMPLES, threads=0, on_card=False
         )
         assert not said
         return float(passes["Combined"][PLACE].mean())

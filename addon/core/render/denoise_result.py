@@ -58,7 +58,7 @@ def denoise_result(
     noisy = (film["matte"] if catchers else passes["Combined"])[..., :3]
     direct, variance = film["diffuse_direct"], film["variance"][..., 0]
     try:
-        calm = direct + without_specks(noisy - direct, variance, passes_done)
+        calm = direct + without_specks(noisy - direct, variance, samples)
         clean = denoise(
             calm,
             film["albedo"],

@@ -17,7 +17,8 @@ BRIGHTER = 2.0
 """Times the third brightest of the eight neighbours."""
 APART = 8.0
 """Deviations by which a speck exceeds that neighbour, as the pixels of the square deviate."""
-CAUTION = 3.0
+CAUTION = 12.0
+FEWEST_SAMPLES = 2.0
 DOUBT = 2.0
 """Factor on the estimated variance: of a single path of strong light the variance equals the square
 of what it adds, of two such paths half of that.
@@ -27,16 +28,19 @@ OF_MEDIAN = 1.4826
 
 
 def without_specks(
-    color: NDArray[np.float32], variance: NDArray[np.float32], passes: int
+    color: NDArray[np.float32], variance: NDArray[np.float32], samples: float
 ) -> NDArray[np.float32]:
     """`color` (height, width, 3), linear, where pixels that stand out lose as much of their excess
     as noise explains: of the excess d over the third brightest neighbour max(0, 1 - variance / d^2)
     is left. What is as bright after many paths as after few stays.
 
     variance: of the luminance, (height, width), a mean over the square around each pixel, as
-    estimated after `passes` passes. After few of them most pixels stand out somewhat, and those
-    that are taken out have to do so by more.
+    estimated after so many camera samples per pixel. After few of them most pixels stand out
+    somewhat, and those that are taken out have to do so by more; after one they are most of the
+    light.
     """
+    if samples < FEWEST_SAMPLES:
+        return color
     picture = color @ np.asarray(LUMINANCE, np.float32)
     third = _third_brightest_neighbour(picture)
     places = np.nonzero((picture > 0.0) & (picture > BRIGHTER * third))
@@ -44,7 +48,7 @@ def without_specks(
     around = _square_around(picture, places)
     deviation = OF_MEDIAN * np.median(np.abs(around - np.median(around, axis=0)), axis=0)
     excess = light - third
-    apart = excess > APART * (1.0 + CAUTION / passes) * deviation
+    apart = excess > APART * (1.0 + CAUTION / samples) * deviation
     pixels = (2 * WINDOW + 1) ** 2  # all variance of the square may be this one's
     noise = DOUBT * pixels * np.maximum(variance[places], 0.0)
     share = np.where(apart, np.maximum(1.0 - noise / np.maximum(excess**2, 1e-30), 0.0), 1.0)

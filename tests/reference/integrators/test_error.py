@@ -72,5 +72,16 @@ def test_a_render_stops_when_the_error_is_small_enough(halves: np.ndarray) -> No
     )
 
 
+def test_a_denoised_render_stops_by_what_the_denoiser_leaves() -> None:
+    asked = 0.02
+    shot = {"photons_per_pass": 20_000, "error_threshold": asked, "denoise": True}
+    result = c.shoot(room(pixels=48), passes=4096, **shot)
+    assert 8 <= result.statistics["passes"] < 2000
+    error = result.statistics["error"]
+    assert 0 < error["denoised"] <= asked < error["relative_rmse"]
+    raw = c.shoot(room(pixels=24), passes=9)
+    assert "denoised" not in raw.statistics["error"]
+
+
 def test_without_a_threshold_every_pass_is_rendered() -> None:
     assert c.shoot(room(pixels=16), passes=20, photons_per_pass=1000).statistics["passes"] == 20
