@@ -75,20 +75,15 @@ void AdaptiveRadius::choose(ThreadPool& pool) {
     variance[i] = std::max(0.0f, squares_[i] / n - mean * mean) * n / (n - 1);
     sum_[i] = squares_[i] = 0;
   }
-  const CancelFlag never;
-  pool.for_each(2, never, [&](size_t i, int) {
-    i ? blur(variance, width_, height_, kNear, variances)
-      : blur(square, width_, height_, kNear, squares);
-  });
+  blur(square, width_, height_, kNear, squares, pool);
+  blur(variance, width_, height_, kNear, variances, pool);
   // A bias as small as the best one drowns in the noise of a few discs: where nothing is seen from
   // near, the pixels further around in which nothing is seen either are asked together.
   const auto is_seen = [&](size_t i) { return squares[i] > kSignificant * variances[i] / n; };
   for (size_t i = 0; i < square.size(); ++i)
     if (is_seen(i)) square[i] = variance[i] = 0;
-  pool.for_each(2, never, [&](size_t i, int) {
-    i ? blur(variance, width_, height_, kFar, far_variances)
-      : blur(square, width_, height_, kFar, far_squares);
-  });
+  blur(square, width_, height_, kFar, far_squares, pool);
+  blur(variance, width_, height_, kFar, far_variances, pool);
   for (size_t i = 0; i < factors_.size(); ++i) {
     // Bias goes with brightness
     const float share = is_seen(i) || !(far_variances[i] > 0) ? 1 : variances[i] / far_variances[i];

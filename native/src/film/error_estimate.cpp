@@ -32,29 +32,42 @@ constexpr float kLentInGroup = 20;
 constexpr float kKnown = 0.75f;
 constexpr float kGroupStep = 4;  // at most, of the variance, up or down
 constexpr float kMost = 1e37f;
+constexpr size_t kPart = 1 << 14;     // pixels that a thread takes at once
 constexpr float kNoisePerDetail = 2;  // squared: see AdaptiveRadius
 // Bias ~ h^2: discs of h and h/sqrt(2) differ by half of it
 constexpr float kBiasPerDetail = 2;
 
-double mean_of(const std::vector<float>& values) {
-  double sum = 0;
-  for (float v : values) sum += v;
-  return values.empty() ? 0 : sum / static_cast<double>(values.size());
+template <class Visit>
+void for_pixels(ThreadPool& pool, size_t count, Visit&& visit) {
+  pool.for_parts(count, kPart, CancelFlag{}, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) visit(i);
+  });
+}
+
+// Mean of value(i); the same for any number of threads.
+template <class Value>
+double mean_of(ThreadPool& pool, size_t count, Value&& value) {
+  std::vector<double> parts((count + kPart - 1) / kPart);
+  pool.for_parts(count, kPart, CancelFlag{}, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) parts[begin / kPart] += value(i);
+  });
+  const double sum = std::accumulate(parts.begin(), parts.end(), 0.0);
+  return count ? sum / static_cast<double>(count) : 0;
 }
 
 // blur(), but pixels where `apart` is 1 lend nothing to those where it is 0. share_apart: blur() of
 // it. Empty: there are none.
 void blur_apart(const std::vector<float>& in, const std::vector<float>& apart,
                 const std::vector<float>& share_apart, int width, int height, int r,
-                std::vector<float>& out) {
-  blur(in, width, height, r, out);
+                std::vector<float>& out, ThreadPool& pool) {
+  blur(in, width, height, r, out, pool);
   if (apart.empty()) return;
-  std::vector<float> rest(in), of_rest;
-  for (size_t i = 0; i < rest.size(); ++i)
-    if (apart[i] > 0) rest[i] = 0;
-  blur(rest, width, height, r, of_rest);
-  for (size_t i = 0; i < rest.size(); ++i)
+  std::vector<float> rest(in.size()), of_rest;
+  for_pixels(pool, in.size(), [&](size_t i) { rest[i] = apart[i] > 0 ? 0 : in[i]; });
+  blur(rest, width, height, r, of_rest, pool);
+  for_pixels(pool, in.size(), [&](size_t i) {
     if (!(apart[i] > 0)) out[i] = of_rest[i] / (1 - share_apart[i]);
+  });
 }
 
 // c k^-a / (2 - 2^(1-a)) fitted to D(k) = c k^-a at several k, with a prior on a.
@@ -180,65 +193,60 @@ void ErrorEstimate::estimate_variance(ThreadPool& pool) {
   // D(k)
   std::vector<std::vector<float>> own(k.size(), std::vector<float>(luminance_.size())),
       lent(k.size());
-  const CancelFlag never;
   if (alone)
     own[0] = differences_of_neighbours(pool);
   else
-    pool.for_each(k.size(), never, [&](size_t i, int) {
+    for (size_t i = 0; i < k.size(); ++i) {
       const float scale = static_cast<float>(passes_) / k[i];
-      for (size_t at = 0; at < own[i].size(); ++at)
+      for_pixels(pool, own[i].size(), [&](size_t at) {
         own[i][at] = levels_[i].squares[at] / levels_[i].weights[at] * scale * noises_[at] /
                      (samples_[at] * samples_[at]);
-    });
-  const std::vector<float> sources = beside_sources();
-  std::vector<float> sources_near, sources_far;
+      });
+    }
+  const std::vector<float> sources = beside_sources(pool);
+  std::vector<float> sources_near, sources_far, far;
   if (!sources.empty()) {
-    blur(sources, width_, height_, kNear, sources_near);
-    blur(sources, width_, height_, kFar, sources_far);
+    blur(sources, width_, height_, kNear, sources_near, pool);
+    blur(sources, width_, height_, kFar, sources_far, pool);
   }
-  std::vector<std::vector<float>> around(k.size());
-  pool.for_each(2 * k.size(), never, [&](size_t i, int) {
-    const size_t level = i / 2;
-    i % 2 ? blur_apart(own[level], sources, sources_far, width_, height_, kFar, around[level])
-          : blur_apart(own[level], sources, sources_near, width_, height_, kNear, lent[level]);
-  });
-  pool.for_each(k.size(), never, [&](size_t i, int) {
-    const std::vector<float>& far = around[i];
+  for (size_t i = 0; i < k.size(); ++i) {
+    blur_apart(own[i], sources, sources_near, width_, height_, kNear, lent[i], pool);
+    blur_apart(own[i], sources, sources_far, width_, height_, kFar, far, pool);
     const float quiet_share = pairs[i] < kQuietPairs ? 1 : kQuietShare;
-    for (size_t at = 0; at < far.size(); ++at) {
+    for_pixels(pool, far.size(), [&](size_t at) {
       if (!alone && own[i][at] == 0) lent[i][at] *= quiet_share;  // the sky beside a hedge
       lent[i][at] += far_share * (far[at] - lent[i][at]);
-    }
-  });
+    });
+  }
   const PowerLaw law(passes_, k, pairs, kLent, kOfPixel);
-  pool.for_each(static_cast<size_t>(height_), never, [&](size_t row, int) {
-    for (size_t at = row * width_; at < (row + 1) * width_; ++at)
-      variance_[at] = law.variance([&](size_t i) { return lent[i][at]; });
+  for_pixels(pool, variance_.size(), [&](size_t at) {
+    variance_[at] = law.variance([&](size_t i) { return lent[i][at]; });
   });
-  if (passes_ >= kFirstGroups) correct_by_group(own, sources, k, pairs);
+  if (passes_ >= kFirstGroups) correct_by_group(own, sources, k, pairs, pool);
 }
 
 // 1 where a source is seen that outshines the picture, as a lamp does, and next to there; 0
 // elsewhere. The rim of a lamp varies from pass to pass by more than all else, which shows nothing
 // of the pixels that never see it. What is met rarely, as a lamp out of focus, may be anywhere
 // around. Empty where there are none.
-std::vector<float> ErrorEstimate::beside_sources() const {
-  double light = 0;
-  for (size_t i = 0; i < luminance_.size(); ++i) light += luminance_[i] / samples_[i];
-  const double bright =
-      kBright * light / std::max<double>(static_cast<double>(luminance_.size()), 1);
-  std::vector<float> result;
-  for (int y = 0; y < height_; ++y)
-    for (int x = 0; x < width_; ++x) {
-      const size_t i = static_cast<size_t>(y) * width_ + x;
-      if (!(sources_[i] / samples_[i] > bright) ||
-          source_passes_[i] < kOften * static_cast<float>(passes_))
-        continue;
-      result.resize(luminance_.size());
+std::vector<float> ErrorEstimate::beside_sources(ThreadPool& pool) const {
+  const double bright = kBright * mean_of(pool, luminance_.size(),
+                                          [&](size_t i) { return luminance_[i] / samples_[i]; });
+  const auto is_source = [&](size_t i) {
+    return sources_[i] / samples_[i] > bright &&
+           source_passes_[i] >= kOften * static_cast<float>(passes_);
+  };
+  const double sources =
+      mean_of(pool, luminance_.size(), [&](size_t i) { return is_source(i) ? 1.0 : 0.0; });
+  if (!(sources > 0)) return {};
+  std::vector<float> result(luminance_.size());
+  pool.for_each(static_cast<size_t>(height_), CancelFlag{}, [&](size_t row, int) {
+    const int y = static_cast<int>(row);
+    for (int x = 0; x < width_; ++x)
       for (int at = std::max(y - 1, 0); at <= std::min(y + 1, height_ - 1); ++at)
         for (int along = std::max(x - 1, 0); along <= std::min(x + 1, width_ - 1); ++along)
-          result[static_cast<size_t>(at) * width_ + along] = 1;
-    }
+          if (is_source(static_cast<size_t>(at) * width_ + along)) result[row * width_ + x] = 1;
+  });
   return result;
 }
 
@@ -266,7 +274,7 @@ std::vector<float> ErrorEstimate::differences_of_neighbours(ThreadPool& pool) co
 // Pixels beside sources are a group of their own: one lamp would speak for a tenth of the picture.
 void ErrorEstimate::correct_by_group(const std::vector<std::vector<float>>& own,
                                      const std::vector<float>& sources, const std::vector<float>& k,
-                                     const std::vector<float>& pairs) {
+                                     const std::vector<float>& pairs, ThreadPool& pool) {
   std::vector<size_t> large;
   std::vector<float> large_k, large_pairs;
   const float passes = static_cast<float>(passes_);
@@ -289,44 +297,49 @@ void ErrorEstimate::correct_by_group(const std::vector<std::vector<float>>& own,
     if (!sources.empty() && sources[at] > 0) return kGroups;
     return std::upper_bound(limits, limits + kGroups - 1, variance_[at]) - limits;
   };
-  std::vector<double> sums((kGroups + 1) * (large.size() + 1)), count(kGroups + 1);
-  for (size_t at = 0; at < variance_.size(); ++at) {
-    const size_t g = static_cast<size_t>(group_of(at));
-    for (size_t i = 0; i < large.size(); ++i) sums[g * (large.size() + 1) + i] += own[large[i]][at];
-    sums[g * (large.size() + 1) + large.size()] += variance_[at];
-    ++count[g];
-  }
+  // Of each group: what it sums up, and the number of its pixels
+  const size_t figures = large.size() + 2, all = (kGroups + 1) * figures;
+  std::vector<double> parts((variance_.size() + kPart - 1) / kPart * all), sums(all);
+  pool.for_parts(variance_.size(), kPart, CancelFlag{}, [&](size_t begin, size_t end) {
+    for (size_t at = begin; at < end; ++at) {
+      double* part = &parts[begin / kPart * all + static_cast<size_t>(group_of(at)) * figures];
+      for (size_t i = 0; i < large.size(); ++i) part[i] += own[large[i]][at];
+      part[large.size()] += variance_[at];
+      ++part[large.size() + 1];
+    }
+  });
+  for (size_t i = 0; i < parts.size(); ++i) sums[i % all] += parts[i];
   const PowerLaw law(passes_, large_k, large_pairs, kLentInGroup, kOfGroup);
   float factor[kGroups + 1];
   for (size_t g = 0; g <= kGroups; ++g) {
-    const double* sum = &sums[g * (large.size() + 1)];
-    const float variance = law.variance(
-        [&](size_t i) { return static_cast<float>(sum[i] / std::max(count[g], 1.0)); });
-    const double before = sum[large.size()] / std::max(count[g], 1.0);
+    const double* sum = &sums[g * figures];
+    const double count = std::max(sum[large.size() + 1], 1.0);
+    const float variance =
+        law.variance([&](size_t i) { return static_cast<float>(sum[i] / count); });
+    const double before = sum[large.size()] / count;
     factor[g] = std::isfinite(variance) && before > 0 && std::isfinite(before)
                     ? std::clamp(static_cast<float>(variance / before), 1 / kGroupStep, kGroupStep)
                     : 1;
     if (passes_ < kAllGroups) factor[g] = std::sqrt(factor[g]);
   }
-  for (size_t at = 0; at < variance_.size(); ++at) variance_[at] *= factor[group_of(at)];
+  for_pixels(pool, variance_.size(), [&](size_t at) { variance_[at] *= factor[group_of(at)]; });
 }
 
 void ErrorEstimate::estimate_bias(ThreadPool& pool) {
   const float n = static_cast<float>(passes_);
   std::vector<float> square(detail_.size()), noise(detail_.size());
-  for (size_t i = 0; i < detail_.size(); ++i) {
+  for_pixels(pool, detail_.size(), [&](size_t i) {
     const float mean = detail_[i] / n;
     square[i] = mean * mean;
     noise[i] =
         passes_ > 1 ? std::max(0.0f, detail_squares_[i] / n - mean * mean) / (n - 1) : square[i];
-  }
-  std::vector<float> squares, noises;
-  const CancelFlag never;
-  pool.for_each(2, never, [&](size_t i, int) {
-    i ? blur(noise, width_, height_, 1, noises) : blur(square, width_, height_, 1, squares);
   });
-  for (size_t i = 0; i < squares.size(); ++i)
+  std::vector<float> squares, noises;
+  blur(square, width_, height_, 1, squares, pool);
+  blur(noise, width_, height_, 1, noises, pool);
+  for_pixels(pool, squares.size(), [&](size_t i) {
     squared_bias_[i] = kBiasPerDetail * kBiasPerDetail * std::max(0.0f, squares[i] - noises[i]);
+  });
 }
 
 void ErrorEstimate::update(ThreadPool& pool) {
@@ -334,19 +347,20 @@ void ErrorEstimate::update(ThreadPool& pool) {
   estimated_ = passes_;
   estimate_variance(pool);
   estimate_bias(pool);
-  make_figures();
+  make_figures(pool);
 }
 
-void ErrorEstimate::make_figures() {
-  for (size_t i = 0; i < error_.size(); ++i) {
+void ErrorEstimate::make_figures(ThreadPool& pool) {
+  const size_t count = error_.size();
+  for_pixels(pool, count, [&](size_t i) {
     // Squares of what is barely a float are none any more.
     for (float* square : {&variance_[i], &squared_bias_[i]})
       if (!(*square < kMost)) *square = kMost;
     error_[i] = std::sqrt(variance_[i] + squared_bias_[i]);
-  }
-  std::vector<float> means(luminance_.size());
-  for (size_t i = 0; i < means.size(); ++i) means[i] = luminance_[i] / samples_[i];
-  const double mean = mean_of(means), variance = mean_of(variance_), bias = mean_of(squared_bias_);
+  });
+  const double mean = mean_of(pool, count, [&](size_t i) { return luminance_[i] / samples_[i]; }),
+               variance = mean_of(pool, count, [&](size_t i) { return variance_[i]; }),
+               bias = mean_of(pool, count, [&](size_t i) { return squared_bias_[i]; });
   figures_ = {0, 0, 0, mean};
   if (mean > 0)
     figures_ = {std::sqrt(variance + bias) / mean, std::sqrt(variance) / mean,

@@ -51,12 +51,12 @@ class ErrorEstimate {
  private:
   void estimate_variance(ThreadPool& pool);
   std::vector<float> differences_of_neighbours(ThreadPool& pool) const;
-  std::vector<float> beside_sources() const;
+  std::vector<float> beside_sources(ThreadPool& pool) const;
   void correct_by_group(const std::vector<std::vector<float>>& own,
                         const std::vector<float>& sources, const std::vector<float>& k,
-                        const std::vector<float>& pairs);
+                        const std::vector<float>& pairs, ThreadPool& pool);
   void estimate_bias(ThreadPool& pool);
-  void make_figures();
+  void make_figures(ThreadPool& pool);
 
   struct Level {
     // Sums of the block that waits for its neighbour; the last of s^(1/2)

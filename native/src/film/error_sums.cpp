@@ -53,7 +53,7 @@ void ErrorEstimate::restore(const ErrorSums& sums, const PackedFilm& film, uint3
   if (films >= kTellingFilms && ratio > 0)
     for (float& variance : variance_) variance *= static_cast<float>(ratio);
   estimate_bias(pool);
-  make_figures();
+  make_figures(pool);
   figures_.between = ratio;
 }
 
