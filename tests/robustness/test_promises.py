@@ -8,7 +8,10 @@ import time
 
 import numpy as np
 import pytest
+from photon_splat.core.render import error_limit
+from photon_splat.core.render.ending import Ending
 from photon_splat.core.render.error_limit import error_left
+from photon_splat.core.render.parts import Part
 from photon_splat.core.render.pass_size import PassSize, pass_that_fits
 from photon_splat.core.render.result import RenderResult
 from photon_splat.core.render.session import render
@@ -153,6 +156,28 @@ def test_the_error_of_what_is_to_be_denoised() -> None:
     dim = np.sqrt((490 * 0.02**2 + 500 * 0.005**2) / 990)  # where black is half the mean
     assert error_left(shade) == pytest.approx(0.1 * dim, rel=0.01)
     assert error_left(Film(0.2, 0.0)) == 0.0
+
+
+class Rendered(Film):
+    """As a renderer whose raw error is 10 % of the mean."""
+
+    def make_error_estimate(self) -> None:
+        pass
+
+    def statistics(self) -> dict[str, dict[str, float]]:
+        return {"error": {"relative_rmse": 0.1, "standard_error": 0.1, "bias": 0.0}}
+
+
+@pytest.mark.parametrize("there", [True, False])
+def test_what_no_denoiser_cleans_counts_as_it_is(
+    there: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(error_limit, "has_denoiser", lambda: there)
+    settings = RenderSettings(denoise=True, error_threshold=0.05)
+    limit = error_limit.ErrorLimit(settings, Part())
+    assert limit.after_pass(Rendered(0.2, 2.0), Ending(50, 20), 8) == there
+    assert limit.error == pytest.approx(0.01 if there else 0.1)
+    assert limit.fraction == pytest.approx(1.0 if there else 0.25)
 
 
 def test_denoisers_leave_more_where_there_is_detail() -> None:

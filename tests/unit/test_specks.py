@@ -71,6 +71,8 @@ def test_pictures_without_noise_light_or_size() -> None:
     star[3, 3] = -1.0  # as control variates may leave it
     none = np.zeros((SIDE, SIDE), np.float32)
     assert np.array_equal(without_specks(star, none, 16.0), star)
+    huge, most = star * 1e19, none + np.float32(1e37)  # what the film's estimate ends at
+    assert np.isfinite(without_specks(huge, most, 16.0)).all()
     one = np.ones((1, 1, 3), np.float32)
     assert np.array_equal(without_specks(one, none[:1, :1], 16.0), one)
 

@@ -44,6 +44,14 @@ def denoising_runs(quality: Quality, *, apart: bool, noisy_features: bool) -> fl
     return OF_FILTER[quality] * (1 + apart) + OF_FEATURES * prefilters
 
 
+def has_denoiser() -> bool:
+    try:
+        library()
+    except DenoiserMissing:
+        return False
+    return True
+
+
 def device_name(on_card: bool) -> str:
     """What denoises: a graphics card's name, or CPU; empty where there is no denoiser."""
     try:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .denoise import LUMINANCE
+from .denoise import LUMINANCE, has_denoiser
 from .ending import Ending
 from .parts import Part
 from .settings import RenderSettings
@@ -36,7 +36,8 @@ class ErrorLimit:
 
     def __init__(self, settings: RenderSettings, part: Part) -> None:
         self.error = 0.0
-        self._threshold, self._denoise = settings.error_threshold, settings.denoise
+        self._threshold = settings.error_threshold
+        self._denoise = settings.denoise and has_denoiser()
         self._part = part
         self._next = 1
 
@@ -69,7 +70,7 @@ def next_estimate(passes: int) -> int:
     """The pass after which the error is estimated again. It depends on the number of passes alone,
     so that a render can be repeated.
     """
-    return passes + max(1, passes // 8)
+    return 2 * passes if passes < FEWEST_PASSES_TO_STOP else passes + passes // 8
 
 
 def error_left(source: Any) -> float:

@@ -8,7 +8,7 @@ from collections.abc import Callable, Collection
 import numpy as np
 
 from ..scene import Scene
-from .denoise import device_name
+from .denoise import device_name, has_denoiser
 from .denoise_result import denoise_result
 from .error_limit import error_left
 from .final_film import OF_DENOISING, final_arrays, final_passes
@@ -112,7 +112,7 @@ def render(
         denoising = time.monotonic() - began
     statistics = final_statistics(start, worker, scene, started, export_seconds)
     statistics["error"] = record.error(statistics["error"])
-    if noisy is not None:
+    if noisy is not None and has_denoiser():
         statistics["error"]["denoised"] = error_left(source)
     statistics["warnings"] += still_noisy(statistics, settings, cancelled=worker.cancelled)
     if settings.denoise:

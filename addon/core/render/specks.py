@@ -44,14 +44,15 @@ def without_specks(
     picture = color @ np.asarray(LUMINANCE, np.float32)
     third = _third_brightest_neighbour(picture)
     places = np.nonzero((picture > 0.0) & (picture > BRIGHTER * third))
-    light, third = picture[places], np.maximum(third[places], 0.0)
+    # Doubles: squares of what fits into a float may not
+    light, third = picture[places].astype(np.float64), np.maximum(third[places], 0.0)
     around = _square_around(picture, places)
     deviation = OF_MEDIAN * np.median(np.abs(around - np.median(around, axis=0)), axis=0)
     excess = light - third
     apart = excess > APART * (1.0 + CAUTION / samples) * deviation
     pixels = (2 * WINDOW + 1) ** 2  # all variance of the square may be this one's
-    noise = DOUBT * pixels * np.maximum(variance[places], 0.0)
-    share = np.where(apart, np.maximum(1.0 - noise / np.maximum(excess**2, 1e-30), 0.0), 1.0)
+    noise = DOUBT * pixels * np.maximum(variance[places].astype(np.float64), 0.0)
+    share = np.where(apart, np.maximum(1.0 - noise / np.maximum(excess**2, 1e-300), 0.0), 1.0)
     result = color.copy()
     result[places] *= ((third + share * excess) / light)[:, None].astype(np.float32)
     return result
