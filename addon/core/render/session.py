@@ -110,10 +110,11 @@ def render(
             should_cancel=should_cancel,
         )
         denoising = time.monotonic() - began
+    left = error_left(source) if noisy is not None and has_denoiser() else None
     statistics = final_statistics(start, worker, scene, started, export_seconds)
     statistics["error"] = record.error(statistics["error"])
-    if noisy is not None and has_denoiser():
-        statistics["error"]["denoised"] = error_left(source)
+    if left is not None:
+        statistics["error"]["denoised"] = left
     statistics["warnings"] += still_noisy(statistics, settings, cancelled=worker.cancelled)
     if settings.denoise:
         statistics["seconds"]["denoise"] = denoising

@@ -95,7 +95,7 @@ def test_every_setting_says_what_it_does() -> None:
                 )
 
 
-@pytest.mark.parametrize(("name", "error"), [("Draft", 0.1), ("Good", 0.03), ("Final", 0.01)])
+@pytest.mark.parametrize(("name", "error"), [("Draft", 0.1), ("Good", 0.03), ("Final", 0.015)])
 @in_blender
 def test_presets(name: str, error: float) -> None:
     import bpy
