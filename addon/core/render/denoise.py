@@ -45,6 +45,7 @@ def denoising_runs(quality: Quality, *, apart: bool, noisy_features: bool) -> fl
 
 
 def has_denoiser() -> bool:
+    """Whether this Blender has Open Image Denoise."""
     try:
         library()
     except DenoiserMissing:
@@ -54,11 +55,9 @@ def has_denoiser() -> bool:
 
 def device_name(on_card: bool) -> str:
     """What denoises: a graphics card's name, or CPU; empty where there is no denoiser."""
-    try:
-        library()
-        card = graphics_card() if on_card else None
-    except DenoiserMissing:
+    if not has_denoiser():
         return ""
+    card = graphics_card() if on_card else None
     return card.card if card else "CPU"
 
 
