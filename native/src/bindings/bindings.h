@@ -28,6 +28,16 @@ using Array = nanobind::ndarray<const T, nanobind::c_contig, nanobind::device::c
 using Matrix = Array<double, nanobind::shape<4, 4>>;  // affine, row by row
 using Rgb3 = std::array<float, 3>;
 
+// numpy's array as one of Ts: kept where it is large, copied where it is not.
+template <class T, class Source>
+MeshArray<T> lent_or_copied(const Source& array) {
+  constexpr size_t kLent = size_t{1} << 20;  // bytes
+  const T* const first = reinterpret_cast<const T*>(array.data());
+  const size_t count = array.nbytes() / sizeof(T);
+  if (array.nbytes() < kLent) return LargeArray<T>(first, first + count);
+  return {first, count, std::make_shared<Source>(array)};
+}
+
 inline Rgb to_rgb(const Rgb3& c) { return {c[0], c[1], c[2]}; }
 
 // The upper three rows, relative to the renderer's origin.

@@ -1,4 +1,4 @@
-// Textures, materials and meshes: numpy's arrays are copied, checked by all threads.
+// Textures, materials and meshes: numpy's arrays are copied or kept, checked by all threads.
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
@@ -11,6 +11,7 @@
 #include "bindings/bindings.h"
 #include "geometry/areas.h"
 #include "scene/displacement.h"
+#include "util/gather.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -20,13 +21,12 @@ namespace {
 
 constexpr size_t kManyTriangles = 1 << 18;  // of a mesh, for its memory to matter
 
-// numpy's memory into the first `count` elements of ours, by all threads; visit(element) sees each.
+// visit(element) sees each of `count` of numpy's, by all threads.
 template <class T, class Source, class Visit>
-void copy_in_parts(ThreadPool& pool, const Source* from, LargeArray<T>* to, size_t count,
-                   Visit&& visit) {
+void visit_in_parts(ThreadPool& pool, const Source* from, size_t count, Visit&& visit) {
   const T* source = reinterpret_cast<const T*>(from);
   pool.for_parts(count, 1 << 15, CancelFlag{}, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) visit((*to)[i] = source[i]);
+    for (size_t i = begin; i < end; ++i) visit(i, source[i]);
   });
 }
 
@@ -46,33 +46,25 @@ uint32_t add_mesh(Renderer& r, Array<float, nb::shape<-1, 3>> positions,
     throw std::invalid_argument("a mesh's normals do not fit its vertices");
   Mesh mesh;
   std::atomic<bool> outside{false}, not_finite{false};
-  mesh.triangles.resize(count);
-  copy_in_parts(r.scene.pool(), triangles.data(), &mesh.triangles, count, [&](const Triangle& t) {
+  mesh.triangles = lent_or_copied<Triangle>(triangles);
+  visit_in_parts<Triangle>(r.scene.pool(), triangles.data(), count, [&](size_t, const Triangle& t) {
     if (std::max({t[0], t[1], t[2]}) >= vertices) outside.store(true, std::memory_order_relaxed);
   });
   if (outside) throw std::invalid_argument("a mesh's triangle names a vertex that does not exist");
   mesh.positions.resize(vertices + 1);
   mesh.positions.back() = {};  // Embree reads 16 bytes at the last vertex
-  copy_in_parts(r.scene.pool(), positions.data(), &mesh.positions, vertices, [&](const Vec3& p) {
+  visit_in_parts<Vec3>(r.scene.pool(), positions.data(), vertices, [&](size_t i, const Vec3& p) {
+    mesh.positions[i] = p;
     if (!is_finite(p)) not_finite.store(true, std::memory_order_relaxed);
   });
   if (not_finite) throw std::invalid_argument("a mesh has a vertex that is not finite");
-  if (corner_normals) {
-    mesh.corner_normals.resize(3 * count);
-    copy_in_parts(r.scene.pool(), corner_normals->data(), &mesh.corner_normals, 3 * count,
-                  [](const Vec3&) {});
-  }
+  if (corner_normals) mesh.corner_normals = lent_or_copied<Vec3>(*corner_normals);
   if (vertex_normals) {
-    mesh.vertex_normals.resize(vertices);
-    copy_in_parts(r.scene.pool(), vertex_normals->data(), &mesh.vertex_normals, vertices,
-                  [](const Vec3&) {});
+    mesh.vertex_normals = lent_or_copied<Vec3>(*vertex_normals);
     // Those of corners are found sooner, but are six times as many.
     if (count < kManyTriangles) mesh.spread_normals(r.scene.pool());
   }
-  if (uv) {
-    mesh.uv.resize(3 * count);
-    copy_in_parts(r.scene.pool(), uv->data(), &mesh.uv, 3 * count, [](const Vec2&) {});
-  }
+  if (uv) mesh.uv = lent_or_copied<Vec2>(*uv);
   if (slots) mesh.slots.assign(slots->data(), slots->data() + count);
   r.scene.meshes.push_back(std::move(mesh));
   return static_cast<uint32_t>(r.scene.meshes.size() - 1);
@@ -209,6 +201,18 @@ void bind_geometry(nb::module_& m, RendererClass& renderer) {
       "positions"_a, "triangles"_a,
       "Whether all triangles, (T, 3) uint32 vertices of (V, 3) float32 positions, have an area that is more than 0 and\n"
       "finite in single precision. ValueError for vertices that do not exist.");
+  m.def(
+      "gather",
+      [](Array<uint32_t, nb::shape<-1, -1>> values, Array<uint32_t, nb::shape<-1>> indices,
+         nb::ndarray<uint32_t, nb::c_contig, nb::device::cpu, nb::shape<-1, -1>> out) {
+        const std::span from(values.data(), values.size()), by(indices.data(), indices.size());
+        const std::span to(out.data(), out.size());
+        const auto width = static_cast<uint32_t>(values.shape(1));
+        nb::gil_scoped_release release;
+        gather(from, width, by, to);
+      },
+      "values"_a, "indices"_a, "out"_a.noconvert(),
+      "out (N, W) = values (R, W) at (N,) indices, all uint32, W up to 3. ValueError for rows that do not exist.");
   renderer
       .def(
           "set_origin",
@@ -240,8 +244,9 @@ void bind_geometry(nb::module_& m, RendererClass& renderer) {
           "uv"_a.none(), "slots"_a.none(), "vertex_normals"_a = nb::none(),
           "positions: (V, 3) float32, m, in the mesh's own space; triangles: (T, 3) uint32 vertices; corner_normals:\n"
           "(T, 3, 3) float32 or None; uv: (T, 3, 2) float32 or None; slots: (T,) uint16 material slots or None;\n"
-          "vertex_normals: (V, 3) float32 instead of corner_normals. Returns the mesh's index. ValueError for shapes that\n"
-          "do not fit, vertices that do not exist or are not finite.")
+          "vertex_normals: (V, 3) float32 instead of corner_normals. Large arrays other than positions are not copied\n"
+          "but kept: they must not change any more. Returns the mesh's index. ValueError for shapes that do not fit,\n"
+          "vertices that do not exist or are not finite.")
       .def(
           "coincident_surfaces", &coincident,
           "Opaque surfaces that lie exactly in each other, in view or beside it, in a built scene, as (instance, instance\n"

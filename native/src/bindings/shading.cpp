@@ -111,10 +111,12 @@ void add_mesh_attribute(
     const auto* p = static_cast<const uint8_t*>(values.data());
     attribute.bytes.assign(p, p + values.size());
   } else if (values.dtype() == nb::dtype<float>()) {
-    const auto* p = static_cast<const float*>(values.data());
-    attribute.floats.assign(p, p + values.size());
-    for (float& f : attribute.floats)
-      if (!std::isfinite(f)) f = 0;
+    attribute.floats = lent_or_copied<float>(values);
+    const auto bad = [](float f) { return !std::isfinite(f); };
+    if (std::any_of(attribute.floats.begin(), attribute.floats.end(), bad)) {
+      LargeArray<float>& own = attribute.floats.own();
+      std::replace_if(own.begin(), own.end(), bad, 0.0f);
+    }
   } else {
     throw std::invalid_argument("an attribute is neither float32 nor four uint8");
   }

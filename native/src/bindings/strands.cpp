@@ -43,7 +43,7 @@ uint32_t add_strands(Renderer& r, Array<float, nb::shape<-1, 4>> keys,
   }
   if (uv) {
     const Vec2* from = reinterpret_cast<const Vec2*>(uv->data());
-    mesh.uv.assign(from, from + strands.count());
+    mesh.uv = LargeArray<Vec2>(from, from + strands.count());
   }
   r.scene.meshes.push_back(std::move(mesh));
   return static_cast<uint32_t>(r.scene.meshes.size() - 1);

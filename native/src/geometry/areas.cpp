@@ -24,10 +24,7 @@ bool all_have_area(std::span<const Vec3> positions, std::span<const Triangle> tr
       if (!(is_finite(n) && (n.x != 0 || n.y != 0 || n.z != 0))) sound = false;
     }
   };
-  if (triangles.size() <= kPart)  // no threads are worth it
-    look(0, triangles.size());
-  else
-    ThreadPool(0).for_parts(triangles.size(), kPart, CancelFlag{}, look);
+  for_parts_by_all(triangles.size(), kPart, look);
   if (outside) throw std::invalid_argument("a triangle names a vertex that does not exist");
   return sound;
 }

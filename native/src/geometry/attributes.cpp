@@ -30,7 +30,7 @@ void MeshAttribute::swap_corners(size_t a, size_t b) {
   if (domain != Domain::kCorner) return;
   for (uint32_t c = 0; c < components; ++c) {
     if (bytes.empty())
-      std::swap(floats[components * a + c], floats[components * b + c]);
+      std::swap(floats.own()[components * a + c], floats.own()[components * b + c]);
     else
       std::swap(bytes[components * a + c], bytes[components * b + c]);
   }

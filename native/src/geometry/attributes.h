@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "geometry/mesh_array.h"
 #include "math/vec.h"
 
 namespace photon_splat {
@@ -18,7 +19,7 @@ struct MeshAttribute {
   Domain domain = Domain::kPoint;
   uint32_t components = 1;  // 1 to 4
   // Element after element (corner: 3 per triangle; face: per triangle), or
-  std::vector<float> floats;
+  MeshArray<float> floats;
   // sRGB-encoded RGBA (the fourth linear), decoded before interpolation
   std::vector<uint8_t> bytes;
 

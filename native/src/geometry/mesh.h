@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "geometry/attributes.h"
+#include "geometry/mesh_array.h"
 #include "geometry/motion.h"
 #include "geometry/strands.h"
 #include "geometry/surface_tree.h"
@@ -19,11 +20,11 @@ struct MeshGrid {
 
 struct Mesh {
   LargeArray<Vec3> positions;
-  LargeArray<Triangle> triangles;
-  LargeArray<Vec3> corner_normals;  // 3 per triangle, or
-  LargeArray<Vec3> vertex_normals;  // one per vertex; both empty: flat
-  LargeArray<Vec2> uv;              // 3 per triangle (1 per strand), or empty
-  std::vector<uint16_t> slots;      // per triangle, or empty
+  MeshArray<Triangle> triangles;
+  MeshArray<Vec3> corner_normals;  // 3 per triangle, or
+  MeshArray<Vec3> vertex_normals;  // one per vertex; both empty: flat
+  MeshArray<Vec2> uv;              // 3 per triangle (1 per strand), or empty
+  std::vector<uint16_t> slots;     // per triangle, or empty
   std::vector<MeshAttribute> attributes;
   std::vector<MeshGrid> grids;  // of a volume object, whose bounds the triangles are
   GeneratedSpace generated;
@@ -33,8 +34,8 @@ struct Mesh {
   std::unique_ptr<SurfaceTree> surface_tree;
   std::unique_ptr<Strands> strands;  // instead of triangles; slots are those of its segments
 
-  // Makes the last three from the others. Throws Cancelled.
-  void describe_surface(const CancelFlag& cancel);
+  // Makes topology and trees from the others. Throws Cancelled.
+  void describe_surface(ScratchMemory& scratch, const CancelFlag& cancel);
 
   const MeshAttribute* attribute(uint32_t id) const {
     for (const MeshAttribute& a : attributes)

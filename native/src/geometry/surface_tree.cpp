@@ -44,29 +44,44 @@ struct SurfaceTree::Builder {
   std::span<const Triangle> triangles;
   SurfaceTree& tree;
   const CancelFlag& cancel;
-  LargeArray<uint32_t> places;  // Morton codes, sorted within a patch
+  std::span<uint32_t> places;  // Morton codes, sorted within a patch
 
   Vec3 centroid(uint32_t t) const {
     const Triangle& v = triangles[t];
     return (positions[v[0]] + positions[v[1]] + positions[v[2]]) * (1.0f / 3);
   }
 
-  // About `origin`.
-  Moments moments(uint32_t t, const Vec3& origin) const {
-    const Vec3 a = positions[triangles[t][0]] - origin, b = positions[triangles[t][1]] - origin,
-               c = positions[triangles[t][2]] - origin;
-    const Vec3 n = cross(b - a, c - a), sum = a + b + c;
-    Moments m;
-    m.area = 0.5 * length(n);
-    for (int i = 0; i < 3; ++i) {
-      m.first[i] = m.area * sum[i] / 3;
-      m.normal[i] = 0.5 * n[i];
+  // Of a leaf, about `origin`. Floats about a corner of its own hold them well: it is small.
+  Moments moments(uint32_t first, uint32_t end, const Vec3& origin) const {
+    const Vec3 own = positions[triangles[tree.order_[first]][0]];
+    float area = 0, mean[3] = {}, second[6] = {}, normal[3] = {};
+    for (uint32_t i = first; i < end; ++i) {
+      const Triangle& t = triangles[tree.order_[i]];
+      const Vec3 a = positions[t[0]] - own, b = positions[t[1]] - own, c = positions[t[2]] - own;
+      const Vec3 n = cross(b - a, c - a), sum = a + b + c;
+      const float twice = length(n), weight = twice * (1.0f / 24);
+      area += 0.5f * twice;
+      for (int k = 0; k < 3; ++k) {
+        mean[k] += twice * (1.0f / 6) * sum[k];
+        normal[k] += 0.5f * n[k];
+      }
+      for (int k = 0; k < 6; ++k) {
+        const auto [p, q] = kPairs[k];
+        second[k] += weight * (a[p] * a[q] + b[p] * b[q] + c[p] * c[q] + sum[p] * sum[q]);
+      }
     }
-    for (int i = 0; i < 6; ++i) {
-      const auto [p, q] = kPairs[i];
-      m.second[i] = m.area / 12 *
-                    (double(a[p]) * a[q] + double(b[p]) * b[q] + double(c[p]) * c[q] +
-                     double(sum[p]) * sum[q]);
+    Moments m;
+    m.area = area;
+    double offset[3];
+    for (int k = 0; k < 3; ++k) {
+      offset[k] = double(own[k]) - origin[k];
+      m.first[k] = mean[k] + area * offset[k];
+      m.normal[k] = normal[k];
+    }
+    for (int k = 0; k < 6; ++k) {
+      const auto [p, q] = kPairs[k];
+      m.second[k] = second[k] + double(mean[p]) * offset[q] + double(mean[q]) * offset[p] +
+                    area * offset[p] * offset[q];
     }
     return m;
   }
@@ -99,7 +114,7 @@ struct SurfaceTree::Builder {
     float radius = 0;
     if (end - first <= kLeaf) {
       fetch_ahead(end);
-      for (uint32_t i = first; i < end; ++i) m.add(moments(tree.order_[i], origin));
+      m = moments(first, end, origin);
     } else {
       cancel.check();
       const uint32_t middle = split(first, end);
@@ -123,7 +138,8 @@ struct SurfaceTree::Builder {
     } else {
       for (uint32_t i = first; i < end; ++i)
         for (uint32_t v : triangles[tree.order_[i]])
-          radius = std::max(radius, length(positions[v] - node.centre));
+          radius = std::max(radius, length2(positions[v] - node.centre));
+      radius = std::sqrt(radius);
     }
     node.radius = radius;
     double covariance[6];
@@ -138,7 +154,8 @@ struct SurfaceTree::Builder {
 };
 
 SurfaceTree::SurfaceTree(std::span<const Vec3> positions, std::span<const Triangle> triangles,
-                         const Topology& topology, const CancelFlag& cancel) {
+                         const Topology& topology, ScratchMemory& scratch,
+                         const CancelFlag& cancel) {
   const size_t patches = topology.planar.size();
   std::vector<Bounds> bounds(patches);
   Builder builder{positions, triangles, *this, cancel, {}};
@@ -157,36 +174,35 @@ SurfaceTree::SurfaceTree(std::span<const Vec3> positions, std::span<const Triang
         visit(uint64_t{p} << kPlaceBits | place_in(bounds[p], builder.centroid(t)), t);
   };
   order_.resize(count);
-  LargeArray<uint32_t>& places = builder.places;
-  const auto keep = [&](size_t i, uint64_t key, uint32_t triangle) {
-    places[i] = static_cast<uint32_t>(key & ((uint64_t{1} << kPlaceBits) - 1));
-    order_[i] = triangle;
+  const auto sort = [&]<class Keyed>(Keyed, auto&& keyed, int first_bit, auto&& key_of,
+                                     auto&& triangle_of) {
+    scratch.begin(count * (2 * sizeof(Keyed) + sizeof(uint32_t)));
+    builder.places = scratch.take<uint32_t>(count);
+    const std::span<Keyed> all = scratch.take<Keyed>(count), other = scratch.take<Keyed>(count);
+    size_t n = 0;
+    for_bent([&](uint64_t key, uint32_t t) { all[n++] = keyed(key, t); });
+    cancel.check();
+    const auto sorted = radix_sort(all, other, first_bit, first_bit + key_bits, nullptr, key_of);
+    for (size_t i = 0; i < count; ++i) {
+      const uint64_t key = key_of(sorted[i]) >> first_bit;
+      builder.places[i] = static_cast<uint32_t>(key & ((uint64_t{1} << kPlaceBits) - 1));
+      order_[i] = triangle_of(sorted[i]);
+    }
   };
   if (key_bits + triangle_bits <= 64) {  // both in one number
-    LargeArray<uint64_t> keys, scratch;
-    keys.reserve(count);
-    for_bent([&](uint64_t key, uint32_t t) { keys.push_back(key << triangle_bits | t); });
-    cancel.check();
-    radix_sort(keys, scratch, triangle_bits, triangle_bits + key_bits, nullptr,
-               [](uint64_t both) { return both; });
-    scratch = {};
-    places.resize(count);
     const uint64_t mask = (uint64_t{1} << triangle_bits) - 1;
-    for (size_t i = 0; i < count; ++i)
-      keep(i, keys[i] >> triangle_bits, static_cast<uint32_t>(keys[i] & mask));
+    sort(
+        uint64_t{}, [&](uint64_t key, uint32_t t) { return key << triangle_bits | t; },
+        triangle_bits, [](uint64_t both) { return both; },
+        [&](uint64_t both) { return static_cast<uint32_t>(both & mask); });
   } else {
     struct Placed {
       uint64_t key;
       uint32_t triangle;
     };
-    LargeArray<Placed> sorted, scratch;
-    sorted.reserve(count);
-    for_bent([&](uint64_t key, uint32_t t) { sorted.push_back({key, t}); });
-    cancel.check();
-    radix_sort(sorted, scratch, 0, key_bits, nullptr, [](const auto& one) { return one.key; });
-    scratch = {};
-    places.resize(count);
-    for (size_t i = 0; i < count; ++i) keep(i, sorted[i].key, sorted[i].triangle);
+    sort(
+        Placed{}, [](uint64_t key, uint32_t t) { return Placed{key, t}; }, 0,
+        [](const Placed& one) { return one.key; }, [](const Placed& one) { return one.triangle; });
   }
   cancel.check();
   nodes_.reserve(2 * count / kUsedOfLeaf);

@@ -58,7 +58,7 @@ struct SurfaceNode {
 class SurfaceTree {
  public:
   SurfaceTree(std::span<const Vec3> positions, std::span<const Triangle> triangles,
-              const Topology& topology, const CancelFlag& cancel);
+              const Topology& topology, ScratchMemory& scratch, const CancelFlag& cancel);
 
   // Descends from a bent patch' root: enter(node) says whether to look at its children;
   // leaf(triangle) is called below leaves that were entered.
@@ -84,7 +84,7 @@ class SurfaceTree {
   static constexpr uint32_t kNone = ~0u, kLeaf = 8, kDeepest = 128;
   struct Builder;
 
-  std::vector<uint32_t> order_;  // triangles of bent patches, sorted by patch
+  LargeArray<uint32_t> order_;  // triangles of bent patches, sorted by patch
   LargeArray<SurfaceNode> nodes_;
   std::vector<uint32_t> roots_;  // per patch; kNone: planar; empty: all are
 };

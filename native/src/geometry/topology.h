@@ -6,7 +6,9 @@
 #include <vector>
 
 #include "math/vec.h"
+#include "util/large_pages.h"
 #include "util/parallel.h"
+#include "util/scratch_memory.h"
 
 namespace photon_splat {
 
@@ -24,10 +26,10 @@ struct BoundaryEdge {
 struct Topology {
   static constexpr float kCreaseCosine = 0.9063f;  // 25 degrees
 
-  std::vector<uint32_t> patch;  // per triangle
+  LargeArray<uint32_t> patch;   // per triangle
   std::vector<uint8_t> planar;  // per patch
   // 1/m in mesh coordinates per triangle; empty when all patches are planar
-  std::vector<float> curvature;
+  LargeArray<float> curvature;
   std::vector<float> patch_curvature;        // the largest of each patch
   std::vector<float> patch_area, patch_rim;  // m^2; length of its boundary, m: in mesh coordinates
   std::vector<BoundaryEdge> edges;           // sorted by patch
@@ -40,7 +42,7 @@ struct Topology {
 
 // Throws Cancelled.
 Topology build_topology(std::span<const Vec3> positions, std::span<const Triangle> triangles,
-                        const CancelFlag& cancel = {});
+                        ScratchMemory& scratch, const CancelFlag& cancel = {});
 
 // Finds the boundary edges near a point; a median-split tree over their bounds.
 class EdgeTree {

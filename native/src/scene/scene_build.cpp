@@ -95,20 +95,22 @@ void move_to_world(Mesh& mesh, const Instance& instance, ThreadPool& pool,
     n = len > 0 ? world / len : n;
   };
   change_all(mesh.positions, pool, cancel, move);
-  change_all(mesh.corner_normals, pool, cancel, turn);
-  change_all(mesh.vertex_normals, pool, cancel, turn);
+  change_all(mesh.corner_normals.own(), pool, cancel, turn);
+  change_all(mesh.vertex_normals.own(), pool, cancel, turn);
   for (LargeArray<Vec3>& positions : mesh.motion.positions)
     change_all(positions, pool, cancel, move);
   for (LargeArray<Vec3>& normals : mesh.motion.corner_normals)
     change_all(normals, pool, cancel, turn);
   if (instance.mirrored) {  // restore the winding, so that the front stays the front
-    for (size_t t = 0; t < mesh.triangles.size(); ++t) {
-      std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
-      if (!mesh.corner_normals.empty())
-        std::swap(mesh.corner_normals[3 * t + 1], mesh.corner_normals[3 * t + 2]);
+    LargeArray<Triangle>& triangles = mesh.triangles.own();
+    LargeArray<Vec3>& corner_normals = mesh.corner_normals.own();
+    LargeArray<Vec2>& uv = mesh.uv.own();
+    for (size_t t = 0; t < triangles.size(); ++t) {
+      std::swap(triangles[t][1], triangles[t][2]);
+      if (!corner_normals.empty()) std::swap(corner_normals[3 * t + 1], corner_normals[3 * t + 2]);
       for (LargeArray<Vec3>& normals : mesh.motion.corner_normals)
         if (!normals.empty()) std::swap(normals[3 * t + 1], normals[3 * t + 2]);
-      if (!mesh.uv.empty()) std::swap(mesh.uv[3 * t + 1], mesh.uv[3 * t + 2]);
+      if (!uv.empty()) std::swap(uv[3 * t + 1], uv[3 * t + 2]);
       for (MeshAttribute& attribute : mesh.attributes) attribute.swap_corners(3 * t + 1, 3 * t + 2);
     }
   }
@@ -181,11 +183,11 @@ RTCGeometry Scene::make_geometry(const Mesh& mesh) const {
   return mesh.strands ? mesh.strands->make_geometry(device_) : triangles_of(device_, mesh);
 }
 
-void Mesh::describe_surface(const CancelFlag& cancel) {
+void Mesh::describe_surface(ScratchMemory& scratch, const CancelFlag& cancel) {
   if (strands) return;
-  topology = build_topology(positions, triangles, cancel);
+  topology = build_topology(positions, triangles, scratch, cancel);
   edge_tree = std::make_unique<EdgeTree>(topology.edges);
-  surface_tree = std::make_unique<SurfaceTree>(positions, triangles, topology, cancel);
+  surface_tree = std::make_unique<SurfaceTree>(positions, triangles, topology, scratch, cancel);
 }
 
 void Scene::commit(RTCScene scene, const CancelFlag& cancel,
@@ -268,9 +270,10 @@ void Scene::build(const CancelFlag& cancel) {
   }
   std::atomic<size_t> next{0};
   const auto describe_surfaces = [&] {
+    ScratchMemory scratch;
     for (size_t m; (m = next++) < meshes.size();) {
       cancel.check();
-      if (uses[m]) meshes[m].describe_surface(cancel);
+      if (uses[m]) meshes[m].describe_surface(scratch, cancel);
     }
   };
   commit(top_, cancel, describe_surfaces);

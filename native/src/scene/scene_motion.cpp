@@ -1,5 +1,6 @@
 // Where moving things of a scene are at a time, and where their points are at the shutter's centre.
 #include <bit>
+#include <span>
 
 #include "scene/scene.h"
 
@@ -7,7 +8,7 @@ namespace photon_splat {
 namespace {
 
 // Between what steps hold of a mesh, whose own is `middle`: of element `i`.
-Vec3 between(const std::vector<LargeArray<Vec3>>& steps, const LargeArray<Vec3>& middle, size_t i,
+Vec3 between(const std::vector<LargeArray<Vec3>>& steps, std::span<const Vec3> middle, size_t i,
              float time) {
   const auto [first, share] = motion_step(steps.size(), time);
   const auto at = [&](size_t step) {
@@ -49,11 +50,12 @@ const Vec3* Mesh::normals(uint32_t triangle, float time, Vec3 made[3]) const {
 
 void Mesh::spread_normals(ThreadPool& pool) {
   if (vertex_normals.empty()) return;
-  corner_normals.resize(3 * triangles.size());
+  LargeArray<Vec3> spread(3 * triangles.size());
   pool.for_parts(triangles.size(), 1 << 15, CancelFlag{}, [&](size_t begin, size_t end) {
     for (size_t t = begin; t < end; ++t)
-      for (size_t k = 0; k < 3; ++k) corner_normals[3 * t + k] = vertex_normals[triangles[t][k]];
+      for (size_t k = 0; k < 3; ++k) spread[3 * t + k] = vertex_normals[triangles[t][k]];
   });
+  corner_normals = std::move(spread);
   vertex_normals = {};
 }
 

@@ -80,4 +80,11 @@ class ThreadPool {
   bool stop_ = false;
 };
 
+// The same on threads of its own, of all of the machine, where there is more than one part.
+template <class Work>
+void for_parts_by_all(size_t count, size_t part, Work&& work) {
+  if (count <= part) return work(size_t{0}, count);
+  ThreadPool(0).for_parts(count, part, CancelFlag{}, work);
+}
+
 }  // namespace photon_splat

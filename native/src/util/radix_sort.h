@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -11,11 +12,12 @@
 
 namespace photon_splat {
 
-// Sorts `values` (a vector) by the bits [from, to) of key(value), an unsigned integer; what has
-// equal ones stays in order. `scratch`: of the same type, for its memory; `pool`: threads that
-// share the work, or null.
-template <class Array, class Key>
-void radix_sort(Array& values, Array& scratch, int from, int to, ThreadPool* pool, Key&& key) {
+// Sorts `values` by the bits [from, to) of key(value), an unsigned integer; what has equal ones
+// stays in order. `scratch`: as many, which are in order in the end if `values` are not; returns
+// those that are. `pool`: threads that share the work, or null.
+template <class Value, class Key>
+std::span<Value> radix_sort(std::span<Value> values, std::span<Value> scratch, int from, int to,
+                            ThreadPool* pool, Key&& key) {
   constexpr int kMostBits = 11;
   constexpr size_t kFew = size_t{1} << 15;  // that are counted, and moved, by one thread
   const int passes = std::max(1, (to - from + kMostBits - 1) / kMostBits),
@@ -27,7 +29,6 @@ void radix_sort(Array& values, Array& scratch, int from, int to, ThreadPool* poo
     if (parts == 1) return work(size_t{0}, values.size());
     pool->for_parts(values.size(), size, CancelFlag(), work);
   };
-  scratch.resize(values.size());
   std::vector<size_t> starts(parts << bits);
   for (int shift = from; shift < to; shift += bits) {
     const uint64_t mask = (uint64_t{1} << std::min(bits, to - shift)) - 1;
@@ -45,8 +46,17 @@ void radix_sort(Array& values, Array& scratch, int from, int to, ThreadPool* poo
       size_t* const start = &starts[begin / std::max<size_t>(size, 1) << bits];
       for (size_t i = begin; i < end; ++i) scratch[start[digit(values[i])]++] = values[i];
     });
-    values.swap(scratch);
+    std::swap(values, scratch);
   }
+  return values;
+}
+
+// The same, where both are vectors, into `values`.
+template <class Array, class Key>
+void radix_sort(Array& values, Array& scratch, int from, int to, ThreadPool* pool, Key&& key) {
+  scratch.resize(values.size());
+  const std::span all(values), sorted = radix_sort(all, std::span(scratch), from, to, pool, key);
+  if (sorted.data() != all.data()) values.swap(scratch);
 }
 
 }  // namespace photon_splat

@@ -11,7 +11,14 @@ using namespace photon_splat;
 
 namespace {
 
-Topology topology_of(const Mesh& mesh) { return build_topology(mesh.positions, mesh.triangles); }
+Topology topology_of(std::span<const Vec3> positions, std::span<const Triangle> triangles) {
+  ScratchMemory scratch;
+  return build_topology(positions, triangles, scratch);
+}
+
+Topology topology_of(const Mesh& mesh) { return topology_of(mesh.positions, mesh.triangles); }
+
+size_t patches_of(const Topology& topology) { return topology.planar.size(); }
 
 float perimeter(const Topology& topology, uint32_t patch) {
   float sum = 0;
@@ -61,7 +68,7 @@ TEST_CASE("a smooth sphere is one patch without an end, and knows its curvature"
 TEST_CASE("a triangle and its double are no neighbours") {
   Mesh mesh = make_grid(1);
   const size_t once = mesh.triangles.size();
-  for (size_t t = 0; t < once; ++t) mesh.triangles.push_back(mesh.triangles[t]);
+  for (size_t t = 0; t < once; ++t) mesh.triangles.own().push_back(mesh.triangles[t]);
   const Topology topology = topology_of(mesh);
   CHECK(std::set(topology.patch.begin(), topology.patch.end()).size() == 2 * once);
   CHECK(topology.edges.size() == 3 * 2 * once);
@@ -72,7 +79,7 @@ TEST_CASE("vertices at one place are one vertex") {
   for (const Triangle& t : mesh.triangles) {
     const uint32_t first = static_cast<uint32_t>(split.positions.size());
     for (uint32_t v : t) split.positions.push_back(mesh.positions[v]);
-    split.triangles.push_back({first, first + 1, first + 2});
+    split.triangles.own().push_back({first, first + 1, first + 2});
   }
   split.positions[1].x = -0.0f;
   const Topology a = topology_of(mesh), b = topology_of(split);
@@ -80,10 +87,43 @@ TEST_CASE("vertices at one place are one vertex") {
   CHECK(a.first_edge == b.first_edge);
 }
 
+TEST_CASE("halves of a sphere that share places and no vertices are one patch") {
+  Mesh sphere = make_sphere(32, 64);
+  const uint32_t once = static_cast<uint32_t>(sphere.positions.size());
+  for (uint32_t v = 0; v < once; ++v) sphere.positions.push_back(Vec3{sphere.positions[v]});
+  for (Triangle& t : sphere.triangles.own()) {
+    const Vec3 middle = sphere.positions[t[0]] + sphere.positions[t[1]] + sphere.positions[t[2]];
+    if (middle.x > 0)
+      for (uint32_t& vertex : t) vertex += once;
+  }
+  const Topology topology = topology_of(sphere);
+  CHECK(patches_of(topology) == 1);
+  CHECK(topology.edges.empty());
+}
+
+TEST_CASE("two sheets in one another are two patches, each as it is alone") {
+  Mesh sheets = make_grid(12);
+  const Mesh one = make_grid(12);
+  const uint32_t vertices = static_cast<uint32_t>(one.positions.size());
+  for (const Vec3& p : one.positions) sheets.positions.push_back(p);
+  for (const Triangle& t : one.triangles)
+    sheets.triangles.own().push_back({t[0] + vertices, t[1] + vertices, t[2] + vertices});
+  const Topology topology = topology_of(sheets);
+  REQUIRE(patches_of(topology) == 2);
+  for (uint32_t patch : {0, 1}) CHECK(perimeter(topology, patch) == approx(4));
+}
+
+TEST_CASE("a patch of a million triangles knows its area and its rim") {
+  const Topology topology = topology_of(make_grid(800));
+  REQUIRE(patches_of(topology) == 1);
+  CHECK(topology.patch_area[0] == approx(1).epsilon(1e-4));
+  CHECK(topology.patch_rim[0] == approx(4).epsilon(1e-4));
+}
+
 TEST_CASE("an edge of three triangles ends every patch there") {
   const std::vector<Vec3> positions{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, -1, 0.01f}};
   const std::vector<Triangle> triangles{{0, 1, 2}, {1, 0, 3}, {1, 0, 4}};
-  const Topology topology = build_topology(positions, triangles);
+  const Topology topology = topology_of(positions, triangles);
   CHECK(std::set<uint32_t>(topology.patch.begin(), topology.patch.end()).size() == 3);
 }
 
@@ -97,7 +137,7 @@ TEST_CASE("a fan of many triangles around one vertex takes no quadratic time" *
     positions.push_back({float(1000 * std::cos(phi)), float(1000 * std::sin(phi)), 0});
     triangles.push_back({0, 1 + i, 1 + (i + 1) % count});
   }
-  const Topology topology = build_topology(positions, triangles);
+  const Topology topology = topology_of(positions, triangles);
   CHECK(topology.first_edge.size() == 2);
   CHECK(topology.edges.size() == count);
 }
@@ -106,7 +146,8 @@ TEST_CASE("the edge tree finds what a search through all edges finds") {
   Mesh mesh = make_cube();
   const Mesh grid = make_grid(12);
   for (const Vec3& p : grid.positions) mesh.positions.push_back(p + Vec3{2, 0.25f, 0});
-  for (const Triangle& t : grid.triangles) mesh.triangles.push_back({t[0] + 8, t[1] + 8, t[2] + 8});
+  for (const Triangle& t : grid.triangles)
+    mesh.triangles.own().push_back({t[0] + 8, t[1] + 8, t[2] + 8});
 
   const Topology topology = topology_of(mesh);
   const EdgeTree tree(topology.edges);

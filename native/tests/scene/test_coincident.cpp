@@ -40,7 +40,7 @@ TEST_CASE("surfaces that lie exactly in each other are found, neighbours and nea
 
   Mesh doubled = make_grid(4);
   const std::vector<Triangle> all(doubled.triangles.begin(), doubled.triangles.end());
-  for (const Triangle& t : all) doubled.triangles.push_back(t);
+  for (const Triangle& t : all) doubled.triangles.own().push_back(t);
   const std::vector<Coincident> within = found(std::move(doubled), {identity});
   REQUIRE(within.size() == 1);
   CHECK(within[0].instance == within[0].other);

@@ -35,8 +35,8 @@ constexpr Placement kDoubled{2, 0, 0, 5, 0, 2, 0, 0, 0, 0, 2, 0};
 struct Sheet {
   explicit Sheet(Program program, int quads = 1, const Placement& place = identity) : scene(1) {
     Mesh mesh = padded(make_grid(quads));
-    mesh.corner_normals.resize(3 * mesh.triangles.size());
-    for (Vec3& n : mesh.corner_normals) n = {0, 0, 1};
+    mesh.corner_normals.own().resize(3 * mesh.triangles.size());
+    for (Vec3& n : mesh.corner_normals.own()) n = {0, 0, 1};
     scene.materials.resize(1);
     scene.meshes.push_back(std::move(mesh));
     check_program(scene, program);
@@ -77,8 +77,8 @@ TEST_CASE("a mesh that has normals of vertices gets such again where all corners
   for (const SlotDisplacement slot : {SlotDisplacement{0, false}, SlotDisplacement{0, true}}) {
     Sheet corners(leaning(), 2), vertices(leaning(), 2);
     Mesh& mesh = vertices.scene.meshes[0];
-    mesh.corner_normals.clear();
-    mesh.vertex_normals.assign(mesh.positions.size() - 1, {0, 0, 1});
+    mesh.corner_normals.own().clear();
+    mesh.vertex_normals.own().assign(mesh.positions.size() - 1, {0, 0, 1});
     const DisplacedMesh expected = corners.displaced({slot}), found = vertices.displaced({slot});
     for (size_t v = 0; v < 9; ++v) CHECK(length(found.positions[v] - expected.positions[v]) == 0);
     CHECK(found.vertex_normals.size() == (slot.bumps ? 0 : 9));
@@ -111,7 +111,7 @@ TEST_CASE("normals follow the surface, those of bumps stay") {
 TEST_CASE("corner normals of their own keep their difference") {
   Sheet sheet(leaning(), 1);
   const Vec3 own = normalize({0, 1, 1});
-  sheet.scene.meshes[0].corner_normals[0] = own;
+  sheet.scene.meshes[0].corner_normals.own()[0] = own;
   const DisplacedMesh moved = sheet.displaced({{0, false}}, {true, false}, true);
   const Vec3 leant = normalize({-1, 0, 1});
   check_near(moved.corner_normals[0], normalize(own + (leant - Vec3{0, 0, 1})));
@@ -126,6 +126,6 @@ TEST_CASE("what does not fit is refused") {
   CHECK_THROWS_AS(sheet.displaced({{0, false}}, {true}), std::invalid_argument);
   CHECK_THROWS_AS(displace(sheet.scene, 1, {{0, false}}, {}, false, CancelFlag()),
                   std::invalid_argument);
-  sheet.scene.meshes[0].corner_normals.clear();
+  sheet.scene.meshes[0].corner_normals.own().clear();
   CHECK_THROWS_AS(sheet.displaced({{0, false}}), std::invalid_argument);
 }

@@ -71,7 +71,7 @@ TEST_CASE("normals of vertices do what those of corners do") {
   for (const std::vector<Placement>& places : {std::vector{mirrored}, {mirrored, doubled}}) {
     Scene by_corner(1), by_vertex(1);
     Mesh mesh = make_octant();
-    mesh.corner_normals.clear();
+    mesh.corner_normals.own().clear();
     mesh.vertex_normals = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     fill(by_corner, make_octant(), places);
     fill(by_vertex, std::move(mesh), places);

@@ -43,18 +43,18 @@ void fill_everything(Scene& scene, bool shared) {
   const size_t corners = 3 * mesh.triangles.size();
   for (const Triangle& t : mesh.triangles)
     for (uint32_t vertex : t) {
-      mesh.corner_normals.push_back(mesh.positions[vertex]);
-      mesh.uv.push_back({mesh.positions[vertex].x, mesh.positions[vertex].y});
+      mesh.corner_normals.own().push_back(mesh.positions[vertex]);
+      mesh.uv.own().push_back({mesh.positions[vertex].x, mesh.positions[vertex].y});
     }
   mesh.attributes.push_back(
-      {1, MeshAttribute::Domain::kCorner, 4, std::vector<float>(4 * corners, 0.5f), {}});
+      {1, MeshAttribute::Domain::kCorner, 4, LargeArray<float>(4 * corners, 0.5f), {}});
   mesh.attributes.push_back({2,
                              MeshAttribute::Domain::kPoint,
                              4,
                              {},
                              std::vector<uint8_t>(4 * (mesh.positions.size() - 1), 128)});
   mesh.attributes.push_back(
-      {3, MeshAttribute::Domain::kFace, 1, std::vector<float>(corners / 3, 2.0f), {}});
+      {3, MeshAttribute::Domain::kFace, 1, LargeArray<float>(corners / 3, 2.0f), {}});
   scene.meshes.push_back(std::move(mesh));
   const Placement place{-2, 0, 0, 5, 0, 1, 0.5, 6, 0, 0, 1, 7};
   scene.add_instance(0, place, {0});

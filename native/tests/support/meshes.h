@@ -14,8 +14,8 @@ inline Mesh make_grid(int n, float size = 1) {
   const auto at = [n](int i, int j) { return static_cast<uint32_t>(j * (n + 1) + i); };
   for (int j = 0; j < n; ++j)
     for (int i = 0; i < n; ++i) {
-      mesh.triangles.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
-      mesh.triangles.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
+      mesh.triangles.own().push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
+      mesh.triangles.own().push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
     }
   return mesh;
 }
@@ -36,12 +36,12 @@ inline Mesh make_sphere(int rings, int segments) {
   };
   const uint32_t last = static_cast<uint32_t>(mesh.positions.size() - 1);
   for (int s = 0; s < segments; ++s) {
-    mesh.triangles.push_back({0, at(1, s), at(1, s + 1)});
+    mesh.triangles.own().push_back({0, at(1, s), at(1, s + 1)});
     for (int r = 1; r + 1 < rings; ++r) {
-      mesh.triangles.push_back({at(r, s), at(r + 1, s), at(r + 1, s + 1)});
-      mesh.triangles.push_back({at(r, s), at(r + 1, s + 1), at(r, s + 1)});
+      mesh.triangles.own().push_back({at(r, s), at(r + 1, s), at(r + 1, s + 1)});
+      mesh.triangles.own().push_back({at(r, s), at(r + 1, s + 1), at(r, s + 1)});
     }
-    mesh.triangles.push_back({at(rings - 1, s), last, at(rings - 1, s + 1)});
+    mesh.triangles.own().push_back({at(rings - 1, s), last, at(rings - 1, s + 1)});
   }
   return mesh;
 }
