@@ -13,11 +13,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
+from ..core.native.library import load
+
 FEW = 512
 """So few elements are copied without a check: copying them is faster than the check."""
 
-ROWS = 1 << 16
-"""That are gathered at once."""
+MANY = 1 << 16
+"""So many rows are gathered by all threads."""
 
 
 def read(collection: Any, attribute: str, dtype: DTypeLike, width: int = 1) -> NDArray:
@@ -32,10 +34,16 @@ def read(collection: Any, attribute: str, dtype: DTypeLike, width: int = 1) -> N
 
 
 def gathered(values: NDArray, indices: NDArray) -> NDArray:
-    """values[indices], by rows: numpy turns int32 indices into larger ones, all at once."""
+    """values[indices], of four bytes a number. ValueError for an index that does not exist."""
+    if indices.size < MANY:
+        return values[indices]
     result = np.empty((*indices.shape, *values.shape[1:]), values.dtype)
-    for first in range(0, len(indices), ROWS):
-        result[first : first + ROWS] = values[indices[first : first + ROWS]]
+    width = int(np.prod(values.shape[1:]))
+    load().gather(
+        np.ascontiguousarray(values).view(np.uint32).reshape(len(values), width),
+        np.ascontiguousarray(indices, np.int32).view(np.uint32).reshape(-1),
+        result.view(np.uint32).reshape(-1, width),
+    )
     return result
 
 

@@ -11,7 +11,7 @@ import bpy
 
 from ..core.scene import NO_PROGRAM, Material, Side
 from ..core.scene.displacement import UNDISPLACED_NORMALS, Displacement
-from ..core.scene.shading import Feature, Program
+from ..core.scene.shading import GENERATED, Feature, Program
 from .cancelled import Watch
 from .images import Textures
 from .nodes.aovs import AovOutputs
@@ -77,9 +77,10 @@ class Shading:
         )
 
     @property
-    def asks_old_normals(self) -> bool:
-        """Whether some program reads normals from before displacement."""
-        return any(UNDISPLACED_NORMALS in program.wants for program in self.programs)
+    def asked_of_displaced(self) -> frozenset[int]:
+        """Ids of what programs of surfaces read that is as it was before displacement."""
+        wanted = frozenset[int]().union(*(program.wants for program in self.programs))
+        return wanted & {UNDISPLACED_NORMALS, GENERATED}
 
 
 class Materials:

@@ -188,7 +188,7 @@ class Objects:
             self._attributes,
             self._shading.around.textures.list,
             camera,
-            self._shading.asks_old_normals,
+            self._shading.asked_of_displaced,
             eye_of(depsgraph, camera, frame),
             levels_of(depsgraph.scene_eval),
         )

@@ -27,16 +27,18 @@ def displaced(
     attributes: Sequence[InstanceAttribute],
     textures: Sequence[Texture],
     camera: Camera,
-    keep_normals: bool,
+    asked: frozenset[int],
 ) -> tuple[Mesh, int]:
     """`mesh` as the materials of its slots move it where it stands by `matrix`, and how many
     vertices had no finite place to go to and stay. It may have triangles without area.
 
     attributes  what programs read from the instance, a row each
     textures    by the indices that programs name
-    keep_normals  whether some program asks for the normals from before
+    asked       ids of what programs of surfaces read as it was before
     """
-    with_old = _with_old_places(mesh, any(slot is not None and slot.bumps for slot in slots))
+    with_old = _with_old_places(
+        mesh, GENERATED in asked, any(slot is not None and slot.bumps for slot in slots)
+    )
     renderer = load().Renderer(0)
     programs = [slot.program for slot in slots if slot is not None]
     named = {texture for program in programs for texture in textures_of(program)}
@@ -80,7 +82,7 @@ def displaced(
         corner_normals=corner_normals,
         vertex_normals=vertex_normals,
     )
-    if keep_normals:
+    if UNDISPLACED_NORMALS in asked:
         shading = moved.shading
         old = MeshAttribute(UNDISPLACED_NORMALS, Domain.CORNER, _old_normals(moved, normals))
         moved.shading = replace(shading, attributes=[*shading.attributes, old])
@@ -101,14 +103,14 @@ def _old_normals(moved: Mesh, normals: Normals) -> NDArray[np.float32]:
     return np.ascontiguousarray(old.reshape(-1, 3), np.float32)
 
 
-def _with_old_places(mesh: Mesh, bumps: bool) -> Mesh:
-    """With Generated coordinates that do not move with the vertices; `bumps`: with their places
-    too.
+def _with_old_places(mesh: Mesh, generated: bool, bumps: bool) -> Mesh:
+    """`generated`: with Generated coordinates that do not move with the vertices; `bumps`: with
+    their places too.
     """
     shading = mesh.shading
     added = []
     known = {attribute.id for attribute in shading.attributes}
-    if shading.generated is not None and GENERATED not in known:
+    if generated and shading.generated is not None and GENERATED not in known:
         space = shading.generated
         scale, offset = (np.array(each, np.float32) for each in (space.scale, space.offset))
         places = mesh.positions * scale

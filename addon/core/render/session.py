@@ -13,7 +13,7 @@ from .denoise_result import denoise_result
 from .error_limit import error_left
 from .final_film import OF_DENOISING, final_arrays, final_passes
 from .final_statistics import final_statistics, still_noisy
-from .memory import check_picture_fits
+from .memory import check_picture_fits, return_freed_memory
 from .persistent import Persistent, start_anew
 from .record import Record
 from .result import Progress, RenderResult, black_passes
@@ -65,6 +65,7 @@ def render(
             texture.pixels = np.empty((0, 0, 4), texture.pixels.dtype)
         for mesh in scene.meshes:
             mesh.release()
+        return_freed_memory()
     worker = Worker(start, settings, started, want_interim, wanted, scene, record)
     if should_cancel is not None and should_cancel():  # a small scene is done before it is asked
         worker.cancel()

@@ -30,10 +30,15 @@ STORED = {
 
 
 def mesh_shading(
-    mesh: Any, name: str, wants: dict[int, Want], left: NDArray[np.bool_] | None, report: Report
+    mesh: Any,
+    name: str,
+    wants: dict[int, Want],
+    left: NDArray[np.bool_] | None,
+    deforms: bool,
+    report: Report,
 ) -> MeshShading:
     """What `wants` (by id) of a bpy.types.Mesh; what it does not have is left out. `left`:
-    triangles of the rendered ones that count.
+    triangles of the rendered ones that count; `deforms`: something may have moved its vertices.
     """
     shading = MeshShading()
 
@@ -52,7 +57,7 @@ def mesh_shading(
     for number, want in wants.items():
         found: tuple[Domain, NDArray] | None = None
         if number == GENERATED:
-            shading.generated, found = _generated(mesh)
+            shading.generated, found = _generated(mesh, deforms)
         elif want.kind == "tangent":
             found = _tangents(mesh, want.name, name, triangles, report)
         elif want.kind == "island":
@@ -68,7 +73,7 @@ def mesh_shading(
     return shading
 
 
-def _generated(mesh: Any) -> tuple[GeneratedSpace, tuple[Domain, NDArray] | None]:
+def _generated(mesh: Any, deforms: bool) -> tuple[GeneratedSpace, tuple[Domain, NDArray] | None]:
     """Linear in the position, and a value per vertex where a deformation has moved it from where it
     was.
     """
@@ -79,6 +84,8 @@ def _generated(mesh: Any) -> tuple[GeneratedSpace, tuple[Domain, NDArray] | None
     scale = 0.5 / np.where(size != 0.0, size, 1.0)
     offset = 0.5 - location * scale
     space = GeneratedSpace(tuple(scale.tolist()), tuple(offset.tolist()))
+    if not deforms:
+        return space, None
     now = read(mesh.vertices, "co", np.float32, 3)
     before = read_copy(mesh.vertices, "undeformed_co", np.float32, 3)
     if np.array_equal(now, before):

@@ -103,12 +103,12 @@ class Displaced:
         attributes: Sequence[InstanceAttribute],
         textures: Sequence[Texture],
         camera: Camera,
-        keep_normals: bool,
+        asked: frozenset[int],
         eye: Eye,
         levels: int,
     ) -> None:
-        """Dices and displaces them all, with everything known that programs ask for; `eye` and
-        `levels`: how finely.
+        """Dices and displaces them all, with everything known that programs ask for; `asked`: ids
+        of what surfaces read as it was before; `eye` and `levels`: how finely.
         """
         for job in self._jobs:
             own = [
@@ -123,7 +123,7 @@ class Displaced:
                 continue
             assert isinstance(normals, Normals)
             slots = job.slots
-            key = self._key(job, slots, normals, mesh, matrix, own, textures, camera, keep_normals)
+            key = self._key(job, slots, normals, mesh, matrix, own, textures, camera, asked)
 
             def make(
                 report: Report,
@@ -134,9 +134,7 @@ class Displaced:
                 matrix: NDArray[np.float64] = matrix,
                 own: list[InstanceAttribute] = own,
             ) -> tuple[Mesh, Any]:
-                moved, lost = displaced(
-                    mesh, normals, slots, matrix, own, textures, camera, keep_normals
-                )
+                moved, lost = displaced(mesh, normals, slots, matrix, own, textures, camera, asked)
                 if lost:
                     report.warn(
                         "Object {}: its displacement is not a finite number at "
@@ -192,7 +190,7 @@ class Displaced:
         attributes: list[InstanceAttribute],
         textures: Sequence[Texture],
         camera: Camera,
-        keep_normals: bool,
+        asked: frozenset[int],
     ) -> tuple[Any, ...]:
         programs = [slot.program for slot in slots if slot is not None]
         read = [textures[i] for i in sorted({i for one in programs for i in textures_of(one)})]
@@ -209,7 +207,7 @@ class Displaced:
             _space(mesh),
             *((id(t.pixels), t.srgb, t.interpolation, t.extension) for t in read),
             camera.matrix.tobytes(),
-            keep_normals,
+            *sorted(asked),
         )
 
 

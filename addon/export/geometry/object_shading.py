@@ -19,7 +19,7 @@ from .instance_attributes import InstanceAttributes
 from .instance_values import Reader, is_of_kind, is_random, random_of, reader_of, width_of
 from .particle_hair import hair_of, hair_shading
 from .rows import Rows
-from .shapes import Shapes, mesh_key, sources, with_mesh
+from .shapes import Shapes, may_deform, mesh_key, sources, with_mesh
 from .strands import strand_shading
 
 LOOKS = 64
@@ -132,7 +132,10 @@ class ObjectShading:
         left = self._shapes.flat.get(index)
 
         def make(report: Report) -> MeshShading:
-            return with_mesh(ob, lambda mesh: mesh_shading(mesh, ob.name, wants, left, report))
+            moved = may_deform(ob)
+            return with_mesh(
+                ob, lambda mesh: mesh_shading(mesh, ob.name, wants, left, moved, report)
+            )
 
         key = (
             "shading",

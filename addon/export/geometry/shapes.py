@@ -149,6 +149,20 @@ def mesh_key(ob: Any) -> tuple[int, ...]:
     return (data.as_pointer(), *sources(ob), len(data.vertices), len(data.polygons))
 
 
+def may_deform(ob: Any) -> bool:
+    """Whether the vertices of an object's mesh may be elsewhere than those of its data, or than
+    those of the mesh that it takes texture coordinates from.
+    """
+    data = ob.original.data
+    return (
+        ob.original.type != "MESH"  # those of curves and text come as meshes
+        or len(ob.modifiers) > 0
+        or data.shape_keys is not None
+        or data.texture_mesh is not None
+        or ob.parent_type in {"ARMATURE", "LATTICE"}
+    )
+
+
 def with_mesh(ob: Any, make: Callable[[Any], Value]) -> Value:
     """What `make` makes of an object's mesh."""
     if not ob.data.is_editmode:
