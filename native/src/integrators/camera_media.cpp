@@ -16,7 +16,7 @@ CameraTracer::InMedium CameraTracer::pass_media(Path& path, const Surface* hit, 
   const bool single = add_single_scattering(path, far);
   const Flight flight = scene_.media()->fly(
       path.media, path.origin, path.direction, path.near, far, throughput,
-      path.emission_throughput + path.withheld + path.world_emission, path.info, path.random);
+      path.emission_throughput + path.withheld + path.world_emission, path.info, path.flight());
   if (!is_black(flight.emission)) {
     const Rgb kept = path.emission_throughput;  // photons bring nothing of this light
     path.emission_throughput = kept + path.withheld + path.world_emission;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "integrators/camera_tracer.h"
+#include "media/media.h"
 
 namespace photon_splat {
 
@@ -23,15 +24,13 @@ enum Dimension : uint32_t {
   kMediumPlacePair,
   kBelowPair,
   kAmbientPair,
+  kFlightPair,
   kExitPairs = 16,  // from here on those of the vertex where a path leaves from below
   kWalkPairs = 32,  // of a walk
   kWalkEnd = 48,
   kLensPair = 64,
   kTimePair = 65
 };
-
-// A random number that choices have narrowed to this share is not divided further
-inline constexpr float kNarrowest = 1 / 4096.0f;
 
 // The camera rays of a pixel's samples. Its place in the whole frame seeds them, so that a border
 // renders the same pixels.
@@ -103,9 +102,9 @@ struct CameraTracer::Path {
   Pixel& pixel;
   Tile& tile;
   uint32_t pixel_index, sample, seed;
-  uint32_t first_pair = 0;             // of the numbers of vertex 0
-  size_t place = 0;                    // of the pixel in its tile
-  float way_begin = 0, way_share = 1;  // what is left of the first of the numbers of way()
+  uint32_t first_pair = 0;           // of the numbers of vertex 0
+  size_t place = 0;                  // of the pixel in its tile
+  EvenNumber even_way, even_flight;  // of the first of the numbers of way(), and of flight()
   int max_bounces = 0;
   Rgb* groups = nullptr;       // the pixel's light by group, if wanted
   bool learns = false;         // what it sees of the world is noted
@@ -180,16 +179,15 @@ struct CameraTracer::Path {
   // as evenly as all of them are.
   Vec2 way() {
     const Vec2 u = numbers(kBsdfPair);
-    if (vertex > 0) return u;
-    return {std::clamp((u.x - way_begin) / way_share, 0.0f, kBelowOne), u.y};
+    return vertex > 0 ? u : Vec2{even_way.rest(u.x, random), u.y};
   }
   bool passes(float probability) {
-    if (vertex > 0 || way_share < kNarrowest) return random.next() < probability;
-    const float stays = 1 - probability;
-    const bool yes = way().x >= stays;
-    if (yes) way_begin += way_share * stays;
-    way_share *= yes ? probability : stays;
-    return yes;
+    if (vertex > 0) return random.next() < probability;
+    return !even_way.decide(numbers(kBsdfPair).x, 1 - probability, random);
+  }
+  // What decides how far the path gets in media on its way to the next vertex.
+  FlightNumbers flight() {
+    return vertex == 0 ? FlightNumbers(random, even_flight, numbers(kFlightPair).x) : random;
   }
 };
 

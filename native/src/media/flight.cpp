@@ -32,8 +32,8 @@ class Media::Walk {
 
   float bound() const { return bound_; }  // at the last collision, 1/m
   // Distance of the next one; infinity: none before `far`.
-  float next(Random& random) {
-    float depth = -std::log(1 - random.next());
+  float next(float u) {
+    float depth = -std::log(1 - u);
     for (;;) {
       const float there = bound_ > 0 ? at_ + depth / bound_ : INFINITY;
       if (there < end_) return at_ = there;
@@ -107,7 +107,7 @@ Rgb Media::transmittance(const MediumStack& stack, const Vec3& origin, const Vec
     }
     Walk walk(scene_, region, origin, direction, near, far, ray.time);
     for (int i = 0;; ++i) {
-      const float t = walk.next(random);
+      const float t = walk.next(random.next());
       if (!(t < far)) break;
       if (i == kMostCollisions) return {};
       const Rgb extinction = run(region, origin + direction * t, -direction, ray).extinction();
@@ -142,7 +142,7 @@ Fading Media::fading(const MediumStack& stack, const Vec3& origin, const Vec3& d
     Walk walk(scene_, region, origin, direction, near, far, ray.time);
     Rgb own{1, 1, 1};
     for (int i = 0; max_abs(own) > 0; ++i) {
-      const float t = walk.next(random);
+      const float t = walk.next(random.next());
       if (!(t < far)) break;
       const Rgb extinction = run(region, origin + direction * t, -direction, ray).extinction();
       Rgb factor = Rgb{1, 1, 1} - extinction / walk.bound();
@@ -167,7 +167,8 @@ Fading Media::fading(const MediumStack& stack, const Vec3& origin, const Vec3& d
 // One distance for all of a medium that is the same everywhere: of one channel, chosen by what the
 // path may carry there, weighted as drawn by any of them.
 Flight Media::fly_straight(const MediumPoint& medium, float near, float far, const Rgb& scattered,
-                           Random& random) const {
+                           FlightNumbers numbers) const {
+  Random& random = numbers.random;
   Flight flight;
   const Rgb extinction = medium.extinction(), scattering = medium.scattering;
   const float length = far - near;
@@ -195,13 +196,13 @@ Flight Media::fly_straight(const MediumPoint& medium, float near, float far, con
   float u = random.next();
   int channel = 0;
   for (; channel < 2 && u >= chance[channel]; ++channel) u -= chance[channel];
-  if (random.next() >= scatters[channel]) {
+  if (!numbers.decide(scatters[channel])) {
     const float p = dot(chance, Rgb{1, 1, 1} - scatters);
     flight.weight = p > 0 ? end / p : Rgb{};
     return flight;
   }
   const float c = extinction[channel], inside = 1 - end[channel];
-  const float t = std::min(-std::log1p(-random.next() * inside) / c, length);
+  const float t = std::min(-std::log1p(-numbers.rest() * inside) / c, length);
   const Rgb there = attenuation(extinction, t);
   float p = 0;
   for (int k = 0; k < 3; ++k)
@@ -216,10 +217,11 @@ Flight Media::fly_straight(const MediumPoint& medium, float near, float far, con
 
 Flight Media::fly(const MediumStack& stack, const Vec3& origin, const Vec3& direction, float near,
                   float far, const Rgb& scattered, const Rgb& passing, const RayInfo& ray,
-                  Random& random) const {
+                  FlightNumbers numbers) const {
   if (!(far > near)) return {};
   if (const auto medium = homogeneous(stack))
-    return fly_straight(*medium, near, far, scattered, random);
+    return fly_straight(*medium, near, far, scattered, numbers);
+  Random& random = numbers.random;
   Flight flight;
   std::array<std::optional<Walk>, MediumStack::kMost> walks;
   std::array<float, MediumStack::kMost> next;
@@ -227,7 +229,7 @@ Flight Media::fly(const MediumStack& stack, const Vec3& origin, const Vec3& dire
   const uint16_t* const regions = stack.begin();
   for (const uint16_t r : stack) {
     walks[count].emplace(scene_, regions_[r], origin, direction, near, far, ray.time);
-    next[count] = walks[count]->next(random);
+    next[count] = walks[count]->next(numbers.last());
     ++count;
   }
   for (int i = 0; i < kMostCollisions; ++i) {
@@ -255,7 +257,7 @@ Flight Media::fly(const MediumStack& stack, const Vec3& origin, const Vec3& dire
       return flight;
     }
     flight.weight *= null * (all / (bound * passes));
-    next[k] = walks[k]->next(random);
+    next[k] = walks[k]->next(random.next());
   }
   flight.weight = {};
   return flight;

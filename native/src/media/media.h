@@ -9,6 +9,7 @@
 #include <optional>
 #include <vector>
 
+#include "math/even_number.h"
 #include "media/medium.h"
 #include "scene/scene.h"
 
@@ -23,6 +24,28 @@ struct Flight {
   Rgb weight{1, 1, 1};
   Rgb emission{};     // of the way, attenuated
   MediumPoint point;  // where it scatters
+};
+
+// Random numbers of a flight, the first of which may be spread evenly over those of a pixel.
+struct FlightNumbers {
+  FlightNumbers(Random& all) : random(all) {}
+  FlightNumbers(Random& all, EvenNumber& even, float u) : random(all), even_(&even), u_(u) {}
+
+  Random& random;
+  bool decide(float probability) {
+    return even_ ? even_->decide(u_, probability, random) : random.next() < probability;
+  }
+  float rest() const { return even_ ? even_->rest(u_, random) : random.next(); }
+  // rest(), of which nothing is left
+  float last() {
+    const float u = rest();
+    if (even_) even_->use_up();
+    return u;
+  }
+
+ private:
+  EvenNumber* even_ = nullptr;
+  float u_ = 0;
 };
 
 // What is left of light along a way through media, at each of its points: unbiased there.
@@ -72,7 +95,7 @@ class Media {
   // which channels and collisions are chosen.
   Flight fly(const MediumStack& stack, const Vec3& origin, const Vec3& direction, float near,
              float far, const Rgb& scattered, const Rgb& passing, const RayInfo& ray,
-             Random& random) const;
+             FlightNumbers numbers) const;
 
  private:
   // Bounds of a heterogeneous medium's extinction in the cells of a grid, 1/m at a density of 1.
@@ -111,7 +134,7 @@ class Media {
   Grid look_at_grids(const Region& region, bool alone, ThreadPool& pool,
                      const CancelFlag& cancel) const;
   Flight fly_straight(const MediumPoint& medium, float near, float far, const Rgb& scattered,
-                      Random& random) const;
+                      FlightNumbers numbers) const;
 
   const Scene& scene_;
   std::vector<Region> regions_;
