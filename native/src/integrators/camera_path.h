@@ -185,6 +185,11 @@ struct CameraTracer::Path {
     if (vertex > 0) return random.next() < probability;
     return !even_way.decide(numbers(kBsdfPair).x, 1 - probability, random);
   }
+  // At the place where the path leaves a body, which is its vertex: others than where it entered.
+  void take_numbers_of_exit() {
+    first_pair = kExitPairs;
+    even_way = even_flight = {};
+  }
   // What decides how far the path gets in media on its way to the next vertex.
   FlightNumbers flight() {
     return vertex == 0 ? FlightNumbers(random, even_flight, numbers(kFlightPair).x) : random;

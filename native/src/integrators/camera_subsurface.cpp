@@ -56,7 +56,7 @@ bool CameraTracer::go_below(Path& path, const Surface& hit, const Bsdf& bsdf) co
     ++path.tile.bad_samples;
     return false;
   }
-  path.first_pair = kExitPairs;
+  path.take_numbers_of_exit();
   Surface surface = exit->surface;
   surface.distance = hit.distance;
   Bsdf white(Transport::kRadiance, exit->way, surface.ng, surface.ns, surface.back);
