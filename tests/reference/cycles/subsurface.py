@@ -68,6 +68,7 @@ SUBSURFACE = (
     _body("radius_texture", texture="Subsurface Radius", Subsurface_Scale=0.2),
     _body("weight_texture", texture="Subsurface Weight"),
     _body("half", share=0.5),
+    _body("half_transparent", Alpha=0.5),
     _body("half_weight", Subsurface_Weight=0.5, Diffuse_Roughness=0.6),
     _body("bump", bump=True),
 )
