@@ -115,10 +115,13 @@ bool CameraTracer::scatter_in_medium(Path& path, const Flight& flight, bool dire
             world_before = path.world_throughput;
   const bool last = path.vertex >= path.max_bounces;
   path.emission_throughput = before * weight;
-  if (sees_beams(path)) path.covered = before * weight;
-  path.throughput = last ? Rgb{} : before * weight;
+  const bool all_by_beams = beams_bring_all(path);
+  if (beams_.caustic && !all_by_beams && sees_beams(path)) path.covered = before * weight;
+  path.throughput = last || all_by_beams ? Rgb{} : before * weight;
   path.world_emission = world_before * weight;
-  path.world_throughput = last ? Rgb{} : world_before * weight;
+  path.world_throughput = last || !lights_.world_by_paths()
+                              ? Rgb{}
+                              : (before + world_before) * weight - path.throughput;
   const float strength = max_abs(path.emission_throughput + path.world_emission);
   const float survival = path.survival(strength);
   if (!is_finite(path.emission_throughput) || !is_finite(path.world_emission)) {
@@ -139,7 +142,8 @@ bool CameraTracer::scatter_in_medium(Path& path, const Flight& flight, bool dire
   path.from = receiver;
   path.from.ray = static_cast<uint8_t>(ray_bit(RayInfo::kVolume));
   path.pdf = pdf;
-  path.deep = path.is_beyond();
+  path.deep = path.is_beyond();  // what it meets next is direct light of this place
+  path.after_medium |= scene_.media()->homogeneous(path.media).has_value();
   ++path.gather_bounces;  // what it meets then is seen blurred
   ++path.vertex;
   return true;

@@ -111,6 +111,8 @@ struct CameraTracer::Path {
   int gather_bounces = 0;      // times that it went on for light that photons were to bring
   int diffuse_bounces = 0;     // those of them by a diffuse lobe
   bool tries_density = false;  // see CameraTracer::Trial
+  bool tries_beams = false;    // see variance_in_media()
+  bool after_medium = false;   // it has scattered where beams may bring all light
   bool deep = false;           // the ray on its way brings light that photons would bring
   bool badly_served = false;   // because they would bring it badly
   bool caught = false;         // it has met a shadow catcher and is one of two from there on
@@ -153,7 +155,9 @@ struct CameraTracer::Path {
   Random random;
 
   // Whether photons would bring the light from where it is now.
-  bool is_beyond() const { return tries_density ? diffuse_bounces > 0 : gather_bounces > 1; }
+  bool is_beyond() const {
+    return tries_beams ? after_medium : tries_density ? diffuse_bounces > 0 : gather_bounces > 1;
+  }
   void scale(const Rgb& factor) {
     throughput *= factor;
     emission_throughput *= factor;

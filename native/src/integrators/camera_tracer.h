@@ -18,6 +18,7 @@ namespace photon_splat {
 inline constexpr int kTileSize = PackedFilm::kSide;
 
 class BeamTree;
+struct BeamCrossing;
 
 class CameraTracer {
  public:
@@ -45,6 +46,8 @@ class CameraTracer {
   enum class Trial { kNone, kDensity, kGather };
   void keep_trial(Trial trial) { trial_ = trial; }
   GatherTrial trial() const;
+  // See beam_trial.cpp. With the strategy and the beams that are set.
+  double variance_in_media(uint32_t seed, int max_bounces, const CancelFlag& cancel);
   // Whether scouts are less than all.
   static bool sends_scouts(const PackedFilm& film);
 
@@ -57,8 +60,12 @@ class CameraTracer {
     radius_factor_ = radius_factor;
   }
 
-  // Photon beams that bring caustics in media (nullptr: paths find them by chance).
-  void set_beams(const BeamTree* beams) { beams_ = beams; }
+  // Photon beams that bring light to media, nullptr: paths find it. Of indirect light only where
+  // the media are the same everywhere.
+  struct Beams {
+    const BeamTree *caustic = nullptr, *indirect = nullptr;
+  };
+  void set_beams(const Beams& beams) { beams_ = beams; }
 
   // Whether paths go on for the indirect light, where photons bring it, beside what moves: the
   // light there when it is seen may not be that of all times.
@@ -188,7 +195,10 @@ class CameraTracer {
   enum class InMedium { kNothing, kScattered, kAbsorbed };
   InMedium pass_media(Path& path, const Surface* hit, float far) const;
   bool sees_beams(const Path& path) const;
+  bool beams_bring_all(const Path& path) const;
   void add_beams(Path& path, float far) const;
+  void add_beams(Path& path, float far, const BeamTree& tree, float weight) const;
+  float kernel_share(const Path& path, const BeamCrossing& at) const;
   bool add_single_scattering(Path& path, float far) const;
   bool scatter_in_medium(Path& path, const Flight& flight, bool direct) const;
   void add_direct_in_medium(Path& path, const MediumPoint& point, const Receiver& receiver) const;
@@ -230,7 +240,7 @@ class CameraTracer {
   uint64_t rays_ = 0, last_rays_ = 0, bad_samples_ = 0, places_ = 0, continued_ = 0,
            last_continued_ = 0;
   const IndirectStrategy* strategy_ = nullptr;
-  const BeamTree* beams_ = nullptr;
+  Beams beams_;
   CacheUse cache_use_;
   bool caustic_photons_ = false, follows_motion_ = false, follows_translucence_ = false;
   Trial trial_ = Trial::kNone;

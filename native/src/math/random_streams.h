@@ -13,7 +13,10 @@ enum class RandomStream : uint32_t {
   kEmissionPilot = 4,    // photon paths that their emission is learnt from
   kCausticPhotons = 5,   // the caustic photon map, which has all of these for itself
   kViewportPhotons = 5,  // photons that serve every view of a viewport, never beside those
-  kCausticBeams = 6,  // caustic photons in media, which have all of the first four for themselves
+  // Photons in media, which have all of the first four for themselves
+  kCausticBeams = 6,
+  kIndirectBeams = 7,
+  kBeamTrial = 8,        // camera paths that tell whether there are to be those
   kPointGrid = 0x9017u,  // where the cells of visible points begin
 };
 

@@ -26,8 +26,8 @@ struct alignas(64) BeamPiece {
   uint16_t stack;       // of media, as BeamTree::stack_of() says
   int16_t light_group;
 
-  // Whether the beam begins or ends at such a surface, instead of going on as another piece.
-  static constexpr uint16_t kGoesOn = 0xffff;
+  // Where the beam goes on as another piece, or begins within a medium: no such surface
+  static constexpr uint16_t kGoesOn = PhotonBeam::kInside;
 };
 
 // Where a ray meets a beam.
@@ -37,6 +37,9 @@ struct BeamCrossing {
   float along;     // along the beam
   // Kernel over the sine between the two, 1/m; likewise of one of 1/sqrt(2) the radius
   float kernel, narrow_kernel;
+  // From the ray's point to the beam's, in radii
+  Vec3 apart;
+  float radius;  // m
 };
 
 // An octree, finer where more beams of a pilot pass, whose cells have the radius that their density
@@ -177,8 +180,10 @@ void BeamTree::each(int stack, const Vec3& origin, const Vec3& direction, float 
       const float x2 = between * between / (radius * radius),
                   scale = 0.75f * static_cast<float>(step) / (radius * sine);
       if (!(x2 < 1)) continue;
-      see(BeamCrossing{piece, distance, along, scale * (1 - x2),
-                       x2 < 0.5f ? scale * 1.41421356f * (1 - 2 * x2) : 0});
+      see(BeamCrossing{
+          piece, distance, along, scale * (1 - x2),
+          x2 < 0.5f ? scale * 1.41421356f * (1 - 2 * x2) : 0,
+          photon_splat::cross(direction, piece.direction) * (between / (radius * sine)), radius});
     }
     t = next;
   }

@@ -5,6 +5,7 @@
 // bound is too low the estimate is still right, as weights then take either sign.
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -80,6 +81,11 @@ class Media {
   MediumStack of_catchers(const MediumStack& stack) const;
   bool emits() const { return emits_; }
   bool scatters() const { return scatters_; }
+  // Whether some of them are the same everywhere.
+  bool any_homogeneous() const {
+    return std::any_of(regions_.begin(), regions_.end(),
+                       [](const Region& region) { return region.homogeneous; });
+  }
 
   // All that media of the stack do there.
   MediumPoint at(const MediumStack& stack, const Vec3& x, const Vec3& wo, const RayInfo& ray) const;

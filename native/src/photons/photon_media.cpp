@@ -35,6 +35,21 @@ PhotonTracer::InMedium PhotonTracer::pass_media(Path& path, float far, const Pho
                                                                           : InMedium::kEnds;
 }
 
+// Transmittance before the point of the path that is nearest to the centre of a lamp that faces its
+// receivers: `distance` from where the path starts, a receiver sees the light leave the disc
+// PhotonStart::before_nearest() before that.
+Rgb PhotonTracer::transmittance_at_lamp(Path& path, float distance,
+                                        const PhotonStart& start) const {
+  const float before = start.before_nearest(distance);
+  if (!(before > 0)) return {1, 1, 1};
+  RayInfo ray;
+  ray.kind = RayInfo::kShadow;
+  ray.time = path.time;
+  const Vec3 nearest = start.origin + start.direction * start.soft_nearest;
+  return scene_.media()->transmittance(scene_.media()->around(nearest, path.time), nearest,
+                                       -start.direction, 0, before, ray, path.random);
+}
+
 // False where the path ends.
 bool PhotonTracer::scatter_in_medium(Path& path, const Flight& flight, const PhotonStart& start,
                                      const Draws& draws, Vec3& origin, Vec3& direction) const {
@@ -70,6 +85,7 @@ bool PhotonTracer::scatter_in_medium(Path& path, const Flight& flight, const Pho
   if (!(survival > 0) || path.random.next() >= survival || !is_finite(path.power)) return false;
   path.power *= 1 / survival;
   path.caustic = 0;
+  path.left_normal = PhotonBeam::kInside;
   ++path.bounces;
   path.travelled = 0;
   path.left = 0;

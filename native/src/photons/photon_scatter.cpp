@@ -162,9 +162,7 @@ void PhotonTracer::store(const Path& path, const Surface& hit, const Vec3& direc
   if (path.bounces == 0 || hit.on_strand() || !visible.contains(hit.key)) return;
   // What is stored stands for a diffuse ray from here
   if (path.guessed && path.kind != receiver_kind_) return;
-  const float share = stream_ == PhotonStream::kAll       ? 1
-                      : stream_ == PhotonStream::kCaustic ? path.caustic
-                                                          : 1 - path.caustic;
+  const float share = share_of(path.caustic);
   const float cos_shading = -dot(direction, hit.ns), cos_geometric = -dot(direction, hit.ng);
   if (!(share > 0) || cos_shading <= 0 || cos_geometric <= 0) return;
   // Density on the surface measures the geometric cosine; the BSDF wants the shading one (Veach
@@ -185,7 +183,9 @@ void PhotonTracer::store(const Path& path, const Surface& hit, const Vec3& direc
 // nothing.
 bool PhotonTracer::light_up(Path& path, const Vec3& place, float distance,
                             const PhotonStart& start) const {
-  if (path.bounces > 0 || start.shaded_by < 0) return true;
+  if (path.bounces > 0) return true;
+  if (scene_.media()) path.power *= transmittance_at_lamp(path, distance, start);
+  if (start.shaded_by < 0) return true;
   const Rgb factor = emitter_.first_hit_factor(start, place, distance);
   path.power *= factor;
   path.reference *= max_component(factor);

@@ -50,6 +50,7 @@ bool PhotonTracer::go_below(Path& path, const Surface& hit, const Bsdf& bsdf, co
   path.caustic = 0;
   ++path.bounces;
   path.travelled = 0;
+  path.left_normal = encode_direction(s.ng);
   origin = s.position + s.ng * ray_offset(s.position, hit.distance);
   direction = leaving->wo;
   return true;

@@ -178,8 +178,9 @@ void PhotonTracer::leave_beam(const Travellers& travellers, uint32_t i, const Su
   const Rest& rest = travellers.rest[i];
   if (paths.bounces[i] == 0 || rest.media.empty()) return;
   if (rest.guessed && rest.kind != receiver_kind_) return;
-  const Rgb power = Rgb{paths.red[i], paths.green[i], paths.blue[i]} * paths.caustic[i];
+  const Rgb power = Rgb{paths.red[i], paths.green[i], paths.blue[i]} * share_of(paths.caustic[i]);
   if (!(max_abs(power) > 0) || !is_finite(power)) return;
+  if (beams_ == BeamLight::kIndirect && !scene_.media()->homogeneous(rest.media)) return;
   const Vec3 direction{paths.direction_x[i], paths.direction_y[i], paths.direction_z[i]};
   const PhotonStart& start = travellers.starts[rest.place];
   beams.push_back({{paths.origin_x[i], paths.origin_y[i], paths.origin_z[i]},
@@ -212,7 +213,8 @@ void PhotonTracer::trace_chunk(uint64_t first, uint64_t count, double total, uin
   PlainSurfaces surfaces;
   Bounced bounced;
   const bool limited = scene_.limits_rays(), guesses = scene_.kinds_differ(),
-             moves = scene_.moves(), in_media = scatters_in_media();
+             moves = scene_.moves(), in_media = scatters_in_media(),
+             leaves_beams = beams_ != BeamLight::kNone;
   while (alive) {
     run.rays += alive;
     uint32_t kept = 0;
@@ -237,11 +239,11 @@ void PhotonTracer::trace_chunk(uint64_t first, uint64_t count, double total, uin
       together = scene_.plain_surfaces(hits, together, surfaces);
       if (together) bounce_(paths, begin, hits, surfaces, settings, bounced);
       if (stream_ == PhotonStream::kCaustic) bounced.goes_on = 0;
-      if (leaves_beams_)  // of light that meets nothing more
-        for (uint32_t k = 0; k < std::min(kBounceLanes, alive - begin); ++k)
-          if (!(hit[turn ^ 1] >> k & 1) && paths.bounces[begin + k] > 0)
-            leave_beam(travellers, begin + k, nullptr, total, useful, run.beams);
       const unsigned met = hit[turn ^ 1];
+      if (leaves_beams)  // of light that meets nothing more
+        for (uint32_t k = 0; k < std::min(kBounceLanes, alive - begin); ++k)
+          if (!(met >> k & 1) && paths.bounces[begin + k] > 0)
+            leave_beam(travellers, begin + k, nullptr, total, useful, run.beams);
       // What meets nothing may scatter all the same.
       const unsigned awake =
           in_media ? met | travellers.in_media(begin, std::min(kBounceLanes, alive - begin)) : met;
@@ -268,7 +270,7 @@ void PhotonTracer::trace_chunk(uint64_t first, uint64_t count, double total, uin
           surface.distance = INFINITY;
           const bool there = met >> k & 1;
           if (there) surface = scene_.surface_of(hits, k, direction, path.time);
-          if (leaves_beams_) leave_beam(travellers, i, &surface, total, useful, run.beams);
+          if (leaves_beams && there) leave_beam(travellers, i, &surface, total, useful, run.beams);
           const Draws draws{first_bounce, static_cast<uint32_t>(first + place)};
           if (scene_.media()) {
             const InMedium way = pass_media(path, surface.distance, travellers.starts[place], draws,
@@ -277,13 +279,12 @@ void PhotonTracer::trace_chunk(uint64_t first, uint64_t count, double total, uin
             if (way != InMedium::kPasses || !there) continue;
           }
           run.shaded += surface.program != nullptr;
+          if (leaves_beams) path.left_normal = encode_direction(surface.ng);
           if (shade(path, surface, travellers.starts[place], draws, visible, origin, direction,
-                    run.photons)) {
-            if (leaves_beams_) path.left_normal = encode_direction(surface.ng);
+                    run.photons))
             travellers.put(
                 kept++, path, origin, direction,
                 path.bounces == 0 || path.guessed || ~travellers.starts[place].max_bounces);
-          }
         }
         if (useful)
           for (size_t p = stored; p < run.photons.size(); ++p)
@@ -329,11 +330,22 @@ const Photons& PhotonTracer::trace(uint64_t first, uint64_t count, double total,
     join_.clear();
     throw;
   }
-  last_counts_ = {count, leaves_beams_ ? join_.beams().size() : join_.photons().size(),
+  last_counts_ = {count, beams_ != BeamLight::kNone ? join_.beams().size() : join_.photons().size(),
                   join_.rays(), join_.shaded()};
   counts_ = {counts_.traced + count, counts_.stored + last_counts_.stored,
              counts_.rays + last_counts_.rays, counts_.shaded + last_counts_.shaded};
   return join_.photons();
+}
+
+// Of paths that leave photons those that do; of those that leave beams, which are long or short,
+// how many as useful as each other would do as well.
+double PhotonTracer::useful_share(std::span<const float> use) const {
+  double sum = 0, squares = 0;
+  for (const float u : use) {
+    sum += beams_ == BeamLight::kNone ? u > 0 : std::sqrt(static_cast<double>(u));
+    squares += beams_ == BeamLight::kNone ? u > 0 : u;
+  }
+  return squares > 0 ? sum * sum / (squares * static_cast<double>(use.size())) : 0;
 }
 
 const Photons* PhotonTracer::learn_emission(uint64_t paths, uint32_t seed,
@@ -355,14 +367,10 @@ const Photons* PhotonTracer::learn_emission(uint64_t paths, uint32_t seed,
   const Photons& photons =
       trace(0, paths, static_cast<double>(paths), seed, stored, cancel, &useful);
   EmissionGuide guide = emitter_.make_guide();
-  uint64_t useful_paths = 0;
-  for (uint64_t i = 0; i < paths; ++i) {
-    useful_paths += useful.of_path[i] > 0;
+  for (uint64_t i = 0; i < paths; ++i)
     guide.learn(emitter_.primary(i, seed, nullptr), useful.of_path[i]);
-  }
-  if (static_cast<double>(useful_paths) > kUsefulShare * static_cast<double>(paths) ||
-      !useful_paths)
-    return &photons;
+  const double share = useful_share(useful.of_path);
+  if (share > kUsefulShare || share == 0) return &photons;
   guide.finish();
   guide_ = std::move(guide);
   return nullptr;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 
 #include "density/surface_filter.h"
 #include "lights/emission/photon_emitter.h"
@@ -17,6 +18,11 @@ class SeenPlaces;
 struct PhotonCounts {
   uint64_t traced = 0, stored = 0, rays = 0;
   uint64_t shaded = 0;  // surfaces met whose programs ran
+
+  PhotonCounts& operator+=(const PhotonCounts& other) {
+    traced += other.traced, stored += other.stored, rays += other.rays, shaded += other.shaded;
+    return *this;
+  }
 };
 
 // Light that came through sharp lobes only, from the light to where it lands, makes caustics: it
@@ -49,10 +55,10 @@ class PhotonTracer {
   // Makes light_groups() tell the light group of each photon traced last; else it is empty.
   void keep_light_groups() { keeps_groups_ = true; }
   const std::vector<int16_t>& light_groups() const { return join_.groups(); }
-  // Makes photons leave beams in media instead of themselves on surfaces: caustic light for camera
-  // paths that scatter in a medium.
-  void leave_beams() {
-    leaves_beams_ = true;
+  // Makes photons leave beams in media instead of themselves on surfaces, for camera paths that
+  // scatter in a medium: those of indirect light only in media that are the same everywhere.
+  void leave_beams(BeamLight light) {
+    beams_ = light;
     receiver_kind_ = RayInfo::kVolume;
   }
   // What the paths traced last have left, in their order.
@@ -85,7 +91,7 @@ class PhotonTracer {
     bool guessed = false;
     bool unshadowed = false;   // passed what would have blocked the light of another lamp
     MediumStack media;         // around its present ray
-    uint16_t left_normal = 0;  // of the surface where that began, encoded, for beams
+    uint16_t left_normal = 0;  // of the surface where that began, as PhotonBeam::begin
     float time = kShutterCentre;
     uint32_t left = 0;  // Surface::mark of where its present ray starts
   };
@@ -133,6 +139,13 @@ class PhotonTracer {
   void trace_chunk(uint64_t first, uint64_t count, double total, uint32_t seed,
                    const SurfaceFilter& visible, const Usefulness* filter, float* useful,
                    Travellers& travellers, PhotonRun& run) const;
+  // The stream's share of a path with that share of caustic light.
+  float share_of(float caustic) const {
+    return stream_ == PhotonStream::kAll       ? 1
+           : stream_ == PhotonStream::kCaustic ? caustic
+                                               : 1 - caustic;
+  }
+  double useful_share(std::span<const float> use) const;
   float use_of(const Photon& photon, const PhotonStart& start, double total) const;
   float use_of(const PhotonBeam& beam, const PhotonStart& start, double total) const;
   void leave_beam(const Travellers& travellers, uint32_t i, const Surface* hit, double total,
@@ -168,6 +181,7 @@ class PhotonTracer {
   bool scatters_in_media() const {
     return stream_ != PhotonStream::kCaustic && scene_.scatters_in_media();
   }
+  Rgb transmittance_at_lamp(Path& path, float distance, const PhotonStart& start) const;
   enum class InMedium { kPasses, kScattered, kEnds };
   InMedium pass_media(Path& path, float far, const PhotonStart& start, const Draws& draws,
                       Vec3& origin, Vec3& direction) const;
@@ -200,7 +214,8 @@ class PhotonTracer {
   std::optional<EmissionTargets> targets_;
   std::vector<Travellers> travellers_;  // by worker
   PhotonJoin join_;
-  bool keeps_groups_ = false, leaves_beams_ = false;
+  bool keeps_groups_ = false;
+  BeamLight beams_ = BeamLight::kNone;
   // Kind of the camera path's ray that leaves where photons are stored
   RayInfo::Kind receiver_kind_ = RayInfo::kDiffuse;
   PhotonCounts counts_, last_counts_;

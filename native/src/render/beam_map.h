@@ -1,5 +1,5 @@
-// Caustic photons in media: beams of each pass, traced before its camera paths, which see them on
-// their way.
+// Photons in media, caustic ones or the others: beams of each pass, traced before its camera paths,
+// which see them on their way.
 #pragma once
 
 #include "media/beam_tree.h"
@@ -10,12 +10,15 @@ namespace photon_splat {
 
 class BeamMap {
  public:
-  BeamMap(const RenderContext& context, const Lights& lights, const Camera& viewer);
+  BeamMap(const RenderContext& context, const Lights& lights, const Camera& viewer, BeamLight light,
+          PhotonStream stream);
 
   // Another view or another render of the same scene: passes begin anew.
   void begin_again();
   // The passes that follow are those of a part: paths begin anew, and what has been learnt stays.
   void begin_part();
+  // As a few paths tell.
+  double beams_per_path();
   // The beams of the next pass; the first time a pilot chooses radii.
   void trace_pass();
   const BeamTree& tree() const { return tree_; }
@@ -30,8 +33,9 @@ class BeamMap {
   PhotonTracer tracer_;
   BeamTree tree_;
   uint32_t seed_;
-  uint64_t paths_;  // of a pass
-  uint64_t passes_ = 0;
+  bool smooth_;                  // light that is not caustic
+  uint64_t most_paths_, paths_;  // of a pass
+  uint64_t passes_ = 0, first_path_ = 0;
   PhotonCounts before_{};
 };
 

@@ -17,6 +17,7 @@ constexpr double kGatheredPhotons = 20000;
 constexpr uint32_t kTrialSamples = 4;  // of a pixel, to tell their variance
 constexpr uint32_t kPathSamples = 8;   // of a pixel in a pass where paths bring all indirect light
 constexpr double kMeanOfShort = 2;     // samples of a pixel where passes are to be short
+constexpr double kBeamsShare = 0.8;    // of the variance
 constexpr double kServedWell = 0.5;    // share of places
 constexpr size_t kLaterLooks = 16;     // one gather point in so many, in each pass but the first
 
@@ -97,6 +98,20 @@ void CameraPass::trace(uint32_t pass, const PhotonMaps& maps, PackedFilm& film) 
   else if (learns && !tracer_.continued())
     forget_strategy();
   chosen_ = true;
+}
+
+// Beams' noise is common to many pixels, as that of all photons: a denoiser takes off what paths
+// have instead. So beams have to take off nearly all there is.
+bool CameraPass::wants_indirect_beams(const PhotonMaps& maps) {
+  Timer timer(context_.seconds.pilot);
+  const RenderOptions& options = context_.options;
+  std::optional<IndirectStrategy> gathers;
+  if (options.gathers()) gathers.emplace(context_.scene, IndirectStrategy::Kind::kFinalGather);
+  tracer_.set_strategy(gathers ? &*gathers : nullptr, maps.size() > 1, 1);
+  const double share = tracer_.variance_in_media(
+      stream_seed(options.seed, RandomStream::kBeamTrial), options.max_bounces, context_.cancel);
+  tracer_.set_strategy(strategy_ ? &*strategy_ : nullptr, maps.size() > 1, 1);
+  return share > kBeamsShare;
 }
 
 // Before any photon is traced: whether paths had better bring all of the indirect light in this
@@ -253,7 +268,7 @@ void CameraPass::trace_from_cache(const CameraTracer::CacheUse& use, const Photo
   tracer_.look_around(0);
   tracer_.follow_motion(false);
   tracer_.follow_translucence(false);
-  tracer_.set_beams(nullptr);
+  tracer_.set_beams({});
   film.reset(film.width, film.height, film.light_groups);
   gather_points_ =
       &tracer_.trace_from_cache(use, context_.options.max_bounces, film, context_.cancel);

@@ -30,8 +30,10 @@ class CameraPass {
   // For a viewport: one sample per pixel that reads light from a cache.
   void trace_from_cache(const CameraTracer::CacheUse& use, const PhotonMaps& maps,
                         PackedFilm& film);
-  // Photon beams that bring caustics in media; nullptr: there are none.
-  void set_beams(const BeamTree* beams) { tracer_.set_beams(beams); }
+  void set_beams(const CameraTracer::Beams& beams) { tracer_.set_beams(beams); }
+  // Whether most noise of this view is of light that beams of indirect light would bring into
+  // media. All beams but those are set.
+  bool wants_indirect_beams(const PhotonMaps& maps);
   // Has a pilot teach the map about the surfaces on which the gather points want its photons.
   void teach(PhotonMap& map);
   // Called after a pass: where things stand in the discs of bent surfaces, paths will bring the

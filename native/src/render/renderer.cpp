@@ -13,6 +13,7 @@ constexpr uint64_t kKeptPathsPerBatch = 1 << 18;
 constexpr uint64_t kBatchesElsewhere = 8, kFewestPathsElsewhere = 1 << 14;
 // Of a part, before its own ones: radii and samples have been chosen twice or three times by then
 constexpr uint32_t kCommonPasses = 4;
+constexpr double kMostBeamsPerPath = 4;   // of indirect light
 constexpr double kFewestInCommon = 0.25;  // of the photons that such a pass wants
 
 }  // namespace
@@ -106,7 +107,8 @@ Renderer::PassSize Renderer::learn_in_common(double seconds, ExternalSplatter* e
   bad_light_ = 0;
   camera_pass_->begin_part();
   for (const auto& map : maps_) map->begin_part();
-  if (beams_) beams_->begin_part();
+  for (BeamMap* const beams : beam_maps())
+    if (beams) beams->begin_part();
   const double took = PassClock::now() - began;
   seconds_ = before;
   seconds_.pilot += took;
@@ -161,11 +163,33 @@ void Renderer::make_maps() {
   make_beams();
 }
 
-// Photon beams for caustics in media, where the scene can have some.
+// Photon beams for light in media: caustics where the scene can have some, and the rest of what
+// photons bring where media are the same everywhere and nothing moves (a path sees what is there at
+// its own time, and no beam of another).
 void Renderer::make_beams() {
-  beams_.reset();
-  if (maps_.size() > 1 && options.photons_per_pass && scene.media() && scene.media()->scatters())
-    beams_ = std::make_unique<BeamMap>(context(), *lights_, *camera_);
+  caustic_beams_.reset();
+  indirect_beams_.reset();
+  indirect_beams_wanted_.reset();
+  if (!options.photons_per_pass || !scene.scatters_in_media()) return;
+  const bool caustics = maps_.size() > 1;
+  if (caustics)
+    caustic_beams_ = std::make_unique<BeamMap>(context(), *lights_, *camera_, BeamLight::kCaustic,
+                                               PhotonStream::kCaustic);
+  if (scene.media()->any_homogeneous() && !scene.needs_paths() && !scene.moves())
+    indirect_beams_ =
+        std::make_unique<BeamMap>(context(), *lights_, *camera_, BeamLight::kIndirect,
+                                  caustics ? PhotonStream::kIndirect : PhotonStream::kAll);
+}
+
+// Asked in the first pass of a view. Paths in dense media scatter so often that few of them make
+// all of the beams: their noise would be that of the whole picture.
+bool Renderer::wants_indirect_beams() {
+  if (!indirect_beams_) return false;
+  if (!indirect_beams_wanted_)
+    indirect_beams_wanted_ =
+        !options.adaptive_indirect || (indirect_beams_->beams_per_path() <= kMostBeamsPerPath &&
+                                       camera_pass_->wants_indirect_beams(maps_));
+  return *indirect_beams_wanted_;
 }
 
 void Renderer::check_light_groups() const {
@@ -183,7 +207,9 @@ void Renderer::reset_film() {
   bad_light_ = 0;
   begun_ = false;
   camera_pass_->reset_view(film_.sum(), maps_);
-  if (beams_) beams_->begin_again();
+  indirect_beams_wanted_.reset();
+  for (BeamMap* const beams : beam_maps())
+    if (beams) beams->begin_again();
   for (const auto& map : maps_) map->reset_view(film_.sum().width, film_.sum().height);
 }
 
@@ -204,8 +230,14 @@ void Renderer::limit_pass(const PassSize& most) {
 
 void Renderer::trace_camera(uint32_t pass) {
   map();
-  if (beams_) beams_->trace_pass();
-  camera_pass_->set_beams(beams_ ? &beams_->tree() : nullptr);
+  if (caustic_beams_) caustic_beams_->trace_pass();
+  CameraTracer::Beams beams{caustic_beams_ ? &caustic_beams_->tree() : nullptr, nullptr};
+  camera_pass_->set_beams(beams);
+  if (wants_indirect_beams()) {
+    indirect_beams_->trace_pass();
+    beams.indirect = &indirect_beams_->tree();
+    camera_pass_->set_beams(beams);
+  }
   camera_pass_->trace(pass, maps_, film_.begin_pass());
 }
 
@@ -320,9 +352,10 @@ RenderStatistics Renderer::statistics() {
     out.maps.push_back(map->statistics());
     out.rays += map->rays();
   }
-  if (beams_) {
-    out.beams = beams_->counts();
-    out.rays += out.beams.rays;
+  for (const BeamMap* const beams : beam_maps()) {
+    if (!beams) continue;
+    out.beams += beams->counts();
+    out.rays += beams->counts().rays;
   }
   out.kept_photon_bytes = kept_bytes_;
   out.bad_samples += camera.bad_samples();

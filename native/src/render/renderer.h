@@ -125,6 +125,10 @@ class Renderer {
   void make_camera_pass();
   void make_maps();
   void make_beams();
+  bool wants_indirect_beams();
+  std::array<BeamMap*, 2> beam_maps() const {
+    return {caustic_beams_.get(), indirect_beams_.get()};
+  }
   void check_light_groups() const;
   void add_photons_to_samples();
   void read_light_cache();
@@ -140,7 +144,8 @@ class Renderer {
   std::unique_ptr<Camera> camera_;
   std::unique_ptr<CameraPass> camera_pass_;
   PhotonMaps maps_;
-  std::unique_ptr<BeamMap> beams_;  // or null: there are none
+  std::unique_ptr<BeamMap> caustic_beams_, indirect_beams_;  // or null: there are none
+  std::optional<bool> indirect_beams_wanted_;                // in this view, once that is known
   LightCache light_cache_;
   float cache_share_ = 1;  // of the samples that its cells want, in the next picture
   uint32_t cache_pictures_ = 0;

@@ -47,7 +47,7 @@ void Renderer::draw_viewport() {
     if (!map->viewport_photons() || !map->viewport_photons()->radii())
       throw std::logic_error("trace_viewport_photons() comes before draw_viewport()");
   set_view();
-  camera_pass_->set_beams(nullptr);
+  camera_pass_->set_beams({});
   camera_pass_->trace_gather_points(0, maps_, film_.begin_pass());
   for (const auto& map : maps_) map->place_viewport_points(*camera_pass_->gather_points());
   resolve();

@@ -90,7 +90,7 @@ void compare(const Room& room, IndirectLight indirect) {
   photons.options.indirect_light = indirect;
   fill_room(photons, room);
   fill_room(paths, room);
-  const auto reference = light_of(paths, 800, true), light = light_of(photons, 80);
+  const auto reference = light_of(paths, 800, true), light = light_of(photons, 160);
   for (int quarter = 0; quarter < 4; ++quarter)
     CHECK(light[quarter] == approx(reference[quarter]).epsilon(0.02));
   const RenderStatistics s = photons.statistics();

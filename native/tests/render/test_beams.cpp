@@ -1,4 +1,4 @@
-// Caustics in media: what photon beams bring is what paths leave out.
+// Light in media: what photon beams bring is what paths leave out.
 #include <doctest/doctest.h>
 
 #include <cstring>
@@ -37,6 +37,9 @@ struct Room {
   Fog fog = Fog::kEven;
   float roughness = 0, density = 1.5f;
   bool glows = true, mirror = false;
+  float lamp_radius = 0.05f;
+  bool soft_lamp = false;  // that faces its receivers
+  bool screen = false;     // instead of the ball, between the lamp and the camera
 };
 
 void fill_room(Renderer& renderer, const Room& room) {
@@ -65,15 +68,24 @@ void fill_room(Renderer& renderer, const Room& room) {
   scene.meshes.push_back(padded(make_cube()));
   scene.meshes.push_back(padded(make_sphere(24, 48)));
   scene.add_instance(0, identity, {0});
-  scene.add_instance(1, {0.25, 0, 0, 0.5, 0, 0.25, 0, 0.5, 0, 0, 0.25, 0.4}, {1});
+  if (room.screen)  // less thick than beams are wide
+    scene.add_instance(0, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0.004, 0.6}, {0});
+  else
+    scene.add_instance(1, {0.25, 0, 0, 0.5, 0, 0.25, 0, 0.5, 0, 0, 0.25, 0.4}, {1});
   scene.add_instance(0, {0.98, 0, 0, 0.01, 0, 0.98, 0, 0.01, 0, 0, 0.98, 0.01}, {2});
   for (const Program& program : scene.programs) check_program(scene, program);
   if (!room.glows) {
     LampSettings lamp;
     lamp.to_world = Affine{{1, 0, 0, 0.5f, 0, 1, 0, 0.55f, 0, 0, 1, 0.85f}};
     lamp.strength = {3, 2, 1};
-    lamp.radius = 0.05f;
+    lamp.radius = room.lamp_radius;
+    lamp.soft_falloff = room.soft_lamp;
     renderer.lamps = {lamp};
+    if (room.screen) {  // a far stronger one behind it
+      lamp.to_world = Affine{{1, 0, 0, 0.5f, 0, 1, 0, 0.55f, 0, 0, 1, 0.3f}};
+      lamp.strength = {300, 200, 100};
+      renderer.lamps.push_back(lamp);
+    }
   }
   CameraSettings& camera = renderer.camera_settings;
   camera.to_world = Affine{{1, 0, 0, 0.5f, 0, 1, 0, 0.5f, 0, 0, 1, 0.95f}};
@@ -96,12 +108,57 @@ double light_of(Renderer& renderer, uint32_t passes, bool reference = false) {
 }  // namespace
 
 TEST_CASE("a closed room of albedo 1/2 and emission 1 shows 2 through fog around a glass ball") {
-  for (const Fog fog : {Fog::kEven, Fog::kUneven}) {
-    Renderer renderer(2);
-    fill_room(renderer, {.fog = fog});
-    CHECK(light_of(renderer, 8) == approx(2).epsilon(0.01));
-    CHECK(renderer.statistics().beams.stored > 1000);
+  for (const Fog fog : {Fog::kEven, Fog::kUneven})
+    for (const float density : {0.2f, 1.5f, 8.0f}) {
+      CAPTURE(density);
+      Renderer renderer(2);
+      fill_room(renderer, {.fog = fog, .density = density});
+      CHECK(light_of(renderer, 8) == approx(2).epsilon(0.01));
+      CHECK(renderer.statistics().beams.stored > 1000);
+    }
+}
+
+TEST_CASE("the same where beams bring all light into media, caustics among it or apart") {
+  for (const bool caustics : {false, true})
+    for (const float density : {0.2f, 1.5f}) {
+      CAPTURE(caustics);
+      CAPTURE(density);
+      Renderer renderer(2);
+      renderer.options.caustics = caustics;
+      renderer.options.adaptive_indirect = false;
+      renderer.options.indirect_light = IndirectLight::kPhotons;
+      fill_room(renderer, {.density = density});
+      CHECK(light_of(renderer, 48) == approx(2).epsilon(0.015));
+      CHECK(renderer.statistics().beams.stored > 10000);
+    }
+}
+
+TEST_CASE(
+    "beams of indirect light bring what paths find, also of a lamp that faces what it lights") {
+  for (const bool soft : {false, true}) {
+    CAPTURE(soft);
+    const Room room{.density = 1, .glows = false, .lamp_radius = 0.08f, .soft_lamp = soft};
+    Renderer beams(2), paths(2);
+    beams.options.caustics = paths.options.caustics = false;
+    beams.options.adaptive_indirect = false;
+    fill_room(beams, room);
+    fill_room(paths, room);
+    CHECK(light_of(beams, 48) == approx(light_of(paths, 1500, true)).epsilon(0.02));
+    CHECK(beams.statistics().beams.stored > 10000);
   }
+}
+
+TEST_CASE("no light gets through a screen in the fog that is thinner than beams are wide") {
+  const Room room{.density = 1, .glows = false, .screen = true};
+  Renderer lit(2), dark(2);
+  lit.options.caustics = dark.options.caustics = false;
+  lit.options.adaptive_indirect = dark.options.adaptive_indirect = false;
+  fill_room(lit, room);
+  fill_room(dark, room);
+  dark.lamps.resize(1);
+  dark.relight();
+  CHECK(light_of(lit, 16) == approx(light_of(dark, 16)).epsilon(0.02));
+  CHECK(lit.statistics().beams.stored > 10000);
 }
 
 TEST_CASE("lobes that are sharp in part leave the rest of the light in media to paths") {
@@ -127,14 +184,17 @@ TEST_CASE("beams bring what paths find by chance of a lamp behind glass and mirr
 
 TEST_CASE("beams are the same bit for bit for any number of threads") {
   std::vector<Film> films;
-  for (const int threads : {1, 3}) {
-    Renderer renderer(threads);
-    fill_room(renderer, {.fog = Fog::kUneven, .glows = false});
-    light_of(renderer, 3);
-    films.push_back(renderer.film().unpacked());
-  }
-  CHECK(std::memcmp(films[0].pixels.data(), films[1].pixels.data(),
-                    films[0].pixels.size() * sizeof(Pixel)) == 0);
+  for (const Fog fog : {Fog::kEven, Fog::kUneven})
+    for (const int threads : {1, 3}) {
+      Renderer renderer(threads);
+      renderer.options.adaptive_indirect = fog == Fog::kUneven;
+      fill_room(renderer, {.fog = fog, .density = 1, .glows = false});
+      light_of(renderer, 3);
+      films.push_back(renderer.film().unpacked());
+    }
+  for (const size_t i : {0, 2})
+    CHECK(std::memcmp(films[i].pixels.data(), films[i + 1].pixels.data(),
+                      films[i].pixels.size() * sizeof(Pixel)) == 0);
 }
 
 TEST_CASE("all of the light is in its light group, that of beams too") {
@@ -151,12 +211,8 @@ TEST_CASE("all of the light is in its light group, that of beams too") {
   CHECK(renderer.statistics().beams.stored > 1000);
 }
 
-TEST_CASE("without caustics, scattering or sharp lobes there are no beams") {
-  Renderer off(1), clear(1);
-  off.options.caustics = false;
-  fill_room(off, {});
-  light_of(off, 1);
-  CHECK(off.statistics().beams.traced == 0);
+TEST_CASE("where media scatter nothing there are no beams") {
+  Renderer clear(1);
   fill_room(clear, {.density = 0});
   light_of(clear, 1);
   CHECK(clear.statistics().beams.traced == 0);

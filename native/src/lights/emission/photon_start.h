@@ -40,6 +40,12 @@ struct PhotonStart {
            !~blockers && soft_radius2 < 0 && first_hit_from == 0 && first_hit_to == INFINITY &&
            shaded_by < 0 && !asks_ray && exact < 0;
   }
+  // How far before the point nearest to the centre the light leaves such a disc, for a receiver
+  // there.
+  float before_nearest(float distance) const {
+    const float t = distance - soft_nearest;
+    return soft_radius2 > 0 && t > 0 ? soft_miss2 / t : 0;
+  }
   // A disc of radius r that faces a receiver shows it, of the rays that pass its centre at a
   // distance m, those that have gone on for t >= m^2 / sqrt(r^2 - m^2) since they were nearest to
   // the centre. (They leave the disc m^2 / t before that.)
