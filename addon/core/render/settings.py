@@ -57,8 +57,8 @@ class RenderSettings:
                          does not count
     passes               passes; in each one camera sample per pixel, more where noise is
                          (adaptive_samples)
-    photons_per_pass     photon paths that start in the first pass, and with adaptive_samples off in
-                         each
+    photons_per_pass     photon paths that start in the first pass, of caustics down to a quarter
+                         where few of them end in view; with adaptive_samples off in each
     max_bounces          surface bounces between light and camera; 0 = direct light only
     radius_scale         multiplies the automatic kernel radius
     boundary_correction  divide by the kernel mass M(x) at patch boundaries

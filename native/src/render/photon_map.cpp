@@ -118,6 +118,9 @@ void PhotonMap::learn(const PilotTask& task) {
   effective_photons_ = static_cast<double>(pilot->size()) / dispersion *
                        static_cast<double>(first_pass_paths_) / static_cast<double>(paths);
   pilot_ = since(before_, tracer_.counts());
+  const RenderOptions& options = context_.options;
+  if (caustic() && options.adaptive_samples && !options.keeps_photons())
+    context_.sampler.photons(number_).begin_with_share(effective_photons_ / first_pass_paths_);
 }
 
 uint64_t PhotonMap::paths_per_pass() const {

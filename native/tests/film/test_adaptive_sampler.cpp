@@ -171,6 +171,23 @@ TEST_CASE("photons get what they are worth beside the camera's samples, within b
   CHECK(photons_after(0.3f, 0.0f, {1, 0}) == 0.25);
 }
 
+TEST_CASE("a first pass has fewer photons where few paths bring light to where it is seen") {
+  const auto first = [](double share) {
+    PhotonSet photons;
+    photons.begin_with_share(share);
+    return photons.count;
+  };
+  CHECK(first(1) == 1);
+  CHECK(first(0.5) == 1);
+  CHECK(first(0.04) == approx(0.5));
+  CHECK(first(0.003) == 0.25);
+  CHECK(first(0) == 0.25);
+  PhotonSet fixed;
+  fixed.fewest = fixed.most = 1;
+  fixed.begin_with_share(0.01);
+  CHECK(fixed.count == 1);
+}
+
 TEST_CASE("limited photons keep their proportions; where all passes have to have as many they do") {
   ThreadPool pool(2);
   PhotonSet fixed;
