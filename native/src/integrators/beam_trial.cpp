@@ -31,7 +31,7 @@ double CameraTracer::variance_in_media(uint32_t seed, int max_bounces, const Can
                      at = first + hash32(static_cast<uint32_t>(i)) % (next - first);
       const PixelRays rays(scene_, camera_, static_cast<int>(at % width),
                            static_cast<int>(at / width), seed);
-      double sum = 0, squares = 0, shallow_sum = 0, shallow_squares = 0;
+      Moments all, shallow;
       for (uint32_t sample = 0; sample < kSamples; ++sample) {
         const float time = rays.time(sample);
         const auto ray = rays.ray(sample, time);
@@ -43,12 +43,11 @@ double CameraTracer::variance_in_media(uint32_t seed, int max_bounces, const Can
         path.leaves_gather_points = path.tries_beams = true;
         trace_path(path);
         tile.gather_points.clear();
-        const double light = luminance(pixel.combined()), shallow = light - tile.deep[0];
-        sum += light, squares += light * light;
-        shallow_sum += shallow, shallow_squares += shallow * shallow;
+        const double light = luminance(pixel.combined());
+        all.add(light);
+        shallow.add(light - tile.deep[0]);
       }
-      seen[i] = {sum / kSamples, squares - sum * sum / kSamples,
-                 shallow_squares - shallow_sum * shallow_sum / kSamples};
+      seen[i] = {all.sum / kSamples, all.variance(kSamples), shallow.variance(kSamples)};
     }
   });
   double square = 0;

@@ -78,6 +78,15 @@ inline void add_finite(Rgb& sum, const Rgb& value, uint64_t& bad) {
     ++bad;
 }
 
+// Of samples' light.
+struct Moments {
+  double sum = 0, squares = 0;
+  void add(double x) { sum += x, squares += x * x; }
+  double variance(uint32_t count) const {
+    return count < 2 ? 0 : std::max(squares - sum * sum / count, 0.0) / (count - 1);
+  }
+};
+
 // A camera path on its way. It scatters at vertices 0, 1, ...; transparent surfaces that it passes
 // are none.
 struct CameraTracer::Path {

@@ -14,15 +14,6 @@ constexpr int kSunnyVertices = 2;
 constexpr float kMirrorRoughness = 0.27f, kMirrorShare = 0.75f;
 constexpr int kMaxTransparent = 4096;  // layers that let a path through before it is given up
 
-struct Moments {
-  double sum = 0, squares = 0;
-  void add(double x) { sum += x, squares += x * x; }
-  float variance(uint32_t count) const {
-    if (count < 2) return 0;
-    return static_cast<float>(std::max(squares - sum * sum / count, 0.0) / (count - 1));
-  }
-};
-
 }  // namespace
 
 void CameraTracer::trace_pixel(const Job& job, int x, int y, PackedFilm& film, Pixel& pixel,
@@ -71,7 +62,9 @@ void CameraTracer::trace_pixel(const Job& job, int x, int y, PackedFilm& film, P
       shallow.add(light - (tile.deep[place] - deep_before));
     }
   }
-  if (tries) tile.variances.emplace_back(all.variance(count), shallow.variance(count));
+  if (tries)
+    tile.variances.emplace_back(static_cast<float>(all.variance(count)),
+                                static_cast<float>(shallow.variance(count)));
   pixel.depth = depth;
   pixel.surface_id = surface_id;
 }

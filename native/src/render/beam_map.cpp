@@ -48,10 +48,12 @@ void BeamMap::begin_part() {
 }
 
 double BeamMap::beams_per_path() {
+  if (beams_per_path_) return *beams_per_path_;
   tracer_.trace(0, kFewestPaths, static_cast<double>(kFewestPaths),
                 stream_seed(seed_, RandomStream::kEmissionPilot), {}, context_.cancel);
   before_ = tracer_.counts();
-  return static_cast<double>(tracer_.beams().size()) / static_cast<double>(kFewestPaths);
+  beams_per_path_ = static_cast<double>(tracer_.beams().size()) / static_cast<double>(kFewestPaths);
+  return *beams_per_path_;
 }
 
 void BeamMap::learn() {

@@ -2,6 +2,8 @@
 // which see them on their way.
 #pragma once
 
+#include <optional>
+
 #include "media/beam_tree.h"
 #include "photons/photon_tracer.h"
 #include "render/context.h"
@@ -17,7 +19,7 @@ class BeamMap {
   void begin_again();
   // The passes that follow are those of a part: paths begin anew, and what has been learnt stays.
   void begin_part();
-  // As a few paths tell.
+  // As a few paths tell, the first time that it is asked.
   double beams_per_path();
   // The beams of the next pass; the first time a pilot chooses radii.
   void trace_pass();
@@ -35,6 +37,7 @@ class BeamMap {
   uint32_t seed_;
   bool smooth_;                  // light that is not caustic
   uint64_t most_paths_, paths_;  // of a pass
+  std::optional<double> beams_per_path_;
   uint64_t passes_ = 0, first_path_ = 0;
   PhotonCounts before_{};
 };
