@@ -13,8 +13,8 @@ namespace photon_splat {
 // Photons of one kind in a pass. Of n photons that a kernel weighs by Epanechnikov the estimate has
 // a relative variance of 4/(3n).
 struct PhotonSet {
-  // Of caustic photons: what caustic_ring, caustic_glass and small_glass have, or more. Where paths
-  // bring all other light it is .0003 to .06 (village, street, kitchen, car, chapel).
+  // Of caustic photons: what caustic_ring, caustic_glass and small_glass have, or more. In scenes
+  // that are not about caustics it is .0003 to .06 (village, street, kitchen, car, chapel).
   static constexpr double kGreatShare = 0.16;
   // Standard deviation of what a pass' photons add to each pixel's luminance; written by the
   // renderer

@@ -115,12 +115,12 @@ void PhotonMap::learn(const PilotTask& task) {
       RadiusMap::Settings{task.middle, caustic() ? INFINITY : task.reach, caustic()});
   const float dispersion = power_dispersion(*pilot);
   if (caustic()) dispersion_ = dispersion;
-  effective_photons_ = static_cast<double>(pilot->size()) / dispersion *
-                       static_cast<double>(first_pass_paths_) / static_cast<double>(paths);
+  const double share = static_cast<double>(pilot->size()) / dispersion / static_cast<double>(paths);
+  effective_photons_ = share * static_cast<double>(first_pass_paths_);
   pilot_ = since(before_, tracer_.counts());
   const RenderOptions& options = context_.options;
   if (caustic() && options.adaptive_samples && !options.keeps_photons())
-    context_.sampler.photons(number_).begin_with_share(effective_photons_ / first_pass_paths_);
+    context_.sampler.photons(number_).begin_with_share(share);
 }
 
 uint64_t PhotonMap::paths_per_pass() const {
