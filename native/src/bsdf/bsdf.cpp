@@ -284,9 +284,11 @@ Rgb Bsdf::evaluate(const Vec3& wi, float* pdf, Rgb* rest, Rgb* diffuse, float* s
   return evaluate_as(view_, wi, pdf, rest, diffuse, sharp, -1);
 }
 
-Rgb Bsdf::evaluate_smooth(const Vec3& wi, float* pdf, Rgb* diffuse, float* sharp) const {
+Rgb Bsdf::evaluate_light(const Vec3& wi, OfLight how, float* pdf, Rgb* diffuse,
+                         float* sharp) const {
   View view = view_;
-  if (dot(wi, view.ng) < 0 && dot(wi, view.ns) > 0) view.ng = view.ns;
+  view.lit = how.lit;
+  if (how.bent && dot(wi, view.ng) < 0 && dot(wi, view.ns) > 0) view.ng = view.ns;
   return evaluate_as(view, wi, pdf, nullptr, diffuse, sharp, -1);
 }
 

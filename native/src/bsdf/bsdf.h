@@ -168,10 +168,13 @@ class Bsdf {
   // included, so that power * evaluate / pdf is the new power.
   Rgb evaluate(const Vec3& wi, float* pdf, Rgb* rest = nullptr, Rgb* diffuse = nullptr,
                float* sharp = nullptr) const;
-  // evaluate() for light from above the smooth normal ns and below the geometric normal ng, which
-  // counts as from above both: where normals are smooth such light may pass the surface that they
-  // promise.
-  Rgb evaluate_smooth(const Vec3& wi, float* pdf, Rgb* diffuse, float* sharp) const;
+  // What is special to a light sample. `bent`: light from above the smooth normal ns and below the
+  // geometric normal ng counts as from above both; where normals are smooth such light may pass the
+  // surface that they promise. `lit`: see evaluate_facets().
+  struct OfLight {
+    bool bent, lit;
+  };
+  Rgb evaluate_light(const Vec3& wi, OfLight how, float* pdf, Rgb* diffuse, float* sharp) const;
 
   // Draws a direction in proportion to the lobes: u chooses the lobe, and the side of a delta, and
   // places; `choice` chooses the side of others. Transparency and emission are not lobes. nullopt:

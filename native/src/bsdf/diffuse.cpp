@@ -150,7 +150,7 @@ FacetValue Lobe::evaluate(const View& view, const Vec3& wi, bool sampled) const 
     }
     case LobeKind::kTranslucent:
       if (!(side < 0 && cosine < 0)) return {};
-      return {weight * (-cosine / kPi), -cosine / kPi};
+      return {weight * (-cosine / kPi * bump_shadow(view, n, -wi)), -cosine / kPi};
     case LobeKind::kSheen: {
       if (!(side > 0 && cosine > 0)) return {};
       const Vec3 w = to_local(wi);
@@ -185,7 +185,7 @@ FacetValue Lobe::evaluate(const View& view, const Vec3& wi, bool sampled) const 
     case LobeKind::kFacets: {
       if (facets.delta()) return {};
       if ((side < 0) != (cosine < 0)) return {};
-      FacetValue value = evaluate_facets(facets, fresnel, from, masked, to_local(wi));
+      FacetValue value = evaluate_facets(facets, fresnel, from, masked, to_local(wi), view.lit);
       value.f *= weight;
       return value;
     }
@@ -193,7 +193,7 @@ FacetValue Lobe::evaluate(const View& view, const Vec3& wi, bool sampled) const 
       if (!(side < 0 && cosine < 0)) return {};
       Vec3 mirrored = to_local(wi);
       mirrored.z = -mirrored.z;
-      FacetValue value = evaluate_facets(facets, fresnel, from, masked, mirrored);
+      FacetValue value = evaluate_facets(facets, fresnel, from, masked, mirrored, false);
       value.f *= weight;
       return value;
     }

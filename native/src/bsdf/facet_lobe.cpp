@@ -91,7 +91,8 @@ Lobe facet_lobe(const View& view, const Rgb& weight, const Vec3& normal, const F
     const auto scale = [&](float f) {
       return 1 + missing * f * e.mean / std::max(1 - f * (1 - e.mean), 1e-6f);
     };
-    const Rgb f = saturate(through ? fresnel.transmit_tint : mean_reflectance(fresnel));
+    const Rgb f =
+        saturate(through ? fresnel.transmit_tint : mean_reflectance(fresnel) * shape.between);
     const Rgb scales{scale(f.x), scale(f.y), scale(f.z)};
     lobe.weight *= scales;
     kept = scales * e.directional;

@@ -35,6 +35,7 @@ struct View {
   bool back;
   Vec3 bent = ns;            // what all closures start from, where a displacement bends it; else ns
   bool towards_end = false;  // from where the light goes to, of what it met from elsewhere
+  bool lit = false;          // what is evaluated are light samples, see evaluate_facets()
 
   // The same point seen from the direction w, which may be on either side.
   View towards(const Vec3& w) const {
@@ -152,7 +153,8 @@ struct FacetShape {
   // Alpha = roughness^2, times the two stretches along the tangent and across
   float roughness = 0;
   float along = 1, across = 1;
-  float rotation = 0;  // of the tangent about the normal, in turns
+  float rotation = 0;    // of the tangent about the normal, in turns
+  Rgb between{1, 1, 1};  // tint of what is reflected again between facets, where energy is kept
   Vec3 tangent{};
 };
 Lobe facet_lobe(const View& view, const Rgb& weight, const Vec3& n, const FacetShape& shape,

@@ -59,7 +59,7 @@ bool transmits(const FresnelTerms& f) { return !is_black(f.transmit_tint); }
 }  // namespace
 
 FacetValue evaluate_facets(const Facets& facets, const FresnelTerms& fresnel, const Vec3& wo,
-                           float lambda_o, const Vec3& wi) {
+                           float lambda_o, const Vec3& wi, bool lit) {
   const bool through = wi.z < 0, glass = transmits(fresnel);
   if (!(wo.z > 0) || wi.z == 0 || (through && !glass)) return {};
   Vec3 m = through ? -(wo + wi * fresnel.ior) : wo + wi;
@@ -71,16 +71,17 @@ FacetValue evaluate_facets(const Facets& facets, const FresnelTerms& fresnel, co
     m = -m;
   }
   const float om = dot(wo, m), im = dot(wi, m);
-  if (!(om > 0) || (through ? im >= 0 : im <= 0) || !(m.z > 0)) return {};
-  const FresnelValue value = evaluate_fresnel(fresnel, om);
+  const bool reached = om > 0 && (through ? im < 0 : im > 0) && m.z > 0;
+  if (!reached && !(through && lit && om != 0)) return {};
+  const FresnelValue value = evaluate_fresnel(fresnel, std::abs(om));
   const float p = glass ? reflect_probability(value) : 1;
   const float lambda_i = facets.lambda(wi);
   // Density of wi per density of visible facets, times D/|wo.n|.
   const float d = facets.density(m);
-  const float common = d / wo.z * (through ? sqr(fresnel.ior) * om * -im / len2 : 0.25f);
+  const float common = d / wo.z * (through ? sqr(fresnel.ior) * std::abs(om * im) / len2 : 0.25f);
   const float choice = through ? 1 - p : p;
   float pdf = common * choice / (1 + lambda_o);
-  if (facets.beckmann) pdf = common * choice * m.z * wo.z / om;
+  if (facets.beckmann && reached) pdf = common * choice * m.z * wo.z / om;
   return {(through ? value.transmit : value.reflect) * (common / (1 + lambda_o + lambda_i)), pdf};
 }
 

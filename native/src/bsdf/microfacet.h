@@ -31,9 +31,11 @@ struct FacetValue {
 };
 
 // wi.z > 0: reflection, < 0: refraction, in the basic-radiance convention. lambda_o:
-// facets.lambda(wo). No deltas here.
+// facets.lambda(wo). No deltas here. `lit`: wi leads to a light sample. Then refraction by facets
+// that look away from wo or wi counts, too, which no ray finds: so it is in Cycles (measured), and
+// rough glass under lamps is brighter than its rays alone would have it.
 FacetValue evaluate_facets(const Facets& facets, const FresnelTerms& fresnel, const Vec3& wo,
-                           float lambda_o, const Vec3& wi);
+                           float lambda_o, const Vec3& wi, bool lit);
 
 // `choice` in [0, 1) decides between reflection and refraction.
 bool sample_facets(const Facets& facets, const FresnelTerms& fresnel, const Vec3& wo, float choice,

@@ -77,7 +77,9 @@ void add_thin_glass(const Rgb& weight, const PrincipledInputs& in, const View& v
   f.film_ior = in.thin_film_ior;
   const Pane share = pane(f, min(in.base_color, kWhite), saturate(dot(normal, view.wo)));
   const FresnelTerms all;
-  out.add([&] { return facet_lobe(view, weight * share.reflect, normal, shape, all); });
+  FacetShape back = shape;
+  back.between = min(in.specular_tint, kWhite);
+  out.add([&] { return facet_lobe(view, weight * share.reflect, normal, back, all); });
   const float ior = in.ior,
               widening = std::max(3.4f * (ior - 1) * sqr(ior - 0.5f) / (ior * ior * ior), 0.0f);
   FacetShape through = shape;
@@ -164,6 +166,7 @@ void expand_principled(const Rgb& outer, const PrincipledInputs& in, const View&
   if (in.transmission_weight > 0 && in.thin_wall) {
     FacetShape isotropic = shape;
     isotropic.along = isotropic.across = 1;
+    isotropic.preserve_energy = true;
     add_thin_glass(weight * in.transmission_weight, in, view, normal, isotropic, out);
     weight *= 1 - in.transmission_weight;
   } else if (in.transmission_weight > 0) {

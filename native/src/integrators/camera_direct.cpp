@@ -56,10 +56,10 @@ void CameraTracer::add_light(Path& path, const Surface& hit, const Bsdf& bsdf,
   float pdf = 0, sharp = 0;
   Rgb diffuse{};
   const bool any_covered = !is_black(path.covered);
-  Rgb scattered =
-      receiver.bent
-          ? bsdf.evaluate_smooth(light.direction, &pdf, &diffuse, any_covered ? &sharp : nullptr)
-          : bsdf.evaluate(light.direction, &pdf, nullptr, &diffuse, any_covered ? &sharp : nullptr);
+  // Cycles has no light samples of a world that is the same everywhere.
+  const bool lit = !light.from_world || !lights_.environment().constant();
+  Rgb scattered = bsdf.evaluate_light(light.direction, {receiver.bent, lit}, &pdf, &diffuse,
+                                      any_covered ? &sharp : nullptr);
   if (light.from_world && lights_.world_asks() && !path.only_mirrored)
     diffuse =
         scattered * bsdf.diffuse_share(light.direction, lights_.world_density(light.direction));

@@ -1,7 +1,7 @@
-"""Splat against reference on random scenes, on random Blender scenes of glass, gloss and media or
-of lamps, lenses and visibility, or on .blend files: python -m tests.reference.agreement.run
-[--first N] [--count N] [--passes N] [--samples N] [--matter | --stages | --files FILE ...
---width N] [--cycles] [--out OUT]
+"""Splat against reference on random scenes, on random Blender scenes of glass, gloss and media, of
+lamps, lenses and visibility or of one closure under one lamp, or on .blend files:
+python -m tests.reference.agreement.run [--first N] [--count N] [--passes N] [--samples N]
+[--matter | --stages | --closures | --files FILE ... --width N] [--cycles] [--out OUT]
 
 --cycles, for random Blender scenes: the reference integrator against Cycles instead.
 
@@ -31,7 +31,7 @@ from tests.benchmarks.bench.scenes import from_file
 from tests.reference.agreement import generator
 from tests.reference.agreement.compare import Agreement, agreement
 from tests.reference.agreement.generator import random_scene
-from tests.support import random_matter, random_stage
+from tests.support import random_closures, random_matter, random_stage
 from tests.support.corescene import shoot
 
 MOST_OFF = 1.0 / 50.0
@@ -98,7 +98,7 @@ def sheet(path: Path, pictures: list[NDArray]) -> None:
 
 
 def blender_scene(made_by: ModuleType, seed: int) -> Scene:
-    """Of random_matter or random_stage. Needs bpy, where it stays open."""
+    """Of random_matter, random_stage or random_closures. Needs bpy, where it stays open."""
     import bpy
     from photon_splat.export import export_scene
 
@@ -127,9 +127,13 @@ def scenes(options: argparse.Namespace) -> Iterator[tuple[str, Scene, str]]:
             yield file.stem, from_file(file.resolve(), options.width), f"{version}-{options.width}"
         return
     made_by: ModuleType = generator
-    if options.matter or options.stages:
-        made_by = random_matter if options.matter else random_stage
-    kind = "matter-" if options.matter else "stage-" if options.stages else ""
+    kind = ""
+    if options.matter:
+        made_by, kind = random_matter, "matter-"
+    elif options.stages:
+        made_by, kind = random_stage, "stage-"
+    elif options.closures:
+        made_by, kind = random_closures, "closure-"
     version = hashlib.sha256(Path(made_by.__file__ or "").read_bytes()).hexdigest()[:8]
     for seed in options.only or range(options.first, options.first + options.count):
         what = blender_scene(made_by, seed) if kind else random_scene(seed)
@@ -147,6 +151,7 @@ def main() -> None:
         "--matter", action="store_true", help="random Blender scenes of glass, gloss and media"
     )
     parser.add_argument("--stages", action="store_true", help="of lamps, lenses and visibility")
+    parser.add_argument("--closures", action="store_true", help="of one closure under one lamp")
     parser.add_argument("--cycles", action="store_true", help="path tracer against Cycles")
     parser.add_argument("--files", type=Path, nargs="*", help="instead of random scenes")
     parser.add_argument("--width", type=int, default=160, help="of the files' pictures")

@@ -14,7 +14,7 @@ from tests.reference.agreement.run import (
     blender_scene,
     measure,
 )
-from tests.support import random_matter, random_stage
+from tests.support import random_closures, random_matter, random_stage
 
 # Once wrong: bent things that run into each other (2, 10), light from far out on a floor (5), a
 # wall of which a metre is seen.
@@ -48,5 +48,16 @@ def test_mean_agrees_where_a_world_hides_from_glossy_rays() -> None:
 def test_window_coordinates_of_a_panorama_are_those_of_cycles() -> None:
     what = blender_scene(random_stage, 49)
     result, _ = beside_cycles(what, samples=48)
+    assert result.mean_agrees, result
+    assert result.off <= MOST_OFF, result
+
+
+@pytest.mark.parametrize("seed", [2, 22, 32, 496])
+def test_a_closure_under_a_lamp_is_as_bright_as_in_cycles(seed: int) -> None:
+    """Once wrong: rough boundaries that a lamp shines through (0 to 0.3 of Cycles' light), a
+    translucent sheet with a normal of its own (1.12).
+    """
+    result, _ = beside_cycles(blender_scene(random_closures, seed), samples=64)
+    assert result.mean > 0.0
     assert result.mean_agrees, result
     assert result.off <= MOST_OFF, result

@@ -6,10 +6,7 @@ Two independent halves of each picture go to tests/reference/cycles/references/N
 at the bottom, only the border where there is one. Alpha is left out of the gallery's pictures that
 are opaque.
 
-Rough glass is rendered without light samples (Case.light_samples), its lamp as a plane that rays
-find by chance: where Cycles samples a light through a rough refractive surface, it also counts
-pairs of directions that no facet can refract into each other, and so gets more light than by its
-own rays: `python -m tests.reference.cycles.tables.rough_glass` shows it.
+Cases with light_samples=False are rendered with their lamp as a plane that rays find by chance.
 """
 
 from __future__ import annotations

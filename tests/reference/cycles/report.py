@@ -90,7 +90,7 @@ def case_row(worker: Worker, case: Case, integrator: str) -> Row:
 def sweep_row(worker: Worker, kind: str, integrator: str) -> Row:
     try:
         ratios, failures = sweep.compare(
-            kind, sweep.measure(worker, kind, integrator), sweep.load()[kind]
+            kind, integrator, sweep.measure(worker, kind, integrator), sweep.load()[kind]
         )
     except (RuntimeError, OSError) as error:
         return Row(f"sweep_{kind}", integrator, float("inf"), "", [str(error)])

@@ -4,8 +4,8 @@ prints its mean with and without light samples.
 
 Both ways solve the same equation, and on any other material they agree. The lamp is the gallery's.
 What light samples add is light that would have to be refracted by more than a facet can: the half
-vector of the two directions lies on the wrong side of one of them. Photon Splat counts those pairs
-as dark, and agrees with Cycles' own rays.
+vector of the two directions lies on the wrong side of one of them. Photon Splat's light samples
+count those pairs, too.
 """
 
 from __future__ import annotations
