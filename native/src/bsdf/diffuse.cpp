@@ -150,7 +150,8 @@ FacetValue Lobe::evaluate(const View& view, const Vec3& wi, bool sampled) const 
     }
     case LobeKind::kTranslucent:
       if (!(side < 0 && cosine < 0)) return {};
-      return {weight * (-cosine / kPi * bump_shadow(view, n, -wi)), -cosine / kPi};
+      // As in Cycles, whose rays go through without that (measured)
+      return {weight * (-cosine / kPi * (view.lit ? bump_shadow(view, n, -wi) : 1)), -cosine / kPi};
     case LobeKind::kSheen: {
       if (!(side > 0 && cosine > 0)) return {};
       const Vec3 w = to_local(wi);

@@ -213,6 +213,21 @@ TEST_CASE("light samples find light through rough glass where no facet refracts 
   CHECK(is_black(glass.evaluate_light(wi, {false, false}, &lit_pdf, &diffuse, nullptr)));
 }
 
+TEST_CASE("a bump's terminator is soft on both sides, behind it for light samples alone") {
+  const Vec3 bump = normalize({0.5f, -0.28f, 1}), wi = direction(-0.267f, 3.1f);
+  const Vec3 wo = direction(0.267f, 0);
+  const Bsdf behind = flat(wo, [&](Bsdf& b) { b.add_translucent(kWhite, bump); }),
+             before = flat(wo, [&](Bsdf& b) { b.add_diffuse(kWhite, bump, 0); });
+  const float cosine = -dot(bump, wi);
+  float pdf = -1;
+  Rgb diffuse;
+  const Rgb lit = behind.evaluate_light(wi, {false, true}, &pdf, &diffuse, nullptr);
+  REQUIRE(cosine > 0);
+  CHECK(behind.evaluate(wi, nullptr).x == approx(cosine / kPi));
+  CHECK(lit.x < 0.95f * cosine / kPi);
+  CHECK(lit.x == approx(before.evaluate(-wi, nullptr).x));
+}
+
 TEST_CASE("light samples and rays see the same, but for what rough boundaries let through") {
   for (const BsdfCase& c : bsdf_cases())
     for (uint32_t i = 0; i < 64; ++i) {
