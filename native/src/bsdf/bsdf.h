@@ -170,7 +170,8 @@ class Bsdf {
                float* sharp = nullptr) const;
   // What is special to a light sample. `bent`: light from above the smooth normal ns and below the
   // geometric normal ng counts as from above both; where normals are smooth such light may pass the
-  // surface that they promise. `lit`: see evaluate_facets().
+  // surface that they promise. `lit`: counts what Cycles' light samples do and its rays do not, see
+  // evaluate_facets().
   struct OfLight {
     bool bent, lit;
   };

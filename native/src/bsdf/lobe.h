@@ -35,7 +35,7 @@ struct View {
   bool back;
   Vec3 bent = ns;            // what all closures start from, where a displacement bends it; else ns
   bool towards_end = false;  // from where the light goes to, of what it met from elsewhere
-  bool lit = false;          // what is evaluated are light samples, see evaluate_facets()
+  bool lit = false;          // of light samples: more of facets, less of translucent surfaces
 
   // The same point seen from the direction w, which may be on either side.
   View towards(const Vec3& w) const {
