@@ -286,9 +286,10 @@ Rgb Bsdf::evaluate(const Vec3& wi, float* pdf, Rgb* rest, Rgb* diffuse, float* s
 
 Rgb Bsdf::evaluate_light(const Vec3& wi, OfLight how, float* pdf, Rgb* diffuse,
                          float* sharp) const {
+  if (!(dot(wi, view_.ng) < 0)) return evaluate_as(view_, wi, pdf, nullptr, diffuse, sharp, -1);
   View view = view_;
   view.lit = how.lit;
-  if (how.bent && dot(wi, view.ng) < 0 && dot(wi, view.ns) > 0) view.ng = view.ns;
+  if (how.bent && dot(wi, view.ns) > 0) view.ng = view.ns;
   return evaluate_as(view, wi, pdf, nullptr, diffuse, sharp, -1);
 }
 
