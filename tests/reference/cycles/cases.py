@@ -34,6 +34,7 @@ class Case:
     height: int = 48
     samples: int = 1024
     mean_tolerance: float = 0.02
+    photons_less: float = 0.0  # that splatting alone may be off by on top of that
     block_bias: float = 0.02
     reference_bias: float = 0.003
     reference: str = ""  # the case whose Cycles reference this one shares

@@ -370,7 +370,7 @@ def _case(
         "photons_per_pass": 10_000,
     }
     if name in COARSEST_GLASS:
-        usual |= {"mean_tolerance": 0.04}
+        usual |= {"photons_less": 0.02}
     return Case(name, "material_case", options, **(usual | more))
 
 
