@@ -37,7 +37,7 @@ Lights::Lights(Scene& scene, const std::vector<LampSettings>& lamps)
     if (!lamps_.empty() && lamps_.back().number == Lamp::kUnnumbered)
       lamps_.back().number = static_cast<uint32_t>(&lamp - lamps.data());
   }
-  add_emissive_instances();
+  add_emissive_instances(scene.pool());
   find_lights_in_surfaces();
   share_power();
   if (emitters_.size() > kFewEmitters) build_tree();
@@ -110,7 +110,7 @@ void Lights::add_lamp(const LampSettings& settings) {
   emitters_.push_back(std::move(e));
 }
 
-void Lights::add_emissive_instances() {
+void Lights::add_emissive_instances(ThreadPool& pool) {
   emitter_of_instance_.assign(scene_.instances.size(), -1);
   for (uint32_t i = 0; i < scene_.instances.size(); ++i) {
     const Instance& instance = scene_.instances[i];
@@ -127,7 +127,7 @@ void Lights::add_emissive_instances() {
     e.seen_by = as_scattered(light_rays(instance.seen_by, false));
     Bounds bounds;
     double sum = 0;
-    e.mesh = make_mesh_light(scene_, i, bounds, sum);
+    e.mesh = make_mesh_light(scene_, pool, i, bounds, sum);
     if (!(sum > 0) || !std::isfinite(sum)) continue;
     e.center = bounds.center();
     e.radius = 0.5f * bounds.diagonal();

@@ -152,7 +152,7 @@ class Lights {
   // How far off such a lamp may be found before something `far` off
   float reach_of_exact(float far) const;
   void add_lamp(const LampSettings& settings);
-  void add_emissive_instances();
+  void add_emissive_instances(ThreadPool& pool);
   void choose_along();
   template <class See>
   void near_emitters(const Vec3& origin, const Vec3& direction, float near, float far,

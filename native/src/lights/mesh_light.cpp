@@ -6,13 +6,15 @@ namespace {
 constexpr double kProbeFloor = 0.02;
 constexpr int kLooksInTime = 17;  // at where a triangle goes while the shutter is open
 
-// About the mean over the triangle, RGB averaged; textures of plain materials count as white.
-float mean_emission(const Scene& scene, const Material& m, uint32_t instance, uint32_t triangle,
-                    bool back) {
-  if (m.program < 0) return average((back ? m.back : m.front).emission);
+// How closely programs are asked what they emit. A mesh of few triangles is asked at several places
+// of each, one of very many once for several that follow each other.
+constexpr size_t kFewTriangles = 1 << 14, kMostAsked = 1 << 18;
+constexpr size_t kAskedTogether = 1024;
+constexpr size_t kSidesCompared = 64;  // places of a mesh: where both sides emit alike, all do
+
+float probed(const Scene& scene, uint32_t instance, uint32_t triangle, int probes, bool back) {
   static constexpr float kProbes[4][2] = {
       {1 / 3.0f, 1 / 3.0f}, {0.15f, 0.15f}, {0.7f, 0.15f}, {0.15f, 0.7f}};
-  const int probes = scene.programs[m.program].features & kProgramConstantEmission ? 1 : 4;
   float sum = 0;
   for (int i = 0; i < probes; ++i) {
     const Surface s = scene.surface_at(instance, triangle, kProbes[i][0], kProbes[i][1], back);
@@ -20,6 +22,69 @@ float mean_emission(const Scene& scene, const Material& m, uint32_t instance, ui
   }
   return std::isfinite(sum) ? std::max(sum, 0.0f) / static_cast<float>(probes) : 0;
 }
+
+// About the means over triangles, RGB averaged; textures of plain materials count as white.
+class MeanEmission {
+ public:
+  MeanEmission(const Scene& scene, ThreadPool& pool, uint32_t instance,
+               const std::vector<EmissiveTriangle>& of)
+      : scene_(scene),
+        pool_(pool),
+        instance_(instance),
+        triangles_(of),
+        probes_(of.size() > kFewTriangles ? 1 : 4),
+        together_((of.size() + kMostAsked - 1) / kMostAsked) {
+    front_.resize(of.size());
+    back_.resize(of.size());
+    fill(front_, false);
+    const size_t step = of.size() / kSidesCompared + 1;
+    for (size_t i = 0; i < of.size() && sides_alike_; i += step) {
+      const float front = ask(i, false);
+      sides_alike_ = !program_of(i) || std::abs(ask(i, true) - front) <= kAlike * front;
+    }
+    fill(back_, true);
+  }
+  std::vector<float> take_front() { return std::move(front_); }
+  std::vector<float> take_back() { return std::move(back_); }
+
+ private:
+  static constexpr float kAlike = 1e-4f;
+
+  const Program* program_of(size_t i) const {
+    const int program = scene_.materials[triangles_[i].material].program;
+    return program < 0 ? nullptr : &scene_.programs[program];
+  }
+  float ask(size_t i, bool back) const {
+    const Program* const program = program_of(i);
+    const Material& m = scene_.materials[triangles_[i].material];
+    if (!program) return average((back ? m.back : m.front).emission);
+    const bool constant = program->features & kProgramConstantEmission;
+    return probed(scene_, instance_, triangles_[i].triangle, constant ? 1 : probes_, back);
+  }
+  void fill(std::vector<float>& to, bool back) const {
+    pool_.for_parts(to.size(), kAskedTogether * together_, CancelFlag(),
+                    [&](size_t begin, size_t end) {
+                      for (size_t i = begin, asked = begin; i < end; ++i) {
+                        if (i == begin || i - asked >= together_ ||
+                            triangles_[i].material != triangles_[asked].material) {
+                          asked = i;
+                          to[i] = back && sides_alike_ && program_of(i) ? front_[i] : ask(i, back);
+                        } else {
+                          to[i] = to[asked];
+                        }
+                      }
+                    });
+  }
+
+  const Scene& scene_;
+  ThreadPool& pool_;
+  uint32_t instance_;
+  const std::vector<EmissiveTriangle>& triangles_;
+  int probes_;
+  size_t together_;
+  bool sides_alike_ = true;  // of programs
+  std::vector<float> front_, back_;
+};
 
 }  // namespace
 
@@ -45,12 +110,12 @@ const EmissiveTriangle& triangle_at_time(const Scene& scene, uint32_t instance,
 // Picks triangles by area times mean emission. What a program emits is probed at a few points;
 // between them it may emit more, so that no triangle it covers gets less than a share of the mesh's
 // mean.
-MeshLight make_mesh_light(const Scene& scene, uint32_t instance, Bounds& bounds, double& power) {
+MeshLight make_mesh_light(const Scene& scene, ThreadPool& pool, uint32_t instance, Bounds& bounds,
+                          double& power) {
   MeshLight light;
   const uint32_t count =
       static_cast<uint32_t>(scene.meshes[scene.instances[instance].mesh].triangles.size());
-  std::vector<float> areas, front, back;
-  double probed_power = 0, probed_area = 0;
+  std::vector<float> areas;
   for (uint32_t t = 0; t < count; ++t) {
     const Material& m = scene.material_of(instance, t);
     if (!may_emit(scene, m)) continue;
@@ -70,11 +135,14 @@ MeshLight make_mesh_light(const Scene& scene, uint32_t instance, Bounds& bounds,
     out.material = static_cast<uint32_t>(&m - scene.materials.data());
     light.triangles.push_back(out);
     areas.push_back(area);
-    front.push_back(mean_emission(scene, m, instance, t, false));
-    back.push_back(mean_emission(scene, m, instance, t, true));
-    if (m.program < 0) continue;
-    probed_power += double(area) * (front.back() + back.back());
-    probed_area += area;
+  }
+  MeanEmission means(scene, pool, instance, light.triangles);
+  std::vector<float> front = means.take_front(), back = means.take_back();
+  double probed_power = 0, probed_area = 0;
+  for (size_t i = 0; i < areas.size(); ++i) {
+    if (scene.materials[light.triangles[i].material].program < 0) continue;
+    probed_power += double(areas[i]) * (front[i] + back[i]);
+    probed_area += areas[i];
   }
   const float floor =
       probed_area > 0 ? static_cast<float>(kProbeFloor * probed_power / probed_area) : 0;
