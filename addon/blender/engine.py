@@ -9,7 +9,7 @@ from typing import Any
 import bpy
 
 from .job import render_view_layer
-from .passes import kind, wanted_passes
+from .passes import blender_name, kind, wanted_passes
 from .registration import register_classes, unregister_classes
 from .viewport import live_of
 
@@ -31,9 +31,14 @@ class PhotonSplatEngine(bpy.types.RenderEngine):
         render_view_layer(self, depsgraph)
 
     def update_render_passes(self, scene: Any = None, renderlayer: Any = None) -> None:
-        for info in wanted_passes(renderlayer):
+        for info in wanted_passes(scene, renderlayer):
             self.register_pass(
-                scene, renderlayer, info.name, len(info.channels), info.channels, kind(info)
+                scene,
+                renderlayer,
+                blender_name(info.name),
+                len(info.channels),
+                info.channels,
+                kind(info),
             )
 
     def view_update(self, context: Any, depsgraph: Any) -> None:

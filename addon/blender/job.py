@@ -27,6 +27,7 @@ from ..export.cancelled import Cancelled, Watch
 from ..export.kept import Kept
 from ..export.report import readable
 from ..export.views import View, views_of
+from .passes import fill_passes, own_name, with_noisy
 from .persistent import Held, held_for
 from .properties import render_settings
 from .records import origin_of, record_of
@@ -92,7 +93,7 @@ def render_view_layer(engine: Any, depsgraph: Any) -> None:
         for number, view in enumerate(views):
             job = _Job(engine, depsgraph, frame, blender_result, held, kept, view, number)
             result = _render(job, started, last=number + 1 == len(views))
-            fill_passes(blender_result, result.passes, number)
+            fill_passes(blender_result, with_noisy(result), number)
             _finish(engine, scene_name, result, told_before)
             if observer.on_result:
                 observer.on_result(result, frame)
@@ -204,7 +205,7 @@ def _render(job: _Job, started: float, last: bool) -> RenderResult:
         record=record,
         wanted=None
         if observer.on_result
-        else {p.name for layer in job.blender_result.layers for p in layer.passes},
+        else {own_name(p.name) for layer in job.blender_result.layers for p in layer.passes},
     )
     if observer.record is None and not result.cancelled:
         record.forget()
@@ -224,21 +225,6 @@ def remaining(progress: Progress, elapsed: float) -> str:
         if seconds < 3600
         else f"{seconds // 3600}:{seconds % 3600 // 60:02}:{seconds % 60:02}"
     )
-
-
-def fill_passes(blender_result: Any, passes: dict[str, np.ndarray], view: int = 0) -> None:
-    """Copy `passes` (row 0 at the bottom, as Blender has it) into those that the render result has
-    of its `view`-th view.
-    """
-    for layer in blender_result.layers:
-        for blender_pass in layer.passes:
-            pixels = passes.get(blender_pass.name)
-            if (
-                blender_pass.view_id == view
-                and pixels is not None
-                and pixels.shape[2] == blender_pass.channels
-            ):
-                blender_pass.rect.foreach_set(np.ascontiguousarray(pixels, np.float32).reshape(-1))
 
 
 def _finish(engine: Any, scene_name: str, result: RenderResult, told_before: set[str]) -> None:

@@ -7,7 +7,18 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from ..core.render.result import PASSES, SHADOW_PASS, PassInfo, light_group_pass
+import bpy
+import numpy as np
+
+from ..core.render.result import (
+    NOISY_PASS,
+    PASSES,
+    SHADOW_PASS,
+    Passes,
+    PassInfo,
+    RenderResult,
+    light_group_pass,
+)
 from ..export.labels import wanted as data_passes
 from ..export.visibility import wants_shadow_pass
 
@@ -19,9 +30,12 @@ SWITCHES = {
     "Diffuse Color": "use_pass_diffuse_color",
     "Glossy Direct": "use_pass_glossy_direct",
     "Glossy Indirect": "use_pass_glossy_indirect",
+    "Glossy Color": "use_pass_glossy_color",
     "Transmission Direct": "use_pass_transmission_direct",
     "Transmission Indirect": "use_pass_transmission_indirect",
+    "Transmission Color": "use_pass_transmission_color",
     "Emission": "use_pass_emit",
+    "Environment": "use_pass_environment",
 }
 """Blender's own switches, properties of a view layer."""
 CYCLES_SWITCHES = {
@@ -37,7 +51,63 @@ OWN_SWITCHES = {
 """Our own switches, properties of a view layer's `photon_splat`."""
 
 
-def wanted_passes(view_layer: Any) -> Iterator[PassInfo]:
+BEFORE_BLENDER_5 = {
+    "Object Index": "IndexOB",
+    "Material Index": "IndexMA",
+    "Diffuse Direct": "DiffDir",
+    "Diffuse Indirect": "DiffInd",
+    "Diffuse Color": "DiffCol",
+    "Glossy Direct": "GlossDir",
+    "Glossy Indirect": "GlossInd",
+    "Glossy Color": "GlossCol",
+    "Transmission Direct": "TransDir",
+    "Transmission Indirect": "TransInd",
+    "Transmission Color": "TransCol",
+    "Volume Direct": "VolumeDir",
+    "Volume Indirect": "VolumeInd",
+    "Emission": "Emit",
+    "Environment": "Env",
+    "Ambient Occlusion": "AO",
+}
+"""Names by which the compositor of an older Blender knows passes."""
+NAMES = BEFORE_BLENDER_5 if bpy.app.version < (5, 0) else {}
+OWN_NAMES = {theirs: own for own, theirs in NAMES.items()}
+
+
+def blender_name(name: str) -> str:
+    """Of a pass in this Blender."""
+    return NAMES.get(name, name)
+
+
+def own_name(name: str) -> str:
+    """Of what this Blender calls so."""
+    return OWN_NAMES.get(name, name)
+
+
+def fill_passes(blender_result: Any, passes: Passes, view: int = 0) -> None:
+    """Copy `passes` (row 0 at the bottom, as Blender has it) into those that the render result has
+    of its `view`-th view.
+    """
+    for layer in blender_result.layers:
+        for blender_pass in layer.passes:
+            pixels = passes.get(own_name(blender_pass.name))
+            if (
+                blender_pass.view_id == view
+                and pixels is not None
+                and pixels.shape[2] == blender_pass.channels
+            ):
+                blender_pass.rect.foreach_set(np.ascontiguousarray(pixels, np.float32).reshape(-1))
+
+
+def with_noisy(result: RenderResult) -> Passes:
+    """The passes of a result, that of NOISY_PASS among them if it was denoised."""
+    if result.noisy is None:
+        return result.passes
+    alpha = result.passes["Combined"][..., 3:]
+    return result.passes | {NOISY_PASS.name: np.concatenate([result.noisy, alpha], axis=2)}
+
+
+def wanted_passes(scene: Any, view_layer: Any) -> Iterator[PassInfo]:
     """The passes that a bpy.types.ViewLayer asks for; Combined and those of its light groups
     always.
     """
@@ -47,6 +117,8 @@ def wanted_passes(view_layer: Any) -> Iterator[PassInfo]:
             yield info
     if wants_shadow_pass(view_layer):
         yield SHADOW_PASS
+    if scene.photon_splat.denoise:
+        yield NOISY_PASS
     yield from data_passes(view_layer)
     for group in getattr(view_layer, "lightgroups", ()):
         yield light_group_pass(group.name)

@@ -19,6 +19,8 @@ SWITCHES = {
     "Vector": "use_pass_vector",
     "Ambient Occlusion": "use_pass_ambient_occlusion",
 }
+FOR_DENOISING = "denoising_store_passes"
+"""The switch of Denoising Albedo and Denoising Normal, a property of a view layer's `cycles`."""
 MATTES = {
     "CryptoObject": "use_pass_cryptomatte_object",
     "CryptoMaterial": "use_pass_cryptomatte_material",
@@ -30,11 +32,17 @@ POWERS = {"QUADRATIC": 2.0, "LINEAR": 1.0, "INVERSE_QUADRATIC": 0.5}
 
 def wanted(view_layer: Any) -> list[Any]:
     """The passes of data (PassInfo) that a bpy.types.ViewLayer asks for."""
-    infos = [info for info in DATA_PASSES if getattr(view_layer, SWITCHES[info.name])]
+    infos = [info for info in DATA_PASSES if _is_on(view_layer, info.name)]
     for name, switch in MATTES.items():
         if getattr(view_layer, switch):
             infos += [matte_pass(name, i) for i in range(passes_of_matte(view_layer))]
     return infos + [aov_pass(name, is_color) for name, is_color in aovs(view_layer)]
+
+
+def _is_on(view_layer: Any, name: str) -> bool:
+    if name in SWITCHES:
+        return bool(getattr(view_layer, SWITCHES[name]))
+    return getattr(getattr(view_layer, "cycles", None), FOR_DENOISING, False)
 
 
 def aovs(view_layer: Any) -> list[tuple[str, bool]]:

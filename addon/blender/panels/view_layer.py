@@ -7,7 +7,7 @@ from typing import Any
 import bpy
 
 from ...core.render.result import PASSES
-from ...export.labels import MATTES
+from ...export.labels import FOR_DENOISING, MATTES
 from ...export.labels import SWITCHES as DATA_SWITCHES
 from ..passes import switch_of
 from ..registration import register_classes, unregister_classes
@@ -36,6 +36,8 @@ class PHOTON_SPLAT_PT_passes(RenderPanel, bpy.types.Panel):
             light.prop(view_layer.cycles, "use_pass_shadow_catcher")
         for name, switch in DATA_SWITCHES.items():
             (light if name in LIGHT else data).prop(view_layer, switch, text=name)
+        if hasattr(view_layer, "cycles"):
+            data.prop(view_layer.cycles, FOR_DENOISING, text="Denoising Data")
         mattes = layout.column(heading="Cryptomatte")
         for name, switch in MATTES.items():
             mattes.prop(view_layer, switch, text=name.removeprefix("Crypto"))

@@ -31,11 +31,14 @@ PASSES = (
     PassInfo("Diffuse Color", "RGB"),
     PassInfo("Glossy Direct", "RGB"),
     PassInfo("Glossy Indirect", "RGB"),
+    PassInfo("Glossy Color", "RGB"),
     PassInfo("Transmission Direct", "RGB"),
     PassInfo("Transmission Indirect", "RGB"),
+    PassInfo("Transmission Color", "RGB"),
     PassInfo("Volume Direct", "RGB"),
     PassInfo("Volume Indirect", "RGB"),
     PassInfo("Emission", "RGB"),
+    PassInfo("Environment", "RGB"),
     PassInfo("Photon Density", "X"),
     PassInfo("Surface ID", "X"),
     PassInfo("Error", "X"),
@@ -46,6 +49,9 @@ SHADOW_PASS = PassInfo("Shadow Catcher", "RGB")
 without them.
 """
 
+NOISY_PASS = PassInfo("Noisy Image", "RGBA")
+"""Combined before it was denoised."""
+
 DATA_PASSES = (
     PassInfo("Position", "XYZ"),
     PassInfo("UV", "UVA"),
@@ -54,11 +60,17 @@ DATA_PASSES = (
     PassInfo("Material Index", "X"),
     PassInfo("Vector", "XYZW"),
     PassInfo("Ambient Occlusion", "RGB"),
+    PassInfo("Denoising Albedo", "RGB"),
+    PassInfo("Denoising Normal", "XYZ"),
 )
 """What is seen, instead of its light. They are there where they are wanted; data_passes.py makes
 all but those of WANTED_ARRAYS, which are the film's.
 """
-WANTED_ARRAYS = {"Ambient Occlusion": "ambient_occlusion"}
+WANTED_ARRAYS = {
+    "Ambient Occlusion": "ambient_occlusion",
+    "Denoising Albedo": "albedo",
+    "Denoising Normal": "feature_normal",
+}
 DATA_ARRAYS = {
     "Position": "position",
     "UV": "uv",
@@ -83,19 +95,22 @@ FILM_ARRAYS = {
     "Diffuse Direct": "diffuse_direct_per_albedo",
     "Diffuse Indirect": "diffuse_indirect_per_albedo",
     "Diffuse Color": "diffuse_color",
-    "Glossy Direct": "glossy_direct",
-    "Glossy Indirect": "glossy_indirect",
-    "Transmission Direct": "transmission_direct",
-    "Transmission Indirect": "transmission_indirect",
+    "Glossy Direct": "glossy_direct_per_color",
+    "Glossy Indirect": "glossy_indirect_per_color",
+    "Glossy Color": "glossy_color",
+    "Transmission Direct": "transmission_direct_per_color",
+    "Transmission Indirect": "transmission_indirect_per_color",
+    "Transmission Color": "transmission_color",
     "Volume Direct": "volume_direct",
     "Volume Indirect": "volume_indirect",
     "Emission": "emission",
+    "Environment": "environment",
     "Photon Density": "photon_density",
     "Surface ID": "surface_id",
     "Error": "error",
 }
-"""Which array of the native film each pass is. Diffuse light is divided by the albedo, as Cycles
-divides it (0 where that is black); glossy and transmitted light has its colour in it.
+"""Which array of the native film each pass is. Light that lobes send is divided by their colour, as
+Cycles divides it (0 where that is black).
 """
 
 

@@ -46,12 +46,12 @@ void fill_mean(const Run& run, float* to) {
   fill_rgb(run, to, [](const Pixel& p) { return p.*kLight * p.share(); });
 }
 
-// Diffuse light over the diffuse colour, as Cycles divides it; 0 where that is black.
-template <Rgb Pixel::* kLight>
-void fill_per_albedo(const Run& run, float* to) {
+// Light over the colour of the lobes that sent it, as Cycles divides it; 0 where that is black.
+template <Rgb Pixel::* kLight, Rgb Pixel::* kColor>
+void fill_per_color(const Run& run, float* to) {
   const auto over = [](float light, float color) { return color > 0 ? light / color : 0; };
   fill_rgb(run, to, [&](const Pixel& p) {
-    const Rgb light = p.*kLight * p.share(), color = p.diffuse_color * p.share();
+    const Rgb light = p.*kLight * p.share(), color = p.*kColor * p.share();
     return Rgb{over(light.x, color.x), over(light.y, color.y), over(light.z, color.z)};
   });
 }
@@ -116,22 +116,30 @@ template <auto kMember>
 Source light_of(const char* name) {
   return mean_of<kMember>(name, Unit::kLight);
 }
+template <Rgb Pixel::* kLight, Rgb Pixel::* kColor>
+Source per_color(const char* name) {
+  return {name, 3, &fill_per_color<kLight, kColor>, channels_of(kColor), Unit::kLight};
+}
 template <float Pixel::* kValue>
 Source value_of(const char* name) {
   return {name, 1, &fill_value<kValue>, channels_of(kValue), Unit::kOther};
 }
 
 const Source kSources[] = {
-    {"combined", 4, &fill_combined, 0, Unit::kLight},
-    {"matte", 4, &fill_matte, 0, Unit::kLight},
-    {"shadow_catcher", 3, &fill_shadow, 0, Unit::kOther},
+    {"combined", 4, &fill_combined, {}, Unit::kLight},
+    {"matte", 4, &fill_matte, {}, Unit::kLight},
+    {"shadow_catcher", 3, &fill_shadow, {}, Unit::kOther},
     light_of<&Pixel::backdrop>("backdrop"),
     light_of<&Pixel::diffuse_direct>("diffuse_direct"),
     light_of<&Pixel::diffuse_indirect>("diffuse_indirect"),
-    {"diffuse_direct_per_albedo", 3, &fill_per_albedo<&Pixel::diffuse_direct>,
-     channels_of(&Pixel::diffuse_color), Unit::kLight},
-    {"diffuse_indirect_per_albedo", 3, &fill_per_albedo<&Pixel::diffuse_indirect>,
-     channels_of(&Pixel::diffuse_color), Unit::kLight},
+    per_color<&Pixel::diffuse_direct, &Pixel::diffuse_color>("diffuse_direct_per_albedo"),
+    per_color<&Pixel::diffuse_indirect, &Pixel::diffuse_color>("diffuse_indirect_per_albedo"),
+    per_color<&Pixel::glossy_direct, &Pixel::glossy_color>("glossy_direct_per_color"),
+    per_color<&Pixel::glossy_indirect, &Pixel::glossy_color>("glossy_indirect_per_color"),
+    per_color<&Pixel::transmission_direct, &Pixel::transmission_color>(
+        "transmission_direct_per_color"),
+    per_color<&Pixel::transmission_indirect, &Pixel::transmission_color>(
+        "transmission_indirect_per_color"),
     light_of<&Pixel::glossy_direct>("glossy_direct"),
     light_of<&Pixel::glossy_indirect>("glossy_indirect"),
     light_of<&Pixel::transmission_direct>("transmission_direct"),
@@ -139,6 +147,8 @@ const Source kSources[] = {
     light_of<&Pixel::volume_direct>("volume_direct"),
     light_of<&Pixel::volume_indirect>("volume_indirect"),
     mean_of<&Pixel::diffuse_color>("diffuse_color"),
+    mean_of<&Pixel::glossy_color>("glossy_color"),
+    mean_of<&Pixel::transmission_color>("transmission_color"),
     mean_of<&Pixel::ambient_occlusion>("ambient_occlusion"),
     mean_of<&Pixel::albedo>("albedo"),
     mean_of<&Pixel::feature_normal>("feature_normal"),
@@ -150,8 +160,8 @@ const Source kSources[] = {
     value_of<&Pixel::depth>("depth"),
     value_of<&Pixel::surface_id>("surface_id"),
     value_of<&Pixel::samples>("samples"),
-    {"variance", 1, &fill_variance, 0, Unit::kLightSquared},
-    {"error", 1, &fill_error, 0, Unit::kLight},
+    {"variance", 1, &fill_variance, {}, Unit::kLightSquared},
+    {"error", 1, &fill_error, {}, Unit::kLight},
 };
 constexpr const char* kLightGroups = "light_groups";  // (light group, row, column, RGB)
 
@@ -192,14 +202,14 @@ nb::dict film_arrays(const FilmView& view, const std::optional<std::vector<std::
   };
   if (!names)
     for (const Source& source : kSources)
-      if (!(source.needs & ~film.kept)) add(source);
+      if ((source.needs & ~film.kept).none()) add(source);
   for (const std::string& name : names.value_or(std::vector<std::string>{})) {
     if (name == kLightGroups) {
       with_groups = true;
       continue;
     }
     const Source& source = source_of(name);
-    if (source.needs & ~film.kept)
+    if ((source.needs & ~film.kept).any())
       throw std::invalid_argument("the film has not been told to keep " + name);
     add(source);
   }
@@ -242,14 +252,14 @@ nb::dict film_arrays(const FilmView& view, const std::optional<std::vector<std::
 }
 
 ChannelMask channels_of_array(const std::string& name) {
-  return name == kLightGroups ? 0 : source_of(name).needs;
+  return name == kLightGroups ? ChannelMask{} : source_of(name).needs;
 }
 
 void bind_film(RendererClass& renderer) {
   renderer.def(
       "keep_film",
       [](Renderer& r, const std::vector<std::string>& names) {
-        ChannelMask channels = 0;
+        ChannelMask channels;
         for (const std::string& name : names) channels |= channels_of_array(name);
         r.film().keep_channels(channels);
       },

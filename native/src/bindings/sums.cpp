@@ -3,8 +3,6 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
-#include <bit>
-
 #include "bindings/film_view.h"
 #include "film/exact_sum.h"
 
@@ -17,8 +15,8 @@ namespace {
 struct Member {
   const char* name;
   ChannelMask channels;
-  size_t first() const { return static_cast<size_t>(std::countr_zero(channels)); }
-  size_t count() const { return static_cast<size_t>(std::popcount(channels)); }
+  size_t first() const { return first_of(channels); }
+  size_t count() const { return channels.count(); }
 };
 
 // Sums over samples
@@ -32,6 +30,8 @@ const Member kSummed[] = {
     {"volume_direct", channels_of(&Pixel::volume_direct)},
     {"volume_indirect", channels_of(&Pixel::volume_indirect)},
     {"diffuse_color", channels_of(&Pixel::diffuse_color)},
+    {"glossy_color", channels_of(&Pixel::glossy_color)},
+    {"transmission_color", channels_of(&Pixel::transmission_color)},
     {"emission", channels_of(&Pixel::emission)},
     {"environment", channels_of(&Pixel::environment)},
     {"normal", channels_of(&Pixel::normal)},
@@ -73,7 +73,7 @@ nb::dict film_sums(Renderer& r) {
   };
   std::vector<Out> outs;
   for_members([&](const Member& member, bool summed) {
-    if (member.channels & ~film.kept) return;
+    if ((member.channels & ~film.kept).any()) return;
     outs.push_back({&member, summed, std::make_unique<LargeArray<float>>()});
   });
   auto by_group = std::make_unique<LargeArray<float>>();

@@ -20,6 +20,12 @@ bool right_side(const Lobe& lobe, const View& view, const Vec3& wi) {
   return (dot(wi, view.ng) > 0) == (dot(wi, lobe.n) > 0);
 }
 
+// Directional, about.
+Rgb albedo_of(const Lobe& lobe) {
+  return lobe.of_facets() || lobe.kind >= LobeKind::kPrincipledHair ? lobe.scale * lobe.layer
+                                                                    : lobe.weight;
+}
+
 // What photons estimate of the light that comes from wi, f |cos|.
 Rgb gathered(const View& view, const Vec3& wi, const Rgb& same, const Rgb& through) {
   const float cosine = dot(wi, view.ns);
@@ -192,10 +198,28 @@ Rgb Bsdf::albedo() const { return below_weight() + sharp_albedo(1); }
 Rgb Bsdf::sharp_albedo(float roughness) const {
   Rgb sum{};
   for (const Lobe& lobe : lobes_)
-    if (roughness >= 1 || lobe.roughness() <= roughness)
-      sum += lobe.of_facets() || lobe.kind >= LobeKind::kPrincipledHair ? lobe.scale * lobe.layer
-             : lobe.diffuse()                                           ? lobe.gather
-                                                                        : lobe.weight;
+    if (roughness >= 1 || lobe.roughness() <= roughness) sum += albedo_of(lobe);
+  return sum;
+}
+
+Bsdf::Colors Bsdf::colors() const {
+  Colors sum;
+  for (const Lobe& lobe : lobes_) {
+    if (lobe.diffuse()) continue;
+    const Rgb albedo = albedo_of(lobe);
+    if (lobe.kind >= LobeKind::kPrincipledHair) {
+      sum.glossy += albedo;
+      sum.transmission += albedo;
+      continue;
+    }
+    const bool passes =
+        lobe.kind == LobeKind::kThinFacets || lobe.kind == LobeKind::kHairTransmission;
+    const Rgb reflected = passes                           ? Rgb{}
+                          : lobe.kind == LobeKind::kFacets ? albedo * reflected_share(lobe)
+                                                           : albedo;
+    sum.glossy += reflected;
+    sum.transmission += albedo - reflected;
+  }
   return sum;
 }
 
@@ -214,9 +238,10 @@ Vec3 Bsdf::mean_diffuse_normal() const {
 }
 
 Rgb Bsdf::diffuse_albedo() const {
-  Rgb same = gather_, through = gather_through_;
-  if (!gathers_) sum_gather(lobes_, &same, &through);
-  return same + through + below_weight();
+  Rgb sum = below_weight();
+  for (const Lobe& lobe : lobes_)
+    if (lobe.diffuse()) sum += albedo_of(lobe);
+  return sum;
 }
 
 Rgb Bsdf::diffuse_share(const BsdfSample& s, float light_pdf) const {

@@ -160,6 +160,12 @@ class Bsdf {
   // The mean normal of diffuse-like lobes alone, by their weights
   Vec3 mean_diffuse_normal() const;
   Rgb diffuse_albedo() const;  // of diffuse-like lobes: Blender's Diffuse Color pass
+  // The same of other lobes that reflect and transmit: the passes Glossy Color and Transmission
+  // Color. What strands scatter may count as either, and is in both.
+  struct Colors {
+    Rgb glossy, transmission;
+  };
+  Colors colors() const;
 
   // f |cos(wi)| of everything but deltas; `pdf` of sample() for wi; `rest` (optional) without what
   // is gathered; `diffuse` (optional): the part of diffuse-like lobes (passes). `sharp` (optional):

@@ -38,17 +38,16 @@ Vec3 valid_reflection(const View& view, const Vec3& n) {
 
 namespace {
 
-// What a facet lobe of weight 1 reflects and refracts, about, where `kept` of it is not lost
-// between facets: attenuates what is under it. Without energy compensation it is taken for as much
-// as if none were lost, as Cycles does (measured).
-Rgb layer_albedo(const FresnelTerms& f, float roughness, float mu, const Rgb& kept) {
+// What a facet lobe of weight 1 reflects and refracts, about, if nothing is lost between facets.
+FresnelValue layer_albedo(const FresnelTerms& f, float roughness, float mu) {
   if (f.kind == FresnelKind::kDielectric && f.ior != 1 && f.film_thickness <= 0.1f) {
     const Rgb r = lerp(f.f0, f.f90, dielectric_rise(roughness, mu, f.ior));
-    return (r * f.reflect_tint + (kWhite - r) * f.transmit_tint) * kept;
+    return {r * f.reflect_tint, (kWhite - r) * f.transmit_tint};
   }
-  const FresnelValue value = evaluate_fresnel(f, mu);
-  return (value.reflect + value.transmit) * kept;
+  return evaluate_fresnel(f, mu);
 }
+
+float roughness_of(const Facets& facets) { return std::sqrt(std::sqrt(facets.ax * facets.ay)); }
 
 Vec3 rotate(const Vec3& v, const Vec3& axis, float angle) {  // Rodrigues
   const float c = std::cos(angle), s = std::sin(angle);
@@ -82,7 +81,7 @@ Lobe facet_lobe(const View& view, const Rgb& weight, const Vec3& normal, const F
   lobe.from = lobe.to_local(view.wo);
   lobe.masked = lobe.facets.lambda(lobe.from);
   Rgb kept = kWhite;
-  const float mu = lobe.from.z, rough = std::sqrt(std::sqrt(lobe.facets.ax * lobe.facets.ay));
+  const float mu = lobe.from.z, rough = roughness_of(lobe.facets);
   if (!(mu > 0)) lobe.weight = kept = {};
   if (shape.preserve_energy && !lobe.facets.delta() && mu > 0) {
     // Turquin 2019, "Practical multiple scattering compensation for microfacet models".
@@ -97,9 +96,18 @@ Lobe facet_lobe(const View& view, const Rgb& weight, const Vec3& normal, const F
     lobe.weight *= scales;
     kept = scales * e.directional;
   }
-  lobe.layer = layer_albedo(lobe.fresnel, rough, saturate(mu), kept);
+  // It attenuates what is under it. Without energy compensation it is taken for as much as if none
+  // were lost, as Cycles does (measured).
+  const FresnelValue layer = layer_albedo(lobe.fresnel, rough, saturate(mu));
+  lobe.layer = (layer.reflect + layer.transmit) * kept;
   lobe.albedo = average(weight * lobe.layer);
   return lobe;
+}
+
+Rgb reflected_share(const Lobe& lobe) {
+  const FresnelValue layer =
+      layer_albedo(lobe.fresnel, roughness_of(lobe.facets), saturate(lobe.from.z));
+  return divided(layer.reflect, layer.reflect + layer.transmit);
 }
 
 }  // namespace photon_splat

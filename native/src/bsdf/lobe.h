@@ -159,6 +159,8 @@ struct FacetShape {
 };
 Lobe facet_lobe(const View& view, const Rgb& weight, const Vec3& n, const FacetShape& shape,
                 const FresnelTerms& fresnel);
+// Of what a facet lobe scatters, about.
+Rgb reflected_share(const Lobe& lobe);
 // Under a roughness of 0.01 or so it is the mirror that facet_lobe() makes.
 Lobe ashikhmin_shirley_lobe(const View& view, const Rgb& weight, const Vec3& n,
                             const FacetShape& shape);

@@ -14,7 +14,8 @@ struct Pixel {
   // Light by the lobe that sent it to the camera; its colour included.
   Rgb diffuse_direct, diffuse_indirect, glossy_direct, glossy_indirect, transmission_direct,
       transmission_indirect, volume_direct, volume_indirect;
-  Rgb diffuse_color, emission, environment, normal;
+  Rgb diffuse_color, glossy_color, transmission_color;  // what lobes of a kind reflect, about
+  Rgb emission, environment, normal;
   Rgb ambient_occlusion;  // what is open of the hemisphere above what is seen, if it is wanted
   // For a denoiser, of the first surface that is no mirror and no clear glass: see
   // CameraTracer::show_features(). Albedo is of all lobes: what diffuse_color calls black may be

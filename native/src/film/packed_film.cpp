@@ -13,22 +13,21 @@ constexpr size_t kPixels = PackedFilm::kSide * PackedFilm::kSide;
 // Channels of the first sample of all, or of one pass alone.
 ChannelMask not_summed() { return channels_of(&Pixel::depth, &Pixel::surface_id, &Pixel::detail); }
 
-bool is_in(size_t channel, ChannelMask mask) { return mask >> channel & 1; }
-size_t size_of(ChannelMask varying) {
-  return kPixelChannels + std::popcount(varying) * (kPixels - 1);
+size_t size_of(const ChannelMask& varying) {
+  return kPixelChannels + varying.count() * (kPixels - 1);
 }
 
 // A packed tile's channels one by one.
 class Reader {
  public:
-  Reader(ChannelMask varying, const float* values) : varying_(varying), at_(values) {}
+  Reader(const ChannelMask& varying, const float* values) : varying_(varying), at_(values) {}
   struct Channel {
     const float* values;
     size_t step;  // 0: one for all pixels
     float operator[](size_t i) const { return values[i * step]; }
   };
   Channel next() {
-    const size_t step = is_in(channel_++, varying_);
+    const size_t step = varying_[channel_++];
     const Channel result{at_, step};
     at_ += step ? kPixels : 1;
     return result;
@@ -103,17 +102,16 @@ void PackedFilm::put(size_t t, const Tile& pixels) {
     }
   });
   Packed& tile = tiles_[t];
-  tile.varying = 0;
-  for (size_t c = 0; c < kPixelChannels; ++c) tile.varying |= ChannelMask{differs[c] != 0} << c;
+  for (size_t c = 0; c < kPixelChannels; ++c) tile.varying[c] = differs[c] != 0;
   tile.varying &= kept;
   tile.resize(size_of(tile.varying));
   const float* const in = reinterpret_cast<const float*>(pixels.data());
   float* out = tile.values.data();
   for (size_t c = 0; c < kPixelChannels; ++c) {
-    if (is_in(c, tile.varying))
+    if (tile.varying[c])
       for (size_t i = 0; i < kPixels; ++i) *out++ = in[i * kPixelChannels + c];
     else
-      *out++ = is_in(c, kept) ? in[c] : 0;
+      *out++ = kept[c] ? in[c] : 0;
   }
 }
 
@@ -132,9 +130,7 @@ void PackedFilm::see(size_t t, Sums& sums) const {
   std::array<Reader::Channel, kPixelChannels> channels;
   Reader reader(tiles_[t].varying, tiles_[t].values.data());
   for (Reader::Channel& channel : channels) channel = reader.next();
-  const auto channel_of = [&](auto member) {
-    return static_cast<size_t>(std::countr_zero(channels_of(member)));
-  };
+  const auto channel_of = [&](auto member) { return first_of(channels_of(member)); };
   Rgb light[kPixels];
   bool begun = false;
   for (const size_t c : {channel_of(&Pixel::diffuse_direct), channel_of(&Pixel::diffuse_indirect),
@@ -185,8 +181,8 @@ void PackedFilm::add(Packed& sum, const Packed& pass) {
   Reader of_sum(sum.varying, sum.values.data()), of_pass(pass.varying, pass.values.data());
   for (size_t c = 0; c < kPixelChannels; ++c) {
     const Reader::Channel to = of_sum.next(), from = of_pass.next();
-    const size_t count = is_in(c, varying) ? kPixels : 1;
-    if (is_in(c, first))
+    const size_t count = varying[c] ? kPixels : 1;
+    if (first[c])
       for (size_t i = 0; i < count; ++i) out[i] = to[i];
     else if (from.step || from[0] != 0 || count != (to.step ? kPixels : 1))
       for (size_t i = 0; i < count; ++i) out[i] = to[i] + from[i];

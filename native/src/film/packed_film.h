@@ -4,28 +4,37 @@
 
 #include <algorithm>
 #include <array>
+#include <bitset>
 
 #include "film/film.h"
 
 namespace photon_splat {
 
 inline constexpr size_t kPixelChannels = sizeof(Pixel) / sizeof(float);
-using ChannelMask = uint64_t;  // bit i: the i-th float of a Pixel
-static_assert(kPixelChannels <= 64 && sizeof(Pixel) == kPixelChannels * sizeof(float));
+using ChannelMask = std::bitset<kPixelChannels>;  // bit i: the i-th float of a Pixel
+static_assert(sizeof(Pixel) == kPixelChannels * sizeof(float));
 
-inline constexpr ChannelMask kAllChannels = (ChannelMask{1} << kPixelChannels) - 1;
+inline ChannelMask all_channels() { return ~ChannelMask{}; }
+// The first of some.
+inline size_t first_of(const ChannelMask& channels) {
+  size_t c = 0;
+  while (c < kPixelChannels && !channels[c]) ++c;
+  return c;
+}
 
 // The channels of members of Pixel, named as &Pixel::alpha.
 template <class... Member>
 ChannelMask channels_of(Member Pixel::*... members) {
   const Pixel pixel;
-  const auto of_one = [&](const auto& member) {
+  ChannelMask channels;
+  const auto add = [&](const auto& member) {
     const size_t first =
         (reinterpret_cast<const char*>(&member) - reinterpret_cast<const char*>(&pixel)) /
         sizeof(float);
-    return ((ChannelMask{1} << sizeof(member) / sizeof(float)) - 1) << first;
+    for (size_t c = 0; c < sizeof(member) / sizeof(float); ++c) channels.set(first + c);
   };
-  return (of_one(pixel.*members) | ... | ChannelMask{0});
+  (add(pixel.*members), ...);
+  return channels;
 }
 
 // What estimates and choices ask of a pass: all light, samples, and detail.
@@ -46,7 +55,7 @@ class PackedFilm {
   int light_groups = 0;
   // Light of each pixel by group, sums like those of the pixel
   LargeArray<Rgb> by_group;
-  ChannelMask kept = kAllChannels;  // of what is put; the rest is 0
+  ChannelMask kept = all_channels();  // of what is put; the rest is 0
 
   PackedFilm() = default;
   PackedFilm(const Film& film);
@@ -100,7 +109,7 @@ class PackedFilm {
 
   // Channel by channel its value in all pixels, or in each.
   struct Packed {
-    ChannelMask varying = 0;
+    ChannelMask varying;
     LargeArray<float> values;
     void resize(size_t count);
   };

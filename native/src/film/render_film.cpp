@@ -8,7 +8,7 @@ void RenderFilm::reset(int width, int height, int light_groups) {
   errors_.reset(width, height);
 }
 
-PackedFilm& RenderFilm::begin_pass(ChannelMask channels) {
+PackedFilm& RenderFilm::begin_pass(const ChannelMask& channels) {
   pass_.kept = sum_.kept & channels;
   pass_.reset(sum_.width, sum_.height, sum_.light_groups);
   return pass_;

@@ -10,14 +10,14 @@ namespace photon_splat {
 class RenderFilm {
  public:
   // Which channels of pixels are kept, before reset(); what passes need is among them.
-  void keep_channels(ChannelMask channels) {
+  void keep_channels(const ChannelMask& channels) {
     sum_.kept = pass_.kept = channels | channels_of_passes();
   }
   // Empty, for another view.
   void reset(int width, int height, int light_groups);
   // What the next stages add to; until end_pass() the sum is that of the passes before. `channels`:
   // of those that are kept, only these.
-  PackedFilm& begin_pass(ChannelMask channels = kAllChannels);
+  PackedFilm& begin_pass(const ChannelMask& channels = all_channels());
   PackedFilm& pass() { return pass_; }
   void end_pass(ThreadPool& pool);
   // Instead of passes: a sum that has been made elsewhere, of `films` films, with its errors. The

@@ -135,8 +135,10 @@ void CameraTracer::add_beams(Path& path, float far, const BeamTree& tree, float 
   }
   if (is_black(sum)) return;
   const Rgb brings = path.throughput * sum * weight;
-  add_finite(indirect_of(path.pixel, path.vertex == 0 ? LobeCategory::kVolume : path.category),
-             brings, path.tile.bad_samples);
+  if (path.vertex == 0)
+    add_finite(path.pixel.volume_indirect, brings, path.tile.bad_samples);
+  else
+    add_indirect(path, brings);
   if (path.tries_beams && path.after_medium) see_deep(path, brings);
   if (can_be_added(brings)) path.pixel.detail += detail * weight;
 }

@@ -52,6 +52,8 @@ void CameraTracer::catch_shadows(Path& path, const Surface& hit) const {
   pixel.caught_alpha += among_all.alpha - (1 - passed);
   pixel.normal += among_all.normal;
   pixel.diffuse_color += among_all.diffuse_color;
+  pixel.glossy_color += among_all.glossy_color;
+  pixel.transmission_color += among_all.transmission_color;
   pixel.albedo += among_all.albedo;
   pixel.feature_normal += among_all.feature_normal;
   pixel.ambient_occlusion += among_all.ambient_occlusion;

@@ -102,7 +102,7 @@ void CameraTracer::add_light(Path& path, const Surface& hit, const Bsdf& bsdf,
     add_finite(direct_of(path.pixel, through ? LobeCategory::kTransmission : LobeCategory::kGlossy),
                arriving * (scattered - diffuse), path.tile.bad_samples);
   } else {
-    add_finite(indirect_of(path.pixel, path.category), arriving * scattered, path.tile.bad_samples);
+    add_indirect(path, arriving * scattered);
   }
 }
 

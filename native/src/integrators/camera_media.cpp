@@ -130,7 +130,10 @@ bool CameraTracer::scatter_in_medium(Path& path, const Flight& flight, bool dire
   }
   if (!(path.random.next() < survival)) return false;
   path.scale(Rgb{1, 1, 1} / survival);
-  if (path.vertex == 0) path.category = LobeCategory::kVolume;
+  if (path.vertex == 0) {
+    path.category = path.beside = LobeCategory::kVolume;
+    path.diffuse_part = {};
+  }
   if (lights_.environment().asks_ray()) path.before = path.info;
   path.clear = false;
   path.info = path.info.scattered_in_medium();
@@ -182,9 +185,10 @@ void CameraTracer::add_light_in_medium(Path& path, const MediumPoint& point,
     arriving *= lights_.environment().share(light.direction, path.info.scattered_in_medium());
   if (path.is_beyond()) see_deep(path, arriving * scattered);
   if (path.groups) GroupLight{path.groups, scattered}.add(arriving, light.light_group);
-  add_finite(path.vertex == 0 ? direct_of(path.pixel, LobeCategory::kVolume)
-                              : indirect_of(path.pixel, path.category),
-             arriving * scattered, path.tile.bad_samples);
+  if (path.vertex == 0)
+    add_finite(path.pixel.volume_direct, arriving * scattered, path.tile.bad_samples);
+  else
+    add_indirect(path, arriving * scattered);
 }
 
 }  // namespace photon_splat

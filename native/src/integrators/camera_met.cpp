@@ -14,12 +14,17 @@ void CameraTracer::add_met(Path& path, const Rgb& radiance, Rgb& seen, int16_t l
   } else if (path.vertex == 1) {
     const Rgb diffuse = path.diffuse_emission * radiance;
     add_finite(path.pixel.diffuse_direct, diffuse, path.tile.bad_samples);
-    add_finite(direct_of(path.pixel, path.category == LobeCategory::kDiffuse ? LobeCategory::kGlossy
-                                                                             : path.category),
-               light - diffuse, path.tile.bad_samples);
+    add_finite(direct_of(path.pixel, path.beside), light - diffuse, path.tile.bad_samples);
   } else {
-    add_finite(indirect_of(path.pixel, path.category), light, path.tile.bad_samples);
+    add_indirect(path, light);
   }
+}
+
+// Light that has scattered more than once on its way to the camera, at surfaces or in media.
+void CameraTracer::add_indirect(Path& path, const Rgb& light) {
+  const Rgb diffuse = light * path.diffuse_part;
+  add_finite(path.pixel.diffuse_indirect, diffuse, path.tile.bad_samples);
+  add_finite(indirect_of(path.pixel, path.beside), light - diffuse, path.tile.bad_samples);
 }
 
 void CameraTracer::add_lamps(Path& path, float far) const {

@@ -152,7 +152,10 @@ struct CameraTracer::Path {
   // What is more than throughput, and than emission_throughput, of the light of a world that comes
   // by paths alone
   Rgb world_throughput{}, world_emission{};
-  LobeCategory category = LobeCategory::kDiffuse;
+  // What sent the light that is still to come to the camera: diffuse lobes this part of it, others
+  // the rest. One of the two is drawn for gather points.
+  Rgb diffuse_part{};
+  LobeCategory beside = LobeCategory::kGlossy, category = LobeCategory::kDiffuse;
   // What mirrors on the way leave of a denoiser's features, which are still to come, and the normal
   // of the first one
   Rgb features{1, 1, 1};

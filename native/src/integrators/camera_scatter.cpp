@@ -103,10 +103,15 @@ bool CameraTracer::scatter(Path& path, const Surface& hit, const Bsdf& bsdf,
   if (path.random.next() >= survival) return false;
   path.scale(Rgb{1, 1, 1} / survival);
 
-  if (path.vertex == 0)
-    path.category = s->transmitted ? LobeCategory::kTransmission
-                    : s->diffuse   ? LobeCategory::kDiffuse
-                                   : LobeCategory::kGlossy;
+  if (path.vertex == 0) {
+    const Rgb left_out = whole ? Rgb{} : s->weight - s->rest;  // by photons, all diffuse
+    path.diffuse_part =
+        path.only_mirrored ? Rgb{} : divided(max(diffuse - left_out, {}), s->weight - left_out);
+    path.beside = s->transmitted ? LobeCategory::kTransmission : LobeCategory::kGlossy;
+    const float part = average(path.diffuse_part);
+    path.category =
+        part > 0 && (part >= 1 || path.random.next() < part) ? LobeCategory::kDiffuse : path.beside;
+  }
   path.clear &=
       s->transmitted && !s->diffuse && s->roughness <= camera_.settings().transparent_glass;
   path.info = path.info.scattered(s->diffuse, s->transmitted, s->pdf <= 0);

@@ -124,8 +124,14 @@ bool CameraTracer::meet_surface(Path& path, const Surface& hit) const {
   if (path.vertex == 0 && path.info.transparent_depth == 0) path.pixel.normal += bsdf.mean_normal();
   const bool scatters =
       !holdout && bsdf.scatters() && max_abs(path.throughput + path.world_throughput) > 0;
-  if (path.vertex == 0 && !holdout)
+  if (path.vertex == 0 && !holdout) {
     path.pixel.diffuse_color += bsdf.diffuse_albedo() * path.throughput;
+    if (lobe_colors_) {
+      const Bsdf::Colors colors = bsdf.colors();
+      path.pixel.glossy_color += colors.glossy * path.throughput;
+      path.pixel.transmission_color += colors.transmission * path.throughput;
+    }
+  }
   const Rgb mirrored = path.shows_features && !holdout ? show_features(path, bsdf) : Rgb{};
   if (ambient_distance_ > 0 && path.vertex == 0 && !holdout && !path.through_glass)
     add_ambient_occlusion(path, hit, bsdf);

@@ -78,6 +78,8 @@ class CameraTracer {
   // Distance of the Ambient Occlusion pass, m: how open it is above what pixels show; 0: there is
   // no such pass.
   void look_around(float distance) { ambient_distance_ = distance; }
+  // The colours of lobes that are not diffuse are noted.
+  void note_lobe_colors(bool noted) { lobe_colors_ = noted; }
 
   // One sample per pixel of the unbiased path tracer, indirect light included; leaves no gather
   // points.
@@ -178,6 +180,7 @@ class CameraTracer {
   bool meet_body(Path& path, const Surface& hit, Bsdf& bsdf) const;
   bool go_below(Path& path, const Surface& hit, const Bsdf& bsdf) const;
   Vec3 exit_normal(const Path& path, const Surface& exit, const Vec3& wo) const;
+  static void add_indirect(Path& path, const Rgb& light);
   void add_met(Path& path, const Rgb& radiance, Rgb& seen,
                int16_t light_group = kNoLightGroup) const;
   void add_lamps(Path& path, float far) const;
@@ -245,6 +248,7 @@ class CameraTracer {
   bool caustic_photons_ = false, follows_motion_ = false, follows_translucence_ = false;
   Trial trial_ = Trial::kNone;
   float radius_factor_ = 1, ambient_distance_ = 0;
+  bool lobe_colors_ = false;
 };
 
 }  // namespace photon_splat

@@ -110,7 +110,7 @@ void Renderer::teach_light_cache(float pixels, float share, const float* picture
   if (!sum.passes || camera_settings.aperture.radius > 0 || scene.media() || scene.has_catchers())
     return;
   camera_pass_->trace_from_cache({&light_cache_, pixels, -1, 0}, maps_,
-                                 film_.begin_pass(ChannelMask{0}));
+                                 film_.begin_pass(ChannelMask{}));
   const CameraTracer& tracer = camera_pass_->tracer();
   std::vector<std::vector<Lesson>> lessons(sum.tiles());
   scene.pool().for_each(sum.tiles(), cancel_, [&](size_t t, int) {

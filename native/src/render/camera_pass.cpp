@@ -21,6 +21,10 @@ constexpr double kBeamsShare = 0.8;    // of the variance
 constexpr double kServedWell = 0.5;    // share of places
 constexpr size_t kLaterLooks = 16;     // one gather point in so many, in each pass but the first
 
+bool wants_lobe_colors(const PackedFilm& film) {
+  return (film.kept & channels_of(&Pixel::glossy_color, &Pixel::transmission_color)).any();
+}
+
 }  // namespace
 
 CameraPass::CameraPass(const RenderContext& context, Lights& lights, const Camera& camera)
@@ -63,6 +67,7 @@ void CameraPass::trace_gather_points(uint32_t pass, const PhotonMaps& maps, Pack
   tracer_.set_strategy(strategy_ ? &*strategy_ : nullptr, maps.size() > 1,
                        maps.front()->radius_factor());
   tracer_.look_around(context_.options.ambient_distance);
+  tracer_.note_lobe_colors(wants_lobe_colors(film));
   film.reset(film.width, film.height, film.light_groups);
   context_.sampler.begin_pass(context_.scene.pool());
   gather_points_ = &tracer_.trace(pass, context_.sampler, guide_, context_.options.max_bounces,
@@ -257,6 +262,7 @@ void CameraPass::trace_reference(uint32_t sample, PackedFilm& film) {
   Timer timer(context_.seconds.camera);
   film.reset(film.width, film.height, film.light_groups);
   tracer_.look_around(context_.options.ambient_distance);
+  tracer_.note_lobe_colors(wants_lobe_colors(film));
   tracer_.trace_reference(context_.options.part.passes_before + sample,
                           context_.options.max_bounces, film, context_.cancel);
 }
@@ -266,6 +272,7 @@ void CameraPass::trace_from_cache(const CameraTracer::CacheUse& use, const Photo
   Timer timer(context_.seconds.camera);
   tracer_.set_strategy(nullptr, maps.size() > 1, 1);
   tracer_.look_around(0);
+  tracer_.note_lobe_colors(false);
   tracer_.follow_motion(false);
   tracer_.follow_translucence(false);
   tracer_.set_beams({});

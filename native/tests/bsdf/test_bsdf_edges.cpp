@@ -406,3 +406,29 @@ TEST_CASE("a thousand closures do no harm") {
       Transport::kFlux);
   check_sane(bsdf);
 }
+
+TEST_CASE("colours of lobes: what reflects is glossy, what passes is transmission") {
+  const Vec3 wo{0, 0, 1};
+  const Rgb tint{0.9f, 0.5f, 0.2f};
+  const auto colors = [&](auto&& add) { return flat(wo, add).colors(); };
+  const Bsdf::Colors mirror =
+      colors([&](Bsdf& b) { b.add_glossy(tint, kUp, Distribution::kGgx, 0.3f, 0, 0, {}); });
+  CHECK(mirror.glossy.x == approx(tint.x));
+  CHECK(mirror.glossy.z == approx(tint.z));
+  CHECK(max_abs(mirror.transmission) == 0);
+  // Of a boundary of index 1.5 seen straight on 4 % is reflected.
+  const Bsdf::Colors glass =
+      colors([](Bsdf& b) { b.add_glass({1, 1, 1}, kUp, Distribution::kGgx, 0, 1.5f, 0, 1); });
+  CHECK(glass.glossy.x == approx(0.04f).epsilon(0.01));
+  CHECK(glass.transmission.x == approx(0.96f).epsilon(0.001));
+  const Bsdf::Colors bent =
+      colors([&](Bsdf& b) { b.add_refraction(tint, kUp, Distribution::kGgx, 0.2f, 1.5f); });
+  CHECK(max_abs(bent.glossy) == 0);
+  CHECK(bent.transmission.y == approx(tint.y));
+  // Diffuse-like lobes have none, and are in the diffuse colour, also where photons bring none of
+  // it.
+  const Bsdf toon = flat(wo, [&](Bsdf& b) { b.add_toon(tint, kUp, false, 0.5f, 0.1f); });
+  CHECK(max_abs(toon.colors().glossy + toon.colors().transmission) == 0);
+  CHECK(toon.diffuse_albedo().y == approx(tint.y));
+  CHECK(toon.albedo().y == approx(tint.y));
+}

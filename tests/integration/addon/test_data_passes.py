@@ -284,3 +284,70 @@ def test_ambient_occlusion_before_a_wall() -> None:
 def test_who_asks_for_none_has_no_labels() -> None:
     stage.room()
     assert stage.exported().labels is None
+
+
+NOT_MADE = {
+    "Debug Sample Count",
+    "Render Time",
+    "Volume Scatter",
+    "Volume Transmit",
+    "Volume Majorant",
+    "Noisy Shadow Catcher",
+    "Denoising Depth",
+    "Denoising Specular Albedo",
+    "Denoising Roughness",
+    "Guiding Color",
+    "Guiding Probability",
+    "Guiding Average Roughness",
+}
+"""Passes of Cycles that docs/manual.md names as missing."""
+
+
+@in_blender
+def test_a_compositor_made_for_cycles_finds_its_passes() -> None:
+    """The same names, channels and kinds: Blender 5 has other names than those before it."""
+    import bpy
+    from cycles.engine import list_render_passes
+    from photon_splat.blender.passes import blender_name, kind, wanted_passes
+
+    made = _board()
+    made.cycles.use_denoising = made.photon_splat.denoise = True
+    layer = made.view_layers[0]
+    layer.aovs.add().name = "Tint"
+    layer.lightgroups.add(name="Lamps")
+    for owner in (layer, layer.cycles):
+        for name in (prop.identifier for prop in owner.bl_rna.properties):
+            if name.startswith(("use_pass_", "pass_debug", "denoising_store")):
+                setattr(owner, name, True)
+    theirs = {name: rest for name, *rest in list_render_passes(made, layer)}
+    ours = {
+        blender_name(info.name): [info.channels, kind(info)] for info in wanted_passes(made, layer)
+    }
+    assert theirs.keys() - ours.keys() <= NOT_MADE
+    common = theirs.keys() & ours.keys()
+    assert {name: ours[name] for name in common} == {name: theirs[name] for name in common}
+    assert bpy.app.version >= (5, 0) or {"DiffDir", "GlossCol", "Env", "IndexOB"} <= ours.keys()
+
+
+@in_blender
+def test_parts_of_the_light_and_the_noisy_picture_reach_blender() -> None:
+    """As Blender writes them to a file: light over the colour of what sent it, and the picture
+    before it was denoised.
+    """
+    from tests.reference.agreement.light_passes import parts, switch_on
+    from tests.reference.cycles.references import written_passes
+
+    made = _board()
+    switch_on()
+    layer = made.view_layers[0]
+    layer.cycles.denoising_store_passes = True
+    made.photon_splat.denoise = True
+    with stage.watched():
+        passes = written_passes()
+    noisy, denoised = passes["Noisy Image"], passes["Combined"]
+    assert noisy.shape == denoised.shape
+    assert noisy.any()
+    assert np.any(noisy[..., :3] != denoised[..., :3])
+    assert sum(parts(passes).values()) == pytest.approx(noisy[..., :3], abs=1e-4)
+    assert passes["Denoising Albedo"][8, 3] == pytest.approx(passes["Diffuse Color"][8, 3])
+    assert passes["Denoising Normal"][8, 3] == pytest.approx((0.0, 0.0, 1.0), abs=1e-4)

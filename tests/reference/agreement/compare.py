@@ -36,10 +36,10 @@ class Agreement:
 
 
 def blocks(picture: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Means of blocks of a picture (height, width, ...)."""
     height, width = (n // BLOCK for n in picture.shape[:2])
-    return (
-        picture[: height * BLOCK, : width * BLOCK].reshape(height, BLOCK, width, BLOCK).mean((1, 3))
-    )
+    whole = picture[: height * BLOCK, : width * BLOCK]
+    return whole.reshape(height, BLOCK, width, BLOCK, *picture.shape[2:]).mean((1, 3))
 
 
 def agreement(

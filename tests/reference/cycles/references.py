@@ -65,7 +65,7 @@ def render_with_cycles(samples: int, seed: int, render_pass: str = "") -> np.nda
     if hasattr(render.image_settings, "media_type"):
         render.image_settings.media_type = "IMAGE"
     if render_pass:
-        return _pass_of_cycles(render_pass)
+        return passes_of_cycles(samples, seed)[render_pass]
     render.image_settings.file_format = "OPEN_EXR"
     render.image_settings.color_depth, render.image_settings.color_mode = "32", "RGBA"
     with tempfile.TemporaryDirectory() as folder:
@@ -86,10 +86,19 @@ def render_with_cycles(samples: int, seed: int, render_pass: str = "") -> np.nda
     return picture
 
 
-def _pass_of_cycles(name: str) -> np.ndarray:
-    """The pass as (height, width, channels) float32, row 0 at the bottom."""
+def passes_of_cycles(samples: int, seed: int) -> dict[str, np.ndarray]:
+    """written_passes() of Cycles."""
+    cycles_settings(samples, seed)
+    return written_passes()
+
+
+def written_passes() -> dict[str, np.ndarray]:
+    """All passes that the view layer asks for, rendered and written by Blender, by our names:
+    (height, width, channels) float32, row 0 at the bottom.
+    """
     import bpy
     import OpenImageIO as oiio
+    from photon_splat.blender.passes import own_name
 
     render = bpy.context.scene.render
     if hasattr(render.image_settings, "media_type"):
@@ -98,20 +107,25 @@ def _pass_of_cycles(name: str) -> np.ndarray:
         "OPEN_EXR_MULTILAYER",
         "32",
     )
+    begin, passes = f"{bpy.context.view_layer.name}.", {}
     with tempfile.TemporaryDirectory() as folder:
         render.filepath = str(Path(folder, "half.exr"))
         bpy.ops.render.render(write_still=True)
         file = oiio.ImageInput.open(render.filepath)
-        begin, part = f"{bpy.context.view_layer.name}.{name}.", 0  # Blender 5: one for each pass
+        part = 0  # Blender 5: one for each pass
         while file.seek_subimage(part, 0):
             names = list(file.spec().channelnames)
-            if any(channel.startswith(begin) for channel in names):
-                break
+            pixels = file.read_image(part, 0, 0, file.spec().nchannels, oiio.FLOAT)[::-1]
+            for name in {channel.rsplit(".", 1)[0] for channel in names}:
+                wanted = [
+                    f"{name}.{letter}" for letter in "RGBAXYZW" if f"{name}.{letter}" in names
+                ]
+                passes[own_name(name.removeprefix(begin))] = np.ascontiguousarray(
+                    pixels[..., [names.index(channel) for channel in wanted]]
+                )
             part += 1
-        wanted = [f"{begin}{channel}" for channel in "RGBAXYZW" if f"{begin}{channel}" in names]
-        pixels = file.read_image(part, 0, 0, file.spec().nchannels, oiio.FLOAT)[::-1]
         file.close()
-    return np.ascontiguousarray(pixels[..., [names.index(channel) for channel in wanted]])
+    return passes
 
 
 def without_light_samples() -> None:
