@@ -56,6 +56,7 @@ Bsdf::Bsdf(Transport transport, const Vec3& wo, const Vec3& ng, const Vec3& ns, 
     : transport_(transport), view_{wo, ng, ns, back} {}
 
 void Bsdf::finish() {
+  if (loses_below_) lobes_.drop_below();
   gather_ = gather_through_ = {};
   if (gathers_) sum_gather(lobes_, &gather_, &gather_through_);
   rest_ = false;

@@ -78,6 +78,11 @@ class Bsdf {
   // Which closures that scatter below the surface are kept as such, in below(); the others are
   // diffuse. Before any is added.
   void keep_subsurface(SubsurfaceUse use) { use_ = use; }
+  // What goes below the surface is lost, as Cycles loses it on strands.
+  void lose_subsurface() {
+    if (use_ == SubsurfaceUse::kNone) use_ = SubsurfaceUse::kAll;
+    loses_below_ = true;
+  }
 
   // Photons estimate nothing here, all is left to `rest`; and no lobe counts as one that focuses
   // light, which caustic photons would have to be aimed at. Before finish().
@@ -231,7 +236,7 @@ class Bsdf {
   View view_;
   LobeList lobes_;
   Rgb gather_{}, gather_through_{};
-  bool rest_ = false, gathers_ = true;
+  bool rest_ = false, gathers_ = true, loses_below_ = false;
   size_t tape_used_ = 0;
   alignas(16) std::byte tape_[kTapeBytes];  // flux only
 };

@@ -107,6 +107,7 @@ class LobeList {
   const Lobe& operator[](int i) const { return begin()[i]; }
   // What goes below the surface: no lobes
   int below_count() const { return below_count_; }
+  void drop_below() { below_count_ = 0; }
   const Subsurface& below(int i) const {
     return std::launder(reinterpret_cast<const Subsurface*>(below_))[i];
   }

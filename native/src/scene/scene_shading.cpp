@@ -44,7 +44,10 @@ Rgb let_through(const Scene& scene, const Surface& s, const Vec3& direction, Ray
 }  // namespace
 
 void Scene::shade(const Surface& s, const Vec3& wo, const RayInfo& ray, Bsdf& bsdf) const {
-  if (s.on_strand()) bsdf.gather_nothing();
+  if (s.on_strand()) {
+    bsdf.gather_nothing();
+    if (lookups_[s.instance].strands->are_curves()) bsdf.lose_subsurface();
+  }
   if (s.program) {
     run_program(*this, *s.program, shading_point(s, wo, ray), bsdf);
   } else {

@@ -81,6 +81,7 @@ CLEAR = node("BsdfTransparent")
 CHECKS = node("TexChecker", Vector=node("TexCoord", "UV"), Scale=6.0)
 GENERATED = node("TexCoord", "Generated")
 BROWN = _diffuse((0.45, 0.2, 0.08))
+FELT = node("BsdfPrincipled", Base_Color=(0.6, 0.2, 0.1), Subsurface_Weight=0.4, Sheen_Weight=0.8)
 BLUE = {"skin": _diffuse((0.1, 0.2, 0.8))}
 
 STRANDS = (
@@ -146,6 +147,8 @@ STRANDS = (
     _case("translucent", material=node("BsdfTranslucent", Color=(0.7, 0.5, 0.2)), lamp="back"),
     _case("glossy", material=node("BsdfGlossy", Roughness=0.4), lamp="world"),
     _case("principled", material=node("BsdfPrincipled", Base_Color=(0.6, 0.2, 0.1))),
+    _case("subsurface", material=FELT, lamp="sun"),
+    _case("subsurface_hair", "hair", material=FELT, lamp="world"),
     _case("points_glass", "points", material=node("BsdfGlass", Roughness=0.0), lamp="world"),
     _case("points_metal", "points", material=node("BsdfGlossy", Roughness=0.1), lamp="world"),
     _case("points_glossy", "points", material=node("BsdfGlossy", Roughness=0.3)),
