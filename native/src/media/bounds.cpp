@@ -161,6 +161,10 @@ Media::Grid Media::look_at_grids(const Region& region, bool alone, ThreadPool& p
     upper[a] = lower[a] + static_cast<float>(grid.size[a]) * each * kSide;
   }
   grid.bounds = {{lower[0], lower[1], lower[2]}, {upper[0], upper[1], upper[2]}};
+  grid.closed.emplace();
+  const Affine& to_object = scene_.world_to_object[region.instance];
+  for (const Vec3& p : mesh.positions)
+    grid.closed->add(main.to_index().point(instance.shared ? p : to_object.point(p)));
   const Vec3 cell = grid.cell();
 
   const float extent = length(main.to_object().vector(grid.bounds.upper - grid.bounds.lower));

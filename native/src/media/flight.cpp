@@ -5,6 +5,7 @@ namespace photon_splat {
 namespace {
 
 constexpr int kMostCollisions = 20000;  // on one way; then it ends there
+constexpr float kRounded = 1e-4f;       // of a distance in the coordinates of a grid
 constexpr float kFaint = 0.02f;         // transmittance below which ways are broken off by chance
 
 }  // namespace
@@ -25,6 +26,7 @@ class Media::Walk {
       end_ = far;
     } else {
       if (grid_->from_object) place(scene, region.instance, time);
+      if (grid_->closed) far_ = std::max(std::min(far_, way_out_of(*grid_->closed)), near);
       enter_cell();
     }
     homogeneous_ = region.homogeneous;
@@ -52,6 +54,18 @@ class Media::Walk {
         moves ? scene.pose_at(instance, time).to_local : scene.world_to_object[instance];
     origin_ = grid_->from_object->point(to_object.point(origin_));
     direction_ = grid_->from_object->vector(to_object.vector(direction_));
+  }
+
+  // The distance at which the ray is beyond a box, for good.
+  float way_out_of(const Bounds& box) const {
+    const float lower[3] = {box.lower.x, box.lower.y, box.lower.z},
+                upper[3] = {box.upper.x, box.upper.y, box.upper.z},
+                from[3] = {origin_.x, origin_.y, origin_.z},
+                way[3] = {direction_.x, direction_.y, direction_.z};
+    float out = INFINITY;
+    for (int a = 0; a < 3; ++a)
+      if (way[a] != 0) out = std::min(out, ((way[a] > 0 ? upper : lower)[a] - from[a]) / way[a]);
+    return out + kRounded * std::abs(out);
   }
 
   // Where the ray is: a cell of the grid, or what lies before or behind it.

@@ -109,6 +109,9 @@ class Media {
     // From the coordinates of the object to those of the grid, if they are not the world's
     std::optional<Affine> from_object;
     Bounds bounds;
+    // Of the mesh that is around volume grids, which is closed: a ray that has found the way in and
+    // not the way out, at its rim, has left it there all the same.
+    std::optional<Bounds> closed;
     int size[3] = {1, 1, 1};
     std::vector<float> most;
     float outside = 0;  // beyond the bounds

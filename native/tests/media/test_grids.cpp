@@ -149,3 +149,28 @@ TEST_CASE("programs read what an object without the grid is to have instead") {
   const Means means = look(scene, {0, 0.5f, 0.5f}, {1, 0, 0}, 0.5f, {0.5f, 0.5f, 0.5f});
   CHECK(means.passed == approx(std::exp(-1.5)).epsilon(0.02));
 }
+
+TEST_CASE(
+    "what shines everywhere in the mesh around a grid does not beyond it, whoever has lost the way out") {
+  ProgramWriter w;
+  const uint32_t value = w.reg(1);
+  w.emit(nodes::Op::GridValue, {{"factor", value}, {"attribute", kDensity}});
+  w.emit(nodes::Op::VolumeScatter,
+         {{"weight", w.constant({1e-4f})}, {"color", w.constant({1, 1, 1})}, {"density", value}});
+  w.emit(nodes::Op::Emission, {{"weight", w.constant({3})}, {"color", w.constant({1, 1, 1})}});
+  w.emit(nodes::Op::End, {});
+  w.program().features = kProgramEmits;
+  const Placement turned{0, -2, 0, 3, 2, 0, 0, 1, 0, 0, 2, -1};  // x to y, twice the size
+  for (const Placement& place : {identity, turned}) {
+    Scene scene(1);
+    fill(scene, w.program(), place);
+    const double size = place == identity ? 1 : 2;
+    const Vec3 middle = scene.bounds().center(), along{0, 1, 0};
+    const auto from = [&](double y) {
+      return middle + along * static_cast<float>(size * (y - 0.5));
+    };
+    const float far = 1000;
+    CHECK(look(scene, from(0.5), along, far, middle).emitted == approx(3 * size / 2).epsilon(0.01));
+    CHECK(look(scene, from(1.01), along, far, middle).emitted == 0);
+  }
+}
