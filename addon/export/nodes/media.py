@@ -98,8 +98,7 @@ def _black_body(n: Node, weight: Value, glow: Value) -> Made:
         held = grid_value(n, name, absent=1.0, one_voxel=True)["factor"]
         temperature = graph.multiply(temperature, _positive(graph, held))
     hot = _math(graph, "POWER", temperature, number(4.0))
-    share = graph.one("ClampUnit", a=glow)
-    mixed = graph.one("MixFloat", factor=share, a=ONE, b=hot, clamp_factor=False)
+    mixed = graph.one("MixFloat", factor=_positive(graph, glow), a=ONE, b=hot, clamp_factor=False)
     intensity = graph.multiply(mixed, number(STEFAN_BOLTZMANN * 1e-6 / math.pi))
     color = graph.one("Blackbody", temperature=temperature)
     tinted = graph.one("MultiplyVector", a=color, b=n.color("Blackbody Tint", (1.0, 1.0, 1.0)))

@@ -324,7 +324,7 @@ void Bsdf::add_metallic(const Rgb& weight, const Vec3& normal, Distribution d, f
   f.film_ior = clean(film_ior, 1e-5f, 1e5f, 1.33f);
   FacetShape shape = clean_shape(d, roughness, 0, rotation, tangent);
   // As Principled's (Burley 2012)
-  const float aspect = std::sqrt(1 - 0.9f * clean(anisotropy, -0.99f, 0.99f, 0));
+  const float aspect = std::sqrt(1 - 0.9f * clean(anisotropy, 0, 1, 0));
   shape.along = 1 / aspect;
   shape.across = aspect;
   add(Facet{clean_color(weight), normal, shape, f, false, true});

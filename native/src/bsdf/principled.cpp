@@ -9,10 +9,11 @@ void make_clean(PrincipledInputs& in) {
   in.emission_color = clean_color(in.emission_color);
   unit(in.metallic, 0), unit(in.roughness, 0.5f), unit(in.diffuse_roughness, 0),
       unit(in.subsurface_weight, 0);
-  unit(in.transmission_weight, 0), unit(in.alpha, 1), unit(in.coat_weight, 0);
+  unit(in.transmission_weight, 0), unit(in.alpha, 1);
+  in.coat_weight = clean(in.coat_weight, 0, 1e6f, 0);
   in.sheen_weight = clean(in.sheen_weight, 0, 1e6f, 0);
   if (in.coat_weight > 0) {
-    in.coat_tint = min(clean_color(in.coat_tint), kWhite);
+    in.coat_tint = clean_color(in.coat_tint);
     unit(in.coat_roughness, 0);
     in.coat_ior = clean(in.coat_ior, 1, 1e5f, 1.5f);
   }
@@ -107,8 +108,8 @@ void expand_principled(const Rgb& outer, const PrincipledInputs& in, const View&
   weight *= in.alpha;
 
   if (in.sheen_weight > 0) {
-    const Vec3 mixed = lerp(normal, coat_normal, in.coat_weight);
-    const Rgb tint = min(in.sheen_tint, kWhite) * std::min(in.sheen_weight, 1.0f);
+    const Vec3 mixed = lerp(normal, coat_normal, std::min(in.coat_weight, 1.0f));
+    const Rgb tint = in.sheen_tint * in.sheen_weight;
     const Lobe sheen = sheen_lobe(view, tint, length2(mixed) > 1e-12f ? normalize(mixed) : normal,
                                   in.sheen_roughness);
     Lobe scaled = sheen;
@@ -135,7 +136,8 @@ void expand_principled(const Rgb& outer, const PrincipledInputs& in, const View&
       // Absorption along the refracted ray's way through the coat and back.
       const float cos_i = saturate(dot(coat.n, view.wo));
       const float cos_t = std::sqrt(std::max(1e-6f, 1 - (1 - sqr(cos_i)) / sqr(in.coat_ior)));
-      weight *= lerp(kWhite, power(in.coat_tint, 1 / cos_t), in.coat_weight);
+      weight *=
+          max(lerp(kWhite, min(power(in.coat_tint, 1 / cos_t), kWhite * 1e4f), in.coat_weight), {});
     }
   }
 

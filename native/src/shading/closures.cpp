@@ -89,7 +89,7 @@ void principled(Frame& f, const uint32_t* w) {
   if (p.coat_weight > 0) {
     p.coat_roughness = f.number(w[kCoatRoughness]);
     p.coat_ior = f.number(w[kCoatIor]);
-    p.coat_tint = bounded(f.vector(w[kCoatTint]), 1);  // it is raised to powers
+    p.coat_tint = bounded(f.vector(w[kCoatTint]), 100);  // it is raised to powers
     p.coat_normal = front_normal(f, w[kCoatNormal]);
   }
   p.sheen_weight = f.number(w[kSheen]);

@@ -162,6 +162,14 @@ CASES: tuple[Case, ...] = (
         Temperature=2200.0,
         Blackbody_Tint=(1.0, 0.8, 0.6),
     ),
+    _fog(
+        "fog_black_body_twice",
+        node="principled",
+        box="cloud",
+        Density=0.8,
+        Blackbody_Intensity=2.0,
+        Temperature=2000.0,
+    ),
     _fog("fog_emission", node="emission", box="cloud", Strength=0.5, Color=(0.5, 0.8, 1.0)),
     _fog(
         "fog_coefficients",
