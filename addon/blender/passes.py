@@ -100,11 +100,11 @@ def fill_passes(blender_result: Any, passes: Passes, view: int = 0) -> None:
 
 
 def with_noisy(result: RenderResult) -> Passes:
-    """The passes of a result, that of NOISY_PASS among them if it was denoised."""
-    if result.noisy is None:
-        return result.passes
-    alpha = result.passes["Combined"][..., 3:]
-    return result.passes | {NOISY_PASS.name: np.concatenate([result.noisy, alpha], axis=2)}
+    """The passes of a result, and NOISY_PASS: the picture itself where it was not denoised."""
+    noisy = combined = result.passes["Combined"]
+    if result.noisy is not None:
+        noisy = np.concatenate([result.noisy, combined[..., 3:]], axis=2)
+    return result.passes | {NOISY_PASS.name: noisy}
 
 
 def wanted_passes(scene: Any, view_layer: Any) -> Iterator[PassInfo]:

@@ -349,5 +349,23 @@ def test_parts_of_the_light_and_the_noisy_picture_reach_blender() -> None:
     assert noisy.any()
     assert np.any(noisy[..., :3] != denoised[..., :3])
     assert sum(parts(passes).values()) == pytest.approx(noisy[..., :3], abs=1e-4)
+    made.photon_splat.denoise = False
+    with stage.watched():
+        assert "Noisy Image" not in written_passes()
     assert passes["Denoising Albedo"][8, 3] == pytest.approx(passes["Diffuse Color"][8, 3])
     assert passes["Denoising Normal"][8, 3] == pytest.approx((0.0, 0.0, 1.0), abs=1e-4)
+
+
+@in_blender
+def test_a_picture_that_nothing_has_denoised_is_its_own_noisy_one() -> None:
+    """A cancelled render, or a Blender without a denoiser."""
+    import bpy
+    from photon_splat.blender.passes import with_noisy
+
+    _board().photon_splat.denoise = False
+    with stage.watched() as results:
+        bpy.ops.render.render()
+    assert results[0].noisy is None
+    passes = with_noisy(results[0])
+    assert passes["Noisy Image"].any()
+    assert np.array_equal(passes["Noisy Image"], passes["Combined"])
