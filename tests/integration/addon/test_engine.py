@@ -251,6 +251,7 @@ def test_cancelling_at_once_is_a_black_picture() -> None:
 def test_passes_of_view_layers(tmp_path: str) -> None:
     import bpy
     from photon_splat.blender import job
+    from photon_splat.blender.passes import blender_name, own_name
 
     scene = stage.room()
     first, second = scene.view_layers[0], scene.view_layers.new("Second")
@@ -288,16 +289,15 @@ def test_passes_of_view_layers(tmp_path: str) -> None:
         "Photon Density": "X",
         "Surface ID": "X",
     }
-    wanted |= dict.fromkeys(
-        ("Diffuse Direct", "Diffuse Indirect", "Diffuse Color", "Emission"), "RGB"
-    )
+    light = ("Diffuse Direct", "Diffuse Indirect", "Diffuse Color", "Emission")
+    wanted |= {blender_name(name): "RGB" for name in light}
     names = {f"First.{name}.{letter}" for name, letters in wanted.items() for letter in letters}
     names |= {f"Second.Combined.{letter}" for letter in "RGBA"} | {"Second.Depth.Z"}
     assert {name for name in saved if not name.startswith("Composite.")} == names
     for name, letters in wanted.items():
         for k, letter in enumerate(letters):
             assert np.array_equal(
-                saved[f"First.{name}.{letter}"][::-1], results[0].passes[name][..., k]
+                saved[f"First.{name}.{letter}"][::-1], results[0].passes[own_name(name)][..., k]
             ), name
     job.observer.on_result = None  # then only what Blender asks for is made
     bpy.ops.render.render(write_still=True)
