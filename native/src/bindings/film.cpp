@@ -49,11 +49,8 @@ void fill_mean(const Run& run, float* to) {
 // Light over the colour of the lobes that sent it, as Cycles divides it; 0 where that is black.
 template <Rgb Pixel::* kLight, Rgb Pixel::* kColor>
 void fill_per_color(const Run& run, float* to) {
-  const auto over = [](float light, float color) { return color > 0 ? light / color : 0; };
-  fill_rgb(run, to, [&](const Pixel& p) {
-    const Rgb light = p.*kLight * p.share(), color = p.*kColor * p.share();
-    return Rgb{over(light.x, color.x), over(light.y, color.y), over(light.z, color.z)};
-  });
+  fill_rgb(run, to,
+           [](const Pixel& p) { return divided(p.*kLight * p.share(), p.*kColor * p.share()); });
 }
 
 template <float Pixel::* kValue>

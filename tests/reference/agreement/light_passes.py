@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Mapping
+from types import ModuleType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -76,12 +77,12 @@ def differing(ours: tuple[Pictures, Pictures], theirs: tuple[Pictures, Pictures]
 
 
 def both(
-    seed: int, made_by: object, samples: int, passes: int
+    seed: int, made_by: ModuleType, samples: int, passes: int
 ) -> tuple[tuple[Pictures, Pictures], tuple[Pictures, Pictures]]:
     """Ours by splatting and those of Cycles. Needs bpy, where the scene stays open."""
     from tests.reference.cycles.references import passes_of_cycles
 
-    what = blender_scene(made_by, seed)  # type: ignore[arg-type]
+    what = blender_scene(made_by, seed)
     switch_on()
     first, second = (shoot(what, passes=passes, seed=number).passes for number in (1, 2))
     return (first, second), (passes_of_cycles(samples, 21), passes_of_cycles(samples, 22))

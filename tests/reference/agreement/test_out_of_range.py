@@ -19,7 +19,7 @@ def _sheet(node: str, inputs: dict[str, Any]) -> None:
     from mathutils import Vector
 
     bpy.ops.wm.read_homefile(use_empty=True)
-    made = stage.scene()
+    stage.scene()
     stage.resize(16, 16)
     material, tree = stage.empty_material("Sheet")
     shader = tree.nodes.new(node)
@@ -33,18 +33,11 @@ def _sheet(node: str, inputs: dict[str, Any]) -> None:
             given = tree.nodes.new("ShaderNodeValue")
             given.outputs[0].default_value = value
         tree.links.new(given.outputs[0], shader.inputs[name])
-    bpy.ops.mesh.primitive_plane_add(size=4)
-    bpy.context.object.data.materials.append(material)
-    lamp = bpy.data.lights.new("Lamp", "AREA")
-    lamp.energy, lamp.size = 300.0, 3.0
-    camera = bpy.data.cameras.new("Camera")
-    camera.angle = 0.5
-    for data, place in ((lamp, (-4.0, 1.0, 3.0)), (camera, (4.0, 0.3, 3.2))):
-        ob = bpy.data.objects.new(data.name, data)
-        ob.location = place
-        ob.rotation_euler = (-Vector(place)).to_track_quat("-Z", "Y").to_euler()
-        made.collection.objects.link(ob)
-    made.camera = bpy.data.objects["Camera"]
+    stage.plane(half=2.0).data.materials[0] = material
+    lamp, camera = stage.lamp("AREA", 300.0, (-4.0, 1.0, 3.0)), stage.camera((4.0, 0.3, 3.2))
+    lamp.data.size, camera.data.angle = 3.0, 0.5
+    for ob in (lamp, camera):
+        ob.rotation_euler = Vector(ob.location).to_track_quat("Z", "Y").to_euler()
     bpy.context.view_layer.update()
 
 

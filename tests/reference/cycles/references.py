@@ -65,7 +65,7 @@ def render_with_cycles(samples: int, seed: int, render_pass: str = "") -> np.nda
     if hasattr(render.image_settings, "media_type"):
         render.image_settings.media_type = "IMAGE"
     if render_pass:
-        return passes_of_cycles(samples, seed)[render_pass]
+        return written_passes()[render_pass]
     render.image_settings.file_format = "OPEN_EXR"
     render.image_settings.color_depth, render.image_settings.color_mode = "32", "RGBA"
     with tempfile.TemporaryDirectory() as folder:
