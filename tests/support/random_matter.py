@@ -156,7 +156,30 @@ def _scatter(tree: Any, chance: random.Random, density: float) -> Any:
 def _material(kind: Callable[[Any, random.Random], Any], chance: random.Random) -> Any:
     made, tree = stage.empty_material(kind.__name__)
     stage.surface(tree, kind(tree, chance))
+    if chance.random() < 0.3:
+        _bumps(made, chance)
     return made
+
+
+def _bumps(made: Any, chance: random.Random) -> None:
+    """Of all closures, or of one, told by a node of its own."""
+    tree = made.node_tree
+    place, noise = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("TexCoord", "TexNoise"))
+    noise.inputs["Scale"].default_value = chance.choice([2, 5, 10])
+    tree.links.new(place.outputs["Object"], noise.inputs["Vector"])
+    height = chance.choice([0.02, 0.1, 0.3])
+    if chance.random() < 0.5:
+        bump = tree.nodes.new("ShaderNodeDisplacement")
+        bump.inputs["Scale"].default_value = height
+        tree.links.new(noise.outputs[0], bump.inputs["Height"])
+        stage.output(tree, bump, "Displacement")
+        made.displacement_method = "BUMP"
+        return
+    bump = tree.nodes.new("ShaderNodeBump")
+    bump.inputs["Distance"].default_value = height
+    tree.links.new(noise.outputs[0], bump.inputs["Height"])
+    shader = next(node for node in tree.nodes if "Normal" in node.inputs and node != bump)
+    tree.links.new(bump.outputs[0], shader.inputs["Normal"])
 
 
 def _principled(tree: Any, chance: random.Random, **inputs: Any) -> Any:

@@ -6,12 +6,16 @@ namespace {
 
 constexpr float kOrenNayarRest = 0.3f;  // about the share of it that no Lambertian has
 constexpr float kStraight = 1 - 1e-6f;  // cosine from which on a normal is taken for not bent
-constexpr float kSameWay = 1 - 1e-4f;   // cosine of two directions that are one
 constexpr float kLeastCover = 0.05f;    // of a bent glossy lobe's samples
 
 Vec3 unit_or(const Vec3& sum, const Vec3& otherwise) {
   const float len = length(sum);
   return len > 0 && std::isfinite(len) ? sum / len : otherwise;
+}
+
+// Of light that comes from one direction and leaves along another: by their cosines.
+float flux_scale(const Vec3& ng, const Vec3& from, const Vec3& to) {
+  return std::abs(dot(to, ng)) / std::max(std::abs(dot(from, ng)), 1e-6f);
 }
 
 // On the wrong side of the surface proper, a lobe scatters nothing.
@@ -153,16 +157,20 @@ void Bsdf::send_through(float share) {
   add_cover(view_.ng, 0, share);
 }
 
-Rgb Bsdf::refracted_from(const Vec3& wi) const {
-  Rgb sum{};
+std::optional<Bsdf::Refraction> Bsdf::refraction_of(const Vec3& wi, const Vec3& to) const {
+  std::optional<Refraction> best;
   for (const Lobe& lobe : lobes_) {
-    Vec3 from;
-    if (!lobe.delta() || !lobe.transmits() || !refract(view_.wo, lobe.n, lobe.fresnel.ior, &from) ||
-        dot(from, wi) < kSameWay)
+    Vec3 way;
+    if (!lobe.delta() || !lobe.transmits() || !refract(wi, -lobe.n, 1 / lobe.fresnel.ior, &way) ||
+        !(dot(way, view_.ng) > 0) || !(dot(wi, view_.ng) < 0) ||
+        (best && dot(way, to) <= dot(best->to, to)))
       continue;
-    sum += lobe.weight * evaluate_fresnel(lobe.fresnel, dot(lobe.n, view_.wo)).transmit;
+    const float cos_to = dot(lobe.n, way), cos_from = -dot(lobe.n, wi);
+    if (!(cos_to > 0) || !(cos_from > 0)) continue;
+    const float scale = flux_scale(view_.ng, wi, way) * sqr(lobe.fresnel.ior) * cos_from / cos_to;
+    best = {way, lobe.weight * evaluate_fresnel(lobe.fresnel, cos_to).transmit * scale};
   }
-  return sum;
+  return best;
 }
 
 bool Bsdf::transmits() const {
@@ -278,9 +286,7 @@ Bsdf::Drawn Bsdf::drawn(const Vec3& wi) const {
   return density > 0 ? Drawn{density / all, diffuse / density} : Drawn{0, 0};
 }
 
-float Bsdf::scale_of_flux(const Vec3& wi) const {
-  return std::abs(dot(wi, view_.ng)) / std::max(std::abs(dot(view_.wo, view_.ng)), 1e-6f);
-}
+float Bsdf::scale_of_flux(const Vec3& wi) const { return flux_scale(view_.ng, view_.wo, wi); }
 
 // The radiance BSDF with the two directions exchanged: photons come from wo and leave along wi.
 // Densities on a surface are per area of the surface proper: Veach 1997, section 5.3.
@@ -366,8 +372,8 @@ std::optional<BsdfSample> Bsdf::finish_delta(int index, BsdfSample out) const {
     if (out.transmitted) scale *= cosine / std::max(sqr(lobe.fresnel.ior) * cos_out, 1e-6f);
     // Light goes out of a strand without another refraction, which would undo that
     if (out.transmitted && !gathers_) scale = 1;
-    out.per_value = scale / chance;
-    if (index < lobes.size()) out.weight = share(lobes[index], cos_out) * out.per_value;
+    out.per_value = 1 / chance;
+    if (index < lobes.size()) out.weight = share(lobes[index], cos_out) * (scale / chance);
   }
   out.rest = out.weight;
   return out;

@@ -53,7 +53,7 @@ struct BsdfSample {
   Rgb rest;        // the same without what photons estimate at this vertex (see Bsdf::gather)
   float pdf = 0;   // solid angle, of the mixture over lobes; 0: delta
   // Flux: weight over the radiance BSDF's value for a path in the other direction, cosines
-  // included, or over what its delta lobe sends on
+  // included. Of a delta: over what Bsdf::refraction_of() says
   float per_value = 0;
   float roughness = 0;  // of the chosen lobe: 0 delta .. 1; diffuse lobes, strands: 1
   bool transmitted = false;
@@ -152,8 +152,13 @@ class Bsdf {
   // Flux: lets a share of the samples leave on the other side, whatever the lobes say: who sees the
   // surface from there may see others. After finish().
   void send_through(float share);
-  // Radiance: what the delta lobes that refract bring of the light from wi.
-  Rgb refracted_from(const Vec3& wi) const;
+  // Radiance: by the delta lobe that refracts light from wi most nearly to `to`, where it goes and
+  // how much of its flux.
+  struct Refraction {
+    Vec3 to;  // unit
+    Rgb share;
+  };
+  std::optional<Refraction> refraction_of(const Vec3& wi, const Vec3& to) const;
   bool has_rest() const;  // scatters beyond what is gathered: camera paths go on
   // Directional albedo towards wo, about; for the denoiser and Russian roulette
   Rgb albedo() const;

@@ -147,7 +147,8 @@ Rgb CameraTracer::light_through(const LightSample& light, const Surface& hit, Pa
   const Vec3 origin =
       shadow_origin(hit, light.direction, path, ray_offset(hit.position, hit.distance));
   MediumStack media = path.media;
-  if (scene_.media() && below) scene_.media()->cross(media, hit);
+  if (scene_.media() && below)
+    scene_.media()->cross(media, hit, gap_beside(hit, light.direction), path.info.time);
   if (!std::isfinite(light.distance))
     return transmittance(origin, light.direction, INFINITY, path.info, light.blockers, media,
                          path.random);

@@ -115,7 +115,8 @@ bool CameraTracer::scatter(Path& path, const Surface& hit, const Bsdf& bsdf,
   path.clear &=
       s->transmitted && !s->diffuse && s->roughness <= camera_.settings().transparent_glass;
   path.info = path.info.scattered(s->diffuse, s->transmitted, s->pdf <= 0);
-  if (dot(s->direction, hit.ng) < 0 && scene_.media()) scene_.media()->cross(path.media, hit);
+  if (dot(s->direction, hit.ng) < 0 && scene_.media())
+    scene_.media()->cross(path.media, hit, gap_beside(hit, s->direction), path.info.time);
   path.travelled += hit.distance;
   path.origin = leave(hit, s->direction);
   path.direction = s->direction;

@@ -235,7 +235,8 @@ void CameraTracer::add_ambient_occlusion(Path& path, const Surface& hit, const B
   const Vec3 direction = Basis(bsdf.mean_diffuse_normal())
                              .to_world(sample_cosine_hemisphere(path.numbers(kAmbientPair)));
   MediumStack media = path.media;
-  if (scene_.media() && passes_below(hit, direction)) scene_.media()->cross(media, hit);
+  if (scene_.media() && passes_below(hit, direction))
+    scene_.media()->cross(media, hit, gap_beside(hit, direction), path.info.time);
   Random random = path.random;  // the path goes on as if nobody had looked
   const Rgb stays = Rgb{1, 1, 1} - (bsdf.transparency() - bsdf.straight());
   const Vec3 origin = shadow_origin(hit, direction, path, ray_offset(hit.position, hit.distance));
@@ -263,7 +264,9 @@ CameraTracer::Passing CameraTracer::pass_through(Path& path, const Surface& hit,
     return Passing::kAbsorbed;
   path.scale(Rgb{1, 1, 1} / survival);
   path.near = past(hit);
-  if (scene_.media()) scene_.media()->cross(path.media, hit);
+  if (scene_.media())
+    scene_.media()->cross(path.media, hit, gap_at(hit, path.origin, path.direction),
+                          path.info.time);
   if (!is_black(bsdf.straight())) pass_glass(path, hit);
   return Passing::kPasses;
 }

@@ -85,6 +85,29 @@ int Media::region_of(uint32_t instance, uint32_t triangle) const {
   return of_slot_[own.first_material + std::min(slot, own.slot_count - 1)];
 }
 
+// At an edge rays may meet both triangles, in either order, or, by the tolerance that makes Embree
+// watertight, one that ends just before it. In doubt a path is not let in, as it might never find
+// the way out.
+bool Media::goes_through(int region, const Surface& s, const Gap& gap, float time) const {
+  Vec3 corner[3];
+  scene_.corners(s.instance, s.triangle, time, corner);
+  const Vec3 a = corner[1] - corner[0], b = corner[2] - corner[0];
+  const float longest = std::max({length(a), length(b), length(b - a)}),
+              inside = std::min({s.u, s.v, 1 - s.u - s.v});  // times an altitude: off the edge
+  if (inside * length(photon_splat::cross(a, b)) >
+      ray_epsilon(s.position, s.distance) * std::max(longest, 1e-20f))
+    return true;
+  const Crossings crossings =
+      scene_.crossings(gap.origin, gap.direction, gap.near, gap.far, kAllRays, time);
+  bool continues = false;
+  for (const Crossings::Met& met : crossings) {
+    if (region_of(met.instance, met.triangle) != region) continue;
+    if (met.back != s.back) return false;
+    continues |= met.triangle != s.triangle || met.instance != s.instance;
+  }
+  return s.back || continues || (s.u >= 0 && s.v >= 0 && s.u + s.v < 1);
+}
+
 MediumPoint Media::run(const Region& region, const Vec3& x, const Vec3& wo,
                        const RayInfo& ray) const {
   MediumPoint out;
@@ -117,6 +140,7 @@ MediumStack Media::around(const Vec3& x, float time) const {
     const int region = region_of(s.instance, s.triangle);
     if (region < 0) continue;
     const uint16_t own = static_cast<uint16_t>(region);
+    if (!goes_through(region, s, gap_at(s, x, {0, 0, 1}), time)) continue;
     if (!s.back)
       entered.enter(own);
     else if (entered.holds(own))

@@ -72,8 +72,11 @@ class Media {
 
   // Region of the volume behind a surface; -1: none.
   int region_of(uint32_t instance, uint32_t triangle) const;
-  void cross(MediumStack& stack, const Surface& s) const {
-    stack.cross(region_of(s.instance, s.triangle), s.back);
+  // A path goes through a surface. Where it goes back through the same object's within the gap, at
+  // the rim of a thing, it is where it was.
+  void cross(MediumStack& stack, const Surface& s, const Gap& gap, float time) const {
+    const int region = region_of(s.instance, s.triangle);
+    if (region >= 0 && goes_through(region, s, gap, time)) stack.cross(region, s.back);
   }
   // Which media a point lies in, as a ray upwards tells.
   MediumStack around(const Vec3& x, float time = kShutterCentre) const;
@@ -136,6 +139,7 @@ class Media {
   class Walk;
 
   explicit Media(const Scene& scene) : scene_(scene) {}
+  bool goes_through(int region, const Surface& s, const Gap& gap, float time) const;
   int add_region(uint32_t instance, int program, ThreadPool& pool, const CancelFlag& cancel);
   MediumPoint run(const Region& region, const Vec3& x, const Vec3& wo, const RayInfo& ray) const;
   void bound(Region& region, ThreadPool& pool, const CancelFlag& cancel);

@@ -9,6 +9,8 @@ constexpr int kMaxTransparent = 4096;  // layers that let a path through before 
 // light that faint reflections throw about comes by many faint photons.
 constexpr float kFaint = 1 / 32.0f;
 constexpr float kSentThrough = 0.25f;  // of what meets a surface whose sides may differ
+constexpr int kMostTurns = 4;          // until a normal that is turned towards its viewer stays
+constexpr float kSameWay = 1 - 1e-7f;  // cosine of two directions that are one
 constexpr float kGrazing = 0.1f;       // cosine, below which seen_twin() does not look all the way
 
 // By which the next vertex of a camera path sees what the photon comes from.
@@ -151,7 +153,7 @@ bool PhotonTracer::go_straight_on(Path& path, const Surface& hit, const Rgb& wei
     return false;
   path.power *= 1 / survival;
   path.travelled += hit.distance;
-  if (scene_.media()) scene_.media()->cross(path.media, hit);
+  if (scene_.media()) scene_.media()->cross(path.media, hit, gap_beside(hit, -hit.ng), path.time);
   origin = leave(hit, -hit.ng);
   return true;
 }
@@ -210,16 +212,30 @@ bool PhotonTracer::light_up_by_ray(Path& path, const PhotonStart& start, const R
   return path.reference > 0;
 }
 
-// The BSDF, cosines included, of light through the surface that comes along `from` and leaves along
-// `to`, as a camera path that goes back along that way sees it.
-Rgb PhotonTracer::seen_through(const Surface& hit, const Vec3& from, const Vec3& to,
-                               const RayInfo& ray, bool delta) const {
+// A sample of light through the surface that comes along `from`, as a camera path that goes back
+// along that way sees it; false where none does. A smooth boundary's is sent where that path comes
+// from: its normal is another one from there, as bumps are told by differences, and normals turned
+// towards who sees them.
+bool PhotonTracer::as_seen_from_there(const Surface& hit, const Vec3& from, const RayInfo& ray,
+                                      BsdfSample& s) const {
   const Surface other = Scene::other_side(hit);
-  Bsdf bsdf(Transport::kRadiance, to, other.ng, other.ns, other.back);
-  if (hit.program->features & kProgramSubsurface) bsdf.keep_subsurface(SubsurfaceUse::kWalks);
-  scene_.shade(other, to, ray, bsdf);
-  float pdf;
-  return delta ? bsdf.refracted_from(-from) : bsdf.evaluate(-from, &pdf);
+  for (int step = 0; step < kMostTurns; ++step) {
+    Bsdf bsdf(Transport::kRadiance, s.direction, other.ng, other.ns, other.back);
+    if (hit.program->features & kProgramSubsurface) bsdf.keep_subsurface(SubsurfaceUse::kWalks);
+    scene_.shade(other, s.direction, ray, bsdf);
+    float pdf;
+    if (s.pdf > 0) {
+      s.weight = bsdf.evaluate(-from, &pdf) * s.per_value;
+      break;
+    }
+    const auto refraction = bsdf.refraction_of(-from, s.direction);
+    if (!refraction) return false;
+    s.weight = refraction->share * s.per_value;
+    const bool stays = dot(refraction->to, s.direction) >= kSameWay;
+    s.direction = refraction->to;
+    if (stays) break;
+  }
+  return !is_black(s.weight);
 }
 
 // Stores a photon where one belongs and sends the path on; false where it ends.
@@ -366,10 +382,7 @@ bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const Phot
   auto s =
       caustic ? bsdf.sample_sharp(choice, draws.next(path)) : bsdf.sample(choice, draws.next(path));
   if (!s) return false;
-  if (sided && s->transmitted) {
-    s->weight = seen_through(hit, direction, s->direction, ray, s->pdf <= 0) * s->per_value;
-    if (is_black(s->weight)) return false;
-  }
+  if (sided && s->transmitted && !as_seen_from_there(hit, direction, ray, *s)) return false;
   if (direct && s->pdf <= 0 && (!start.deltas || path.unshadowed)) return false;
   if (path.guessed) {
     const bool delta = s->pdf <= 0;
@@ -399,7 +412,8 @@ bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const Phot
   path.travelled = 0;
   path.kind = ray.kind;
   path.guessed = asked || decided;
-  if (scene_.media() && dot(s->direction, hit.ng) < 0) scene_.media()->cross(path.media, hit);
+  if (scene_.media() && dot(s->direction, hit.ng) < 0)
+    scene_.media()->cross(path.media, hit, gap_beside(hit, s->direction), path.time);
   origin = leave(hit, s->direction);
   direction = s->direction;
   return true;

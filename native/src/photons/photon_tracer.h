@@ -197,8 +197,8 @@ class PhotonTracer {
                        bool delta) const;
   bool go_below(Path& path, const Surface& hit, const Bsdf& bsdf, const RayInfo& ray,
                 const Draws& draws, Vec3& origin, Vec3& direction) const;
-  Rgb seen_through(const Surface& hit, const Vec3& from, const Vec3& to, const RayInfo& ray,
-                   bool delta) const;
+  bool as_seen_from_there(const Surface& hit, const Vec3& from, const RayInfo& ray,
+                          BsdfSample& s) const;
   bool scatter_by_program(Path& path, const Surface& hit, const PhotonStart& start,
                           const Draws& draws, const SurfaceFilter& visible, Vec3& origin,
                           Vec3& direction, Photons& photons) const;

@@ -1,7 +1,6 @@
 #include "scene/coincident.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 
@@ -17,59 +16,19 @@ constexpr float kRounding = 2e-7f;  // of a coordinate: further apart, surfaces 
 constexpr float kEdge = 1e-3f;      // least barycentric coordinate that is within a triangle
 constexpr float kParallel = 0.99f;  // least cosine of their normals
 
-// All that a short ray across a surface meets, by a filter that lets nothing stop it.
-struct Crossing {
-  static constexpr size_t kMost = 8;
-  struct Met {
-    uint32_t instance, triangle;
-    float u, v, distance;
-    Vec3 normal;
-  };
-  RTCRayQueryContext context;
-  std::array<Met, kMost> met;
-  size_t count = 0;
-
-  static void note(const RTCFilterFunctionNArguments* arguments) {
-    // The context is the first member of what was handed over.
-    Crossing& out = *reinterpret_cast<Crossing*>(arguments->context);
-    const auto* const hit = reinterpret_cast<const RTCHit*>(arguments->hit);
-    const auto* const ray = reinterpret_cast<const RTCRay*>(arguments->ray);
-    const bool instanced = hit->instID[0] != RTC_INVALID_GEOMETRY_ID;
-    if (arguments->valid[0] && out.count < kMost)
-      out.met[out.count++] = {
-          instanced ? hit->instID[0] : hit->geomID, hit->primID, hit->u, hit->v, ray->tfar,
-          Vec3{hit->Ng_x, hit->Ng_y, hit->Ng_z}};
-    arguments->valid[0] = 0;
-  }
-};
-
 }  // namespace
 
 std::optional<uint32_t> Scene::coincides(const Surface& s) const {
   const float reach = ray_epsilon(s.position, s.distance);
   const Vec3 start = s.position + s.ng * reach, way = -s.ng;
-  Crossing crossing;
-  rtcInitRayQueryContext(&crossing.context);
-  RTCIntersectArguments arguments;
-  rtcInitIntersectArguments(&arguments);
-  arguments.flags = static_cast<RTCRayQueryFlags>(RTC_RAY_QUERY_FLAG_INCOHERENT |
-                                                  RTC_RAY_QUERY_FLAG_INVOKE_ARGUMENT_FILTER);
-  arguments.filter = Crossing::note;
-  arguments.context = &crossing.context;
-  RTCRayHit hit;
-  hit.ray = {start.x, start.y, start.z,        0,         way.x,
-             way.y,   way.z,   kShutterCentre, 2 * reach, ray_bit(RayInfo::kShadow) | any_ray_,
-             0,       0};
-  hit.hit.geomID = hit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-  rtcIntersect1(top_, &hit, &arguments);
-
-  const auto first = crossing.met.begin(), last = first + static_cast<long>(crossing.count);
-  const auto own = std::find_if(first, last, [&](const Crossing::Met& m) {
+  const Crossings crossings =
+      this->crossings(start, way, 0, 2 * reach, ray_bit(RayInfo::kShadow), kShutterCentre);
+  const auto own = std::find_if(crossings.begin(), crossings.end(), [&](const Crossings::Met& m) {
     return m.instance == s.instance && m.triangle == s.triangle;
   });
   // Where it meets its neighbours both are met.
-  if (own == last || std::min({own->u, own->v, 1 - own->u - own->v}) < kEdge) return {};
-  for (auto m = first; m != last; ++m) {
+  if (own == crossings.end() || std::min({own->u, own->v, 1 - own->u - own->v}) < kEdge) return {};
+  for (auto m = crossings.begin(); m != crossings.end(); ++m) {
     if (m == own || meshes[instances[m->instance].mesh].strands) continue;
     if (!(std::abs(m->distance - own->distance) <= kRounding * max_abs(s.position))) continue;
     const Surface other = surface_at(m->instance, m->triangle, m->u, m->v, false);

@@ -12,6 +12,7 @@
 #include "bsdf/bsdf.h"
 #include "geometry/mesh.h"
 #include "geometry/swept_boxes.h"
+#include "scene/crossings.h"
 #include "scene/instance.h"
 #include "scene/material.h"
 #include "scene/moving_place.h"
@@ -87,6 +88,9 @@ class Scene {
   };
   bool meets_itself(uint32_t instance, const Vec3& origin, const Vec3& direction, float near,
                     float far, float time, OwnHit& hit) const;
+  // All that a short ray meets, not the nearest alone.
+  Crossings crossings(const Vec3& origin, const Vec3& direction, float near, float far,
+                      RayMask kinds, float time) const;
   // The instance of another opaque surface, or of another triangle of the same one, that lies in
   // this one to within rounding, where rays of light meet it.
   std::optional<uint32_t> coincides(const Surface& s) const;

@@ -130,7 +130,7 @@ Rgb Scene::transmittance(const Vec3& origin, const Vec3& direction, float far, c
                                      info, random);
     if (!found || max_abs(through) < 1e-6f) break;
     begin = s.distance;
-    media_->cross(around, s);
+    media_->cross(around, s, gap_at(s, origin, direction), ray.time);
   }
   return through;
 }

@@ -48,4 +48,21 @@ inline float past(const Surface& s) {
   return std::nextafter(s.distance + ray_offset(s.position, s.distance), INFINITY);
 }
 
+// The stretch of a ray on which surfaces are at the same place as the one that it goes through, but
+// for rounding, in whatever order it meets them.
+struct Gap {
+  Vec3 origin, direction;
+  float near, far;
+};
+// Of the ray that found `s` and goes straight on.
+inline Gap gap_at(const Surface& s, const Vec3& origin, const Vec3& direction) {
+  const float epsilon = ray_epsilon(s.position, s.distance);
+  return {origin, direction, s.distance - epsilon, s.distance + epsilon};
+}
+// Of the ray that starts anew, from leave(s, direction).
+inline Gap gap_beside(const Surface& s, const Vec3& direction) {
+  const float side = std::copysign(1.0f, dot(direction, s.ng));
+  return {s.position, s.ng * side, 0, ray_offset(s.position, s.distance)};
+}
+
 }  // namespace photon_splat

@@ -151,6 +151,29 @@ TEST_CASE("shadow rays cross media that they enter and leave") {
   CHECK(through({-1, 0.5f, 0.4f}, {-1, 0, 0}, 5) == 1);
 }
 
+TEST_CASE("rays through an edge are in the medium where they go on into it, and not past its rim") {
+  Scene scene(1);
+  fill(scene, scattering(0.7f));
+  Random random(5, 1);
+  int past_rim = 0, into = 0;
+  for (uint32_t i = 0; i < kSamples; ++i) {  // the edge at y = z = 0
+    const Vec3 edge{0.1f + 0.8f * random.next(), 0, 0};
+    const float x = 2 * random.next() - 1, y = 0.1f + random.next(), z = 0.1f + random.next();
+    const auto through = [&](const Vec3& direction) {
+      const Vec3 origin = edge - direction * (1 + 3 * random.next());
+      return scene
+          .transmittance(origin, direction, 1e4f, {}, ~uint64_t{0}, scene.media()->around(origin),
+                         random)
+          .x;
+    };
+    past_rim += through(normalize({x, y, -z})) < 0.999f;
+    const float passed = through(normalize({x, y, z}));
+    into += passed > 0.999f || passed < 0.25f;
+  }
+  CHECK(past_rim == 0);
+  CHECK(into == 0);
+}
+
 TEST_CASE("a point knows the media around it") {
   Scene scene(1);
   fill(scene, scattering(1));
