@@ -7,6 +7,9 @@ namespace {
 constexpr float kOrenNayarRest = 0.3f;  // about the share of it that no Lambertian has
 constexpr float kStraight = 1 - 1e-6f;  // cosine from which on a normal is taken for not bent
 constexpr float kLeastCover = 0.05f;    // of a bent glossy lobe's samples
+// Of the samples at a surface whose sides may differ: by rough boundaries as the other side has
+// them, or anywhere on that side; the latter beside the former.
+constexpr float kSentThrough = 0.25f, kSentAnywhere = 0.1f;
 
 Vec3 unit_or(const Vec3& sum, const Vec3& otherwise) {
   const float len = length(sum);
@@ -152,9 +155,25 @@ void Bsdf::add_cover(const Vec3& n, float same, float through) {
   add(LobeKind::kTranslucent, through);
 }
 
-void Bsdf::send_through(float share) {
-  for (Lobe& lobe : lobes_) lobe.pick *= 1 - share;
-  add_cover(view_.ng, 0, share);
+void Bsdf::send_through(const Bsdf& other) {
+  const auto refracts = [](const Lobe& lobe) {
+    return lobe.of_facets() && lobe.transmits() && !lobe.delta() && lobe.pick > 0;
+  };
+  float all = 0;
+  for (const Lobe& lobe : other.lobes_) all += refracts(lobe) ? lobe.pick : 0;
+  const float cover = all > 0 ? kSentAnywhere : kSentThrough,
+              by_facets = all > 0 ? kSentThrough : 0;
+  for (Lobe& lobe : lobes_) lobe.pick *= 1 - cover - by_facets;
+  add_cover(view_.ng, 0, cover);
+  for (const Lobe& lobe : other.lobes_)
+    if (refracts(lobe))
+      lobes_.add([&] {
+        Lobe copy = lobe;
+        copy.weight = copy.scale = {};
+        copy.albedo = 0;
+        copy.pick = by_facets * lobe.pick / all;
+        return copy;
+      });
 }
 
 std::optional<Bsdf::Refraction> Bsdf::refraction_of(const Vec3& wi, const Vec3& to) const {

@@ -150,8 +150,8 @@ class Bsdf {
   // every direction that has some.
   void prefer_rest(float kept);
   // Flux: lets a share of the samples leave on the other side, whatever the lobes say: who sees the
-  // surface from there may see others. After finish().
-  void send_through(float share);
+  // surface from there may see others. `other`: those, of a Bsdf for this side. After finish().
+  void send_through(const Bsdf& other);
   // Radiance: by the delta lobe that refracts light from wi most nearly to `to`, where it goes and
   // how much of its flux.
   struct Refraction {

@@ -8,7 +8,6 @@ constexpr int kMaxTransparent = 4096;  // layers that let a path through before 
 // What the first surface may leave of a caustic path before that goes on at less than certainty:
 // light that faint reflections throw about comes by many faint photons.
 constexpr float kFaint = 1 / 32.0f;
-constexpr float kSentThrough = 0.25f;  // of what meets a surface whose sides may differ
 constexpr int kMostTurns = 4;          // until a normal that is turned towards its viewer stays
 constexpr float kSameWay = 1 - 1e-7f;  // cosine of two directions that are one
 constexpr float kGrazing = 0.1f;       // cosine, below which seen_twin() does not look all the way
@@ -318,7 +317,11 @@ bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const Phot
   // Who sees the surface from the other side may see another one
   const bool sided =
       hit.program->asks_side && hit.program->features & kProgramTransmits && !hit.on_strand();
-  if (sided) bsdf.send_through(kSentThrough);
+  if (sided) {
+    Bsdf from_there(Transport::kFlux, -direction, hit.ng, hit.ns, hit.back);
+    scene_.shade(Scene::other_side(hit), direction, ray, from_there);
+    bsdf.send_through(from_there);
+  }
   const bool blocking = blocks(path, hit, start);
   Rgb transparency = blocking ? bsdf.transparency() : Rgb{1, 1, 1};
   const bool may_pass = blocking && scene_.may_be_transparent(hit),

@@ -167,7 +167,7 @@ TEST_CASE("a photon's weight follows from what a camera path sees on the way bac
       const Vec2 u = sobol_2d(i, 0, 9), v = sobol_2d(i, 1, 9);
       const Vec3 from = direction((i % 3 ? 1.0f : -1.0f) * (0.05f + 0.9f * u.x), 6.28f * u.y);
       Bsdf photon = make_bsdf(c, from, Transport::kFlux);
-      if (i % 2) photon.send_through(0.25f);
+      if (i % 2) photon.send_through(make_bsdf(c, from, Transport::kFlux));
       const auto s = photon.sample(sobol_2d(i, 2, 9).x, v);
       if (!s) continue;
       REQUIRE(s->pdf > 0);
