@@ -192,6 +192,9 @@ TEST_CASE("a photon's weight follows from what a camera path sees on the way bac
     CHECK(dot(back->to, s->direction) == approx(1));
     const Rgb value = back->share * s->per_value;
     for (int k = 0; k < 3; ++k) CHECK(s->weight[k] == approx(value[k]).epsilon(1e-3));
+    const Vec3 turned = from + normalize(cross(from, {0, 0, 1})) * 0.1f;
+    const auto other = camera.refraction_of(normalize(turned), s->direction);
+    CHECK((!other || dot(other->to, s->direction) < 1 - 1e-4f));  // other light goes elsewhere
     ++refracted;
   }
   CHECK(refracted > 20);
