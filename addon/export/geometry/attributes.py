@@ -18,6 +18,7 @@ from ..nodes.random_numbers import number_random
 from ..report import Report
 from .curvature import pointiness
 from .mesh import Triangles, sound_triangles
+from .tangents import mesh_tangents
 
 NUMBERS = {"FLOAT", "INT", "INT8", "BOOLEAN"}
 # For each type of attribute: the property that holds its value, and its number of components.
@@ -35,7 +36,6 @@ def mesh_shading(
     wants: dict[int, Want],
     left: NDArray[np.bool_] | None,
     deforms: bool,
-    report: Report,
 ) -> MeshShading:
     """What `wants` (by id) of a bpy.types.Mesh; what it does not have is left out. `left`:
     triangles of the rendered ones that count; `deforms`: something may have moved its vertices.
@@ -59,7 +59,8 @@ def mesh_shading(
         if number == GENERATED:
             shading.generated, found = _generated(mesh, deforms)
         elif want.kind == "tangent":
-            found = _tangents(mesh, want.name, name, triangles, report)
+            tangents = mesh_tangents(mesh, want.name, triangles)
+            found = None if tangents is None else (Domain.CORNER, tangents)
         elif want.kind == "island":
             found = Domain.FACE, island_randoms(mesh)[triangles().vertices[:, 0], None]
         elif want.kind == "pointiness":
@@ -170,30 +171,3 @@ def _at_vertices(mesh: Any, values: NDArray[np.float32]) -> NDArray[np.float32]:
         np.add.at(total, ends[:, side], values)
     counts = np.maximum(np.bincount(ends.ravel(), minlength=len(total)), 1).astype(np.float32)
     return (total / counts[:, None]).astype(np.float32)
-
-
-def _tangents(
-    mesh: Any, layer: str, name: str, triangles: Callable[[], Triangles], report: Report
-) -> tuple[Domain, NDArray] | None:
-    """(3 T, 4): tangents of corners, in the mesh's coordinates, and the sign of the bitangent.
-
-    None: the renderer takes the triangles' own.
-    """
-    active = next((one.name for one in mesh.uv_layers if one.active_render), "")
-    layer = layer or active
-    if layer not in mesh.uv_layers:
-        return None
-    try:
-        mesh.calc_tangents(uvmap=layer)
-    except RuntimeError as error:
-        report.warn(
-            "Object {}: tangents of its UV map are those of single triangles "
-            f"({str(error).strip()})",
-            name,
-        )
-        return None
-    values = np.empty((len(mesh.loops), 4), np.float32)
-    values[:, :3] = read_copy(mesh.loops, "tangent", np.float32, 3)
-    values[:, 3] = read_copy(mesh.loops, "bitangent_sign", np.float32)
-    mesh.free_tangents()
-    return Domain.CORNER, values[triangles().corners.ravel()]

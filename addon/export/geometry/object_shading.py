@@ -131,11 +131,9 @@ class ObjectShading:
             return strand_shading(ob.data, ob.type, ob.name, wants)
         left = self._shapes.flat.get(index)
 
-        def make(report: Report) -> MeshShading:
+        def make(_: Report) -> MeshShading:
             moved = may_deform(ob)
-            return with_mesh(
-                ob, lambda mesh: mesh_shading(mesh, ob.name, wants, left, moved, report)
-            )
+            return with_mesh(ob, lambda mesh: mesh_shading(mesh, ob.name, wants, left, moved))
 
         key = (
             "shading",

@@ -259,6 +259,20 @@ def _normals() -> list[Case]:
                 thing="sphere",
             )
         )
+    for thing in ("hexagons", "bare"):
+        found.append(
+            Case(
+                f"normal map {thing}",
+                "ShaderNodeNormalMap",
+                "Normal",
+                inputs={"Color": "c"},
+                thing=thing,
+            )
+        )
+        along_map = {"direction_type": "UV_MAP"}
+        found.append(
+            Case(f"tangent {thing}", "ShaderNodeTangent", "Tangent", along_map, thing=thing)
+        )
     for thing in THINGS:
         for invert in (False, True):
             inputs = {"Strength": 0.7, "Distance": 0.3, "Height": "waves"}

@@ -29,10 +29,11 @@ def build(cases: list[Case]) -> None:
     scene = bpy.context.scene
     side = board(len(cases))
     things = {"plane": _plane(), "sphere": _sphere(), "bumps": _bumps()}
+    things |= {"hexagons": _hexagons(), "bare": _bare()}
     for k, case in enumerate(cases):
         ob = bpy.data.objects.new(case.name, things[case.thing].copy())
         ob.location = (k % side + 0.5, k // side + 0.5, 0.0)
-        if case.thing == "sphere":
+        if case.thing in {"sphere", "bare"}:
             ob.rotation_euler, ob.scale = (0.3, 0.5, 0.7), (1.0, 0.9, 1.1)
         ob.color, ob.pass_index = (0.25, 0.5, 0.75, 0.5), 3
         ob["own"] = 0.375
@@ -104,6 +105,32 @@ def _bumps() -> Any:
     mesh.from_pydata(vertices, [], faces)
     mesh.polygons.foreach_set("use_smooth", [True] * len(mesh.polygons))
     _layers(mesh, lambda v: (v.co.x + 0.5, v.co.y + 0.5))
+    return mesh
+
+
+def _hexagons() -> Any:
+    """A smooth sheet of four faces, bent, of six corners each."""
+    import bpy
+
+    places = [(i, j) for j in range(5) for i in range(3)]
+    vertices = [(i / 2 - 0.5, j / 4 - 0.5, 0.2 * math.sin(2.1 * i + 1.3 * j)) for i, j in places]
+    rows = range(0, 12, 3)
+    faces = [(a, a + 1, a + 2, a + 5, a + 4, a + 3) for a in rows]
+    mesh = bpy.data.meshes.new("Hexagons")
+    mesh.from_pydata(vertices, [], faces)
+    mesh.polygons.foreach_set("use_smooth", [True] * len(mesh.polygons))
+    _layers(mesh, lambda v: (v.co.x + 0.5 + 0.3 * v.co.y * v.co.y, v.co.y + 0.5))
+    return mesh
+
+
+def _bare() -> Any:
+    """The sphere without UV maps, its poles where one hardly looks."""
+    import mathutils
+
+    mesh = _sphere()
+    mesh.transform(mathutils.Matrix.Rotation(0.4, 4, "Y"))
+    while mesh.uv_layers:
+        mesh.uv_layers.remove(mesh.uv_layers[0])
     return mesh
 
 
