@@ -315,8 +315,8 @@ bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const Phot
     bsdf.keep_subsurface(SubsurfaceUse::kWalks);
   scene_.shade(hit, -direction, ray, bsdf);
   // Who sees the surface from the other side may see another one
-  const bool sided =
-      hit.program->asks_side && hit.program->features & kProgramTransmits && !hit.on_strand();
+  const bool sided = (hit.program->asks_side || hit.program->has_own_normals) &&
+                     hit.program->features & kProgramTransmits && !hit.on_strand();
   if (sided) {
     Bsdf from_there(Transport::kFlux, -direction, hit.ng, hit.ns, hit.back);
     scene_.shade(Scene::other_side(hit), direction, ray, from_there);

@@ -1,4 +1,6 @@
+#include <optional>
 #include <stdexcept>
+#include <string_view>
 
 #include "scene/scene.h"
 #include "shading/ops.h"
@@ -122,12 +124,28 @@ void check_program(const Scene& scene, const Program& program) { Checker(scene, 
 
 namespace {
 
-bool bends_subsurface(nodes::Op op, const uint32_t* w) {
-  if (op == nodes::Op::BentNormal) return true;
+// The normal that a closure asks for: a register, or a constant that is zero where it has none.
+std::optional<uint32_t> normal_of(nodes::Op op, const uint32_t* w) {
   const auto& operands = nodes::operations()[static_cast<size_t>(op)].operands;
   for (size_t i = 0; i < operands.size(); ++i)
-    if (std::string_view(operands[i].name) == "normal") return !(w[i] & nodes::kConstant);
-  return false;
+    if (operands[i].code == Operand::Kind::kVector &&
+        std::string_view(operands[i].name) == "normal")
+      return w[i];
+  return {};
+}
+
+bool bends_subsurface(nodes::Op op, const uint32_t* w) {
+  const auto normal = normal_of(op, w);
+  return op == nodes::Op::BentNormal || (normal && !(*normal & nodes::kConstant));
+}
+
+// Whether a closure has a normal other than the surface's, which nothing need turn towards who sees
+// it.
+bool has_own_normal(const Program& program, nodes::Op op, const uint32_t* w) {
+  const auto normal = normal_of(op, w);
+  if (!normal || !(*normal & nodes::kConstant)) return normal.has_value();
+  const float* n = &program.constants[*normal & ~nodes::kConstant];
+  return n[0] != 0 || n[1] != 0 || n[2] != 0;
 }
 
 // Whether it tells from where the surface is seen.
@@ -163,9 +181,12 @@ void look_at_program(Program& program) {
     if (op == nodes::Op::AmbientOcclusion || op == nodes::Op::Bevel || op == nodes::Op::Raycast)
       program.features |= kProgramMeetsItself;
   }
-  program.asks_side = false;
-  for (size_t at = 0; at < program.code.size(); at += nodes::kWords[program.code[at]])
-    program.asks_side |= asks_side(static_cast<nodes::Op>(program.code[at]), &program.code[at + 1]);
+  program.asks_side = program.has_own_normals = false;
+  for (size_t at = 0; at < program.code.size(); at += nodes::kWords[program.code[at]]) {
+    const auto op = static_cast<nodes::Op>(program.code[at]);
+    program.asks_side |= asks_side(op, &program.code[at + 1]);
+    program.has_own_normals |= has_own_normal(program, op, &program.code[at + 1]);
+  }
   program.asks_shadow = program.asks_kind = program.asks_singular = program.asks_depth =
       program.asks_ray = false;
   for (size_t at = 0; at < program.code.size(); at += nodes::kWords[program.code[at]]) {

@@ -30,6 +30,7 @@ struct Program {
   // And those of deltas, later ones, any others
   bool asks_singular = false, asks_depth = false, asks_ray = false;
   bool asks_side = false;         // from where it is seen: what it lets through depends on the way
+  bool has_own_normals = false;   // which need not be turned towards who sees it
   bool bends_subsurface = false;  // light from below leaves about another normal than the surface's
 };
 
