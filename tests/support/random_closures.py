@@ -59,6 +59,8 @@ def build(chance: random.Random) -> Any:
     if chance.random() < 0.4:  # where most of the light goes
         way = -towards if side < 0 else Vector((-towards.x, 0.0, towards.z))
     _lamp(chance, way)
+    if chance.random() < 0.25:
+        _extremes(chance, sheet.data.materials[0])
     return made
 
 
@@ -104,6 +106,21 @@ def _material(chance: random.Random, kind: str) -> Any:
         _tilt(chance, tree, shader)
     stage.surface(tree, shader)
     return made
+
+
+def _extremes(chance: random.Random, made: Any) -> None:
+    """Values at which formulas end, and films."""
+    tree = made.node_tree
+    shader = next(node for node in tree.nodes if node.type.startswith("BSDF"))
+    _put(shader, "IOR", chance.choice([0.7, 0.999, 1.0, 1.0, 1.001, 1.5, 5.0]))
+    _put(shader, "Specular IOR Level", chance.choice([0.0, 0.0, 0.5, 1.0]))
+    _put(shader, "Thin Film Thickness", chance.choice([0.0, 20.0, 450.0, 1500.0]))
+    _put(shader, "Thin Film IOR", chance.choice([1.0, 1.33, 2.0]))
+    for name in ("Specular Tint", "Base Color", "Edge Tint"):
+        if chance.random() < 0.3:
+            _put(shader, name, chance.choice([(0.0, 0.0, 0.0, 1.0), (1.0, 1.0, 1.0, 1.0)]))
+    for name in ("Coat IOR", "Subsurface IOR"):
+        _put(shader, name, chance.choice([1.0, 1.5, 3.0]))
 
 
 def _tilt(chance: random.Random, tree: Any, shader: Any) -> None:

@@ -270,12 +270,13 @@ def principled(n: Node, weight: Value) -> Made:
     if n.owner.opaque_shadow and alpha != ONE:
         clear = n.graph.multiply(n.graph.one("OneMinus", a=alpha), seen_through(n))
         alpha = n.graph.one("OneMinus", a=clear)
-    ior = n.ior("IOR", 1.5)
+    ior, film = n.ior("IOR", 1.5), n.number("Thin Film Thickness")
     emission_color, emission_strength = n.color("Emission Color"), n.number("Emission Strength")
     layers = ("Subsurface Weight", "Transmission Weight", "Coat Weight", "Sheen Weight")
     if (
         alpha == ONE
         and specular == ZERO
+        and film == ZERO
         and metal == ZERO
         and all(weights[name] == ZERO for name in layers)
     ):
@@ -312,7 +313,7 @@ def principled(n: Node, weight: Value) -> Made:
         sheen_tint=n.color("Sheen Tint", (1.0, 1.0, 1.0)),
         emission_color=emission_color,
         emission_strength=emission_strength,
-        thin_film_thickness=n.number("Thin Film Thickness"),
+        thin_film_thickness=film,
         thin_film_ior=n.number("Thin Film IOR", 1.33),
         distribution=n.node.distribution,
         subsurface_radius=n.vector("Subsurface Radius", DEFAULT_RADIUS)

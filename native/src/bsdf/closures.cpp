@@ -40,13 +40,14 @@ struct Facet {
   bool transmits, mirror;  // refraction alone: no mirror
   void expand(const View& view, LobeList& out) const {
     FresnelTerms f = fresnel;
-    if (transmits && bends_nothing(f.ior)) return out.go_straight(weight * f.transmit_tint);
     if (transmits) {
+      const bool straight = bends_nothing(f.ior);
       // The film too is seen from within the glass
       if (view.back) f.film_ior /= f.ior, f.ior = 1 / f.ior;
       const float f0 = f0_from_ior(f.ior);
       f.f0 = {f0, f0, f0};
       if (!mirror) f.f0 = f.f90 = {};
+      if (straight) return add_straight_glass(view, weight, view.turned(normal), shape, f, out);
     }
     out.add([&] { return facet_lobe(view, weight, view.turned(normal), shape, f); });
   }

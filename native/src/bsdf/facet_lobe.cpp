@@ -40,7 +40,7 @@ namespace {
 
 // What a facet lobe of weight 1 reflects and refracts, about, if nothing is lost between facets.
 FresnelValue layer_albedo(const FresnelTerms& f, float roughness, float mu) {
-  if (f.kind == FresnelKind::kDielectric && f.ior != 1 && f.film_thickness <= 0.1f) {
+  if (f.kind == FresnelKind::kDielectric && f.ior != 1 && f.film_thickness <= kThinnestFilm) {
     const Rgb r = lerp(f.f0, f.f90, dielectric_rise(roughness, mu, f.ior));
     return {r * f.reflect_tint, (kWhite - r) * f.transmit_tint};
   }
@@ -102,6 +102,16 @@ Lobe facet_lobe(const View& view, const Rgb& weight, const Vec3& normal, const F
   lobe.layer = (layer.reflect + layer.transmit) * kept;
   lobe.albedo = average(weight * lobe.layer);
   return lobe;
+}
+
+void add_straight_glass(const View& view, const Rgb& weight, const Vec3& n, const FacetShape& shape,
+                        FresnelTerms fresnel, LobeList& out) {
+  if (fresnel.film_thickness <= kThinnestFilm)
+    return out.go_straight(weight * fresnel.transmit_tint);
+  const float cosine = saturate(dot(view.wo, valid_reflection(view, n)));
+  out.go_straight(weight * evaluate_fresnel(fresnel, cosine).transmit);
+  fresnel.transmit_tint = {};
+  out.add([&] { return facet_lobe(view, weight, n, shape, fresnel); });
 }
 
 Rgb reflected_share(const Lobe& lobe) {

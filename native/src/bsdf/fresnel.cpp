@@ -20,6 +20,9 @@ float ior_from_f0(float f0) {
 
 namespace {
 
+// Reflectance at normal incidence up to which a film is not tinted, as nothing else reflects
+constexpr float kLeastTinted = 1e-5f;
+
 // (1 - 1/7)^5: Schlick's curve at 82 degrees, cos 1/7.
 constexpr float kEdge5 = 7776.0f / 16807;
 
@@ -74,19 +77,19 @@ float conductor(float cos_i, float n, float k) {
 
 FresnelValue evaluate_fresnel(const FresnelTerms& f, float cos_i) {
   cos_i = saturate(cos_i);
-  const bool film = f.film_thickness > 0.1f;
+  const bool film = f.film_thickness > kThinnestFilm;
   Rgb r{1, 1, 1};
   switch (f.kind) {
     case FresnelKind::kOne: break;
     case FresnelKind::kDielectric: {
       const float f0 = f0_from_ior(f.ior);
       const auto rise = [f0](float x) { return f0 < 1 ? saturate((x - f0) / (1 - f0)) : 1; };
-      if (!film || f0 <= 0) {
+      if (!film) {
         r = lerp(f.f0, f.f90, rise(fresnel_dielectric(cos_i, f.ior)));
       } else {
         // The tint of f0 fades towards grazing angles, as without the film.
         r = film_reflectance(cos_i, f.film_thickness, f.film_ior, kWhite * f.ior, {});
-        const Rgb tint = f.f0 / f0;
+        const Rgb tint = f0 > kLeastTinted ? f.f0 / f0 : kWhite;
         r *= Rgb{tint.x + (f.f90.x - tint.x) * rise(r.x), tint.y + (f.f90.y - tint.y) * rise(r.y),
                  tint.z + (f.f90.z - tint.z) * rise(r.z)};
       }

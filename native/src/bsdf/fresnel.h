@@ -5,6 +5,8 @@
 
 namespace photon_splat {
 
+inline constexpr float kThinnestFilm = 0.1f;  // nm; there is no film of that or less
+
 enum class FresnelKind : uint8_t { kOne, kDielectric, kF82, kConductor };
 
 // What a microfacet does with light: reflect + transmit <= 1 in each channel for physical
@@ -15,7 +17,7 @@ struct FresnelTerms {
   // dielectric: reflectance at 0 and 90 degrees; F82: base and edge tint; conductor: n and k
   Rgb f0{1, 1, 1}, f90{1, 1, 1};
   Rgb reflect_tint{1, 1, 1}, transmit_tint{};
-  float film_thickness = 0, film_ior = 1.33f;  // nm; no film under 0.1 nm
+  float film_thickness = 0, film_ior = 1.33f;  // nm; see kThinnestFilm
 };
 
 struct FresnelValue {

@@ -160,6 +160,9 @@ struct FacetShape {
 };
 Lobe facet_lobe(const View& view, const Rgb& weight, const Vec3& n, const FacetShape& shape,
                 const FresnelTerms& fresnel);
+// Glass that bends nothing: no lobe, unless a film on it reflects.
+void add_straight_glass(const View& view, const Rgb& weight, const Vec3& n, const FacetShape& shape,
+                        FresnelTerms fresnel, LobeList& out);
 // Of what a facet lobe scatters, about.
 Rgb reflected_share(const Lobe& lobe);
 // Under a roughness of 0.01 or so it is the mirror that facet_lobe() makes.

@@ -51,7 +51,7 @@ Pane pane(const FresnelTerms& front, const Rgb& clear, float mu) {
   const FresnelValue outer = evaluate_fresnel(front, mu);
   if (!(inside > 0)) return {outer.reflect, {}};
   FresnelValue inner = outer;
-  if (front.film_thickness > 0.1f) {
+  if (front.film_thickness > kThinnestFilm) {
     FresnelTerms back = front;
     back.ior = 1 / front.ior;
     back.film_ior = front.film_ior / front.ior;
@@ -182,7 +182,7 @@ void expand_principled(const Rgb& outer, const PrincipledInputs& in, const View&
     FacetShape isotropic = shape;
     isotropic.along = isotropic.across = 1;
     if (bends_nothing(in.ior))
-      out.go_straight(weight * in.transmission_weight * f.transmit_tint);
+      add_straight_glass(view, weight * in.transmission_weight, normal, isotropic, f, out);
     else
       out.add(
           [&] { return facet_lobe(view, weight * in.transmission_weight, normal, isotropic, f); });
@@ -202,7 +202,7 @@ void expand_principled(const Rgb& outer, const PrincipledInputs& in, const View&
     f.f0 = min(in.specular_tint * f0, kWhite);
     f.film_thickness = in.thin_film_thickness;
     f.film_ior = in.thin_film_ior;
-    if (f.ior != 1 || f.film_thickness > 0.1f) {
+    if (f.ior != 1 || f.film_thickness > kThinnestFilm) {
       weight *= under(out.add([&] { return facet_lobe(view, weight, normal, shape, f); }).layer);
     }
     if (in.thin_wall && in.subsurface_weight > 0) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "bsdf/fresnel.h"
+#include "math/spectrum.h"
 
 namespace photon_splat {
 namespace {
@@ -13,30 +14,19 @@ namespace {
 using Complex = std::complex<float>;
 
 // Mean of exp(2 pi i d / wavelength) as linear RGB (Rec. 709) sees it, by the optical path
-// difference d; 1 at d = 0. From the fits of Wyman et al. 2013, "Simple analytic approximations to
-// the CIE XYZ color matching functions", each channel of unit area.
+// difference d; 1 at d = 0. Each channel has unit area.
 class Spectrum {
  public:
-  static constexpr float kStep = 10, kLongest = 16000;  // nm; longer: no colour is left
+  static constexpr float kStep = 4, kLongest = 16000;  // nm; longer: no colour is left
 
   Spectrum() : table_(static_cast<size_t>(kLongest / kStep) + 2) {
     double area[3] = {};
     for (double l = 380; l < 780; l += 2) {
-      const auto lobe = [l](double scale, double mean, double below, double above) {
-        const double t = (l - mean) * (l < mean ? below : above);
-        return scale * std::exp(-0.5 * t * t);
-      };
-      const double x = lobe(1.056, 599.8, 0.0264, 0.0323) + lobe(0.362, 442.0, 0.0624, 0.0374) -
-                       lobe(0.065, 501.1, 0.0490, 0.0382);
-      const double y = lobe(0.821, 568.8, 0.0213, 0.0247) + lobe(0.286, 530.9, 0.0613, 0.0322);
-      const double z = lobe(1.217, 437.0, 0.0845, 0.0278) + lobe(0.681, 459.0, 0.0385, 0.0725);
-      const double rgb[3] = {3.2404542 * x - 1.5371385 * y - 0.4985314 * z,
-                             -0.9692660 * x + 1.8760108 * y + 0.0415560 * z,
-                             0.0556434 * x - 0.2040259 * y + 1.0572252 * z};
+      const Rgb rgb = spectral_rgb(static_cast<float>(l));
       const std::complex<double> turn = std::polar(1.0, 2 * M_PI * double(kStep) / l);
       std::complex<double> now = 1;
       for (Entry& entry : table_) {
-        for (int c = 0; c < 3; ++c) entry.rgb[c] += Complex(rgb[c] * now);
+        for (int c = 0; c < 3; ++c) entry.rgb[c] += Complex(double(rgb[c]) * now);
         now *= turn;
       }
       for (int c = 0; c < 3; ++c) area[c] += rgb[c];

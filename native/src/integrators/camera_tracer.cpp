@@ -281,6 +281,7 @@ void CameraTracer::pass_glass(Path& path, const Surface& hit) const {
   path.through_glass = true;
   path.from = {path.origin, {}, true};
   path.from.time = path.info.time;
+  path.from.ray = path.from.diffuse_ray = lobe_rays(false, true);
   show_first(path, hit, 1);
 }
 

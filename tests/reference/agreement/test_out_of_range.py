@@ -11,6 +11,8 @@ import pytest
 from tests.support import stage
 
 PRINCIPLED, METALLIC = "ShaderNodeBsdfPrincipled", "ShaderNodeBsdfMetallic"
+GLASS = "ShaderNodeBsdfGlass"
+BLACK, FILM = {"Roughness": 0.3, "Base Color": (0.0, 0.0, 0.0)}, {"Thin Film Thickness": 450.0}
 
 
 def _sheet(node: str, inputs: dict[str, Any]) -> None:
@@ -55,14 +57,34 @@ def test_closures_out_of_range_are_as_bright_as_in_cycles(
     node: str, inputs: dict[str, Any]
 ) -> None:
     """Once wrong by 2 to 25 %."""
+    _expect_cycles(node, inputs)
+
+
+@pytest.mark.parametrize(
+    ("node", "inputs"),
+    [
+        (PRINCIPLED, BLACK | FILM | {"IOR": 1.0}),
+        (PRINCIPLED, BLACK | FILM | {"Specular IOR Level": 0.0}),
+        (PRINCIPLED, BLACK | FILM | {"IOR": 1.0, "Transmission Weight": 1.0}),
+        (GLASS, {"Roughness": 0.3, "IOR": 1.0} | FILM),
+    ],
+)
+def test_a_film_reflects_where_nothing_under_it_does(node: str, inputs: dict[str, Any]) -> None:
+    """As soap bubbles are made. Once black."""
+    _expect_cycles(node, inputs, samples=400)
+
+
+def _expect_cycles(
+    node: str, inputs: dict[str, Any], samples: int = 96, within: float = 0.012
+) -> None:
     import bpy
     from photon_splat.export import export_scene
 
     from tests.reference.agreement.run import beside_cycles
 
     _sheet(node, inputs)
-    _, pictures = beside_cycles(export_scene(bpy.context.evaluated_depsgraph_get()), samples=96)
+    _, pictures = beside_cycles(export_scene(bpy.context.evaluated_depsgraph_get()), samples)
     means = [picture.mean((0, 1)) for picture in pictures]
     ours, cycles = means[0] + means[1], means[2] + means[3]
     assert cycles.all()
-    assert ours == pytest.approx(cycles, rel=0.012)
+    assert ours == pytest.approx(cycles, rel=within)
