@@ -1,4 +1,6 @@
 // Tangents, normal maps and bumps.
+#include <utility>
+
 #include "shading/frame.h"
 
 namespace photon_splat::nodes {
@@ -35,13 +37,23 @@ Vec3 tangent_of_triangle(const Frame& f, uint32_t uv, float& sign) {
   return shared ? direction : f.world_to_object().vector(direction);
 }
 
+// An attribute where the point itself is: what a frame is made of is not shifted for bumps, in
+// Cycles either.
+bool attribute_here(Frame& f, uint32_t id, std::array<float, 4>& value) {
+  const Vec3 shift = std::exchange(f.shift, Vec3{});
+  f.knows_uv = false;
+  uint32_t components;
+  const bool found = f.attribute(id, value, components);
+  f.shift = shift;
+  f.knows_uv = false;
+  return found;
+}
+
 // Tangent and sign of the bitangent in object coordinates, the tangent not normalised, as the
 // exporter gives them or from the triangle's UVs.
 Vec3 tangent_frame(Frame& f, uint32_t tangent, uint32_t uv, float& sign) {
   std::array<float, 4> value{};
-  uint32_t components;
-  if (!f.attribute(tangent, value, components))
-    return safe_normalize(tangent_of_triangle(f, uv, sign));
+  if (!attribute_here(f, tangent, value)) return safe_normalize(tangent_of_triangle(f, uv, sign));
   sign = value[3] < 0 ? -1.0f : 1.0f;
   return {value[0], value[1], value[2]};
 }
@@ -125,8 +137,7 @@ void normal_map(Frame& f, const uint32_t* w) {
     const Vec3 tangent = tangent_frame(f, w[4], w[5], sign);
     Vec3 own = front_normal_in_object(f);
     std::array<float, 4> original{};
-    uint32_t components;
-    const bool before = w[7] != kNone && f.attribute(w[7], original, components);
+    const bool before = w[7] != kNone && attribute_here(f, w[7], original);
     if (before) own = {original[0], original[1], original[2]};
     if (f.on(w[6])) own = safe_normalize(own);
     if (length2(tangent) == 0) return f.set(w[0], shading);

@@ -273,6 +273,11 @@ def _normals() -> list[Case]:
         found.append(
             Case(f"tangent {thing}", "ShaderNodeTangent", "Tangent", along_map, thing=thing)
         )
+    found += [
+        Case(f"bump of vectors {space} {thing}", "", "", thing=thing, build=_bump_of_vector(space))
+        for space in enum("ShaderNodeVectorDisplacement", "space")
+        for thing in ("sphere", "hexagons")
+    ]
     for thing in THINGS:
         for invert in (False, True):
             inputs = {"Strength": 0.7, "Distance": 0.3, "Height": "waves"}
@@ -336,6 +341,26 @@ def _bump_twice(tree: Any) -> Any:
     )
     tree.links.new(first, input_of(second.node, "Normal"))
     return second
+
+
+def _bump_of_vector(space: str) -> Callable[[Any], Any]:
+    """By the height along the normal of a displacement by vectors."""
+
+    def build(tree: Any) -> Any:
+        moved, seen, height, bump = (
+            tree.nodes.new(f"ShaderNode{kind}")
+            for kind in ("VectorDisplacement", "NewGeometry", "VectorMath", "Bump")
+        )
+        moved.space, height.operation = space, "DOT_PRODUCT"
+        input_of(moved, "Scale").default_value = 0.3
+        input_of(bump, "Distance").default_value = 0.3
+        tree.links.new(tree.nodes.new("ShaderNodeTexCoord").outputs["Object"], moved.inputs[0])
+        tree.links.new(moved.outputs[0], height.inputs[0])
+        tree.links.new(seen.outputs["Normal"], height.inputs[1])
+        tree.links.new(height.outputs["Value"], input_of(bump, "Height"))
+        return bump.outputs[0]
+
+    return build
 
 
 # --- how trees are put together ---
