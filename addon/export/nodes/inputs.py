@@ -135,6 +135,17 @@ def particle_info(n: Node) -> Outputs:
     return found | {name: instance_value(n, "particle", name)["vector"] for name in vectors}
 
 
+OF_SURFACES = {
+    "uv": "uv",
+    "generated": "generated",
+    "tangent": "tangent",
+    "pointiness": "pointiness",
+    "random_per_island": "island",
+}
+"""What Cycles knows of surfaces by names of its own, which precede attributes of the mesh: what
+programs want."""
+
+
 def attribute(n: Node) -> Outputs:
     node = n.node
     name, kind = node.attribute_name, node.attribute_type
@@ -142,6 +153,8 @@ def attribute(n: Node) -> Outputs:
         return _from_view_layer(n, name)
     if kind == "GEOMETRY" and n.owner.grids:
         found = grid_value(n, name)
+    elif kind == "GEOMETRY" and name in OF_SURFACES:
+        found = _of_surface(n, name)
     elif kind == "GEOMETRY":
         found = n.graph.add(
             "Attribute", attribute=n.around.wants.id("attribute", name) if name else NONE
@@ -154,6 +167,18 @@ def attribute(n: Node) -> Outputs:
         "Fac": found["factor"],
         "Alpha": found["alpha"],
     }
+
+
+def _of_surface(n: Node, name: str) -> Outputs:
+    if name == "uv":
+        place = uv(n, "")
+        first = n.graph.add("SeparateColor", color=place, mode="RGB")["a"]
+        return {"vector": place, "factor": first, "alpha": ONE}
+    if name == "generated":
+        place = n.generated()
+        return {"vector": place, "factor": n.graph.one("Average", value=place), "alpha": ONE}
+    number_of = n.tangent_id("") if name == "tangent" else n.around.wants.id(OF_SURFACES[name])
+    return n.graph.add("Attribute", attribute=number_of) | {"alpha": ONE}
 
 
 def _from_view_layer(n: Node, name: str) -> Outputs:

@@ -194,6 +194,17 @@ def _attributes() -> list[Case]:
             Case(f"attribute {name} {o}", "ShaderNodeAttribute", o, {"attribute_name": name})
             for o in outputs
         ]
+    for name in ("uv", "generated", "tangent", "pointiness", "random_per_island"):
+        found += [
+            Case(
+                f"attribute {name} {o}",
+                "ShaderNodeAttribute",
+                o,
+                {"attribute_name": name},
+                thing="sphere",
+            )
+            for o in ("Vector", "Fac", "Alpha")
+        ]
     for name in ("Bytes", "Floats", ""):
         outputs = ("Color", "Alpha")
         found += [
