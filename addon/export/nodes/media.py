@@ -18,8 +18,6 @@ OF_VOLUMES = {
     "PRINCIPLED_VOLUME",
 }
 """Shaders that mean something in a volume alone."""
-NO_FOURNIER = "the phase function of Fournier and Forand is taken as Henyey-Greenstein's of 0.9"
-FOURNIER_FORWARD = 0.9
 STEFAN_BOLTZMANN = 5.670373e-8
 """W/m^2/K^4"""
 
@@ -140,8 +138,7 @@ def _phase(n: Node) -> dict[str, Any]:
     }
     phase = getattr(n.node, "phase", "HENYEY_GREENSTEIN")
     if phase == "FOURNIER_FORAND":
-        n.warn(NO_FOURNIER)
-        found["anisotropy"], phase = number(FOURNIER_FORWARD), "HENYEY_GREENSTEIN"
+        found["anisotropy"], found["alpha"] = n.number("IOR", 1.33), n.number("Backscatter", 0.1)
     return found | {"phase": phase}
 
 

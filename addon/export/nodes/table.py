@@ -61,8 +61,8 @@ NODES: dict[str, Entry] = {
     "BSDF_RAY_PORTAL": Entry("shader", "Ray Portal BSDF", s.ray_portal, "taken as transparent"),
     "EEVEE_SPECULAR": Entry("shader", "Specular BSDF", s.of_eevee, "black, as in Cycles"),
     "VOLUME_ABSORPTION": Entry("shader", "Volume Absorption", m.absorption),
-    "VOLUME_SCATTER": Entry("shader", "Volume Scatter", m.scatter, m.NO_FOURNIER),
-    "VOLUME_COEFFICIENTS": Entry("shader", "Volume Coefficients", m.coefficients, m.NO_FOURNIER),
+    "VOLUME_SCATTER": Entry("shader", "Volume Scatter", m.scatter),
+    "VOLUME_COEFFICIENTS": Entry("shader", "Volume Coefficients", m.coefficients),
     "PRINCIPLED_VOLUME": Entry("shader", "Principled Volume", m.principled),
     # --- textures ---
     "TEX_IMAGE": Entry("texture", "Image Texture", t.image, "of movies one frame"),

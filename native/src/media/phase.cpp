@@ -10,6 +10,67 @@ float henyey_greenstein(float cosine, float g) {
   return (1 - g * g) / (4 * kPi * d * std::sqrt(d));
 }
 
+// Particles of many sizes in water (Fournier and Forand, Analytic phase function for ocean water,
+// 1994, by the share that they scatter backwards: Fournier and Jonasz, Computer-based underwater
+// imaging analysis, 1999). Of t = sin^2(angle / 2).
+class FournierForand {
+ public:
+  FournierForand(float index, float backwards) {
+    const double n = index >= 1.001f ? std::min(index, 100.0f) : 1.001, share = std::abs(backwards),
+                 b = share >= 1e-6 ? std::min(share, 0.499) : 1e-6;
+    per_t_ = 4 / (3 * (n - 1) * (n - 1));
+    const double across = off_one(0.5 * per_t_);
+    exponent_ = -std::log(2 * b * (across - 1) + 1) / std::log(across);
+    even_ = (std::pow(per_t_, -exponent_) - 1) / (off_one(per_t_) - 1);
+  }
+
+  double evaluate(double t) const {
+    const double d = off_one(per_t_ * t), power = std::pow(d, exponent_), cosine = 1 - 2 * t;
+    return ((exponent_ * (1 - d) - (1 - power) + (d * (1 - power) - exponent_ * (1 - d)) / t) /
+                ((1 - d) * (1 - d) * power) +
+            even_ / 4 * (3 * cosine * cosine - 1)) /
+           (4 * kPi);
+  }
+
+  // The share that goes to smaller angles.
+  double below(double t) const {
+    const double d = off_one(per_t_ * t), power = std::pow(d, exponent_);
+    return (1 - d * power - (1 - power) * t) / ((1 - d) * power) +
+           even_ / 2 * (1 - 2 * t) * t * (1 - t);
+  }
+
+  // Where below() is u. Small angles follow a power of t.
+  double sample(double u) const {
+    const double power = std::clamp(-exponent_, 0.02, 1.0);
+    double low = 0, high = 1, at_low = -u, at_high = 1 - u;
+    int side = 0;
+    double t = 1;
+    for (int step = 0; step < kMostSteps; ++step) {  // regula falsi, after Dowell and Jarratt 1971
+      const double q = std::clamp((low * at_high - high * at_low) / (at_high - at_low), low, high);
+      t = std::max(std::pow(q, 1 / power), kLeastT);
+      const double here = below(t) - u;
+      if (std::abs(here) < 1e-7 || high - low < 1e-9) break;
+      if (here > 0) {
+        if (side > 0) at_low /= 2;
+        high = q, at_high = here, side = 1;
+      } else {
+        if (side < 0) at_high /= 2;
+        low = q, at_low = here, side = -1;
+      }
+    }
+    return t;
+  }
+
+  static constexpr double kLeastT = 1e-12;
+
+ private:
+  static constexpr int kMostSteps = 40;
+  // Formulas are 0 / 0 at 1
+  static double off_one(double d) { return std::abs(d - 1) < 1e-4 ? 1 + 1e-4 : d; }
+
+  double per_t_, exponent_, even_;
+};
+
 float bounded_g(float g) { return g == g ? std::clamp(g, -kMostForward, kMostForward) : 0; }
 
 }  // namespace
@@ -22,13 +83,18 @@ float Phase::evaluate(float cosine) const {
       return henyey_greenstein(cosine, b) * (1 + a * cosine * cosine) /
              (1 + a * (1 + 2 * b * b) / 3);
     }
+    case PhaseKind::kFournierForand:
+      return static_cast<float>(FournierForand(g, alpha).evaluate(
+          std::clamp((1 - static_cast<double>(cosine)) / 2, FournierForand::kLeastT, 1.0)));
     case PhaseKind::kHenyeyGreenstein: break;
   }
   return henyey_greenstein(cosine, bounded_g(g));
 }
 
 float Phase::pdf(float cosine) const {
-  return kind == PhaseKind::kRayleigh ? evaluate(cosine) : henyey_greenstein(cosine, bounded_g(g));
+  return kind == PhaseKind::kRayleigh || kind == PhaseKind::kFournierForand
+             ? evaluate(cosine)
+             : henyey_greenstein(cosine, bounded_g(g));
 }
 
 float Phase::sample_cosine(float u) const {
@@ -36,6 +102,8 @@ float Phase::sample_cosine(float u) const {
     const float a = 4 * u - 2, v = std::cbrt(a + std::sqrt(a * a + 1));
     return std::clamp(v - 1 / v, -1.0f, 1.0f);
   }
+  if (kind == PhaseKind::kFournierForand)
+    return static_cast<float>(1 - 2 * FournierForand(g, alpha).sample(u));
   const float b = bounded_g(g);
   if (std::abs(b) < 1e-3f) return 1 - 2 * u;
   const float k = (1 - b * b) / (1 - b + 2 * b * u);

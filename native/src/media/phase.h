@@ -7,12 +7,14 @@
 
 namespace photon_splat {
 
-enum class PhaseKind : uint8_t { kHenyeyGreenstein, kDraine, kRayleigh };
+enum class PhaseKind : uint8_t { kHenyeyGreenstein, kDraine, kRayleigh, kFournierForand };
 
 struct Phase {
   PhaseKind kind = PhaseKind::kHenyeyGreenstein;
-  float g = 0;      // mean cosine (Henyey-Greenstein), or Draine's g
-  float alpha = 0;  // Draine's
+  // Mean cosine (Henyey-Greenstein), Draine's g, or the index of refraction of particles (Fournier
+  // and Forand)
+  float g = 0;
+  float alpha = 0;  // Draine's, or the share that is scattered backwards (Fournier and Forand)
 
   // 1/sr
   float evaluate(float cosine) const;

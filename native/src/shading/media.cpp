@@ -21,6 +21,8 @@ void scatter(MediumPoint& out, const Rgb& coefficient, PhaseFunction function, f
       return out.add_scattering(coefficient, {PhaseKind::kDraine, g, alpha});
     case PhaseFunction::RAYLEIGH:
       return out.add_scattering(coefficient, {PhaseKind::kRayleigh, 0, 0});
+    case PhaseFunction::FOURNIER_FORAND:
+      return out.add_scattering(coefficient, {PhaseKind::kFournierForand, g, alpha});
     case PhaseFunction::MIE: {
       const MieFit fit = fit_mie(diameter);
       out.add_scattering(coefficient * (1 - fit.second_share), fit.first);

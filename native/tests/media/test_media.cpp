@@ -109,6 +109,33 @@ TEST_CASE("phase functions send everything somewhere, and samples follow their d
   CHECK(Phase{PhaseKind::kHenyeyGreenstein, NAN, 0}.evaluate(0.3f) == approx(1 / (4 * kPi)));
 }
 
+TEST_CASE(
+    "particles in water send as much backwards as they are said to, and follow their density") {
+  const float cases[][2] = {
+      {1.33f, 0.1f}, {1.05f, 0.02f}, {1.1f, 0.4f}, {2, 0.05f}, {1.8165f, 0.3f}};
+  for (const auto& [index, backwards] : cases) {
+    CAPTURE(index);
+    CAPTURE(backwards);
+    const Phase phase{PhaseKind::kFournierForand, index, backwards};
+    for (const float least : {0.5f, 0.1f, 0.01f}) {  // sin^2 of half the angle
+      double share = 0, drawn = 0;
+      for (uint32_t i = 0; i < kSamples; ++i) {
+        const double u = (i + 0.5) / kSamples, t = double(least) * std::pow(1 / double(least), u);
+        share += phase.evaluate(float(1 - 2 * t)) * 4 * double(kPi) * t *
+                 std::log(1 / double(least)) / kSamples;
+        const float cosine = phase.sample_cosine(float(u));
+        REQUIRE(std::abs(cosine) <= 1);
+        CHECK(phase.pdf(cosine) == phase.evaluate(cosine));
+        drawn += cosine < 1 - 2 * least ? 1.0 / kSamples : 0;
+      }
+      if (least == 0.5f) CHECK(drawn == approx(backwards).epsilon(2e-3));
+      CHECK(share == approx(drawn).epsilon(2e-3));
+    }
+  }
+  CHECK(std::isfinite(Phase{PhaseKind::kFournierForand, NAN, NAN}.evaluate(0.3f)));
+  CHECK(std::isfinite(Phase{PhaseKind::kFournierForand, 1.33f, 0.1f}.evaluate(1)));
+}
+
 TEST_CASE("light fades by Beer and Lambert's law, drawn or computed") {
   Scene scene(1);
   fill(scene, scattering(2, 0, {1, 0.5f, 0}));

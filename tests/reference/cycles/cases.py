@@ -135,6 +135,7 @@ CASES: tuple[Case, ...] = (
     _fog("fog_coloured_light", lamp="area", Density=1.0, Color=(0.2, 0.5, 0.9)),
     _fog("fog_rayleigh", phase="RAYLEIGH", Density=0.6),
     _fog("fog_draine", phase="DRAINE", Density=0.6, Anisotropy=0.5, Alpha=2.0),
+    _fog("fog_fournier", phase="FOURNIER_FORAND", Density=0.6, IOR=1.33, Backscatter=0.1),
     _fog("fog_mie_tiny", phase="MIE", Density=0.6, Diameter=0.05),
     _fog("fog_mie_small", lamp="world", phase="MIE", Density=0.6, Diameter=1.0),
     _fog("fog_mie_drops", lamp="world", phase="MIE", Density=0.6, Diameter=4.0),
