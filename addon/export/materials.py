@@ -294,6 +294,8 @@ def _sides(
     if any(made.operation.name not in {"Diffuse", "Emission"} for made in compiled.statements):
         return None
     whole = lambertian(compiled)
+    if whole is not None and min(whole[1][0]) < 0.0:
+        return None  # programs alone tell light below zero
     if whole is not None:
         side = _side(whole, owner, shading)
         return side, side
@@ -303,7 +305,7 @@ def _sides(
     for back in (False, True):
         one = Owner(owner.name, material, back, owner.uv_map)
         reduced = lambertian(shading.compile(one, output.inputs["Surface"]))
-        if reduced is None:
+        if reduced is None or min(reduced[1][0]) < 0.0:
             return None
         found.append(_side(reduced, owner, shading))
     return found[0], found[1]
@@ -311,7 +313,7 @@ def _sides(
 
 def _side(reduced: Any, owner: Owner, shading: Shading) -> Side:
     (base, base_texture), (emission, emission_texture) = reduced
-    if min(base) < 0.0 or min(emission) < 0.0:
+    if min(base) < 0.0:
         shading.around.report.warn(f"{owner.name}: negative colours are taken as 0")
-        base, emission = ((max(r, 0.0), max(g, 0.0), max(b, 0.0)) for r, g, b in (base, emission))
+        base = max(base[0], 0.0), max(base[1], 0.0), max(base[2], 0.0)
     return Side(base, base_texture, emission, emission_texture)

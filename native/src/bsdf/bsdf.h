@@ -123,7 +123,8 @@ class Bsdf {
   // nothing may be added.
   void finish();
 
-  const Rgb& emission() const { return lobes_.emission; }  // radiance towards wo, W/m^2/sr
+  // Radiance towards wo, W/m^2/sr; below 0 where nodes say so
+  const Rgb& emission() const { return lobes_.emission; }
   // The part of transparency() through glass that bends nothing: a camera ray is a transmission ray
   // then
   const Rgb& straight() const { return lobes_.straight; }

@@ -220,7 +220,9 @@ void Bsdf::add_translucent(const Rgb& weight, const Vec3& normal) {
   add(Translucent{clean_color(weight), normal});
 }
 void Bsdf::add_transparent(const Rgb& weight) { add(Transparent{clean_color(weight)}); }
-void Bsdf::add_emission(const Rgb& weight) { add(Emission{clean_color(weight)}); }
+void Bsdf::add_emission(const Rgb& weight) {
+  add(Emission{clean_color(weight) - clean_color(-weight)});
+}
 void Bsdf::add_holdout(float weight) { add(Holdout{clean(weight, 0, 1, 0)}); }
 void Bsdf::add_principled(const Rgb& weight, PrincipledInputs&& inputs) {
   make_clean(inputs);

@@ -113,16 +113,18 @@ void CameraTracer::add_world_by_ray(Path& path, const Rgb& light) const {
 }
 
 void CameraTracer::add_emission(Path& path, const Surface& hit, const Rgb& emission) const {
-  if (is_black(emission)) return;
-  if (hit.on_strand()) return add_strand_emission(path, hit, emission);
+  if (is_zero(emission)) return;
+  if (hit.on_strand()) return add_found_emission(path, hit, emission);
+  const Rgb shines = max(emission, Rgb{}), takes = emission - shines;
+  if (!is_zero(takes)) add_found_emission(path, hit, takes);
+  if (is_black(shines)) return;
   const float weight = path.vertex == 0 ? 1 : lights_.surface_mis_weight(path.from, hit, path.pdf);
   if (weight > 0)
-    add_met(path, emission * weight, path.pixel.emission,
-            scene_.instances[hit.instance].light_group);
+    add_met(path, shines * weight, path.pixel.emission, scene_.instances[hit.instance].light_group);
 }
 
-// No photons bring it, and no light samples.
-void CameraTracer::add_strand_emission(Path& path, const Surface& hit, const Rgb& emission) const {
+// That of strands, or below 0: no photons bring it, and no light samples.
+void CameraTracer::add_found_emission(Path& path, const Surface& hit, const Rgb& emission) const {
   const Instance& instance = scene_.instances[hit.instance];
   if (path.vertex > 0 && !(instance.lit_groups & path.from.group)) return;
   const Rgb kept = path.emission_throughput;

@@ -58,6 +58,7 @@ inline float luminance(const Vec3& rgb) {
   return 0.2126f * rgb.x + 0.7152f * rgb.y + 0.0722f * rgb.z;
 }
 inline float average(const Vec3& a) { return (a.x + a.y + a.z) * (1.0f / 3.0f); }
+inline bool is_zero(const Vec3& a) { return a.x == 0 && a.y == 0 && a.z == 0; }
 inline bool is_black(const Vec3& a) { return a.x <= 0 && a.y <= 0 && a.z <= 0; }
 // Far below the largest float: whatever is summed of these stays finite. NaN is none.
 inline constexpr float kMostLight = 1e28f;

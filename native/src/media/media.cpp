@@ -122,7 +122,7 @@ MediumPoint Media::run(const Region& region, const Vec3& x, const Vec3& wo,
   const auto bounded = [](Rgb& c) {
     for (float* v : {&c.x, &c.y, &c.z}) *v = *v > 0 ? std::min(*v, kMostCoefficient) : 0;
   };
-  out.emission += emission.emission();
+  out.emission += max(emission.emission(), Rgb{});
   bounded(out.absorption);
   if (region.density != 1) out.scale(region.density);
   return out;

@@ -93,7 +93,7 @@ Rgb Scene::emission(const Surface& s, const Vec3& wo, const RayInfo& ray) const 
   if (!(s.program->features & kProgramEmits)) return {};
   Bsdf bsdf(Transport::kRadiance, wo, s.ng, s.ns, s.back);
   run_program(*this, *s.program, shading_point(s, wo, ray), bsdf);
-  return bsdf.emission();
+  return max(bsdf.emission(), Rgb{});
 }
 
 Rgb Scene::transmittance(const Vec3& origin, const Vec3& direction, float far, const RayInfo& ray,

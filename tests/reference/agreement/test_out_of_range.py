@@ -6,9 +6,11 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 import pytest
 
 from tests.support import stage
+from tests.support.corescene import Integrator, shoot
 
 PRINCIPLED, METALLIC = "ShaderNodeBsdfPrincipled", "ShaderNodeBsdfMetallic"
 GLASS = "ShaderNodeBsdfGlass"
@@ -88,3 +90,27 @@ def _expect_cycles(
     ours, cycles = means[0] + means[1], means[2] + means[3]
     assert cycles.all()
     assert ours == pytest.approx(cycles, rel=within)
+
+
+@pytest.mark.parametrize("integrator", list(Integrator))
+def test_light_below_zero_is_seen(integrator: Integrator) -> None:
+    """As where vectors are shown by their emission. Once 0."""
+    import bpy
+    from photon_splat.export import export_scene
+
+    bpy.ops.wm.read_homefile(use_empty=True)
+    stage.scene()
+    stage.resize(4, 4)
+    material, tree = stage.empty_material("Vector")
+    vector, emission = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("CombineXYZ", "Emission"))
+    for socket, value in zip(vector.inputs, (-0.2, 0.3, -0.4), strict=True):
+        socket.default_value = value
+    tree.links.new(vector.outputs[0], emission.inputs[0])
+    stage.surface(tree, emission)
+    stage.plane(half=4.0).data.materials[0] = material
+    stage.camera((0.0, 0.0, 2.0))
+    bpy.context.view_layer.update()
+    seen = shoot(export_scene(bpy.context.evaluated_depsgraph_get()), integrator, passes=2, seed=1)
+    assert seen.passes["Combined"][..., :3] == pytest.approx(
+        np.broadcast_to((-0.2, 0.3, -0.4), (4, 4, 3)), abs=1e-6
+    )
