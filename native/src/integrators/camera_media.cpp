@@ -15,8 +15,9 @@ CameraTracer::InMedium CameraTracer::pass_media(Path& path, const Surface* hit, 
   add_beams(path, far);
   const bool single = add_single_scattering(path, far);
   const Flight flight = scene_.media()->fly(
-      path.media, path.origin, path.direction, path.near, far, throughput,
-      path.emission_throughput + path.withheld + path.world_emission, path.info, path.flight());
+      scene_.media()->seen(path.media, ray_mask(path.info)), path.origin, path.direction, path.near,
+      far, throughput, path.emission_throughput + path.withheld + path.world_emission, path.info,
+      path.flight());
   if (!is_black(flight.emission)) {
     const Rgb kept = path.emission_throughput;  // photons bring nothing of this light
     path.emission_throughput = kept + path.withheld + path.world_emission;

@@ -33,8 +33,9 @@ void CameraTracer::add_lamps(Path& path, float far) const {
   Attenuation attenuation;
   if (!path.media.empty())
     attenuation = [&](float distance) {
-      return scene_.media()->transmittance(path.media, path.origin, path.direction, path.near,
-                                           distance, path.info, path.random);
+      return scene_.media()->transmittance(scene_.media()->seen(path.media, ray_mask(path.info)),
+                                           path.origin, path.direction, path.near, distance,
+                                           path.info, path.random);
     };
   const Attenuation* const through = attenuation ? &attenuation : nullptr;
   const Rgb radiance =

@@ -71,7 +71,10 @@ void CameraTracer::trace_pixel(const Job& job, int x, int y, PackedFilm& film, P
 
 void CameraTracer::trace_path(Path& path) const {
   const Media* const media = scene_.media();
-  if (media) path.media = media->around(path.origin + path.direction * path.near, path.info.time);
+  if (media)  // one around the camera that it does not see is none all the way, as in Cycles
+    path.media =
+        media->seen(media->around(path.origin + path.direction * path.near, path.info.time),
+                    ray_mask(path.info));
   follow(path);
 }
 

@@ -62,7 +62,12 @@ int Media::add_region(uint32_t instance, int program, ThreadPool& pool, const Ca
   Region region;
   region.instance = instance;
   region.program = program;
-  if (instance != ShadingPoint::kNoInstance) region.density = scene_.instances[instance].density;
+  if (instance != ShadingPoint::kNoInstance) {
+    constexpr RayMask all = kScatteredRays | ray_bit(RayInfo::kCamera) | ray_bit(RayInfo::kShadow) |
+                            ray_bit(RayInfo::kVolume);
+    region.density = scene_.instances[instance].density;
+    hides_ |= (scene_.instances[instance].seen_by & all) != all;
+  }
   region.homogeneous = is_constant(scene_.programs[program]);
   if (region.homogeneous) {
     region.point = run(region, {}, {0, 0, 1}, {});
@@ -149,6 +154,16 @@ MediumStack Media::around(const Vec3& x, float time) const {
       stack.enter(own);
   }
   return stack;
+}
+
+MediumStack Media::visible_part(const MediumStack& stack, RayMask kinds) const {
+  MediumStack kept;
+  for (const uint16_t i : stack) {
+    const uint32_t instance = regions_[i].instance;
+    if (instance == ShadingPoint::kNoInstance || scene_.instances[instance].seen_by & kinds)
+      kept.enter(i);
+  }
+  return kept;
 }
 
 MediumStack Media::of_catchers(const MediumStack& stack) const {

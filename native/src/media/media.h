@@ -82,6 +82,10 @@ class Media {
   MediumStack around(const Vec3& x, float time = kShutterCentre) const;
   // The media of a stack that are shadow catchers' or the world's.
   MediumStack of_catchers(const MediumStack& stack) const;
+  // Those that rays of these kinds see: a medium in an object that hides from rays is none to them.
+  MediumStack seen(const MediumStack& stack, RayMask kinds) const {
+    return hides_ ? visible_part(stack, kinds) : stack;
+  }
   bool emits() const { return emits_; }
   bool scatters() const { return scatters_; }
   // Whether some of them are the same everywhere.
@@ -154,7 +158,10 @@ class Media {
   std::vector<Shared> shared_;
   std::vector<int16_t> of_slot_;  // of Scene::slot_materials, -1: none
   int world_ = -1;
+  MediumStack visible_part(const MediumStack& stack, RayMask kinds) const;
+
   bool in_meshes_ = false, emits_ = false, scatters_ = false;
+  bool hides_ = false;  // some object with a medium does from some rays
 };
 
 }  // namespace photon_splat

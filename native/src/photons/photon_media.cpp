@@ -16,6 +16,8 @@ PhotonTracer::InMedium PhotonTracer::pass_media(Path& path, float far, const Pho
                                                 Vec3& direction) const {
   if (path.media.empty()) return InMedium::kPasses;
   const Media& media = *scene_.media();
+  const MediumStack around = media.seen(path.media, ray_bit(kind_of_way(path, path.bounces)));
+  if (around.empty()) return InMedium::kPasses;
   RayInfo ray;
   ray.kind = RayInfo::kShadow;
   ray.time = path.time;
@@ -23,10 +25,10 @@ PhotonTracer::InMedium PhotonTracer::pass_media(Path& path, float far, const Pho
   if (scatters_in_media()) {
     // Light of a lamp that faces its receivers starts where it passes the lamp's centre.
     const float near = path.bounces == 0 ? std::max(start.soft_nearest - path.travelled, 0.0f) : 0;
-    flight = media.fly(path.media, origin, direction, near, far, path.power, path.power, ray,
-                       path.random);
+    flight =
+        media.fly(around, origin, direction, near, far, path.power, path.power, ray, path.random);
   } else {
-    flight.weight = media.transmittance(path.media, origin, direction, 0, far, ray, path.random);
+    flight.weight = media.transmittance(around, origin, direction, 0, far, ray, path.random);
   }
   path.power *= flight.weight;
   if (is_black(path.power) || !is_finite(path.power)) return InMedium::kEnds;
@@ -46,7 +48,8 @@ Rgb PhotonTracer::transmittance_at_lamp(Path& path, float distance,
   ray.kind = RayInfo::kShadow;
   ray.time = path.time;
   const Vec3 nearest = start.origin + start.direction * start.soft_nearest;
-  return scene_.media()->transmittance(scene_.media()->around(nearest, path.time), nearest,
+  const MediumStack around = scene_.media()->around(nearest, path.time);
+  return scene_.media()->transmittance(scene_.media()->seen(around, ray_bit(ray.kind)), nearest,
                                        -start.direction, 0, before, ray, path.random);
 }
 

@@ -126,8 +126,8 @@ Rgb Scene::transmittance(const Vec3& origin, const Vec3& direction, float far, c
       through *= let_through(*this, s, direction, info);
       if (!(max_abs(through) > 0)) return {};
     }
-    through *= media_->transmittance(around, origin, direction, begin, found ? s.distance : far,
-                                     info, random);
+    through *= media_->transmittance(media_->seen(around, kinds), origin, direction, begin,
+                                     found ? s.distance : far, info, random);
     if (!found || max_abs(through) < 1e-6f) break;
     begin = s.distance;
     media_->cross(around, s, gap_at(s, origin, direction), ray.time);
