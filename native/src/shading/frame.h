@@ -74,6 +74,9 @@ struct Frame {
   bool is_on_surface() const { return is_on_mesh() && !point.medium; }
   bool is_background() const { return !is_on_mesh() && !point.lamp && !point.medium; }
   Vec3 normal() const { return is_background() ? point.wo : ns; }
+  // Relative to the scene's origin, shifted. From the triangle's corners: a ray's own end has an
+  // error that grows with its length, and shows where patterns change along a surface
+  Vec3 place() const;
   Vec3 position() const;                         // absolute, shifted; background: the direction
   Vec3 object_position() const;                  // in the object's coordinates, shifted
   Vec3 normal_to_object(const Vec3& n) const;    // unit

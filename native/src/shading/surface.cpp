@@ -131,14 +131,21 @@ Affine Frame::object_to_world() const {
   return m;
 }
 
+Vec3 Frame::place() const {
+  if (!is_on_surface() || strands()) return point.position + shift;
+  Vec3 corner[3];
+  corners(corner);
+  return corner[0] + (corner[1] - corner[0]) * point.u + (corner[2] - corner[0]) * point.v + shift;
+}
+
 Vec3 Frame::position() const {
   if (before) return position_before + origin_of(scene);
-  return is_background() ? point.position : point.position + shift + origin_of(scene);
+  return is_background() ? point.position : place() + origin_of(scene);
 }
 
 Vec3 Frame::object_position() const {
   if (before) return world_to_object().point(position_before);
-  return is_background() ? point.position : world_to_object().point(point.position + shift);
+  return is_background() ? point.position : world_to_object().point(place());
 }
 
 Vec3 Frame::undisplaced(const MeshAttribute& positions, const Vec2& at) const {
