@@ -28,7 +28,7 @@ def report_hair_shaders(scene: Scene, report: Report) -> None:
         sentence = (
             "Hair shaders on points are black: {}"
             if strands is not None
-            else "Hair shaders on meshes are up to a fifth brighter or darker than in Cycles: {}"
+            else "Hair shaders on meshes are a fifth and more brighter or darker than in Cycles: {}"
         )
         for index in sorted(hair & materials):
             report.warn(sentence, scene.materials[index].name)

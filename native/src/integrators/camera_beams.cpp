@@ -60,7 +60,8 @@ void CameraTracer::add_beams(Path& path, float far, const BeamTree& tree, float 
   const Media& media = *scene_.media();
   const int stack = tree.stack_of(path.media);
   if (stack < 0) return;
-  const auto medium = media.homogeneous(path.media);
+  const MediumStack around = media.seen(path.media, ray_mask(path.info));
+  const auto medium = media.homogeneous(around);
   if (medium && is_black(medium->scattering)) return;
   GroupLight light{path.groups, path.throughput * weight};
   Rgb sum{};
@@ -111,7 +112,7 @@ void CameraTracer::add_beams(Path& path, float far, const BeamTree& tree, float 
     tree.each(stack, path.origin, path.direction, path.near, far, path.random,
               [&](const BeamCrossing& at) {
                 if (!fading)
-                  fading = media.fading(path.media, path.origin, path.direction, path.near, far,
+                  fading = media.fading(around, path.origin, path.direction, path.near, far,
                                         path.info, path.random);
                 const Rgb own = brought(at) * fading->at(at.distance);
                 const float strength = max_abs(path.throughput * own);
@@ -124,7 +125,7 @@ void CameraTracer::add_beams(Path& path, float far, const BeamTree& tree, float 
                                           [](float t, const Seen& s) { return t < s.until; });
       const Vec3 x = path.origin + path.direction * found->at.distance;
       float pdf;
-      const MediumPoint point = media.at(path.media, x, -path.direction, path.info);
+      const MediumPoint point = media.at(around, x, -path.direction, path.info);
       if (is_black(point.scattering)) continue;
       const float share = kernel_share(path, found->at);
       if (share > 0)

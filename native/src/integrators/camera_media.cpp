@@ -55,7 +55,8 @@ CameraTracer::InMedium CameraTracer::pass_media(Path& path, const Surface* hit, 
 // way, whether the path scatters there or not. False where the path's own scattering is left to
 // take them.
 bool CameraTracer::add_single_scattering(Path& path, float far) const {
-  const auto medium = scene_.media()->homogeneous(path.media);
+  const auto medium =
+      scene_.media()->homogeneous(scene_.media()->seen(path.media, ray_mask(path.info)));
   if (!medium || is_black(medium->scattering)) return medium.has_value();
   const float near = path.near, extinction = average(medium->extinction()),
               inside = std::isfinite(far) ? -std::expm1(-extinction * (far - near)) : 1;

@@ -11,7 +11,7 @@ from tests.support.corescene import Integrator, shoot
 @pytest.mark.parametrize("integrator", list(Integrator))
 @pytest.mark.parametrize(
     ("hides_from", "light"),
-    [("", "SUN"), ("shadow", "SUN"), ("diffuse", "WORLD"), ("camera", "WORLD")],
+    [("", "SUN"), ("shadow", "SUN"), ("diffuse", "SUN"), ("diffuse", "WORLD"), ("camera", "WORLD")],
 )
 def test_fog_that_hides_is_as_bright_as_in_cycles(
     hides_from: str, light: str, integrator: Integrator
