@@ -76,9 +76,7 @@ def test_a_film_reflects_where_nothing_under_it_does(node: str, inputs: dict[str
     _expect_cycles(node, inputs, samples=400)
 
 
-def _expect_cycles(
-    node: str, inputs: dict[str, Any], samples: int = 96, within: float = 0.012
-) -> None:
+def _expect_cycles(node: str, inputs: dict[str, Any], samples: int = 96) -> None:
     import bpy
     from photon_splat.export import export_scene
 
@@ -89,7 +87,7 @@ def _expect_cycles(
     means = [picture.mean((0, 1)) for picture in pictures]
     ours, cycles = means[0] + means[1], means[2] + means[3]
     assert cycles.all()
-    assert ours == pytest.approx(cycles, rel=within)
+    assert ours == pytest.approx(cycles, rel=0.012)
 
 
 @pytest.mark.parametrize("integrator", list(Integrator))
