@@ -44,6 +44,20 @@ def test_arrays_by_name_are_those_of_the_whole_film() -> None:
         renderer.film(["combined", "colour"])
 
 
+def test_light_has_every_channel_where_the_colour_lacks_some() -> None:
+    """Direct passes of Cycles: the light of pure colours is grey, not theirs."""
+    for color, light in (((0.8, 0, 0), 1.0), ((0, 0.5, 0.25), 1.0), ((0, 0, 0), 0.0)):
+        floor = (corescene.quad(), corescene.lambert(color))
+        what = corescene.scene(corescene.ortho_down(2.0, 1.0, 4), [floor], world=1.0)
+        start = start_anew(what, RenderSettings(photons_per_pass=0))
+        start.prepare()
+        for number in range(8):
+            start.renderer.render_pass(number)
+        film = start.renderer.film(["diffuse_direct", "diffuse_direct_per_albedo"])
+        assert np.allclose(film["diffuse_direct_per_albedo"], light, rtol=1e-4), color
+        assert np.allclose(film["diffuse_direct"], np.multiply(color, light), rtol=1e-4)
+
+
 def mirrored(roughness: float) -> dict[str, np.ndarray]:
     """The film of a mirror that shows a red plane above the camera."""
     material = Material("mirror", program=0)

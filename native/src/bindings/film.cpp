@@ -46,11 +46,19 @@ void fill_mean(const Run& run, float* to) {
   fill_rgb(run, to, [](const Pixel& p) { return p.*kLight * p.share(); });
 }
 
-// Light over the colour of the lobes that sent it, as Cycles divides it; 0 where that is black.
+// Light over the colour of the lobes that sent it, as Cycles divides it: a channel that the colour
+// lacks has the mean of the others, so that white light on pure red is white; 0 where all is black.
+Rgb divided_evenly(const Rgb& light, const Rgb& color) {
+  const Rgb ratio = divided(light, color);
+  const Rgb known{color.x != 0 ? 1.0f : 0, color.y != 0 ? 1.0f : 0, color.z != 0 ? 1.0f : 0};
+  const float mean = dot(ratio, known) / std::max(dot(known, {1, 1, 1}), 1.0f);
+  return ratio * known + (Rgb{1, 1, 1} - known) * mean;
+}
+
 template <Rgb Pixel::* kLight, Rgb Pixel::* kColor>
 void fill_per_color(const Run& run, float* to) {
   fill_rgb(run, to,
-           [](const Pixel& p) { return divided(p.*kLight * p.share(), p.*kColor * p.share()); });
+           [](const Pixel& p) { return divided_evenly(p.*kLight * p.share(), p.*kColor * p.share()); });
 }
 
 template <float Pixel::* kValue>
