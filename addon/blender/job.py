@@ -84,7 +84,7 @@ def render_view_layer(engine: Any, depsgraph: Any) -> None:
     scene_name, layer_name = depsgraph.scene.name, depsgraph.view_layer_eval.name
     try:
         held = held_for(engine, depsgraph)
-        frame = export_frame(depsgraph.scene_eval)
+        frame = export_frame(depsgraph.scene_eval, depsgraph.view_layer)
         _, _, width, height = frame.region
         blender_result = engine.begin_result(0, 0, width, height, layer=layer_name)
         views = views_of(engine, blender_result, depsgraph.scene)

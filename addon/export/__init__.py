@@ -65,7 +65,7 @@ def _export_still(
     exported = export_contents(
         depsgraph,
         seen,
-        frame or export_frame(scene),
+        frame or export_frame(scene, depsgraph.view_layer),
         report,
         kept,
         kept_by_culling(scene, seen),

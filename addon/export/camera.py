@@ -24,7 +24,7 @@ def resolution(render: Any) -> tuple[int, int]:
     )
 
 
-def export_frame(scene: Any) -> Frame:
+def export_frame(scene: Any, view_layer: Any) -> Frame:
     """Raster, border, film and filter of a bpy.types.Scene."""
     render = scene.render
     width, height = resolution(render)
@@ -32,6 +32,7 @@ def export_frame(scene: Any) -> Frame:
         width=width,
         height=height,
         border=_border(render, width, height) if render.use_border else None,
+        alpha_threshold=float(view_layer.pass_alpha_threshold),
         **film_of(scene),
     )
 

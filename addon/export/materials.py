@@ -31,7 +31,8 @@ from .nodes.trees import Groups, Trees
 from .nodes.values import ONE, ORIGIN, ZERO, Folding, Graph, number, vector
 from .report import Report
 
-DEFAULT_NAME = "(default)"
+DEFAULT_NAME = "default_surface"
+"""As Cycles calls it, in mattes too."""
 Key = tuple[int, str | None, bool]
 BLACK = Side((0.0, 0.0, 0.0))
 

@@ -29,6 +29,7 @@ def place_camera(renderer: Renderer, camera: Camera, frame: Frame) -> None:
         region=list(frame.region),
         transparent=frame.transparent,
         transparent_glass=frame.transparent_glass,
+        alpha_threshold=frame.alpha_threshold,
         pixel_filter=str(frame.pixel_filter),
         filter_width=frame.filter_width,
         exposure=frame.exposure,

@@ -109,7 +109,8 @@ class Frame:
     """The raster: the whole frame in pixels and the part of it that is rendered (`border`: x, y,
     width, height, origin bottom left). With `transparent` the camera does not see the world, nor
     sees it through glass of at most the roughness `transparent_glass` (negative: through none).
-    `exposure` is a factor of all light in the picture.
+    Normals are those of the first surface that is as opaque as `alpha_threshold`. `exposure` is a
+    factor of all light in the picture.
     """
 
     width: int
@@ -117,6 +118,7 @@ class Frame:
     border: tuple[int, int, int, int] | None = None
     transparent: bool = False
     transparent_glass: float = -1.0
+    alpha_threshold: float = 0.5
     pixel_filter: PixelFilter = PixelFilter.BLACKMAN_HARRIS
     filter_width: float = 1.5
     exposure: float = 1.0

@@ -12,7 +12,8 @@ namespace {
 void set_camera(Renderer& r, Matrix matrix, std::array<float, 4> screen, bool orthographic,
                 float clip_start, float clip_end, std::array<int, 2> frame,
                 std::array<int, 4> region, bool transparent, float transparent_glass,
-                const std::string& filter, float filter_width, float exposure) {
+                float alpha_threshold, const std::string& filter, float filter_width,
+                float exposure) {
   CameraSettings c;
   c.to_world = relative(matrix, r.scene.origin);
   c.left = screen[0];
@@ -30,6 +31,7 @@ void set_camera(Renderer& r, Matrix matrix, std::array<float, 4> screen, bool or
   c.region_height = region[3];
   c.transparent = transparent;
   c.transparent_glass = transparent_glass;
+  c.alpha_threshold = alpha_threshold;
   c.exposure = exposure;
   c.filter = named<FilterKind>(filter,
                                {{"box", FilterKind::kBox},
@@ -71,11 +73,12 @@ void bind_camera(RendererClass& renderer) {
       .def(
           "set_camera", &set_camera, "matrix"_a, "screen"_a, "orthographic"_a, "clip_start"_a,
           "clip_end"_a, "frame"_a, "region"_a, "transparent"_a, "transparent_glass"_a,
-          "pixel_filter"_a, "filter_width"_a, "exposure"_a,
+          "alpha_threshold"_a, "pixel_filter"_a, "filter_width"_a, "exposure"_a,
           "matrix: (4, 4) float64, to the world, looking along -Z; screen: left, right, bottom, top of the frame on z = 1,\n"
           "or in m (orthographic); clip_start, clip_end: m; frame: width, height in pixels; region: x, y, width, height of\n"
           "the part to render; transparent: the world is not seen, nor through glass of at most the roughness\n"
-          "transparent_glass (negative: it is); pixel_filter: 'box', 'gaussian', 'blackman_harris', of filter_width pixels;\n"
+          "transparent_glass (negative: it is); what is less opaque than alpha_threshold has no normal in the film;\n"
+          "pixel_filter: 'box', 'gaussian', 'blackman_harris', of filter_width pixels;\n"
           "exposure: factor of all light in the picture. Before build(), set_view(), begin_again() or draw_viewport(), which take it up.")
       .def(
           "set_panorama", &set_panorama, "kind"_a, "longitude"_a, "latitude"_a, "fov"_a,

@@ -57,8 +57,9 @@ Rgb divided_evenly(const Rgb& light, const Rgb& color) {
 
 template <Rgb Pixel::* kLight, Rgb Pixel::* kColor>
 void fill_per_color(const Run& run, float* to) {
-  fill_rgb(run, to,
-           [](const Pixel& p) { return divided_evenly(p.*kLight * p.share(), p.*kColor * p.share()); });
+  fill_rgb(run, to, [](const Pixel& p) {
+    return divided_evenly(p.*kLight * p.share(), p.*kColor * p.share());
+  });
 }
 
 template <float Pixel::* kValue>

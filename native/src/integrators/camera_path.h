@@ -159,7 +159,7 @@ struct CameraTracer::Path {
   // What mirrors on the way leave of a denoiser's features, which are still to come, and the normal
   // of the first one
   Rgb features{1, 1, 1};
-  bool shows_features = true;
+  bool shows_features = true, shows_normal = true;
   Vec3 mirror_normal{};
   // The last vertex
   Receiver from{{}, {}, true, ~uint64_t{0}, nullptr, 1, ray_bit(RayInfo::kCamera)};

@@ -124,7 +124,7 @@ bool CameraTracer::meet_surface(Path& path, const Surface& hit) const {
   scene_.shade(hit, wo, path.info, bsdf);
   const bool holdout = path.vertex == 0 && scene_.instances[hit.instance].holdout;
   if (!holdout) add_emission(path, hit, bsdf.emission());
-  if (path.vertex == 0 && path.info.transparent_depth == 0) path.pixel.normal += bsdf.mean_normal();
+  if (path.vertex == 0 && path.shows_normal) show_normal(path, bsdf);
   const bool scatters =
       !holdout && bsdf.scatters() && max_abs(path.throughput + path.world_throughput) > 0;
   if (path.vertex == 0 && !holdout) {
@@ -223,6 +223,14 @@ void CameraTracer::end_features(Path& path, const Bsdf& bsdf, const Rgb& mirrore
   }
   if (is_black(path.mirror_normal)) path.mirror_normal = normal;
   path.features *= mirrored;
+}
+
+// As opaque as that, as Cycles has it: glass that bends nothing is.
+void CameraTracer::show_normal(Path& path, const Bsdf& bsdf) const {
+  const float through = average(bsdf.transparency() - bsdf.straight());
+  if (through > 0 && 1 - through < camera_.settings().alpha_threshold) return;
+  path.pixel.normal += bsdf.mean_normal();
+  path.shows_normal = false;
 }
 
 void CameraTracer::show_first(Path& path, const Surface& hit, float alpha) const {

@@ -192,6 +192,7 @@ class CameraTracer {
   void add_found_emission(Path& path, const Surface& hit, const Rgb& emission) const;
   Rgb show_features(Path& path, const Bsdf& bsdf) const;
   void end_features(Path& path, const Bsdf& bsdf, const Rgb& mirrored) const;
+  void show_normal(Path& path, const Bsdf& bsdf) const;
   void show_first(Path& path, const Surface& hit, float alpha) const;
   void add_ambient_occlusion(Path& path, const Surface& hit, const Bsdf& bsdf) const;
   void pass_glass(Path& path, const Surface& hit) const;

@@ -49,7 +49,8 @@ struct CameraSettings {
   bool transparent = false;  // the camera does not see the world
   // nor through glass up to that roughness; negative: it does
   float transparent_glass = -1;
-  float exposure = 1;  // of light in the picture
+  float alpha_threshold = 0.5f;  // what is less opaque has no normal in the picture of normals
+  float exposure = 1;            // of light in the picture
   FilterKind filter = FilterKind::kBlackmanHarris;
   float filter_width = 1.5f;  // pixels
 };

@@ -106,3 +106,17 @@ def test_the_manifest_names_all_twenty(tmp_path: str) -> None:
     assert {name: manifest[name] for name in NAMES} == {
         name: f"{id_bits(name):08x}" for name in NAMES
     }
+
+
+@in_blender
+def test_what_has_no_material_is_named_as_in_cycles(tmp_path: str) -> None:
+    from blend_scenes.scripts import modelling as m
+
+    made = m.new_scene(8, 8)
+    stage.plane("Bare", 1.0).data.materials.clear()
+    stage.camera((0, 0, 5))
+    made.view_layers[0].use_pass_cryptomatte_material = True
+    made.render.engine, made.photon_splat.passes = "PHOTON_SPLAT", 1
+    attributes = [one for spec in stage.rendered_layers(tmp_path) for one in spec.extra_attribs]
+    (manifest,) = (json.loads(a.value) for a in attributes if a.name.endswith("/manifest"))
+    assert manifest["default_surface"] == f"{id_bits('default_surface'):08x}"

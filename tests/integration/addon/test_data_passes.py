@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from typing import Any
 
 import numpy as np
@@ -100,6 +101,25 @@ def test_passes_of_data() -> None:
     assert _coverage(passes, "CryptoObject", "Behind")[right] == pytest.approx(0.75, abs=1e-5)
     assert _coverage(passes, "CryptoAsset", "Left")[right] == pytest.approx(0.75, abs=1e-5)
     assert "CryptoMaterial00" not in passes
+
+
+@in_blender
+def test_normals_are_those_of_the_first_surface_that_is_opaque_enough() -> None:
+    import bpy
+
+    made = _board()
+    made.objects["Right"].rotation_euler = (0.3, 0.0, 0.0)
+    layer = made.view_layers[0]
+    layer.use_pass_normal = True
+    right, tilted = np.s_[2:-2, 10:14], (0.0, -math.sin(0.3), math.cos(0.3))
+    for threshold, normal in ((0.5, (0.0, 0.0, 1.0)), (0.2, tilted), (0.0, tilted)):
+        layer.pass_alpha_threshold = threshold
+        with stage.watched() as results:
+            bpy.ops.render.render()
+        found = results[0].passes["Normal"][right]  # some samples end at what lets light through
+        length = np.linalg.norm(found, axis=-1, keepdims=True)
+        assert np.allclose(found / length, normal, atol=1e-5), threshold
+        assert np.mean(length) > 0.6
 
 
 @in_blender
