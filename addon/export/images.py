@@ -325,8 +325,18 @@ def _own_pixels(image: Any) -> NDArray | None:
     if data.startswith((b"\x89PNG", b"\xff\xd8\xff")):
         found = _from_data(data, image)
         if found is not None and found[0].dtype == np.uint8:
-            return found[0]
+            return _unmultiplied(found[0]) if image.alpha_mode == "PREMUL" else found[0]
     return _from_blender(image)
+
+
+def _unmultiplied(pixels: NDArray) -> NDArray:
+    """Bytes by their alpha, as Blender keeps those of premultiplied pictures."""
+    alpha = pixels[..., 3:]
+    if alpha.min() == 255:
+        return pixels
+    partly = np.where(alpha == 0, 255.0, alpha).astype(np.float32)
+    pixels[..., :3] = np.minimum(pixels[..., :3] * (255.0 / partly) + 0.5, 255.0)
+    return pixels
 
 
 def _from_blender(image: Any) -> NDArray | None:

@@ -114,6 +114,7 @@ class Objects:
                 if not rows:
                     continue
                 traits = Traits(
+                    owner=ob.name,
                     group=linking.group(instance),
                     lit_groups=linking.lit_groups(ob),
                     blockers=linking.blockers(ob),

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from ..scene import Scene
 from .convert import first_of
-from .instances import instance_order
+from .instances import instance_order, name_of
 
 if TYPE_CHECKING:
     from photon_splat_native import Renderer
@@ -29,7 +29,7 @@ def coincident_surfaces(renderer: Renderer, scene: Scene) -> list[str]:
     for instance, other, share in found:
         if frozenset((instance, other)) in lights:
             continue
-        names = {scene.meshes[scene.instances.mesh[added[k]]].name for k in (instance, other)}
+        names = {name_of(scene, int(added[k])) for k in (instance, other)}
         pair = tuple(sorted(names))
         shares[pair] = shares.get(pair, 0.0) + share
     if sum(shares.values()) < SHARE:

@@ -59,6 +59,12 @@ def instance_order(scene: Scene) -> NDArray[np.int64]:
     return _order(_is_flat(scene))
 
 
+def name_of(scene: Scene, instance: int) -> str:
+    """By which warnings name one of the scene's instances."""
+    owners = scene.instances.owners
+    return owners[instance] if owners else scene.meshes[scene.instances.mesh[instance]].name
+
+
 def find_flat(scene: Scene) -> NDArray[np.bool_]:
     """(I,) which instances a scale of 0 flattens. The renderer gets none of them; `scene` gets
     warnings.

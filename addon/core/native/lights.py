@@ -8,7 +8,7 @@ import numpy as np
 
 from ..scene import NO_PROGRAM, Scene
 from .convert import first_of, naming, rgb
-from .instances import instance_order
+from .instances import instance_order, name_of
 
 if TYPE_CHECKING:
     from photon_splat_native import Renderer
@@ -70,11 +70,11 @@ def lights_in_surfaces(renderer: Renderer, scene: Scene) -> list[str]:
     """
     added = instance_order(scene)
 
-    def mesh(instance: int) -> str:
-        return scene.meshes[scene.instances.mesh[added[instance]]].name
+    def thing(instance: int) -> str:
+        return name_of(scene, int(added[instance]))
 
     pairs = [
-        f"'{scene.lights[lamp].name if lamp >= 0 else mesh(emissive)}' in '{mesh(instance)}'"
+        f"'{scene.lights[lamp].name if lamp >= 0 else thing(emissive)}' in '{thing(instance)}'"
         for lamp, emissive, instance in renderer.lights_in_surfaces
     ]
     if not pairs:

@@ -90,6 +90,7 @@ class Instances:
                   smooth normals promise (0: nowhere); None: 0.1 everywhere
     density       (I,) float32, coefficients of media over what programs say; None: all 1
     motion        (S, 4, 4) matrices at steps of the shutter's opening, of those that move
+    owners        by which warnings name them: the user's objects; empty: by their meshes
     """
 
     mesh: NDArray[np.uint32]
@@ -106,6 +107,7 @@ class Instances:
     terminator_offset: NDArray[np.float32] | None = None
     density: NDArray[np.float32] | None = None
     motion: dict[int, NDArray[np.float64]] = field(default_factory=dict)
+    owners: list[str] = field(default_factory=list)
 
     @classmethod
     def empty(cls) -> Instances:

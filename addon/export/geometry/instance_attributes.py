@@ -42,8 +42,9 @@ class InstanceAttributes:
             self._of_parent[key] = self._top(parent, name)
         level, found = self._of_parent[key], None
         # from the outermost one on
-        for index in reversed([index for index in instance.persistent_id if index != NO_LEVEL]):
-            if level is None:
+        for number in reversed([number for number in instance.persistent_id if number != NO_LEVEL]):
+            index = None if level is None else level.index_of(number)
+            if level is None or index is None:
                 break
             found = level.value(name, index) or found
             level = level.below(index)
@@ -73,18 +74,39 @@ class _Level:
             self._reference_of = read_copy(
                 self._cloud.attributes[".reference_index"].data, "value", np.int32
             )
+        self._index_of, self._repeated = self._numbered()
+
+    def _numbered(self) -> tuple[dict[int, int], list[int]]:
+        """Indices by what persistent ids call them, which is the attribute `id` if there is one;
+        and, in order, those whose `id` another one before has: Blender gives these a random one.
+        """
+        count = len(self._reference_of)
+        ids = self._cloud.attributes.get("id") if count else None
+        if ids is None:
+            return {index: index for index in range(count)}, []
+        first: dict[int, int] = {}
+        repeated = []
+        for index, number in enumerate(read_copy(ids.data, "value", np.int32).tolist()):
+            if first.setdefault(number, index) != index:
+                repeated.append(index)
+        return first, repeated
+
+    def index_of(self, number: int) -> int | None:
+        """Of an instance, from its part of a persistent id. Instances come in order, so those of
+        random numbers do."""
+        if number not in self._index_of and self._repeated:
+            self._index_of[number] = self._repeated.pop(0)
+        return self._index_of.get(number)
 
     def value(self, name: str, index: int) -> tuple[float, ...] | None:
         """RGBA; a number is grey, what has no alpha is opaque."""
         if name not in self._values:
             self._values[name] = self._read(name)
         values = self._values[name]
-        return None if values is None or index >= len(values) else tuple(values[index].tolist())
+        return None if values is None else tuple(values[index].tolist())
 
     def below(self, index: int) -> _Level | None:
         """The instances within an instance, where that is a geometry itself."""
-        if index >= len(self._reference_of):
-            return None
         number = int(self._reference_of[index])
         if number not in self._below:
             references = self._geometry.instance_references()

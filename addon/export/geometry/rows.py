@@ -17,6 +17,7 @@ from ...core.scene.shading import InstanceAttribute
 class Traits:
     """What an object's rows have in common, as the fields of core.scene.Instances say."""
 
+    owner: str
     group: int
     lit_groups: int
     blockers: int
@@ -107,6 +108,8 @@ class Rows:
             values: NDArray = np.array(list(map(attrgetter(name), self._traits)), dtype)
             return values[kinds] if (values != dtype(usual)).any() else None
 
+        owners = [traits.owner for traits in self._traits]
+        placed.owners = [owners[kind] for kind in self.kinds]
         placed.group = column("group", 0, np.uint8)
         placed.lit_groups = column("lit_groups", ALL_GROUPS, np.uint64)
         placed.blockers = column("blockers", ALL_GROUPS, np.uint64)

@@ -118,9 +118,11 @@ class Node:
         return identifier in self.values
 
     def wanted(self, identifier: str) -> bool:
-        """True if an output leads anywhere."""
+        """True if an output leads to what is rendered."""
         return any(
-            socket.identifier == identifier and socket.is_linked for socket in self.node.outputs
+            socket.identifier == identifier
+            and self.around.trees.leads_to_output(socket, self.groups)
+            for socket in self.node.outputs
         )
 
     def number(self, identifier: str, default: float = 0.0) -> Value:

@@ -9,7 +9,7 @@ from typing import Any
 
 import bpy
 
-from .links import counts
+from .links import OUTPUTS, counts, output_node
 
 Groups = tuple[Any, ...]
 
@@ -44,6 +44,7 @@ class Trees:
     def __init__(self) -> None:
         self._links: dict[int, dict[int, Any]] = {}
         self._endings: dict[int, Any] = {}
+        self._onward: dict[int, dict[int, list[Any]]] = {}
 
     def link(self, socket: Any) -> Any:
         """The link into an input that counts, or None."""
@@ -105,6 +106,57 @@ class Trees:
                 socket, groups = outer, groups[:-1]
             else:
                 return Feed(node, output, groups, () if INLINED else tuple(types))
+
+    def leads_to_output(self, socket: Any, groups: Groups) -> bool:
+        """True if an output socket leads to what is rendered: nodes that do not are none in Cycles,
+        which takes them away first.
+        """
+        waiting, passed = [(socket, groups)], set()
+        while waiting:
+            socket, groups = waiting.pop()
+            mark = (socket.as_pointer(), len(groups))
+            if mark in passed:
+                continue
+            passed.add(mark)
+            for link in self._links_from(socket):
+                node, entry = link.to_node, link.to_socket
+                if node.bl_idname in OUTPUTS:
+                    if groups or node == output_node(node.id_data):
+                        return True
+                elif node.type == "OUTPUT_AOV":
+                    return True
+                elif node.type == "GROUP" and node.node_tree is not None and not node.mute:
+                    waiting += [
+                        (by_identifier(start.outputs, entry.identifier), (*groups, node))
+                        for start in node.node_tree.nodes
+                        if start.type == "GROUP_INPUT"
+                    ]
+                elif node.type == "GROUP_OUTPUT" and groups:
+                    if node.is_active_output:
+                        outer = by_identifier(groups[-1].outputs, entry.identifier)
+                        waiting += [(outer, groups[:-1])] if outer is not None else []
+                elif node.mute:
+                    waiting += [
+                        (inner.to_socket, groups)
+                        for inner in node.internal_links
+                        if inner.from_socket == entry
+                    ]
+                else:
+                    waiting += [(output, groups) for output in node.outputs]
+        return False
+
+    def _links_from(self, socket: Any) -> list[Any]:
+        if not socket.is_linked:
+            return []
+        tree = socket.id_data
+        key = tree.as_pointer()
+        onward = self._onward.get(key)
+        if onward is None:
+            onward = self._onward[key] = {}
+            for link in tree.links:
+                if counts(link):
+                    onward.setdefault(link.from_socket.as_pointer(), []).append(link)
+        return onward.get(socket.as_pointer(), [])
 
     def _group_input(self, group: Any, identifier: str) -> Any:
         """The input of a group's output node that stands for one of its outputs, or None."""

@@ -1,6 +1,8 @@
 // What the lobes of a surface scatter together: values, densities, samples.
 #include "bsdf/bsdf.h"
 
+#include "bsdf/turned_glass.h"
+
 namespace photon_splat {
 namespace {
 
@@ -161,6 +163,9 @@ void Bsdf::send_through(const Bsdf& other) {
   };
   float all = 0;
   for (const Lobe& lobe : other.lobes_) all += refracts(lobe) ? lobe.pick : 0;
+  const bool only_smooth = std::ranges::none_of(
+      other.lobes_, [](const Lobe& lobe) { return lobe.transmits() && !lobe.delta(); });
+  if (only_smooth) return;
   const float cover = all > 0 ? kSentAnywhere : kSentThrough,
               by_facets = all > 0 ? kSentThrough : 0;
   for (Lobe& lobe : lobes_) lobe.pick *= 1 - cover - by_facets;
@@ -176,20 +181,42 @@ void Bsdf::send_through(const Bsdf& other) {
       });
 }
 
-std::optional<Bsdf::Refraction> Bsdf::refraction_of(const Vec3& wi, const Vec3& to) const {
-  std::optional<Refraction> best;
-  for (const Lobe& lobe : lobes_) {
-    Vec3 way;
-    if (!lobe.delta() || !lobe.transmits() || !refract(wi, -lobe.n, 1 / lobe.fresnel.ior, &way) ||
-        !(dot(way, view_.ng) > 0) || !(dot(wi, view_.ng) < 0) ||
-        (best && dot(way, to) <= dot(best->to, to)))
-      continue;
-    const float cos_to = dot(lobe.n, way), cos_from = -dot(lobe.n, wi);
-    if (!(cos_to > 0) || !(cos_from > 0)) continue;
-    const float scale = flux_scale(view_.ng, wi, way) * sqr(lobe.fresnel.ior) * cos_from / cos_to;
-    best = {way, lobe.weight * evaluate_fresnel(lobe.fresnel, cos_to).transmit * scale};
+Bsdf::SmoothWays Bsdf::smooth_ways(const Vec3& light) const {
+  SmoothWays out;
+  for (int i = 0; i < lobes_.size(); ++i) {
+    const Lobe& lobe = lobes_[i];
+    if (!lobe.delta() || !lobe.transmits()) continue;
+    if (out.count == std::ssize(out.ways)) break;
+    if (const auto way = way_through(view_, lobe.given, light, lobe.fresnel.ior))
+      out.ways[out.count++] = {i, way->to, way->spread};
   }
-  return best;
+  return out;
+}
+
+bool Bsdf::has_smooth_glass() const {
+  return std::ranges::any_of(lobes_,
+                             [](const Lobe& lobe) { return lobe.delta() && lobe.transmits(); });
+}
+
+Rgb Bsdf::smooth_share(int lobe) const {
+  if (lobe >= lobes_.size()) return {};
+  const Lobe& l = lobes_[lobe];
+  if (!l.delta() || !l.transmits()) return {};
+  return l.weight * evaluate_fresnel(l.fresnel, dot(l.n, view_.wo)).transmit;
+}
+
+float Bsdf::smooth_chance(bool sharp) const {
+  float all = 0, through = 0;
+  for (const Lobe& lobe : lobes_) {
+    all += sharp ? sharp_pick(lobe) : lobe.pick;
+    Vec3 way;
+    if (!lobe.delta() || !lobe.transmits() || !refract(view_.wo, lobe.n, lobe.fresnel.ior, &way) ||
+        !right_side(lobe, view_, way))
+      continue;
+    const float cosine = dot(lobe.n, view_.wo);
+    through += lobe.pick * (1 - reflect_probability(evaluate_fresnel(lobe.fresnel, cosine)));
+  }
+  return all > 0 ? through / all : 0;
 }
 
 bool Bsdf::transmits() const {
@@ -391,10 +418,10 @@ std::optional<BsdfSample> Bsdf::finish_delta(int index, BsdfSample out) const {
     if (out.transmitted) scale *= cosine / std::max(sqr(lobe.fresnel.ior) * cos_out, 1e-6f);
     // Light goes out of a strand without another refraction, which would undo that
     if (out.transmitted && !gathers_) scale = 1;
-    out.per_value = 1 / chance;
     if (index < lobes.size()) out.weight = share(lobes[index], cos_out) * (scale / chance);
   }
   out.rest = out.weight;
+  out.by_turned_normal = !out.transmitted && dot(lobe.n, lobe.given) < kStraight;
   return out;
 }
 
@@ -414,16 +441,17 @@ std::optional<BsdfSample> Bsdf::sample(float choice, const Vec2& u) const {
   return sample_lobe(index, lobe.delta() ? left.x : choice, left);  // a delta needs no place
 }
 
+float Bsdf::sharp_pick(const Lobe& lobe) const {
+  return gathers_ && !lobe.diffuse() && sharpness(lobe.roughness()) > 0 ? lobe.pick : 0;
+}
+
 std::optional<BsdfSample> Bsdf::sample_sharp(float choice, const Vec2& u) const {
   float total = 0;
   int index = -1;
-  const auto pick = [this](const Lobe& lobe) {
-    return gathers_ && !lobe.diffuse() && sharpness(lobe.roughness()) > 0 ? lobe.pick : 0;
-  };
-  for (const Lobe& lobe : lobes_) total += pick(lobe);
+  for (const Lobe& lobe : lobes_) total += sharp_pick(lobe);
   choice *= total;
   for (int i = 0; i < lobes_.size(); ++i) {
-    const float share = pick(lobes_[i]);
+    const float share = sharp_pick(lobes_[i]);
     if (share <= 0) continue;
     index = i;
     if (choice < share) break;

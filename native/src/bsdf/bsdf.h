@@ -53,10 +53,13 @@ struct BsdfSample {
   Rgb rest;        // the same without what photons estimate at this vertex (see Bsdf::gather)
   float pdf = 0;   // solid angle, of the mixture over lobes; 0: delta
   // Flux: weight over the radiance BSDF's value for a path in the other direction, cosines
-  // included. Of a delta: over what Bsdf::refraction_of() says
+  // included. Deltas: 0
   float per_value = 0;
   float roughness = 0;  // of the chosen lobe: 0 delta .. 1; diffuse lobes, strands: 1
   bool transmitted = false;
+  // Mirrored by a normal that was turned towards wo: all such viewers see what lies along the
+  // surface, and no photon that comes from there goes to them
+  bool by_turned_normal = false;
   bool diffuse = false;  // a diffuse-like lobe (diffuse, translucent, sheen) was chosen
 };
 
@@ -153,13 +156,23 @@ class Bsdf {
   // Flux: lets a share of the samples leave on the other side, whatever the lobes say: who sees the
   // surface from there may see others. `other`: those, of a Bsdf for this side. After finish().
   void send_through(const Bsdf& other);
-  // Radiance: by the delta lobe that refracts light from wi most nearly to `to`, where it goes and
-  // how much of its flux.
-  struct Refraction {
-    Vec3 to;  // unit
-    Rgb share;
+  // Where smooth glass sends light that comes from beyond the surface to, on this side: each way by
+  // a lobe and as a viewer there sees its normal. Depends on wo by which closures there are alone.
+  struct SmoothWay {
+    int lobe;
+    Vec3 to;       // unit
+    float spread;  // of the light's flux, but for the lobe's share
   };
-  std::optional<Refraction> refraction_of(const Vec3& wi, const Vec3& to) const;
+  struct SmoothWays {
+    SmoothWay ways[8];
+    int count = 0;
+  };
+  SmoothWays smooth_ways(const Vec3& light) const;
+  bool has_smooth_glass() const;
+  // Radiance: that lobe's share in what is seen from wo.
+  Rgb smooth_share(int lobe) const;
+  // Flux: probability of sample(), or sample_sharp(), to go through by such a lobe.
+  float smooth_chance(bool sharp) const;
   bool has_rest() const;  // scatters beyond what is gathered: camera paths go on
   // Directional albedo towards wo, about; for the denoiser and Russian roulette
   Rgb albedo() const;
@@ -234,6 +247,7 @@ class Bsdf {
   Drawn drawn(const Vec3& wi) const;
   float scale_of_flux(const Vec3& wi) const;  // of light that comes from wo and leaves along wi
   Rgb adjoint(const Vec3& wi, Rgb* rest, Rgb* diffuse) const;
+  float sharp_pick(const Lobe& lobe) const;  // its chance among sharp ones, but for a factor
   std::optional<BsdfSample> sample_lobe(int index, float choice, const Vec2& u) const;
   std::optional<BsdfSample> finish_delta(int index, BsdfSample out) const;
 

@@ -67,6 +67,7 @@ Lobe facet_lobe(const View& view, const Rgb& weight, const Vec3& normal, const F
   lobe.facets.ax = saturate(sqr(shape.roughness) * shape.along);
   lobe.facets.ay = saturate(sqr(shape.roughness) * shape.across);
   lobe.n = valid_reflection(view, normal);
+  lobe.given = normal;
   Vec3 tangent = shape.tangent - lobe.n * dot(lobe.n, shape.tangent);
   const float length2_tangent = length2(tangent);
   if (shape.along != shape.across && length2_tangent > 1e-12f && length2_tangent < 1e12f) {

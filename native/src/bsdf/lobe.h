@@ -52,6 +52,7 @@ struct Lobe {
   float albedo;    // share of light it is thought to scatter, for the choice among lobes
   float pick = 0;  // probability of that choice
   Vec3 n, t, b;    // frame; n on the side of wo (translucent: too)
+  Vec3 given;      // of facets: the normal before it was turned towards wo
   Facets facets;   // of_facets()
   FresnelTerms fresnel;
   // Facet lobes: weight without energy compensation; about what a lobe of weight 1 reflects and

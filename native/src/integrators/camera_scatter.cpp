@@ -77,7 +77,8 @@ bool CameraTracer::scatter(Path& path, const Surface& hit, const Bsdf& bsdf,
   path.throughput = !goes_on                      ? Rgb{}
                     : whole || path.only_mirrored ? before * weight
                                                   : before * s->rest;
-  const Rgb still_covered = s->diffuse ? Rgb{} : path.covered * weight * sharpness(s->roughness);
+  const Rgb still_covered =
+      s->diffuse || s->by_turned_normal ? Rgb{} : path.covered * weight * sharpness(s->roughness);
   path.withheld = still_covered;
   path.emission_throughput = before * weight - still_covered;
   path.covered = still_covered;

@@ -8,8 +8,7 @@ constexpr int kMaxTransparent = 4096;  // layers that let a path through before 
 // What the first surface may leave of a caustic path before that goes on at less than certainty:
 // light that faint reflections throw about comes by many faint photons.
 constexpr float kFaint = 1 / 32.0f;
-constexpr int kMostTurns = 4;          // until a normal that is turned towards its viewer stays
-constexpr float kSameWay = 1 - 1e-7f;  // cosine of two directions that are one
+constexpr float kSentThrough = 0.25f;  // of photons at glass that one side sends nothing through
 constexpr float kGrazing = 0.1f;       // cosine, below which seen_twin() does not look all the way
 
 // By which the next vertex of a camera path sees what the photon comes from.
@@ -211,30 +210,51 @@ bool PhotonTracer::light_up_by_ray(Path& path, const PhotonStart& start, const R
   return path.reference > 0;
 }
 
-// A sample of light through the surface that comes along `from`, as a camera path that goes back
-// along that way sees it; false where none does. A smooth boundary's is sent where that path comes
-// from: its normal is another one from there, as bumps are told by differences, and normals turned
-// towards who sees them.
-bool PhotonTracer::as_seen_from_there(const Surface& hit, const Vec3& from, const RayInfo& ray,
-                                      BsdfSample& s) const {
-  const Surface other = Scene::other_side(hit);
-  for (int step = 0; step < kMostTurns; ++step) {
-    Bsdf bsdf(Transport::kRadiance, s.direction, other.ng, other.ns, other.back);
-    if (hit.program->features & kProgramSubsurface) bsdf.keep_subsurface(SubsurfaceUse::kWalks);
-    scene_.shade(other, s.direction, ray, bsdf);
-    float pdf;
-    if (s.pdf > 0) {
-      s.weight = bsdf.evaluate(-from, &pdf) * s.per_value;
-      break;
-    }
-    const auto refraction = bsdf.refraction_of(-from, s.direction);
-    if (!refraction) return false;
-    s.weight = refraction->share * s.per_value;
-    const bool stays = dot(refraction->to, s.direction) >= kSameWay;
-    s.direction = refraction->to;
-    if (stays) break;
+// What a surface with two sides scatters of light that comes along `direction`: what goes through
+// as a camera path that looks back along that way sees it, as its normals are others from there.
+// `ways`: through smooth glass.
+std::optional<BsdfSample> PhotonTracer::sample_sided(Path& path, const Surface& hit,
+                                                     const Vec3& direction, const RayInfo& ray,
+                                                     const Bsdf& bsdf, const Bsdf::SmoothWays& ways,
+                                                     float choice, const Vec2& u) const {
+  const bool sharp = stream_ == PhotonStream::kCaustic;
+  // This side's chance of going through smooth glass may be none where the other side sees some
+  const float own = bsdf.smooth_chance(sharp),
+              forced = ways.count > 0 && own < kSentThrough ? kSentThrough : 0;
+  std::optional<BsdfSample> s;
+  bool smooth = forced > 0 && path.random.next() < forced;
+  if (!smooth) {
+    s = sharp ? bsdf.sample_sharp(choice, u) : bsdf.sample(choice, u);
+    if (!s) return {};
+    smooth = s->transmitted && s->pdf <= 0;
+    s->weight *= 1 / (1 - forced);
+    s->per_value *= 1 / (1 - forced);
   }
-  return !is_black(s.weight);
+  if (smooth) {
+    if (ways.count == 0) return {};
+    const auto number = static_cast<int>(path.random.next() * static_cast<float>(ways.count));
+    const Bsdf::SmoothWay& way = ways.ways[std::min(number, ways.count - 1)];
+    const float chance = (forced + (1 - forced) * own) / static_cast<float>(ways.count);
+    BsdfSample through;
+    through.direction = way.to;
+    through.transmitted = true;
+    through.weight = through.rest =
+        seen_from(hit, way.to, ray).smooth_share(way.lobe) * (way.spread / chance);
+    s = through;
+  } else if (s->transmitted) {
+    s->weight = seen_from(hit, s->direction, ray).evaluate(-direction, nullptr) * s->per_value;
+  }
+  if (is_black(s->weight)) return {};
+  return s;
+}
+
+// The closures of the other side, as a camera path sees them that comes from there.
+Bsdf PhotonTracer::seen_from(const Surface& hit, const Vec3& wo, const RayInfo& ray) const {
+  const Surface other = Scene::other_side(hit);
+  Bsdf bsdf(Transport::kRadiance, wo, other.ng, other.ns, other.back);
+  if (hit.program->features & kProgramSubsurface) bsdf.keep_subsurface(SubsurfaceUse::kWalks);
+  scene_.shade(other, wo, ray, bsdf);
+  return bsdf;
 }
 
 // Stores a photon where one belongs and sends the path on; false where it ends.
@@ -317,10 +337,13 @@ bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const Phot
   // Who sees the surface from the other side may see another one
   const bool sided = (hit.program->asks_side || hit.program->has_own_normals) &&
                      hit.program->features & kProgramTransmits && !hit.on_strand();
+  Bsdf::SmoothWays ways;
   if (sided) {
     Bsdf from_there(Transport::kFlux, -direction, hit.ng, hit.ns, hit.back);
     scene_.shade(Scene::other_side(hit), direction, ray, from_there);
     bsdf.send_through(from_there);
+    if (from_there.has_smooth_glass())
+      ways = seen_from(hit, direction, ray).smooth_ways(-direction);
   }
   const bool blocking = blocks(path, hit, start);
   Rgb transparency = blocking ? bsdf.transparency() : Rgb{1, 1, 1};
@@ -382,10 +405,11 @@ bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const Phot
     choice = (choice - below) / (1 - below);
     path.power *= 1 / (1 - below);
   }
-  auto s =
-      caustic ? bsdf.sample_sharp(choice, draws.next(path)) : bsdf.sample(choice, draws.next(path));
+  const Vec2 u = draws.next(path);
+  auto s = sided     ? sample_sided(path, hit, direction, ray, bsdf, ways, choice, u)
+           : caustic ? bsdf.sample_sharp(choice, u)
+                     : bsdf.sample(choice, u);
   if (!s) return false;
-  if (sided && s->transmitted && !as_seen_from_there(hit, direction, ray, *s)) return false;
   if (direct && s->pdf <= 0 && (!start.deltas || path.unshadowed)) return false;
   if (path.guessed) {
     const bool delta = s->pdf <= 0;

@@ -197,8 +197,11 @@ class PhotonTracer {
                        bool delta) const;
   bool go_below(Path& path, const Surface& hit, const Bsdf& bsdf, const RayInfo& ray,
                 const Draws& draws, Vec3& origin, Vec3& direction) const;
-  bool as_seen_from_there(const Surface& hit, const Vec3& from, const RayInfo& ray,
-                          BsdfSample& s) const;
+  std::optional<BsdfSample> sample_sided(Path& path, const Surface& hit, const Vec3& direction,
+                                         const RayInfo& ray, const Bsdf& bsdf,
+                                         const Bsdf::SmoothWays& ways, float choice,
+                                         const Vec2& u) const;
+  Bsdf seen_from(const Surface& hit, const Vec3& wo, const RayInfo& ray) const;
   bool scatter_by_program(Path& path, const Surface& hit, const PhotonStart& start,
                           const Draws& draws, const SurfaceFilter& visible, Vec3& origin,
                           Vec3& direction, Photons& photons) const;

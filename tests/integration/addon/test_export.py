@@ -112,6 +112,8 @@ def test_collection_instances_and_linked_meshes_share_one_mesh() -> None:
     assert len(what.meshes) == 1
     places = sorted(tuple(m[:3, 3]) for m in what.instances.matrix)
     assert places == [(0, 0, 1), (0, 5, 0), (0, 6, 0), (1, 0, 1), (2, 0, 1)]
+    # warnings name objects, not the mesh that they share
+    assert sorted(what.instances.owners) == ["Part", "Part", "Part", "Twin 0", "Twin 1"]
 
 
 @in_blender

@@ -329,9 +329,16 @@ def _gabors() -> list[Case]:
 
 
 def picture(
-    name: str, floats: bool = False, alpha: bool = True, space: str = "", mode: str = ""
+    name: str,
+    floats: bool = False,
+    alpha: bool = True,
+    space: str = "",
+    mode: str = "",
+    packed: bool = False,
 ) -> Any:
-    """A small coloured image, 12 x 8, that is like no turned or mirrored copy of itself."""
+    """A small coloured image, 12 x 8, that is like no turned or mirrored copy of itself. `packed`:
+    from a PNG within the .blend.
+    """
     import bpy
 
     image = bpy.data.images.get(name)
@@ -350,6 +357,15 @@ def picture(
         pixels[..., :3] *= 2.0
     image.pixels.foreach_set(pixels.ravel())
     image.update()
+    if packed:
+        with tempfile.TemporaryDirectory() as folder:
+            image.filepath_raw, image.file_format = f"{folder}/packed.png", "PNG"
+            image.save()
+            bpy.data.images.remove(image)
+            image = bpy.data.images.load(f"{folder}/packed.png")
+            image.name = name
+            image.alpha_mode = mode or "STRAIGHT"
+            image.pack()
     return image
 
 
@@ -429,6 +445,9 @@ def _images() -> list[Case]:
         "float premultiplied": {"floats": True, "mode": "PREMUL"},
         "premultiplied": {"mode": "PREMUL"},
         "linear bytes": {"space": "Linear Rec.709"},
+        "packed file": {"packed": True},
+        "packed premultiplied": {"packed": True, "mode": "PREMUL"},
+        "packed channels": {"packed": True, "mode": "CHANNEL_PACKED"},
     }
     for name, given in variants.items():
         setup = _image(name=name, **given)
@@ -437,7 +456,21 @@ def _images() -> list[Case]:
         found.append(
             Case(f"both of {name}", "", "", build=lambda tree, setup=setup: _both(tree, setup))
         )
+    setup = _image(name="straight")
+    found.append(
+        Case("image whose alpha leads nowhere", "", "", build=lambda tree: _dead_end(tree, setup))
+    )
     return found
+
+
+def _dead_end(tree: Any, setup: Any) -> Any:
+    """Colour; alpha goes through a reroute and a node to nothing."""
+    image = tree.nodes.new("ShaderNodeTexImage")
+    on, end = tree.nodes.new("NodeReroute"), tree.nodes.new("ShaderNodeBsdfTransparent")
+    setup(image)
+    tree.links.new(image.outputs["Alpha"], on.inputs[0])
+    tree.links.new(on.outputs[0], end.inputs[0])
+    return image.outputs["Color"]
 
 
 def _both(tree: Any, setup: Any) -> Any:

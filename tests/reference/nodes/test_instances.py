@@ -12,9 +12,16 @@ from tests.support.blender import in_blender
 
 
 def _instances(
-    tree: Any, points: tuple[int, float], instance: Any, stored: str, divisor: float
+    tree: Any,
+    points: tuple[int, float],
+    instance: Any,
+    stored: str,
+    divisor: float,
+    ids: tuple[float, float] | None = None,
 ) -> Any:
-    """A row of instances, each with its number by `divisor` as the attribute `stored`."""
+    """A row of instances, each with its number by `divisor` as the attribute `stored`, and, if
+    wanted, with an `id` of its number times `ids[0]` plus `ids[1]`.
+    """
     add, link = tree.nodes.new, tree.links.new
     row, onto, store, index, divide = (
         add(kind)
@@ -33,7 +40,16 @@ def _instances(
     )
     store.domain, store.data_type, divide.operation = "INSTANCE", "FLOAT", "DIVIDE"
     store.inputs["Name"].default_value, divide.inputs[1].default_value = stored, divisor
-    link(row.outputs["Mesh"], onto.inputs["Points"])
+    if ids is None:
+        link(row.outputs["Mesh"], onto.inputs["Points"])
+    else:
+        named, times = add("GeometryNodeSetID"), add("ShaderNodeMath")
+        times.operation = "MULTIPLY_ADD"
+        times.inputs[1].default_value, times.inputs[2].default_value = ids
+        link(index.outputs[0], times.inputs[0])
+        link(times.outputs[0], named.inputs["ID"])
+        link(row.outputs["Mesh"], named.inputs["Geometry"])
+        link(named.outputs[0], onto.inputs["Points"])
     link(instance, onto.inputs["Instance"])
     link(onto.outputs[0], store.inputs["Geometry"])
     link(index.outputs[0], divide.inputs[0])
@@ -46,6 +62,24 @@ def _instances(
 
 @in_blender
 def test_attributes_that_geometry_nodes_give_to_instances() -> None:
+    _check_two_levels(None, None)
+
+
+@in_blender
+def test_attributes_of_instances_that_have_ids() -> None:
+    """Points that were distributed on faces have, and those of Set ID; negative and large ones."""
+    _check_two_levels((-700_000_000.0, 7.0), (1.0, 1000.0))
+
+
+@in_blender
+def test_attributes_of_instances_that_share_an_id() -> None:
+    """As where geometries with the same ids were joined."""
+    _check_two_levels((0.0, -5.0), (0.0, 3.0))
+
+
+def _check_two_levels(
+    inner_ids: tuple[float, float] | None, outer_ids: tuple[float, float] | None
+) -> None:
     """Red is stored with the inner of two levels of instances, green with the outer, blue is a
     property of the object that has them.
     """
@@ -74,8 +108,9 @@ def test_attributes_that_geometry_nodes_give_to_instances() -> None:
     cube.inputs["Size"].default_value = (0.8, 0.8, 0.1)
     colored.inputs["Material"].default_value = made
     nodes.links.new(cube.outputs["Mesh"], colored.inputs["Geometry"])
-    inner = _instances(nodes, (3, 1.0), colored.outputs[0], "inner", 4.0)
-    nodes.links.new(_instances(nodes, (2, 3.0), inner, "outer", 2.0), output.inputs[0])
+    inner = _instances(nodes, (3, 1.0), colored.outputs[0], "inner", 4.0, inner_ids)
+    outer = _instances(nodes, (2, 3.0), inner, "outer", 2.0, outer_ids)
+    nodes.links.new(outer, output.inputs[0])
     ob = bpy.data.objects.new("Rows", bpy.data.meshes.new("Rows"))
     ob.modifiers.new("Rows", "NODES").node_group = nodes
     ob["own"] = 0.375
