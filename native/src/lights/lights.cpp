@@ -23,6 +23,7 @@ Affine with_all_axes(const LampSettings& s) {
   return m;
 }
 
+constexpr size_t kLargeEmitter = 1 << 14;  // triangles
 constexpr uint32_t kProbes = 512;
 // Share of the brightest probe: where the program shines in a few directions only, they are still
 // found
@@ -110,42 +111,62 @@ void Lights::add_lamp(const LampSettings& settings) {
   emitters_.push_back(std::move(e));
 }
 
+// Many small meshes are made into emitters at a time, large ones one after another, by all threads
+// each.
 void Lights::add_emissive_instances(ThreadPool& pool) {
+  std::vector<uint32_t> found;
+  for (uint32_t i = 0; i < scene_.instances.size(); ++i)
+    if (is_emissive(scene_.instances[i])) found.push_back(i);
+  const auto large = [&](uint32_t instance) {
+    return scene_.meshes[scene_.instances[instance].mesh].triangles.size() > kLargeEmitter;
+  };
+  std::vector<std::optional<Emitter>> made(found.size());
+  pool.for_each(found.size(), CancelFlag(), [&](size_t k, int) {
+    if (!large(found[k])) made[k] = emitter_of(found[k], nullptr);
+  });
   emitter_of_instance_.assign(scene_.instances.size(), -1);
-  for (uint32_t i = 0; i < scene_.instances.size(); ++i) {
-    const Instance& instance = scene_.instances[i];
-    bool emissive = false;
-    for (uint32_t s = 0; s < instance.slot_count; ++s)
-      emissive |=
-          may_emit(scene_, scene_.materials[scene_.slot_materials[instance.first_material + s]]);
-    if (!emissive || !(instance.seen_by & kScatteredRays)) continue;
-    Emitter e;
-    e.instance = i;
-    e.lit_groups = instance.lit_groups;
-    e.blockers = instance.blockers;
-    e.light_group = instance.light_group;
-    e.seen_by = as_scattered(light_rays(instance.seen_by, false));
-    Bounds bounds;
-    double sum = 0;
-    e.mesh = make_mesh_light(scene_, pool, i, bounds, sum);
-    if (!(sum > 0) || !std::isfinite(sum)) continue;
-    e.center = bounds.center();
-    e.radius = 0.5f * bounds.diagonal();
-    e.bounds = bounds;
-    e.importance = static_cast<float>(sum);
-    e.power = sum * kPi;
-    if (scene_.has_far_things()) {
-      double close = 0;
-      for (size_t t = 0; t < e.mesh.cdf.size(); ++t) {
-        const Vec3* corner = e.mesh.triangles[t].corner;
-        close += double(e.mesh.cdf[t] - (t ? e.mesh.cdf[t - 1] : 0)) *
-                 near_share(scene_, (corner[0] + corner[1] + corner[2]) / 3.0f);
-      }
-      e.power = std::max(close, 1e-12 * sum) * kPi;
-    }
-    emitter_of_instance_[i] = static_cast<int32_t>(emitters_.size());
-    emitters_.push_back(std::move(e));
+  for (size_t k = 0; k < found.size(); ++k) {
+    if (large(found[k])) made[k] = emitter_of(found[k], &pool);
+    if (!made[k]) continue;
+    emitter_of_instance_[found[k]] = static_cast<int32_t>(emitters_.size());
+    emitters_.push_back(std::move(*made[k]));
   }
+}
+
+bool Lights::is_emissive(const Instance& instance) const {
+  if (!(instance.seen_by & kScatteredRays)) return false;
+  for (uint32_t s = 0; s < instance.slot_count; ++s)
+    if (may_emit(scene_, scene_.materials[scene_.slot_materials[instance.first_material + s]]))
+      return true;
+  return false;
+}
+
+// Nothing where the instance sends out no light. pool: of who waits for it; or null.
+std::optional<Emitter> Lights::emitter_of(uint32_t number, ThreadPool* pool) const {
+  const Instance& instance = scene_.instances[number];
+  Emitter e;
+  e.instance = number;
+  e.lit_groups = instance.lit_groups;
+  e.blockers = instance.blockers;
+  e.light_group = instance.light_group;
+  e.seen_by = as_scattered(light_rays(instance.seen_by, false));
+  double sum = 0;
+  e.mesh = make_mesh_light(scene_, pool, number, e.bounds, sum);
+  if (!(sum > 0) || !std::isfinite(sum)) return {};
+  e.center = e.bounds.center();
+  e.radius = 0.5f * e.bounds.diagonal();
+  e.importance = static_cast<float>(sum);
+  e.power = sum * kPi;
+  if (scene_.has_far_things()) {
+    double close = 0;
+    for (size_t t = 0; t < e.mesh.cdf.size(); ++t) {
+      const Vec3* corner = e.mesh.triangles[t].corner;
+      close += double(e.mesh.cdf[t] - (t ? e.mesh.cdf[t - 1] : 0)) *
+               near_share(scene_, (corner[0] + corner[1] + corner[2]) / 3.0f);
+    }
+    e.power = std::max(close, 1e-12 * sum) * kPi;
+  }
+  return e;
 }
 
 // About the mean over what the lamp sends out, RGB averaged, seen from as far as the scene is

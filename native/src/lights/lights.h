@@ -153,6 +153,8 @@ class Lights {
   float reach_of_exact(float far) const;
   void add_lamp(const LampSettings& settings);
   void add_emissive_instances(ThreadPool& pool);
+  bool is_emissive(const Instance& instance) const;
+  std::optional<Emitter> emitter_of(uint32_t number, ThreadPool* pool) const;
   void choose_along();
   template <class See>
   void near_emitters(const Vec3& origin, const Vec3& direction, float near, float far,

@@ -26,7 +26,7 @@ float probed(const Scene& scene, uint32_t instance, uint32_t triangle, int probe
 // About the means over triangles, RGB averaged; textures of plain materials count as white.
 class MeanEmission {
  public:
-  MeanEmission(const Scene& scene, ThreadPool& pool, uint32_t instance,
+  MeanEmission(const Scene& scene, ThreadPool* pool, uint32_t instance,
                const std::vector<EmissiveTriangle>& of)
       : scene_(scene),
         pool_(pool),
@@ -39,7 +39,7 @@ class MeanEmission {
     fill(front_, false);
     const size_t step = of.size() / kSidesCompared + 1;
     for (size_t i = 0; i < of.size() && sides_alike_; i += step) {
-      const float front = ask(i, false);
+      const float front = together_ == 1 ? front_[i] : ask(i, false);
       sides_alike_ = !program_of(i) || std::abs(ask(i, true) - front) <= kAlike * front;
     }
     fill(back_, true);
@@ -62,22 +62,25 @@ class MeanEmission {
     return probed(scene_, instance_, triangles_[i].triangle, constant ? 1 : probes_, back);
   }
   void fill(std::vector<float>& to, bool back) const {
-    pool_.for_parts(to.size(), kAskedTogether * together_, CancelFlag(),
-                    [&](size_t begin, size_t end) {
-                      for (size_t i = begin, asked = begin; i < end; ++i) {
-                        if (i == begin || i - asked >= together_ ||
-                            triangles_[i].material != triangles_[asked].material) {
-                          asked = i;
-                          to[i] = back && sides_alike_ && program_of(i) ? front_[i] : ask(i, back);
-                        } else {
-                          to[i] = to[asked];
-                        }
-                      }
-                    });
+    const auto fill_part = [&](size_t begin, size_t end) {
+      for (size_t i = begin, asked = begin; i < end; ++i) {
+        if (i == begin || i - asked >= together_ ||
+            triangles_[i].material != triangles_[asked].material) {
+          asked = i;
+          to[i] = back && sides_alike_ && program_of(i) ? front_[i] : ask(i, back);
+        } else {
+          to[i] = to[asked];
+        }
+      }
+    };
+    if (pool_)
+      pool_->for_parts(to.size(), kAskedTogether * together_, CancelFlag(), fill_part);
+    else
+      fill_part(0, to.size());
   }
 
   const Scene& scene_;
-  ThreadPool& pool_;
+  ThreadPool* pool_;
   uint32_t instance_;
   const std::vector<EmissiveTriangle>& triangles_;
   int probes_;
@@ -110,7 +113,7 @@ const EmissiveTriangle& triangle_at_time(const Scene& scene, uint32_t instance,
 // Picks triangles by area times mean emission. What a program emits is probed at a few points;
 // between them it may emit more, so that no triangle it covers gets less than a share of the mesh's
 // mean.
-MeshLight make_mesh_light(const Scene& scene, ThreadPool& pool, uint32_t instance, Bounds& bounds,
+MeshLight make_mesh_light(const Scene& scene, ThreadPool* pool, uint32_t instance, Bounds& bounds,
                           double& power) {
   MeshLight light;
   const uint32_t count =

@@ -79,7 +79,8 @@ struct MeshPoint {
 // Whether a material sends out light of its own.
 bool may_emit(const Scene& scene, const Material& material);
 // The triangles of an instance that emit; `power` is the sum over them, about, RGB averaged, W/pi.
-MeshLight make_mesh_light(const Scene& scene, ThreadPool& pool, uint32_t instance, Bounds& bounds,
+// pool: or null, for one thread alone.
+MeshLight make_mesh_light(const Scene& scene, ThreadPool* pool, uint32_t instance, Bounds& bounds,
                           double& power);
 inline Rgb emission_of(const Scene& scene, uint32_t instance, const EmissiveTriangle& t, float u,
                        float v, bool back, const Vec3& wo, float time, uint16_t depth = 1) {

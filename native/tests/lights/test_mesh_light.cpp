@@ -43,7 +43,7 @@ TEST_CASE("the power of meshes of few and of very many triangles is known, and w
       scene.build(CancelFlag());
       Bounds bounds;
       double power = 0;
-      const MeshLight light = make_mesh_light(scene, scene.pool(), 0, bounds, power);
+      const MeshLight light = make_mesh_light(scene, &scene.pool(), 0, bounds, power);
       REQUIRE(light.triangles.size() == size_t(2 * side * side));
       // The integral of (x + y + z) / 3 over the square; what may be between the probes adds 4 %.
       const double expected = (on_back ? 2.0 : 1.0) / 3.0;
