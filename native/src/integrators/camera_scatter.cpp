@@ -63,7 +63,8 @@ bool CameraTracer::scatter(Path& path, const Surface& hit, const Bsdf& bsdf,
   if (!goes_on && !bsdf.has_rest() && !lights_.wants_bsdf_ray(receiver)) return false;
   const Vec2 lobe = path.numbers(kLobePair), way = path.way();
   const auto s = bsdf.sample(lobe.x, way);
-  if (!s) return false;
+  if (!s || (path.only_turned && !s->by_turned_normal)) return false;
+  path.only_turned = false;
   Rgb diffuse = s->diffuse ? s->weight : Rgb{};
   if ((path.vertex == 0 || path.only_mirrored) && bsdf.has_rest() && s->pdf > 0) {
     float pdf;

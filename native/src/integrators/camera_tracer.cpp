@@ -193,6 +193,8 @@ CameraTracer::Meeting CameraTracer::light(Path& path, const Surface& hit, Bsdf& 
   add_direct(path, hit, bsdf, receiver);
   if (gathers && !hit.on_strand() && (!continued || caustic_photons_))
     leave_gather_points(path, hit, bsdf, continued);
+  if (gathers && !hit.on_strand() && !continued && turned_mirrors_)
+    look_for_turned_mirrors(path, hit, bsdf);
   return {receiver, continued};
 }
 

@@ -23,7 +23,11 @@ struct BeamCrossing;
 class CameraTracer {
  public:
   CameraTracer(Scene& scene, const Lights& lights, const Camera& camera, uint32_t seed)
-      : scene_(scene), lights_(lights), camera_(camera), seed_(seed) {}
+      : scene_(scene),
+        lights_(lights),
+        camera_(camera),
+        seed_(seed),
+        turned_mirrors_(std::ranges::any_of(scene.programs, &Program::turns_mirrors)) {}
 
   // Of the samples from now on.
   void set_seed(uint32_t seed) { seed_ = seed; }
@@ -233,6 +237,7 @@ class CameraTracer {
                            bool caustics_only) const;
   bool scatter(Path& path, const Surface& hit, const Bsdf& bsdf, const Receiver& receiver,
                bool continued) const;
+  void look_for_turned_mirrors(const Path& path, const Surface& hit, const Bsdf& bsdf) const;
 
   Scene& scene_;
   const Lights& lights_;
@@ -250,6 +255,7 @@ class CameraTracer {
   Trial trial_ = Trial::kNone;
   float radius_factor_ = 1, ambient_distance_ = 0;
   bool lobe_colors_ = false;
+  bool turned_mirrors_;  // there may be some
 };
 
 }  // namespace photon_splat

@@ -409,7 +409,8 @@ bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const Phot
   auto s = sided     ? sample_sided(path, hit, direction, ray, bsdf, ways, choice, u)
            : caustic ? bsdf.sample_sharp(choice, u)
                      : bsdf.sample(choice, u);
-  if (!s) return false;
+  // No viewer sees that by the same normal: CameraTracer::look_for_turned_mirrors()
+  if (!s || (s->by_turned_normal && hit.program->turns_mirrors)) return false;
   if (direct && s->pdf <= 0 && (!start.deltas || path.unshadowed)) return false;
   if (path.guessed) {
     const bool delta = s->pdf <= 0;

@@ -124,14 +124,19 @@ void check_program(const Scene& scene, const Program& program) { Checker(scene, 
 
 namespace {
 
-// The normal that a closure asks for: a register, or a constant that is zero where it has none.
-std::optional<uint32_t> normal_of(nodes::Op op, const uint32_t* w) {
+constexpr float kMirror = 6.5e-3f;  // roughness up to which facets are one: Facets::kDeltaArea
+
+std::optional<uint32_t> operand_of(nodes::Op op, const uint32_t* w, Operand::Kind kind,
+                                   std::string_view name) {
   const auto& operands = nodes::operations()[static_cast<size_t>(op)].operands;
   for (size_t i = 0; i < operands.size(); ++i)
-    if (operands[i].code == Operand::Kind::kVector &&
-        std::string_view(operands[i].name) == "normal")
-      return w[i];
+    if (operands[i].code == kind && std::string_view(operands[i].name) == name) return w[i];
   return {};
+}
+
+// The normal that a closure asks for: a register, or a constant that is zero where it has none.
+std::optional<uint32_t> normal_of(nodes::Op op, const uint32_t* w) {
+  return operand_of(op, w, Operand::Kind::kVector, "normal");
 }
 
 bool bends_subsurface(nodes::Op op, const uint32_t* w) {
@@ -146,6 +151,14 @@ bool has_own_normal(const Program& program, nodes::Op op, const uint32_t* w) {
   if (!normal || !(*normal & nodes::kConstant)) return normal.has_value();
   const float* n = &program.constants[*normal & ~nodes::kConstant];
   return n[0] != 0 || n[1] != 0 || n[2] != 0;
+}
+
+// Whether such a closure mirrors, everywhere.
+bool mirrors_by_own_normal(const Program& program, nodes::Op op, const uint32_t* w) {
+  if (op == nodes::Op::Refraction || !has_own_normal(program, op, w)) return false;
+  const auto roughness = operand_of(op, w, Operand::Kind::kFloat, "roughness");
+  return roughness && *roughness & nodes::kConstant &&
+         program.constants[*roughness & ~nodes::kConstant] <= kMirror;
 }
 
 // Whether it tells from where the surface is seen.
@@ -181,11 +194,12 @@ void look_at_program(Program& program) {
     if (op == nodes::Op::AmbientOcclusion || op == nodes::Op::Bevel || op == nodes::Op::Raycast)
       program.features |= kProgramMeetsItself;
   }
-  program.asks_side = program.has_own_normals = false;
+  program.asks_side = program.has_own_normals = program.turns_mirrors = false;
   for (size_t at = 0; at < program.code.size(); at += nodes::kWords[program.code[at]]) {
     const auto op = static_cast<nodes::Op>(program.code[at]);
     program.asks_side |= asks_side(op, &program.code[at + 1]);
     program.has_own_normals |= has_own_normal(program, op, &program.code[at + 1]);
+    program.turns_mirrors |= mirrors_by_own_normal(program, op, &program.code[at + 1]);
   }
   program.asks_shadow = program.asks_kind = program.asks_singular = program.asks_depth =
       program.asks_ray = false;

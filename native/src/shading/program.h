@@ -31,6 +31,7 @@ struct Program {
   bool asks_singular = false, asks_depth = false, asks_ray = false;
   bool asks_side = false;         // from where it is seen: what it lets through depends on the way
   bool has_own_normals = false;   // which need not be turned towards who sees it
+  bool turns_mirrors = false;     // a smooth closure has such: Lobe::given
   bool bends_subsurface = false;  // light from below leaves about another normal than the surface's
 };
 
