@@ -35,6 +35,7 @@ DEFAULT_NAME = "default_surface"
 """As Cycles calls it, in mattes too."""
 Key = tuple[int, str | None, bool]
 BLACK = Side((0.0, 0.0, 0.0))
+PASSES_TWICE = Feature.TRANSPARENT | Feature.TRANSMITS | Feature.SHARP
 
 
 class Shading:
@@ -264,6 +265,13 @@ def export_material(material: Any, owner: Owner, shading: Shading, grids: bool =
     if compiled.empty and volume is not None and volume.node is not None:
         clear = statement("Transparent", weight=ONE, color=vector((1.0, 1.0, 1.0)))
         compiled = Compiled(compiled.graph, [clear], Feature.TRANSPARENT)
+    passes_twice = not owner.opaque_shadow and PASSES_TWICE in compiled.features
+    if passes_twice and compiled.knows_shadow_rays():
+        report.warn(
+            "Light goes straight through (Is Shadow Ray), and as a caustic besides, which Cycles "
+            "hardly ever finds: up to twice as bright behind {}",
+            material.name,
+        )
     sides = _sides(material, owner, compiled, output, shading)
     if sides is not None:
         return Material(material.name, *sides, volume=medium)

@@ -58,6 +58,16 @@ class Compiled:
             made.operation.name for made in self.statements
         }
 
+    def knows_shadow_rays(self) -> bool:
+        """Whether its result may be another one for them."""
+        live = (self.graph.instructions[i] for i in live_instructions(self.graph, self.statements))
+        return any(
+            operand.kind == "m" and value == operand.modes.index("IS_SHADOW_RAY")
+            for made in live
+            if made.operation.name == "LightPath"
+            for operand, value in zip(made.operation.operands, made.operands, strict=True)
+        )
+
 
 @dataclass(slots=True)
 class Compiler:

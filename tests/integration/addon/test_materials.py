@@ -36,6 +36,7 @@ def _four_colors(name: str, float_buffer: bool = False) -> Any:
     return image
 
 
+TRANSPARENT = "ShaderNodeBsdfTransparent"
 COLORS = np.array([[[0, 0, 0], [1, 0, 0]], [[0, 1, 0], [0, 0, 0.5]]])
 
 
@@ -828,3 +829,28 @@ def test_coarse_glass_that_is_shaded_smooth_is_named(smooth: bool) -> None:
     named = [text for text in stage.exported().warnings if text.startswith("Glass so coarse")]
     assert len(named) == smooth
     assert all("'Block'" in text for text in named)
+
+
+@in_blender
+def test_glass_that_shadow_rays_pass_is_named() -> None:
+    """Light gets through it twice: straight, and as a caustic."""
+    plane = stage.plane("Pane")
+    for name, shader, named in (
+        ("Window", "ShaderNodeBsdfGlass", True),
+        ("Curtain", "ShaderNodeBsdfDiffuse", False),
+    ):
+        made, tree = stage.empty_material(name)
+        path, mix, clear, other = (
+            tree.nodes.new(kind)
+            for kind in ("ShaderNodeLightPath", "ShaderNodeMixShader", TRANSPARENT, shader)
+        )
+        tree.links.new(path.outputs["Is Shadow Ray"], mix.inputs[0])
+        tree.links.new(other.outputs[0], mix.inputs[1])
+        tree.links.new(clear.outputs[0], mix.inputs[2])
+        stage.surface(tree, mix)
+        plane.data.materials[0] = made
+        warnings = stage.exported().warnings
+        assert len(warnings) == named
+        assert all(name in warning and "caustic" in warning for warning in warnings)
+        made.use_transparent_shadow = False  # then no shadow ray passes
+        assert stage.exported().warnings == []
