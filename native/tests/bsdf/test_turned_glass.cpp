@@ -24,7 +24,7 @@ float looks(const Vec3& wo) { return 1 + wo.x + 0.5f * wo.y * wo.z; }
 
 Seen seen_through(float lean, float ior) {
   const Vec3 n{std::sin(lean), 0, std::cos(lean)};
-  constexpr int kSide = 500;
+  constexpr int kSide = 200;
   Seen out;
   for (int i = 0; i < kSide * kSide; ++i) {
     const float z = (static_cast<float>(i / kSide) + 0.5f) / kSide,
