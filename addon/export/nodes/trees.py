@@ -114,6 +114,8 @@ class Trees:
         waiting, passed = [(socket, groups)], set()
         while waiting:
             socket, groups = waiting.pop()
+            if socket is None:  # a group that has no such input or output any more
+                continue
             mark = (socket.as_pointer(), len(groups))
             if mark in passed:
                 continue
@@ -134,7 +136,7 @@ class Trees:
                 elif node.type == "GROUP_OUTPUT" and groups:
                     if node.is_active_output:
                         outer = by_identifier(groups[-1].outputs, entry.identifier)
-                        waiting += [(outer, groups[:-1])] if outer is not None else []
+                        waiting.append((outer, groups[:-1]))
                 elif node.mute:
                     waiting += [
                         (inner.to_socket, groups)
