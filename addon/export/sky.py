@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.scene import Extension, Interpolation, Texture
+from ..core.scene import Extension, Interpolation, Rgb, SunDisc, Texture
 from ..core.scene.sky import Sky, SkyModel, SkySettings, sky
 from .images import Textures
 from .nodes.links import label
@@ -37,6 +37,7 @@ class ExportedSky:
     settings: SkySettings
     made: Sky
     has_disc: bool
+    sun_intensity: float
 
 
 def export_sky(node: Any, textures: Textures, owner: str, report: Report) -> ExportedSky:
@@ -77,7 +78,34 @@ def export_sky(node: Any, textures: Textures, owner: str, report: Report) -> Exp
     c, s = math.cos(longitude), math.sin(longitude)
     turn = np.eye(4)
     turn[:2, :2] = [[c, s], [-s, c]]
-    return ExportedSky(texture, turn, settings, made, model not in ANALYTIC and bool(node.sun_disc))
+    has_disc = model not in ANALYTIC and bool(node.sun_disc)
+    intensity = float(node.sun_intensity)
+    return ExportedSky(texture, turn, settings, made, has_disc, intensity)
+
+
+def sun_disc(found: ExportedSky, to_lookup: NDArray[np.float64], strength: Rgb) -> SunDisc | None:
+    """The disc, if there is one, of a sky that is looked up at `to_lookup` (4, 4) of a direction;
+    `strength` is a factor of its light.
+    """
+    if not found.has_disc:
+        return None
+    elevation = found.settings.sun_elevation
+    matrix = (found.turn @ to_lookup)[:3, :3]
+    direction = np.linalg.pinv(matrix) @ [math.cos(elevation), 0.0, math.sin(elevation)]
+    if not np.isfinite(direction).all() or not np.linalg.norm(direction) > 0.0:
+        return None
+    x, y, z = direction / np.linalg.norm(direction)
+    bottom, top = (
+        _scaled(color, strength, found.sun_intensity)
+        for color in (found.made.sun_bottom, found.made.sun_top)
+    )
+    half = found.settings.sun_size / 2.0
+    return SunDisc((float(x), float(y), float(z)), half, bottom, top, found.made.horizon)
+
+
+def _scaled(color: Rgb, strength: Rgb, intensity: float) -> Rgb:
+    r, g, b = (c * s * intensity for c, s in zip(color, strength, strict=True))
+    return (r, g, b)
 
 
 def _wrapped(elevation: float, rotation: float) -> tuple[float, float]:

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.scene import NO_PROGRAM, NO_TEXTURE, Rgb, Scene, SunDisc, WorldMap
+from ..core.scene import NO_PROGRAM, NO_TEXTURE, Rgb, Scene, WorldMap
+from .directions import direction_map
 from .lights import MOST_STRENGTH
 from .materials import Shading, export_volume
 from .nodes.compiler import Compiler
 from .nodes.links import (
     Source,
-    default_value,
     label,
     output_node,
     report_foreign_output,
@@ -24,12 +23,10 @@ from .nodes.links import (
 from .nodes.node import Owner
 from .nodes.reduce import lambertian
 from .report import Report
-from .sky import export_sky
+from .sky import export_sky, sun_disc
 from .visibility import world_seen_by
 
 Matrix = NDArray[np.float64]
-DIRECTION_OUTPUTS = {"TEX_COORD": {"Generated", "Object"}, "NEW_GEOMETRY": {"Position"}}
-"""Outputs that are the direction itself in a world."""
 
 
 def export_world(world: Any, shading: Shading, scene: Scene) -> None:
@@ -86,6 +83,7 @@ class _World:
             self.scene.world = _radiance(np.array(constant[1][0]), self.owner, self.report)
         else:
             self.scene.world_program = self.shading.add(compiled.program(world.name))
+            self.scene.sun_discs = list(compiled.graph.sun_discs)
 
     def _image(self, surface: Source) -> bool:
         """Takes an image or a sky that feeds a Background; False if it is something else."""
@@ -96,7 +94,7 @@ class _World:
             or color.node.type not in {"TEX_ENVIRONMENT", "TEX_SKY"}
         ):
             return False
-        to_lookup = self._coordinates(color)
+        to_lookup = direction_map(color)
         if to_lookup is None:
             return False
         strength = self._strength(surface)
@@ -120,73 +118,13 @@ class _World:
         value = compiler.value(surface.node.inputs["Strength"], surface.groups)
         return float(value.data[0]) if value.is_constant else None
 
-    def _coordinates(self, texture: Source) -> Matrix | None:
-        """(4, 4) from a direction to what the texture looks up; None if that is no affine map of
-        it.
-        """
-        vector = texture.input("Vector")
-        own = texture.node.texture_mapping
-        matrix = _mapping(own.vector_type, own.translation, own.rotation, own.scale)
-        while vector is not None and vector.node is not None:
-            node = vector.node
-            if node.type == "MAPPING":
-                values = [vector.input(name) for name in ("Location", "Rotation", "Scale")]
-                if any(value is not None and value.node is not None for value in values):
-                    return None
-                location, rotation, scale = (
-                    default_value(v.socket) if v is not None else d
-                    for v, d in zip(values, (0, 0, 1), strict=True)
-                )
-                matrix = matrix @ _mapping(node.vector_type, location, rotation, scale)
-                vector = vector.input("Vector")
-                if vector is not None and vector.node is None:
-                    return None
-            elif (
-                vector.socket.name in DIRECTION_OUTPUTS.get(node.type, ())
-                and getattr(node, "object", None) is None
-            ):
-                return matrix
-            else:
-                return None
-        return matrix
-
     def _sky(self, node: Any, to_lookup: Matrix) -> None:
         strength = self.scene.world
         found = export_sky(node, self.textures, self.owner, self.report)
         matrix = found.turn @ to_lookup
         self.scene.world_map = WorldMap(found.texture, matrix[:3])
-        if not found.has_disc:
-            return
-        intensity, elevation = float(node.sun_intensity), found.settings.sun_elevation
-        direction = np.linalg.pinv(matrix[:3, :3]) @ [math.cos(elevation), 0.0, math.sin(elevation)]
-        if not np.isfinite(direction).all() or not np.linalg.norm(direction) > 0.0:
-            return
-        x, y, z = direction / np.linalg.norm(direction)
-        bottom, top = (
-            _scaled(color, strength, intensity)
-            for color in (found.made.sun_bottom, found.made.sun_top)
-        )
-        half = found.settings.sun_size / 2.0
-        self.scene.sun_discs = [
-            SunDisc((float(x), float(y), float(z)), half, bottom, top, found.made.horizon)
-        ]
-
-
-def _mapping(kind: str, location: Any, rotation: Any, scale: Any) -> Matrix:
-    """(4, 4) of Blender's Mapping node (and of a texture's own mapping)."""
-    from mathutils import Euler
-
-    place, turn, size = np.eye(4), np.eye(4), np.eye(4)
-    place[:3, 3] = location
-    turn[:3, :3] = np.array(Euler(np.broadcast_to(rotation, 3).tolist()).to_matrix())
-    factors = np.broadcast_to(np.asarray(scale, np.float64), 3)
-    if kind in {"TEXTURE", "NORMAL"}:
-        factors = np.divide(1.0, factors, out=np.zeros(3), where=factors != 0.0)
-    size[:3, :3] = np.diag(factors)
-    if kind == "TEXTURE":
-        place[:3, 3] *= -1.0
-        return size @ turn.T @ place
-    return turn @ size if kind in {"VECTOR", "NORMAL"} else place @ turn @ size
+        disc = sun_disc(found, to_lookup, strength)
+        self.scene.sun_discs = [disc] if disc is not None else []
 
 
 def _radiance(value: NDArray[np.float64], owner: str, report: Report) -> Rgb:
@@ -197,8 +135,3 @@ def _radiance(value: NDArray[np.float64], owner: str, report: Report) -> Rgb:
         report.warn(f"{owner}: it is brighter than numbers of pixels can be; left out")
         value = np.zeros(3)
     return (float(value[0]), float(value[1]), float(value[2]))
-
-
-def _scaled(color: Rgb, strength: Rgb, intensity: float) -> Rgb:
-    r, g, b = (c * s * intensity for c, s in zip(color, strength, strict=True))
-    return (r, g, b)

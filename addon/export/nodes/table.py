@@ -80,7 +80,7 @@ NODES: dict[str, Entry] = {
         "texture",
         "Sky Texture",
         t.sky,
-        "without the sun's disc where it is not the world's only colour",
+        "without the sun's disc outside of worlds, and where it is scaled or moved",
     ),
     "TEX_IES": Entry("texture", "IES Texture", t.ies),
     "TEX_POINTDENSITY": Entry("texture", "Point Density", t.no_density, "taken as empty"),

@@ -6,10 +6,14 @@ import math
 from typing import Any
 
 import bpy
+import numpy as np
 
+from ...core.scene import SunDisc
+from ..directions import direction_map
 from ..images import is_associated
-from ..sky import export_sky
+from ..sky import ExportedSky, export_sky, sun_disc
 from .inputs import uv
+from .links import Source
 from .node import Node, label
 from .values import ONE, ORIGIN, ZERO, Value, number, vector
 
@@ -308,10 +312,10 @@ def gabor(n: Node) -> Outputs:
 
 def sky(n: Node) -> Outputs:
     found = export_sky(n.node, n.around.textures, n.owner.name, n.around.report)
-    if found.has_disc:
+    disc = _disc_of_world(n, found)
+    if found.has_disc and disc is None:
         n.warn(
-            "the sun's disc is left out here; it is there where the sky alone is the colour of "
-            "the world's Background"
+            "the sun's disc is left out here; it is there in a world that turns directions at most"
         )
     matrix = tuple(float(v) for v in found.turn[:3].ravel())
     where = n.graph.one("TransformPoint", point=coordinates(n), matrix=matrix)
@@ -322,7 +326,33 @@ def sky(n: Node) -> Outputs:
         projection="EQUIRECTANGULAR",
         unassociate=False,
     )
-    return {"Color": looked_up["color"]}
+    if disc is None:
+        return {"Color": looked_up["color"]}
+    n.graph.sun_discs.append(disc)
+    color = n.graph.one(
+        "SunDisc",
+        sky=looked_up["color"],
+        vector=where,
+        bottom=vector(disc.bottom),
+        top=vector(disc.top),
+        elevation=number(found.settings.sun_elevation),
+        half_angle=number(disc.half_angle),
+        horizon=number(disc.horizon),
+    )
+    return {"Color": color}
+
+
+def _disc_of_world(n: Node, found: ExportedSky) -> SunDisc | None:
+    """Of a world whose sky is turned, and no more than that."""
+    if not n.owner.of_world:
+        return None
+    to_lookup = direction_map(Source(n.node, n.node.outputs[0], n.groups))
+    if to_lookup is None or not np.allclose(to_lookup[:3, 3], 0.0, atol=1e-5):
+        return None
+    turn = to_lookup[:3, :3]
+    if not np.allclose(turn @ turn.T, np.eye(3), atol=1e-4) or np.linalg.det(turn) < 0.0:
+        return None
+    return sun_disc(found, to_lookup, (1.0, 1.0, 1.0))
 
 
 def ies(n: Node) -> Outputs:

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.native import library as native
+from ...core.scene import SunDisc
 
 CONSTANT_BIT = 0x80000000
 UNUSED = 0x7FFFFFFF
@@ -47,6 +48,7 @@ OF_THE_HIT = MOVED_WITH_HIT | {
     ),
     *("AmbientOcclusion", "Bevel", "Raycast"),
     *("LightPath", "NormalMap", "Bump", "DisplacementBump", "ImageTexture", "EnvironmentTexture"),
+    "SunDisc",
 }
 
 
@@ -149,6 +151,7 @@ class Graph:
         self.folding = folding
         self.instructions: list[Instruction] = []
         self.offset = UNMOVED
+        self.sun_discs: list[SunDisc] = []  # of skies in a world
         self._known: dict[Any, int] = {}
 
     def add(self, name: str, **given: Any) -> dict[str, Value]:

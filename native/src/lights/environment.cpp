@@ -4,8 +4,6 @@ namespace photon_splat {
 namespace {
 
 constexpr double kUniformShare = 0.02;  // of the table's samples: no direction is ever left out
-// Cycles' sun: 1 - 0.6 (1 - cos of the angle to the sun's own surface)
-constexpr float kLimbDarkening = 0.6f;
 constexpr int kMostColumns = 2048;
 
 // Real spherical harmonics to the second degree.
@@ -30,8 +28,8 @@ Vec3 direction_at(float polar, float longitude) {
 
 Environment::Environment(Scene& scene)
     : scene_(scene), straight_(scene.world_map.to_lookup.m == Affine{}.m) {
-  add_discs();
   find_kinds();
+  add_discs();
   if (scene_.world_map.texture >= 0 || scene_.world_program >= 0)
     bake();
   else
@@ -39,11 +37,7 @@ Environment::Environment(Scene& scene)
 }
 
 Rgb Environment::map_radiance(const Vec3& d) const {
-  if (scene_.world_program >= 0) {
-    Rgb most = run(d, kinds_[0]);
-    for (size_t i = 1; i < kinds_.size(); ++i) most = max(most, run(d, kinds_[i]));
-    return most;
-  }
+  if (scene_.world_program >= 0) return most_of_program(d, false);
   const WorldMap& map = scene_.world_map;
   if (map.texture < 0) return scene_.world;
   Vec3 v = d;
@@ -58,11 +52,18 @@ Rgb Environment::map_radiance(const Vec3& d) const {
   return max(texel, Vec3{}) * scene_.world;
 }
 
-Rgb Environment::run(const Vec3& d, RayInfo ray) const {
+Rgb Environment::most_of_program(const Vec3& d, bool suns) const {
+  Rgb most = run(d, kinds_[0], suns);
+  for (size_t i = 1; i < kinds_.size(); ++i) most = max(most, run(d, kinds_[i], suns));
+  return most;
+}
+
+Rgb Environment::run(const Vec3& d, RayInfo ray, bool suns) const {
   ShadingPoint p;
   p.position = d;
   p.ng = p.ns = p.wo = -d;
   p.ray = ray;
+  p.suns = suns;
   p.ray.length = std::numeric_limits<float>::max();
   ++p.ray.depth;  // the world is one step further, as in Cycles
   Bsdf bsdf(Transport::kRadiance, p.wo, p.ng, p.ns, false);
@@ -71,11 +72,11 @@ Rgb Environment::run(const Vec3& d, RayInfo ray) const {
 }
 
 Rgb Environment::radiance(const Vec3& d, const RayInfo& ray) const {
-  return asks_camera_ ? run(d, ray) : radiance(d);
+  return asks_camera_ ? run(d, ray, true) : radiance(d);
 }
 
 Rgb Environment::share(const Vec3& d, const RayInfo& ray) const {
-  const Rgb seen = run(d, ray), all = map_radiance(d);
+  const Rgb seen = run(d, ray, true), all = radiance(d);
   return {all.x > 0 ? seen.x / all.x : 0, all.y > 0 ? seen.y / all.y : 0,
           all.z > 0 ? seen.z / all.z : 0};
 }
@@ -111,38 +112,32 @@ void Environment::find_kinds() {
 
 void Environment::add_discs() {
   for (const SunDisc& sun : scene_.sun_discs) {
-    Disc disc{sun, normalize(sun.direction), 0, 0, 0, 0};
-    const float half = std::clamp(sun.half_angle, 1e-5f, 0.5f * kPi), sine = std::sin(0.5f * half);
-    disc.one_minus_cos = 2 * sine * sine;
-    const float elevation = std::asin(std::clamp(disc.towards.z, -1.0f, 1.0f));
-    disc.high = elevation + half;
-    disc.low = elevation - half;
-    double sum = 0;
+    Disc disc(sun);
+    Rgb sum{};
     constexpr uint32_t kProbes = 1024;
     const Basis basis(disc.towards);
+    const auto of_disc = [&](const Vec3& d) {
+      return scene_.world_program < 0
+                 ? disc.radiance(d)
+                 : max(most_of_program(d, true) - most_of_program(d, false), Rgb{});
+    };
     for (uint32_t i = 0; i < kProbes; ++i)
-      sum += average(
-          radiance_of(disc, basis.to_world(sample_cone(sobol_2d(i, 0, 0), disc.one_minus_cos))));
-    disc.flux = sum / kProbes * 2 * kPi * disc.one_minus_cos;
+      sum += of_disc(basis.to_world(sample_cone(sobol_2d(i, 0, 0), disc.one_minus_cos)));
+    disc.mean = sum / static_cast<float>(kProbes);
+    disc.flux = double(average(disc.mean)) * 2 * kPi * disc.one_minus_cos;
     if (disc.flux > 0 && std::isfinite(disc.flux)) discs_.push_back(disc);
   }
 }
 
-Rgb Environment::radiance_of(const Disc& disc, const Vec3& d) const {
-  const float off2 = length2(d - disc.towards);  // 2 (1 - cos)
-  if (off2 > 2 * disc.one_minus_cos) return {};
-  const float ratio2 = std::min(off2 / (2 * disc.one_minus_cos), 1.0f);
-  const float elevation = std::asin(std::clamp(d.z, -1.0f, 1.0f));
-  if (elevation < disc.sun.horizon) return {};
-  const float height = (elevation - disc.low) / std::max(disc.high - disc.low, 1e-9f);
-  const Rgb color =
-      disc.sun.bottom + (disc.sun.top - disc.sun.bottom) * std::clamp(height, 0.0f, 1.0f);
-  return max(color, Vec3{}) * (1 - kLimbDarkening * (1 - std::sqrt(1 - ratio2)));
-}
-
+// In a program the sun is part of what is mixed: what it adds there.
 Rgb Environment::disc_radiance(const Vec3& d) const {
   Rgb sum{};
-  for (const Disc& disc : discs_) sum += radiance_of(disc, d);
+  for (const Disc& disc : discs_) {
+    if (!disc.contains(d)) continue;
+    if (scene_.world_program >= 0)
+      return max(most_of_program(d, true) - most_of_program(d, false), Rgb{});
+    sum += disc.radiance(d);
+  }
   return sum;
 }
 
@@ -205,10 +200,7 @@ void Environment::measure(const std::vector<Rgb>& cells, int width, int height) 
     float y[9];
     harmonics_at(disc.towards, y);
     for (int i = 0; i < 9; ++i) harmonics_[i] += static_cast<float>(disc.flux) * y[i];
-    const double middle = average((disc.sun.bottom + disc.sun.top) * 0.5f);
-    if (middle > 0)
-      disc_mean += (disc.sun.bottom + disc.sun.top) *
-                   static_cast<float>(0.5 * disc.flux / middle / (4 * kPi));
+    disc_mean += disc.mean * (0.5f * disc.one_minus_cos);
     disc_cdf_.push_back(static_cast<float>(discs));
   }
   mean_ = Rgb{static_cast<float>(sum[0]), static_cast<float>(sum[1]), static_cast<float>(sum[2])} /

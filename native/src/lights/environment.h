@@ -73,17 +73,16 @@ class Environment {
   float contrast() const { return contrast_; }
 
  private:
-  struct Disc {
-    SunDisc sun;
-    Vec3 towards;
-    float one_minus_cos, low, high;  // elevations of its lower and its upper edge
-    double flux;                     // through a surface that faces it, mean over RGB, W/m^2
+  struct Disc : SunCone {
+    explicit Disc(const SunDisc& of) : SunCone(of) {}
+    Rgb mean{};       // radiance
+    double flux = 0;  // through a surface that faces it, mean over RGB, W/m^2
   };
   Rgb map_radiance(const Vec3& d) const;
-  Rgb run(const Vec3& d, RayInfo ray) const;
+  Rgb run(const Vec3& d, RayInfo ray, bool suns) const;
+  Rgb most_of_program(const Vec3& d, bool suns) const;
   void find_kinds();
   Rgb disc_radiance(const Vec3& d) const;
-  Rgb radiance_of(const Disc& disc, const Vec3& d) const;
   void add_discs();
   void bake();
   void measure(const std::vector<Rgb>& cells, int width, int height);

@@ -34,4 +34,15 @@ struct SunDisc {
   float horizon = -kPi;  // elevation below which nothing is seen of it
 };
 
+// Such a disc as it is looked up.
+struct SunCone {
+  explicit SunCone(const SunDisc& of);
+  bool contains(const Vec3& d) const { return length2(d - towards) <= 2 * one_minus_cos; }
+  Rgb radiance(const Vec3& d) const;
+
+  SunDisc sun;
+  Vec3 towards;
+  float one_minus_cos, low, high;  // elevations of its lower and its upper edge
+};
+
 }  // namespace photon_splat

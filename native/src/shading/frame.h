@@ -166,6 +166,7 @@ void wavelength(Frame& f, const uint32_t* w);
 // image.cpp
 void image_texture(Frame& f, const uint32_t* w);
 void environment_texture(Frame& f, const uint32_t* w);
+void sun_disc(Frame& f, const uint32_t* w);
 void ies_texture(Frame& f, const uint32_t* w);
 
 // noise.cpp, voronoi.cpp, gabor.cpp, patterns.cpp

@@ -133,6 +133,20 @@ void environment_texture(Frame& f, const uint32_t* w) {
   set(f, w, look_up(f, w[3], round ? equirectangular(d) : mirror_ball(d), f.on(w[5])));
 }
 
+void sun_disc(Frame& f, const uint32_t* w) {
+  Rgb color = f.vector(w[1]);
+  if (f.point.suns) {
+    const float elevation = f.number(w[5]);
+    const SunDisc sun{{std::cos(elevation), 0, std::sin(elevation)},
+                      f.number(w[6]),
+                      f.vector(w[3]),
+                      f.vector(w[4]),
+                      f.number(w[7])};
+    color += SunCone(sun).radiance(safe_normalize(f.vector(w[2])));
+  }
+  f.set(w[0], color);
+}
+
 void ies_texture(Frame& f, const uint32_t* w) {
   const Vec3 d = safe_normalize(f.vector(w[1]));
   const float vertical = std::acos(std::clamp(-d.z, -1.0f, 1.0f)),

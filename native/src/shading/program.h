@@ -157,6 +157,7 @@ struct ShadingPoint {
   float u = 0, v = 0;  // barycentric
   RayInfo ray;
   const LampPlace* lamp = nullptr;
+  bool suns = true;               // those of skies show their discs
   MediumPoint* medium = nullptr;  // of volume programs: takes the closures; there is no surface
 };
 

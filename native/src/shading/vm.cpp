@@ -118,6 +118,7 @@ void execute(Frame& f) {
 
       case Op::ImageTexture: image_texture(f, w); break;
       case Op::EnvironmentTexture: environment_texture(f, w); break;
+      case Op::SunDisc: sun_disc(f, w); break;
       case Op::Together: f.noise.together = w[0]; break;
       case Op::NoiseTexture: noise_texture(f, w); break;
       case Op::VoronoiTexture: voronoi_texture(f, w); break;
