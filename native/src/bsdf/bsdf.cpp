@@ -332,6 +332,8 @@ Bsdf::Drawn Bsdf::drawn(const Vec3& wi) const {
   return density > 0 ? Drawn{density / all, diffuse / density} : Drawn{0, 0};
 }
 
+float Bsdf::ray_pdf(const Vec3& wi) const { return drawn(wi).pdf; }
+
 float Bsdf::scale_of_flux(const Vec3& wi) const { return flux_scale(view_.ng, view_.wo, wi); }
 
 // The radiance BSDF with the two directions exchanged: photons come from wo and leave along wi.

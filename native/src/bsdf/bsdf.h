@@ -220,6 +220,9 @@ class Bsdf {
   // share by the power heuristic. INFINITY: all by samples.
   Rgb diffuse_share(const Vec3& wi, float light_pdf) const;
   Rgb diffuse_share(const BsdfSample& s, float light_pdf) const;
+  // Density over solid angle of the rays that Cycles would draw towards wi; for photons, of those
+  // that look along them the other way.
+  float ray_pdf(const Vec3& wi) const;
 
  private:
   // A closure kept to be expanded again for another direction: `size` bytes of it follow.

@@ -75,7 +75,10 @@ void CameraTracer::add_light(Path& path, const Surface& hit, const Bsdf& bsdf,
   ++path.tile.rays;
   path.tile.deep_rays += path.is_beyond();
   Rgb arriving = light.weight * light_through(light, hit, path);
-  if (light.use_mis) arriving *= light.pdf * light.pdf / (light.pdf * light.pdf + pdf * pdf);
+  if (light.from_world && lights_.world_shares())
+    arriving *= 1 - lights_.ray_share_of_world(light.direction, bsdf.ray_pdf(light.direction));
+  else if (light.use_mis)
+    arriving *= light.pdf * light.pdf / (light.pdf * light.pdf + pdf * pdf);
   if (world) {
     see_world(path, receiver, light.direction, arriving, false);
   }

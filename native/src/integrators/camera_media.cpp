@@ -146,6 +146,7 @@ bool CameraTracer::scatter_in_medium(Path& path, const Flight& flight, bool dire
   path.far = INFINITY;
   path.from = receiver;
   path.from.ray = static_cast<uint8_t>(ray_bit(RayInfo::kVolume));
+  path.from.ray_pdf = pdf;
   path.pdf = pdf;
   path.deep = path.is_beyond();  // what it meets next is direct light of this place
   path.after_medium |= scene_.media()->homogeneous(path.media).has_value();
@@ -182,7 +183,10 @@ void CameraTracer::add_light_in_medium(Path& path, const MediumPoint& point,
   if (far > 0)
     arriving *= transmittance(receiver.x, light.direction, far, path.info, light.blockers,
                               path.media, path.random);
-  if (light.use_mis) arriving *= light.pdf * light.pdf / (light.pdf * light.pdf + pdf * pdf);
+  if (light.from_world && lights_.world_shares())
+    arriving *= 1 - lights_.ray_share_of_world(light.direction, pdf);
+  else if (light.use_mis)
+    arriving *= light.pdf * light.pdf / (light.pdf * light.pdf + pdf * pdf);
   if (light.from_world && lights_.environment().asks_ray())
     arriving *= lights_.environment().share(light.direction, path.info.scattered_in_medium());
   if (path.is_beyond()) see_deep(path, arriving * scattered);

@@ -126,6 +126,7 @@ bool CameraTracer::scatter(Path& path, const Surface& hit, const Bsdf& bsdf,
   path.far = INFINITY;
   path.from = receiver;
   path.from.ray = static_cast<uint8_t>(lobe_rays(false, s->transmitted));
+  if (lights_.world_shares() && s->pdf > 0) path.from.ray_pdf = bsdf.ray_pdf(s->direction);
   if (shares) {
     path.from.diffuse_ray = static_cast<uint8_t>(lobe_rays(true, s->transmitted));
     path.from.diffuse_share = bsdf.diffuse_share(*s, INFINITY);

@@ -186,9 +186,9 @@ CameraTracer::Meeting CameraTracer::light(Path& path, const Surface& hit, Bsdf& 
   if (path.leaves_gather_points && bsdf.has_rest()) {
     const bool shares_diffuse =
         lights_.wants_bsdf_ray({receiver.x, receiver.n, false, receiver.group});
-    bsdf.prefer_rest(continued || lights_.world_by_paths() ? 1
-                     : shares_diffuse                      ? kDiffuseShared
-                                                           : kDiffuseLeast);
+    bsdf.prefer_rest(continued || lights_.world_by_paths() || lights_.world_shares() ? 1
+                     : shares_diffuse ? kDiffuseShared
+                                      : kDiffuseLeast);
   }
   add_direct(path, hit, bsdf, receiver);
   if (gathers && !hit.on_strand() && (!continued || caustic_photons_))

@@ -37,7 +37,8 @@ struct Receiver {
   // Bsdf::diffuse_share(); exact where a light hides from some rays or the world asks.
   uint8_t ray = 0xff, diffuse_ray = 0xff;
   Rgb diffuse_share{}, diffuse_share_of_world{};
-  uint16_t bounces = 0;  // of the path before that
+  float ray_pdf = INFINITY;  // Bsdf::ray_pdf() of that ray, where Lights::world_shares()
+  uint16_t bounces = 0;      // of the path before that
   // unit: it scatters in proportion to the cosine with this, more or less; 0: who knows
   Vec3 ns{};
   // Its mesh is coarse for its smooth normals: lights below the surface proper count as well

@@ -28,6 +28,8 @@ float mean_cosine(float along, float distance, float radius) {
 
 // Chance that Cycles is thought to give the world where there are lights too
 constexpr float kWorldBesideLights = 0.5f;
+// Of Environment::contrast(), where light samples have a part of the world's light to themselves
+constexpr float kLeastOfSharing = 0.5f;
 
 float power_heuristic(float a, float b) {
   if (!(a < 1e18f)) return 1;  // a delta
@@ -105,13 +107,26 @@ float Lights::emitters_weight(const Receiver& to) const {
 // The world is drawn from as far as that is better than leaving it to the rays that BSDFs draw.
 float Lights::world_probability(const Receiver& to, float emitters) const {
   if (environment_.constant() || to.guide || !(scene_.world_seen_by & kScatteredRays)) return 0;
-  const float world = environment_.irradiance(to.n) * environment_.contrast();
+  const float worth = std::max(environment_.contrast(), world_shares() ? kLeastOfSharing : 0.0f);
+  const float world = environment_.irradiance(to.n) * worth;
   return world > 0 ? world / (world + emitters) : 0;
 }
 
 float Lights::world_density(const Vec3& direction) const {
   if (environment_.constant()) return 0;
   return environment_.pdf(direction) * (emitters_.empty() ? 1.0f : kWorldBesideLights);
+}
+
+float Lights::ray_share_of_world(const Vec3& direction, float ray_pdf) const {
+  return ray_pdf < INFINITY ? power_heuristic(ray_pdf, world_density(direction)) : 1;
+}
+
+float Lights::ray_share_of_lamp(uint32_t emitter, const Receiver& to, const Vec3& direction,
+                                float ray_pdf) const {
+  if (!(ray_pdf < INFINITY)) return 1;
+  float pdf = 0;
+  lamp_radiance_met(lamps_[emitters_[emitter].lamp], to.x, direction, 0, INFINITY, pdf);
+  return pdf > 0 ? power_heuristic(ray_pdf, pdf * choice_probability(emitter, to)) : 0;
 }
 
 float Lights::choice_probability(uint32_t emitter, const Receiver& to) const {
@@ -336,6 +351,7 @@ Rgb Lights::world_met(const Receiver& to, const Vec3& direction, float bsdf_pdf)
   Rgb radiance = environment_.radiance(direction);
   if (scene_.world_seen_by != kAllRays) radiance *= to.seeing(scene_.world_seen_by, true);
   if (!(bsdf_pdf < INFINITY) || is_black(radiance)) return radiance;
+  if (world_shares()) return radiance * ray_share_of_world(direction, to.ray_pdf);
   if (to.guide)
     return radiance *
            power_heuristic(bsdf_pdf, static_cast<float>(to.world_samples) *

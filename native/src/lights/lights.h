@@ -109,6 +109,15 @@ class Lights {
   bool world_asks() const {
     return environment_.asks_ray() || hides_from_some(scene_.world_seen_by);
   }
+  // Something lets rays of shadows pass and not others, or the other way round: then it shows which
+  // part of the world's light comes by light samples and which by rays of BSDFs, and each gets its
+  // part as in Cycles.
+  bool world_shares() const { return !environment_.constant() && scene_.shadows_differ(); }
+  // The part of rays. `ray_pdf`: Bsdf::ray_pdf(); infinity for deltas.
+  float ray_share_of_world(const Vec3& direction, float ray_pdf) const;
+  // The same of a lamp, where Emitter::lamp is one; 0 where such rays do not find it.
+  float ray_share_of_lamp(uint32_t emitter, const Receiver& to, const Vec3& direction,
+                          float ray_pdf) const;
   // Of light samples of the world about as Cycles takes them, which has none of one that is the
   // same everywhere; for Bsdf::diffuse_share().
   float world_density(const Vec3& direction) const;

@@ -78,6 +78,12 @@ int Media::add_region(uint32_t instance, int program, ThreadPool& pool, const Ca
     scatters_ = true;
     bound(region, pool, cancel);
   }
+  if (instance != ShadingPoint::kNoInstance) {
+    const RayMask seen_by = scene_.instances[instance].seen_by;
+    hides_from_shadows_ |= !(seen_by & ray_bit(RayInfo::kShadow)) &&
+                           seen_by & (kScatteredRays | ray_bit(RayInfo::kVolume)) &&
+                           !(region.homogeneous && is_black(region.point.scattering));
+  }
   regions_.push_back(std::move(region));
   return static_cast<int>(regions_.size() - 1);
 }

@@ -88,6 +88,8 @@ class Media {
   }
   bool emits() const { return emits_; }
   bool scatters() const { return scatters_; }
+  // Whether some scatter what is seen and let straight light pass as if they were not there.
+  bool hides_from_shadows() const { return hides_from_shadows_; }
   // Whether some of them are the same everywhere.
   bool any_homogeneous() const {
     return std::any_of(regions_.begin(), regions_.end(),
@@ -161,6 +163,7 @@ class Media {
   MediumStack visible_part(const MediumStack& stack, RayMask kinds) const;
 
   bool in_meshes_ = false, emits_ = false, scatters_ = false;
+  bool hides_from_shadows_ = false;
   bool hides_ = false;  // some object with a medium does from some rays
 };
 

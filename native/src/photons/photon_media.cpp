@@ -60,7 +60,8 @@ bool PhotonTracer::scatter_in_medium(Path& path, const Flight& flight, const Pho
   if (path.bounces == max_bounces_ || path.bounces >= start.max_bounces ||
       !scatters_for(start, path, ray_bit(RayInfo::kVolume)))
     return false;
-  if (path.guessed && path.kind != (direct ? RayInfo::kShadow : RayInfo::kVolume)) return false;
+  if (path.guessed && path.kind != (straight(path, start) ? RayInfo::kShadow : RayInfo::kVolume))
+    return false;
   const Vec3 place = origin + direction * flight.distance;
   const float distance = path.travelled + flight.distance;
   if (direct && !arrives(path, place, distance, start)) return false;
@@ -76,7 +77,7 @@ bool PhotonTracer::scatter_in_medium(Path& path, const Flight& flight, const Pho
   float pdf;
   const Rgb scattered = flight.point.evaluate(direction, way, &pdf);
   if (!(pdf > 0)) return false;
-  path.power *= scattered / pdf;
+  path.power *= scattered * (share_of_way(path, start, pdf) / pdf);
   path.kind = RayInfo::kDiffuse;
   path.guessed = scene_.kinds_differ();
   if (path.guessed) {

@@ -289,10 +289,11 @@ bool PhotonTracer::shade(Path& path, const Surface& hit, const PhotonStart& star
       stream_ == PhotonStream::kCaustic)
     return false;
   if (!scatters_for(start, path, ray_bit(RayInfo::kDiffuse))) return false;
-  if (path.guessed && path.kind != (path.bounces == 0 ? RayInfo::kShadow : RayInfo::kDiffuse))
+  if (path.guessed && path.kind != (straight(path, start) ? RayInfo::kShadow : RayInfo::kDiffuse))
     return false;
   if (!sends_on(path, hit)) return false;
-  path.power *= scene_.albedo(hit) * (cos_shading / cos_geometric);
+  path.power *= scene_.albedo(hit) *
+                (cos_shading / cos_geometric * share_of_way(path, start, cos_shading * (1 / kPi)));
   const float survival = std::min(1.0f, max_component(path.power) / path.reference);
   if (!(survival > 0) || path.random.next() >= survival) return false;
   path.power *= 1 / survival;
@@ -318,7 +319,8 @@ bool PhotonTracer::shade(Path& path, const Surface& hit, const PhotonStart& star
 bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const PhotonStart& start,
                                       const Draws& draws, const SurfaceFilter& visible,
                                       Vec3& origin, Vec3& direction, Photons& photons) const {
-  const bool direct = path.bounces == 0, asked = hit.program->asks_kind || scene_.kinds_differ(),
+  const bool direct = path.bounces == 0, by_shadow = straight(path, start),
+             asked = hit.program->asks_kind || scene_.kinds_differ(),
              decided = !asked && scatters_in_media() && scene_.volume_differs(hit.instance);
   float chance = 1;
   RayInfo ray;
@@ -348,14 +350,14 @@ bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const Phot
   const bool blocking = blocks(path, hit, start);
   Rgb transparency = blocking ? bsdf.transparency() : Rgb{1, 1, 1};
   const bool may_pass = blocking && scene_.may_be_transparent(hit),
-             passing_asked = may_pass && (direct ? hit.program->asks_shadow : asked);
+             passing_asked = may_pass && (by_shadow ? hit.program->asks_shadow : asked);
   RayInfo passing_ray = ray;
   float passing_chance = 1;
   if (passing_asked) {
     passing_ray.kind = path.kind;
     if (!path.guessed)
       passing_ray.kind =
-          guess_kind(path.random, direct ? RayInfo::kShadow : receiver_kind_, &passing_chance);
+          guess_kind(path.random, by_shadow ? RayInfo::kShadow : receiver_kind_, &passing_chance);
   }
   if (passing_asked || (may_pass && hit.program->asks_side))
     transparency = scene_.lets_through(hit, direction, passing_ray);
@@ -393,10 +395,11 @@ bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const Phot
     if (choice < below) {
       // Seen from where it lands it is a diffuse ray
       if (!scatters_for(start, path, ray_bit(RayInfo::kDiffuse)) ||
-          (path.guessed && path.kind != (direct ? RayInfo::kShadow : RayInfo::kDiffuse)) ||
+          (path.guessed && path.kind != (by_shadow ? RayInfo::kShadow : RayInfo::kDiffuse)) ||
           !light_up_by_ray(path, start, {1, 1, 1}, false, false))
         return false;
-      path.power *= 1 / (below * chance);
+      const float cosine = std::abs(dot(direction, hit.ns));
+      path.power *= share_of_way(path, start, cosine * (1 / kPi)) / (below * chance);
       if (!go_below(path, hit, bsdf, ray, draws, origin, direction)) return false;
       path.kind = ray.kind;
       path.guessed = asked || decided;
@@ -414,7 +417,9 @@ bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const Phot
   if (direct && s->pdf <= 0 && (!start.deltas || path.unshadowed)) return false;
   if (path.guessed) {
     const bool delta = s->pdf <= 0;
-    if (path.kind == RayInfo::kShadow ? delta : (direct && !delta) || kind_of(*s) != path.kind)
+    if (path.kind == RayInfo::kShadow
+            ? delta
+            : (by_shadow && !delta && start.told_apart < 0) || kind_of(*s) != path.kind)
       return false;
   }
   if (direct && (start.asks_ray || start.seen_by != kAllRays)) {
@@ -425,6 +430,15 @@ bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const Phot
                   (start.seen_by & lobe_rays(false, s->transmitted) ? rest : Rgb{});
     if (!light_up_by_ray(path, start, diffuse, s->transmitted, s->pdf <= 0)) return false;
   }
+  if (direct && path.guessed && start.told_apart >= 0 && !s->diffuse && s->pdf > 0) {
+    const float by_rays =
+        lights_.ray_share_of_lamp(static_cast<uint32_t>(start.told_apart),
+                                  {hit.position, {}, true, scene_.instances[hit.instance].group},
+                                  -start.direction, bsdf.ray_pdf(s->direction));
+    path.power *= path.kind == RayInfo::kShadow ? 1 - by_rays : by_rays;
+  }
+  if (direct && start.shares_with_rays)
+    path.power *= share_of_way(path, start, s->pdf > 0 ? bsdf.ray_pdf(s->direction) : INFINITY);
   path.caustic *= s->diffuse ? 0 : sharpness(s->roughness);
   if (caustic && !(path.caustic > 0)) return false;
   path.power *= s->weight / chance;

@@ -106,7 +106,7 @@ uint32_t PhotonTracer::start_all(uint64_t first, uint32_t count, double total, u
     SobolPair::Run ways;
     first_bounce.fill(static_cast<uint32_t>(first + begin), end - begin, ways);
     for (uint32_t place = begin; place < end; ++place) {
-      const PhotonStart& from = starts[place];
+      PhotonStart& from = starts[place];
       Path path;
       path.power = from.power * static_cast<float>(1.0 / total);
       path.reference = max_component(path.power);
@@ -116,9 +116,14 @@ uint32_t PhotonTracer::start_all(uint64_t first, uint32_t count, double total, u
       if (!(path.reference > 0) || !std::isfinite(path.reference)) continue;
       if (scene_.media() && !start_in_media(path, from)) continue;
       paths.first_u[n] = ways.x[place - begin], paths.first_v[n] = ways.y[place - begin];
-      if (guesses_first) {
+      if (from.shares_with_rays) {
+        from.by_rays = path.random.next() < 0.5f;
+        path.power *= 2;
+      }
+      if (guesses_first || from.by_rays) {
         float chance;
-        path.kind = guess_kind(path.random, RayInfo::kShadow, &chance);
+        path.kind =
+            guess_kind(path.random, from.by_rays ? RayInfo::kDiffuse : RayInfo::kShadow, &chance);
         path.guessed = true;
         path.power *= 1 / chance;
       }

@@ -164,6 +164,17 @@ class PhotonTracer {
                                    const Vec3& direction) const;
   bool shade(Path& path, const Surface& hit, const PhotonStart& start, const Draws& draws,
              const SurfaceFilter& visible, Vec3& origin, Vec3& direction, Photons& photons) const;
+  // Whether a light sample looks along the path's present way: it has scattered nowhere.
+  static bool straight(const Path& path, const PhotonStart& start) {
+    return path.bounces == 0 && !start.by_rays;
+  }
+  // Of light that has scattered nowhere, the part that comes the way that it has taken, by rays or
+  // by light samples. `ray_pdf`: as Lights::ray_share_of_world().
+  float share_of_way(const Path& path, const PhotonStart& start, float ray_pdf) const {
+    if (path.bounces > 0 || !start.shares_with_rays) return 1;
+    const float by_rays = lights_.ray_share_of_world(-start.direction, ray_pdf);
+    return start.by_rays ? by_rays : 1 - by_rays;
+  }
   // Kind of ray that looks back along the path's present way: what it does not see the photon
   // lights and passes.
   static RayInfo::Kind kind_of_way(const Rest& rest, uint32_t bounces) {

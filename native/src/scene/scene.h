@@ -138,8 +138,9 @@ class Scene {
   bool moves() const { return moves_; }
   bool has_strands() const { return strands_; }
   bool has_catchers() const { return catchers_; }
-  // Whether photons do not bring all light: not what media emit, nor what strands do, nor to and
-  // from what asks how deep a camera path is (Light Path).
+  // Whether photons do not bring all light: not what media emit, nor what strands do, nor what
+  // media scatter that straight light passes unseen, nor to and from what asks how deep a camera
+  // path is (Light Path).
   bool needs_paths() const;
   bool scatters_in_media() const;
   // Whether rays that media scatter see an instance as diffuse rays do not, or the other way round.
@@ -206,6 +207,8 @@ class Scene {
   bool translucence_differs() const {
     return translucence_differs_ && features_ & kProgramTransmits;
   }
+  // Whether something lets rays of shadows pass as scattered ones do not, or the other way round.
+  bool shadows_differ() const { return shadows_differ_ || programs_ask_shadow_; }
   bool first_kinds_differ() const { return first_kinds_differ_ && features_ & kProgramSharp; }
   // To be called when materials have changed after build(). Throw Cancelled.
   void update_features();
@@ -292,7 +295,8 @@ class Scene {
   uint32_t features_ = 0;
   // Rays are of these kinds as well: all, where no instance's mask is set
   RayMask any_ray_ = kAllRays;
-  bool kinds_differ_ = false, first_kinds_differ_ = false, translucence_differs_ = false;
+  bool kinds_differ_ = false, first_kinds_differ_ = false, translucence_differs_ = false,
+       shadows_differ_ = false, programs_ask_shadow_ = false;
   bool moves_ = false, strands_ = false, strands_emit_ = false, asks_depth_ = false,
        catchers_ = false, is_built_ = false;
   std::unique_ptr<SweptBoxes> swept_;  // where that is so

@@ -315,7 +315,8 @@ void Scene::update_own_scenes(const CancelFlag& cancel) {
 void Scene::update_media(const CancelFlag& cancel) { media_ = Media::of(*this, pool_, cancel); }
 
 bool Scene::needs_paths() const {
-  return strands_emit_ || asks_depth_ || (media_ && media_->emits());
+  return strands_emit_ || asks_depth_ ||
+         (media_ && (media_->emits() || media_->hides_from_shadows()));
 }
 
 bool Scene::scatters_in_media() const { return media_ && media_->scatters(); }
@@ -324,7 +325,7 @@ void Scene::see_limits() {
   catchers_ = std::any_of(instances.begin(), instances.end(),
                           [](const Instance& instance) { return instance.catcher; });
   any_ray_ = moves_ || strands_ || catchers_ ? 0 : kAllRays;
-  kinds_differ_ = first_kinds_differ_ = translucence_differs_ = false;
+  kinds_differ_ = first_kinds_differ_ = translucence_differs_ = shadows_differ_ = false;
   for (const Instance& instance : instances) {
     const RayMask seen_by = instance.seen_by, scattered = seen_by & kScatteredRays;
     const auto same = [&](RayInfo::Kind a, RayInfo::Kind b) {
@@ -335,6 +336,10 @@ void Scene::see_limits() {
     translucence_differs_ |= !same(RayInfo::kDiffuse, RayInfo::kTransmission);
     first_kinds_differ_ |= !same(RayInfo::kShadow, RayInfo::kGlossy) ||
                            !same(RayInfo::kShadow, RayInfo::kTransmission);
+    shadows_differ_ |= !same(RayInfo::kShadow, RayInfo::kDiffuse) ||
+                       !same(RayInfo::kShadow, RayInfo::kGlossy) ||
+                       !same(RayInfo::kShadow, RayInfo::kTransmission) ||
+                       !same(RayInfo::kShadow, RayInfo::kVolume);
   }
   if (limits_rays() && !rtcGetDeviceProperty(device_, RTC_DEVICE_PROPERTY_RAY_MASK_SUPPORTED))
     throw std::runtime_error(
@@ -353,10 +358,14 @@ bool Scene::emits(const Instance& instance) const {
 
 void Scene::update_features() {
   features_ = 0;
-  asks_depth_ = false;
+  asks_depth_ = programs_ask_shadow_ = false;
   for (int32_t material : slot_materials) {
     const int program = materials[material].program;
-    asks_depth_ |= program >= 0 && programs[program].asks_depth;
+    if (program >= 0) {
+      const Program& p = programs[program];
+      asks_depth_ |= p.asks_depth;
+      programs_ask_shadow_ |= p.asks_shadow && p.features & kProgramTransparent;
+    }
     features_ |= program < 0 ? kProgramGathers | kProgramEmits : programs[program].features;
   }
   strands_emit_ = false;

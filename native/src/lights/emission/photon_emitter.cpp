@@ -45,6 +45,8 @@ PhotonStart PhotonEmitter::emit_world(const Vec2& place, const Vec2& way, float 
   PhotonStart start = emit_parallel(-s.direction, place, time);
   start.power *= s.pdf > 0 ? environment_.radiance(s.direction) / s.pdf : Rgb{};
   start.asks_ray = environment_.asks_ray();
+  start.by_rays = environment_.constant() && scene_.shadows_differ();
+  start.shares_with_rays = !environment_.constant() && scene_.shadows_differ();
   return start;
 }
 
@@ -147,6 +149,8 @@ PhotonStart& PhotonEmitter::finished(PhotonStart& start, const EmissionPrimary& 
     start.max_bounces = e.max_bounces;
     start.deltas = e.met_by_rays;
     start.casts_shadows = e.casts_shadows;
+    if (e.lamp >= 0 && !e.exact && e.met_by_rays && e.past_surface >= 1 && scene_.shadows_differ())
+      start.told_apart = static_cast<int32_t>(p.emitter);
     if (e.exact) start_exactly(p.emitter, start);
   }
   start.power *= over_share * p.weight;

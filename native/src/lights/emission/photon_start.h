@@ -31,6 +31,15 @@ struct PhotonStart {
   // A photon of the world: `power` lacks Environment::share() of the ray that sees it
   bool asks_ray = false;
   bool of_world = false;
+  // It comes where scattered rays meet the light, by no light sample: what shadow rays do not see
+  // blocks it too
+  bool by_rays = false;
+  // Half of its light comes so and half by light samples, which gets its part where it is scattered
+  // first
+  bool shares_with_rays = false;
+  // A lamp's emitter, where what scatters its light by lobes that are not diffuse tells rays that
+  // find the lamp from light samples
+  int32_t told_apart = -1;
   bool from_afar = false;  // of a sun or the world
   float time = kShutterCentre;
 
@@ -38,7 +47,7 @@ struct PhotonStart {
   bool plain() const {
     return !~lit_groups && seen_by == kAllRays && !~max_bounces && deltas && casts_shadows &&
            !~blockers && soft_radius2 < 0 && first_hit_from == 0 && first_hit_to == INFINITY &&
-           shaded_by < 0 && !asks_ray && exact < 0;
+           shaded_by < 0 && !asks_ray && !shares_with_rays && exact < 0;
   }
   // How far before the point nearest to the centre the light leaves such a disc, for a receiver
   // there.
