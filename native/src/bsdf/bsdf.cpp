@@ -369,7 +369,7 @@ Rgb Bsdf::evaluate_light(const Vec3& wi, OfLight how, float* pdf, Rgb* diffuse,
   if (!(dot(wi, view_.ng) < 0)) return evaluate_as(view_, wi, pdf, nullptr, diffuse, sharp, -1);
   View view = view_;
   view.lit = how.lit;
-  if (how.bent && dot(wi, view.ns) > 0) view.ng = view.ns;
+  if (how.bent && dot(wi, view.bent) > 0) view.ng = view.bent;
   return evaluate_as(view, wi, pdf, nullptr, diffuse, sharp, -1);
 }
 

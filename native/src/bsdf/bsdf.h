@@ -77,6 +77,8 @@ class Bsdf {
 
   // The normal, on the side of wo, that bumps of single closures are told from; else `ns`.
   void set_bent_normal(const Vec3& normal) { view_.bent = normal; }
+  // ns, unless a displacement has bent it.
+  const Vec3& bent_normal() const { return view_.bent; }
 
   // Which closures that scatter below the surface are kept as such, in below(); the others are
   // diffuse. Before any is added.

@@ -12,6 +12,7 @@ constexpr float kSunny = 0.7f;
 constexpr int kSunnyVertices = 2;
 // What a denoiser looks through: nothing but lobes up to this roughness, but for a quarter
 constexpr float kMirrorRoughness = 0.27f, kMirrorShare = 0.75f;
+constexpr float kAsGiven = 1 - 1e-6f;  // cosine from which on a normal is taken for not bent
 constexpr int kMaxTransparent = 4096;  // layers that let a path through before it is given up
 
 }  // namespace
@@ -173,8 +174,16 @@ CameraTracer::Meeting CameraTracer::light(Path& path, const Surface& hit, Bsdf& 
   Receiver receiver{hit.position, bsdf.transmits() ? Vec3{} : hit.ng, bsdf.has_rest(),
                     scene_.instances[hit.instance].group};
   if (!brings_all()) receiver.guide = lights_.guide_at(receiver.x, receiver.n);
-  receiver.ns = hit.ns;
-  receiver.bent = scene_.bent(hit);
+  // Light samples start where the normal that a displacement has bent sees the light
+  Surface bent;
+  const Surface* lit = &hit;
+  if (scene_.smooth(hit) && dot(bsdf.bent_normal(), hit.ns) < kAsGiven) {
+    bent = hit;
+    bent.ns = bsdf.bent_normal();
+    lit = &bent;
+  }
+  receiver.ns = lit->ns;
+  receiver.bent = scene_.bent(*lit);
   receiver.time = path.info.time;
   receiver.catchers_only = path.info.catchers_only;
   receiver.bounces = static_cast<uint16_t>(path.vertex);
@@ -190,7 +199,7 @@ CameraTracer::Meeting CameraTracer::light(Path& path, const Surface& hit, Bsdf& 
                      : shares_diffuse ? kDiffuseShared
                                       : kDiffuseLeast);
   }
-  add_direct(path, hit, bsdf, receiver);
+  add_direct(path, *lit, bsdf, receiver);
   if (gathers && !hit.on_strand() && (!continued || caustic_photons_))
     leave_gather_points(path, hit, bsdf, continued);
   if (gathers && !hit.on_strand() && !continued && turned_mirrors_)

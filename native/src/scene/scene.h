@@ -218,6 +218,7 @@ class Scene {
   const Material& material_of(uint32_t instance, uint32_t triangle) const;
   // Whether a hit's mesh is so coarse that shadow rays from below its smooth horizon matter.
   bool bent(const Surface& surface) const;
+  bool smooth(const Surface& surface) const { return lookups_[surface.instance].normals_mask; }
   // The surface's own place, or one beyond it where its mesh is too coarse for its smooth normals.
   Vec3 shadow_ray_origin(const Surface& surface, const Vec3& to_light,
                          float time = kShutterCentre) const;

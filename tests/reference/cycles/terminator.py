@@ -26,4 +26,7 @@ TERMINATOR = (
     _coarse("stretched", scale=(1.3, 0.7, 0.9)),
     _coarse("mirrored", scale=(-1.0, 1.0, 1.2)),
     _coarse("copies", copies=2, splat=True),
+    _coarse("dented", bumps=0.2, splat=True),
+    _coarse("dented_gloss", bumps=0.2, material="gloss"),
+    _coarse("dented_leaf", bumps=0.2, material="leaf"),
 )

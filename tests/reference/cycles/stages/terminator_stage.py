@@ -20,6 +20,7 @@ def terminator(
     material: str = "plain",
     scale: Sequence[float] = (1.0, 1.0, 1.0),
     copies: int = 1,
+    bumps: float = 0.0,
 ) -> None:
     """A coarse thing on the stage, lit from one side.
 
@@ -28,6 +29,7 @@ def terminator(
     offset    Shading > Geometry Offset; None: Blender's own
     material  plain, leaf (half translucent) or gloss
     copies    of one mesh
+    bumps     of the material's displacement, as bumps alone, m
     """
     stage._stage(things=False)
     if lamp == "sun":
@@ -38,6 +40,8 @@ def terminator(
         stage._lamp("POINT", 40.0, (-1.2, -0.9, 1.4), shadow_soft_size=0.05)
     mesh = _mesh(shape)
     mesh.materials.append(_material(material))
+    if bumps:
+        _add_bumps(mesh.materials[0], bumps)
     for k in range(copies):
         thing = bpy.data.objects.new("Coarse", mesh)
         bpy.context.scene.collection.objects.link(thing)
@@ -83,3 +87,17 @@ def _material(kind: str) -> bpy.types.Material:
     tree.links.new(second.outputs[0], mix.inputs[2])
     tree.links.new(mix.outputs[0], output.inputs["Surface"])
     return material
+
+
+def _add_bumps(material: bpy.types.Material, height: float) -> None:
+    tree = material.node_tree
+    material.displacement_method = "BUMP"
+    output = next(node for node in tree.nodes if node.type == "OUTPUT_MATERIAL")
+    place, noise, bump = (
+        tree.nodes.new(f"ShaderNode{kind}") for kind in ("TexCoord", "TexNoise", "Displacement")
+    )
+    noise.inputs["Scale"].default_value = 3.0
+    bump.inputs["Scale"].default_value = height
+    tree.links.new(place.outputs["Object"], noise.inputs["Vector"])
+    tree.links.new(noise.outputs[0], bump.inputs["Height"])
+    tree.links.new(bump.outputs[0], output.inputs["Displacement"])
