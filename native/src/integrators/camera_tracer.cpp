@@ -125,7 +125,8 @@ bool CameraTracer::meet_surface(Path& path, const Surface& hit) const {
   scene_.shade(hit, wo, path.info, bsdf);
   const bool holdout = path.vertex == 0 && scene_.instances[hit.instance].holdout;
   if (!holdout) add_emission(path, hit, bsdf.emission());
-  if (path.vertex == 0 && path.shows_normal) show_normal(path, bsdf);
+  const bool hole = bsdf.holdout() >= 1 || (holdout && is_black(bsdf.transparency()));
+  if (path.vertex == 0 && path.shows_normal && !hole) show_first(path, hit, bsdf);
   const bool scatters =
       !holdout && bsdf.scatters() && max_abs(path.throughput + path.world_throughput) > 0;
   if (path.vertex == 0 && !holdout) {
@@ -157,8 +158,7 @@ bool CameraTracer::meet_surface(Path& path, const Surface& hit) const {
     return false;
   }
   if (path.shows_features && !holdout) end_features(path, bsdf, mirrored);
-  if (path.vertex == 0 && !holdout && !path.through_glass)
-    show_first(path, hit, 1 - bsdf.holdout());
+  if (path.vertex == 0 && !holdout && !path.through_glass) path.pixel.alpha += 1 - bsdf.holdout();
   if (body) return scatters && meet_body(path, hit, bsdf);
   return meeting && go_on(path, hit, bsdf, *meeting);
 }
@@ -236,18 +236,14 @@ void CameraTracer::end_features(Path& path, const Bsdf& bsdf, const Rgb& mirrore
   path.features *= mirrored;
 }
 
-// As opaque as that, as Cycles has it: glass that bends nothing is.
-void CameraTracer::show_normal(Path& path, const Bsdf& bsdf) const {
+// The first surface as opaque as that, as Cycles has it: glass that bends nothing is.
+void CameraTracer::show_first(Path& path, const Surface& hit, const Bsdf& bsdf) const {
   const float through = average(bsdf.transparency() - bsdf.straight());
   if (through > 0 && 1 - through < camera_.settings().alpha_threshold) return;
   path.pixel.normal += bsdf.mean_normal();
-  path.shows_normal = false;
-}
-
-void CameraTracer::show_first(Path& path, const Surface& hit, float alpha) const {
-  path.pixel.alpha += alpha;
   path.pixel.depth = hit.distance * path.ray.cosine;
   path.pixel.surface_id = static_cast<float>(hit.key & 0xffffff);
+  path.shows_normal = false;
 }
 
 // Where diffuse lobes look, as a ray of the shadows sees it; of what the surface does not let
@@ -304,7 +300,7 @@ void CameraTracer::pass_glass(Path& path, const Surface& hit) const {
   path.from = {path.origin, {}, true};
   path.from.time = path.info.time;
   path.from.ray = path.from.diffuse_ray = lobe_rays(false, true);
-  show_first(path, hit, 1);
+  path.pixel.alpha += 1;
 }
 
 }  // namespace photon_splat

@@ -193,11 +193,11 @@ class CameraTracer {
   Rgb world_seen(const Path& path) const;
   void add_world_by_ray(Path& path, const Rgb& light) const;
   void add_emission(Path& path, const Surface& hit, const Rgb& emission) const;
+  void add_unlike_photons(Path& path, const Surface& hit, const Rgb& emission) const;
   void add_found_emission(Path& path, const Surface& hit, const Rgb& emission) const;
   Rgb show_features(Path& path, const Bsdf& bsdf) const;
   void end_features(Path& path, const Bsdf& bsdf, const Rgb& mirrored) const;
-  void show_normal(Path& path, const Bsdf& bsdf) const;
-  void show_first(Path& path, const Surface& hit, float alpha) const;
+  void show_first(Path& path, const Surface& hit, const Bsdf& bsdf) const;
   void add_ambient_occlusion(Path& path, const Surface& hit, const Bsdf& bsdf) const;
   void pass_glass(Path& path, const Surface& hit) const;
   enum class InMedium { kNothing, kScattered, kAbsorbed };

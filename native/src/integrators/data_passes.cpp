@@ -91,13 +91,20 @@ struct Looker {
       info.length = hit.distance;
       info.footprint = camera.footprint_at(ray, hit.distance);
       if (!solid) add_values(hit, -ray.direction, info, reach, index, registers);
-      if (scene.may_be_transparent(hit)) {
+      const bool holdout = scene.instances[hit.instance].holdout;
+      bool hole = holdout;
+      if (scene.may_be_transparent(hit) || (hit.program && hit.program->holds_out)) {
         Bsdf bsdf(Transport::kRadiance, -ray.direction, hit.ng, hit.ns, hit.back);
         scene.shade(hit, -ray.direction, info, bsdf);
         through = std::clamp(average(bsdf.transparency()), 0.0f, 1.0f);
         const float scattered = bsdf.scatters() ? average(bsdf.albedo()) : 0;
         reach *= through > 0 ? through / (through + scattered) : 0;
         ++info.transparent_depth;
+        hole = bsdf.holdout() >= 1 || (holdout && through == 0);
+      }
+      if (hole) {  // as if there was nothing, not even the world, as in Cycles
+        solid = true;
+        break;
       }
       const float stays = left * (1 - through);
       if (!solid && 1 - through >= settings.alpha_threshold) {

@@ -194,19 +194,21 @@ void look_at_program(Program& program) {
     if (op == nodes::Op::AmbientOcclusion || op == nodes::Op::Bevel || op == nodes::Op::Raycast)
       program.features |= kProgramMeetsItself;
   }
-  program.asks_side = program.has_own_normals = program.turns_mirrors = false;
+  program.asks_side = program.has_own_normals = program.turns_mirrors = program.holds_out = false;
   for (size_t at = 0; at < program.code.size(); at += nodes::kWords[program.code[at]]) {
     const auto op = static_cast<nodes::Op>(program.code[at]);
+    program.holds_out |= op == nodes::Op::Holdout;
     program.asks_side |= asks_side(op, &program.code[at + 1]);
     program.has_own_normals |= has_own_normal(program, op, &program.code[at + 1]);
     program.turns_mirrors |= mirrors_by_own_normal(program, op, &program.code[at + 1]);
   }
   program.asks_shadow = program.asks_kind = program.asks_singular = program.asks_depth =
-      program.asks_ray = false;
+      program.asks_ray = program.asks_length = false;
   for (size_t at = 0; at < program.code.size(); at += nodes::kWords[program.code[at]]) {
     if (program.code[at] != static_cast<uint32_t>(nodes::Op::LightPath)) continue;
     program.asks_ray = true;
     const auto what = static_cast<nodes::PathValue>(program.code[at + 2]);
+    program.asks_length |= what == RAY_LENGTH;
     program.asks_singular |= what == IS_SINGULAR_RAY;
     program.asks_depth |= what == RAY_DEPTH || what == DIFFUSE_DEPTH || what == GLOSSY_DEPTH ||
                           what == TRANSMISSION_DEPTH || what == TRANSPARENT_DEPTH;

@@ -29,6 +29,8 @@ struct Program {
   bool asks_shadow = false, asks_kind = false;
   // And those of deltas, later ones, any others
   bool asks_singular = false, asks_depth = false, asks_ray = false;
+  bool asks_length = false;       // how far off who sees it is
+  bool holds_out = false;         // there may be a hole in the picture
   bool asks_side = false;         // from where it is seen: what it lets through depends on the way
   bool has_own_normals = false;   // which need not be turned towards who sees it
   bool turns_mirrors = false;     // a smooth closure has such: Lobe::given

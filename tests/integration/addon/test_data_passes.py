@@ -120,6 +120,38 @@ def test_normals_are_those_of_the_first_surface_that_is_opaque_enough() -> None:
         length = np.linalg.norm(found, axis=-1, keepdims=True)
         assert np.allclose(found / length, normal, atol=1e-5), threshold
         assert np.mean(length) > 0.6
+        # the depth is that of the same surface, of the first sample alone
+        depth = results[0].passes["Depth"][right]
+        seen = depth[depth < 1e9]
+        assert np.all((seen > 3.8) == (normal[2] == 1.0)), threshold
+        assert seen.size == depth.size or threshold == 0.5
+        assert seen.size > 0
+
+
+@pytest.mark.parametrize("by", ["object", "closure"])
+@in_blender
+def test_a_hole_in_the_picture_has_no_data(by: str) -> None:
+    """As in Cycles, where a path ends at what holds out."""
+    import bpy
+
+    made = _board()
+    if by == "object":
+        made.objects["Left"].is_holdout = True
+    else:
+        tree = made.objects["Left"].data.materials[0].node_tree
+        stage.surface(tree, tree.nodes.new("ShaderNodeHoldout"))
+    layer = made.view_layers[0]
+    for name in ("z", "mist", "normal", "position", "object_index", "cryptomatte_object"):
+        setattr(layer, f"use_pass_{name}", True)
+    with stage.watched() as results:
+        bpy.ops.render.render()
+    passes, left = results[0].passes, np.s_[2:-2, 2:6]
+    assert np.all(passes["Depth"][left] >= 1e9)
+    assert np.all(passes["Mist"][left] == 1.0)
+    for name in ("Normal", "Position", "Object Index"):
+        assert np.all(passes[name][left] == 0.0), name
+    assert np.all(_coverage(passes, "CryptoObject", "Left")[left] == 0.0)
+    assert np.all(passes["Object Index"][np.s_[2:-2, 10:14]] != 0.0)
 
 
 @in_blender
