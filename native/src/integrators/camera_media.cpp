@@ -21,7 +21,8 @@ CameraTracer::InMedium CameraTracer::pass_media(Path& path, const Surface* hit, 
   if (!is_black(flight.emission)) {
     const Rgb kept = path.emission_throughput;  // photons bring nothing of this light
     path.emission_throughput = kept + path.withheld + path.world_emission;
-    add_met(path, flight.emission, path.pixel.emission);
+    add_met(path, flight.emission, path.pixel.emission,
+            path.groups ? scene_.media()->light_group_of(path.media) : kNoLightGroup);
     path.emission_throughput = kept;
   }
   path.scale(flight.weight);

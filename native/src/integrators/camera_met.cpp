@@ -114,6 +114,8 @@ void CameraTracer::add_world_by_ray(Path& path, const Rgb& light) const {
 }
 
 void CameraTracer::add_emission(Path& path, const Surface& hit, const Rgb& emission) const {
+  if (hit.program && hit.program->asks_kind && !is_black(path.withheld) && !hit.on_strand())
+    add_unlike_photons(path, hit, emission);
   if (is_zero(emission)) return;
   if (hit.on_strand()) return add_found_emission(path, hit, emission);
   const Rgb shines = max(emission, Rgb{}), takes = emission - shines;
@@ -122,6 +124,19 @@ void CameraTracer::add_emission(Path& path, const Surface& hit, const Rgb& emiss
   const float weight = path.vertex == 0 ? 1 : lights_.surface_mis_weight(path.from, hit, path.pdf);
   if (weight > 0)
     add_met(path, shines * weight, path.pixel.emission, scene_.instances[hit.instance].light_group);
+}
+
+// Photons bring what no kind of ray sees: the rest of what this one does is added to that.
+void CameraTracer::add_unlike_photons(Path& path, const Surface& hit, const Rgb& emission) const {
+  RayInfo none{RayInfo::kEmission};
+  none.time = path.info.time;
+  none.depth = 1;
+  const Rgb rest = emission - scene_.emission(hit, -path.direction, none);
+  if (is_zero(rest)) return;
+  const Rgb kept = path.emission_throughput;
+  path.emission_throughput = path.withheld;
+  add_met(path, rest, path.pixel.emission, scene_.instances[hit.instance].light_group);
+  path.emission_throughput = kept;
 }
 
 // That of strands, or below 0: no photons bring it, and no light samples.

@@ -105,6 +105,9 @@ void Environment::find_kinds() {
   if (program.asks_depth) add_kinds(before);
   add_kinds(before = before.scattered(true, false, false));
   if (program.asks_depth) {
+    RayInfo passed{};
+    passed.transparent_depth = 1;
+    add_kinds(passed);
     for (int bounce = 0; bounce < 4; ++bounce) before = before.scattered(true, false, false);
     add_kinds(before);
   }

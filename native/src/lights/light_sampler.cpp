@@ -296,10 +296,10 @@ bool Lights::sample_mesh(const Emitter& e, const Receiver& receiver, const Vec2&
     out.pdf = place.pdf;
     const Vec3 normal = scene_.instances[e.instance].mirrored ? -place.normal : place.normal;
     const bool back = dot(out.direction, normal) > 0;
-    out.weight =
-        emission_of(scene_, e.instance, e.mesh.triangles[place.triangle], place.u, place.v, back,
-                    -out.direction, receiver.time, static_cast<uint16_t>(receiver.bounces + 1)) /
-        place.pdf;
+    out.weight = emission_of(scene_, e.instance, e.mesh.triangles[place.triangle], place.u, place.v,
+                             back, -out.direction, receiver.time,
+                             static_cast<uint16_t>(receiver.bounces + 1), out.distance) /
+                 place.pdf;
     out.normal = back ? -normal : normal;
     return !is_black(out.weight);
   }

@@ -17,7 +17,8 @@ float probed(const Scene& scene, uint32_t instance, uint32_t triangle, int probe
       {1 / 3.0f, 1 / 3.0f}, {0.15f, 0.15f}, {0.7f, 0.15f}, {0.15f, 0.7f}};
   float sum = 0;
   for (int i = 0; i < probes; ++i) {
-    const Surface s = scene.surface_at(instance, triangle, kProbes[i][0], kProbes[i][1], back);
+    Surface s = scene.surface_at(instance, triangle, kProbes[i][0], kProbes[i][1], back);
+    s.distance = scene.near_radius();
     sum += average(scene.emission(s, s.ng, {RayInfo::kEmission}));
   }
   return std::isfinite(sum) ? std::max(sum, 0.0f) / static_cast<float>(probes) : 0;
@@ -199,7 +200,7 @@ bool sample_mesh_light(const Scene& scene, const MeshLight& mesh, uint32_t insta
   out.pdf = t.pdf * d2 / cosine;
   const bool back = facing > 0;
   out.weight = emission_of(scene, instance, t, b1, b2, back, -out.direction, receiver.time,
-                           static_cast<uint16_t>(receiver.bounces + 1)) /
+                           static_cast<uint16_t>(receiver.bounces + 1), out.distance) /
                out.pdf;
   out.normal = back ? -t.normal : t.normal;
   return !is_black(out.weight);

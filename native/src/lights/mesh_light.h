@@ -83,9 +83,10 @@ bool may_emit(const Scene& scene, const Material& material);
 MeshLight make_mesh_light(const Scene& scene, ThreadPool* pool, uint32_t instance, Bounds& bounds,
                           double& power);
 inline Rgb emission_of(const Scene& scene, uint32_t instance, const EmissiveTriangle& t, float u,
-                       float v, bool back, const Vec3& wo, float time, uint16_t depth = 1) {
+                       float v, bool back, const Vec3& wo, float time, uint16_t depth = 1,
+                       float length = 0) {
   return scene.emission_at(scene.materials[t.material], instance, t.triangle, u, v, back, wo, time,
-                           depth);
+                           depth, length);
 }
 // As of lamps.
 bool sample_mesh_light(const Scene& scene, const MeshLight& mesh, uint32_t instance,

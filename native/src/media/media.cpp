@@ -172,6 +172,19 @@ MediumStack Media::visible_part(const MediumStack& stack, RayMask kinds) const {
   return kept;
 }
 
+int16_t Media::light_group_of(const MediumStack& stack) const {
+  for (const uint16_t i : stack) {
+    const Region& region = regions_[i];
+    if (region.homogeneous ? is_black(region.point.emission)
+                           : !(scene_.programs[region.program].features & kProgramEmits))
+      continue;
+    return region.instance == ShadingPoint::kNoInstance
+               ? scene_.world_light_group
+               : scene_.instances[region.instance].light_group;
+  }
+  return kNoLightGroup;
+}
+
 MediumStack Media::of_catchers(const MediumStack& stack) const {
   MediumStack kept;
   for (const uint16_t i : stack) {

@@ -90,6 +90,8 @@ class Media {
   bool scatters() const { return scatters_; }
   // Whether some scatter what is seen and let straight light pass as if they were not there.
   bool hides_from_shadows() const { return hides_from_shadows_; }
+  // Light group of what media of the stack emit: that of the one entered first of those that do.
+  int16_t light_group_of(const MediumStack& stack) const;
   // Whether some of them are the same everywhere.
   bool any_homogeneous() const {
     return std::any_of(regions_.begin(), regions_.end(),

@@ -16,6 +16,11 @@ RayInfo::Kind kind_of(const BsdfSample& s) {
   return s.transmitted ? RayInfo::kTransmission : s.diffuse ? RayInfo::kDiffuse : RayInfo::kGlossy;
 }
 
+// Taken for those of deltas.
+bool is_sharp(RayInfo::Kind kind) {
+  return kind == RayInfo::kGlossy || kind == RayInfo::kTransmission;
+}
+
 }  // namespace
 
 // A kind of ray, most often `first`, which is of shadows straight from a lamp alone; *chance: its
@@ -327,7 +332,7 @@ bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const Phot
   ray.kind = asked     ? guess_kind(path.random, receiver_kind_, &chance)
              : decided ? kind_that_sees(hit.instance)
                        : receiver_kind_;
-  ray.singular = ray.kind == RayInfo::kGlossy || ray.kind == RayInfo::kTransmission;
+  ray.singular = is_sharp(ray.kind);
   ray.depth = path.bounces;
   ray.transparent_depth = path.passed;
   ray.time = path.time;
@@ -358,6 +363,7 @@ bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const Phot
     if (!path.guessed)
       passing_ray.kind =
           guess_kind(path.random, by_shadow ? RayInfo::kShadow : receiver_kind_, &passing_chance);
+    passing_ray.singular = is_sharp(passing_ray.kind);
   }
   if (passing_asked || (may_pass && hit.program->asks_side))
     transparency = scene_.lets_through(hit, direction, passing_ray);

@@ -139,8 +139,8 @@ class Scene {
   bool has_strands() const { return strands_; }
   bool has_catchers() const { return catchers_; }
   // Whether photons do not bring all light: not what media emit, nor what strands do, nor what
-  // media scatter that straight light passes unseen, nor to and from what asks how deep a camera
-  // path is (Light Path).
+  // media scatter that straight light passes unseen, nor what shines by how far off it is seen, nor
+  // to and from what asks how deep a camera path is (Light Path).
   bool needs_paths() const;
   bool scatters_in_media() const;
   // Whether rays that media scatter see an instance as diffuse rays do not, or the other way round.
@@ -183,9 +183,11 @@ class Scene {
   // Radiance towards `wo`.
   Rgb emission(const Surface& s, const Vec3& wo, const RayInfo& ray) const;
   // That of a point of a triangle of this material, for whoever samples lights: surface_at() is
-  // left out where it tells nothing. depth: RayInfo::depth of the ray that would find it.
+  // left out where it tells nothing. depth: RayInfo::depth of the ray that would find it, which is
+  // as long as that (m; 0: as things of the scene are far off each other).
   Rgb emission_at(const Material& material, uint32_t instance, uint32_t triangle, float u, float v,
-                  bool back, const Vec3& wo, float time = kShutterCentre, uint16_t depth = 1) const;
+                  bool back, const Vec3& wo, float time = kShutterCentre, uint16_t depth = 1,
+                  float length = 0) const;
   // Whether the material lets light through without scattering it, or could (its program knows).
   bool may_be_transparent(const Surface& s) const {
     return s.program && s.program->features & kProgramTransparent;
@@ -299,7 +301,7 @@ class Scene {
   bool kinds_differ_ = false, first_kinds_differ_ = false, translucence_differs_ = false,
        shadows_differ_ = false, programs_ask_shadow_ = false;
   bool moves_ = false, strands_ = false, strands_emit_ = false, asks_depth_ = false,
-       catchers_ = false, is_built_ = false;
+       emission_asks_length_ = false, catchers_ = false, is_built_ = false;
   std::unique_ptr<SweptBoxes> swept_;  // where that is so
   bool packets_ = false;               // this Embree has code for packets of eight
   std::vector<RTCScene> mesh_scenes_;

@@ -315,7 +315,7 @@ void Scene::update_own_scenes(const CancelFlag& cancel) {
 void Scene::update_media(const CancelFlag& cancel) { media_ = Media::of(*this, pool_, cancel); }
 
 bool Scene::needs_paths() const {
-  return strands_emit_ || asks_depth_ ||
+  return strands_emit_ || asks_depth_ || emission_asks_length_ ||
          (media_ && (media_->emits() || media_->hides_from_shadows()));
 }
 
@@ -358,12 +358,13 @@ bool Scene::emits(const Instance& instance) const {
 
 void Scene::update_features() {
   features_ = 0;
-  asks_depth_ = programs_ask_shadow_ = false;
+  asks_depth_ = emission_asks_length_ = programs_ask_shadow_ = false;
   for (int32_t material : slot_materials) {
     const int program = materials[material].program;
     if (program >= 0) {
       const Program& p = programs[program];
       asks_depth_ |= p.asks_depth;
+      emission_asks_length_ |= p.asks_length && p.features & kProgramEmits;
       programs_ask_shadow_ |= p.asks_shadow && p.features & kProgramTransparent;
     }
     features_ |= program < 0 ? kProgramGathers | kProgramEmits : programs[program].features;

@@ -79,13 +79,16 @@ Vec3 Scene::value_at(const Program& program, const Surface& s, const Vec3& wo, c
 }
 
 Rgb Scene::emission_at(const Material& material, uint32_t instance, uint32_t triangle, float u,
-                       float v, bool back, const Vec3& wo, float time, uint16_t depth) const {
+                       float v, bool back, const Vec3& wo, float time, uint16_t depth,
+                       float length) const {
   const MaterialSide& side = back ? material.back : material.front;
   if (material.program < 0 && side.emission_texture < 0) return side.emission;
   RayInfo ray{RayInfo::kEmission};
   ray.time = time;
   ray.depth = depth;
-  return emission(surface_at(instance, triangle, u, v, back, time), wo, ray);
+  Surface s = surface_at(instance, triangle, u, v, back, time);
+  s.distance = length > 0 ? length : near_radius();
+  return emission(s, wo, ray);
 }
 
 Rgb Scene::emission(const Surface& s, const Vec3& wo, const RayInfo& ray) const {
