@@ -285,12 +285,12 @@ CameraTracer::Passing CameraTracer::pass_through(Path& path, const Surface& hit,
   if (scene_.media())
     scene_.media()->cross(path.media, hit, gap_at(hit, path.origin, path.direction),
                           path.info.time);
-  if (!is_black(bsdf.straight())) pass_glass(path, hit);
+  if (!is_black(bsdf.straight())) pass_glass(path);
   return Passing::kPasses;
 }
 
 // What lies behind is seen by a ray of transmission: lamps that hide from the camera show.
-void CameraTracer::pass_glass(Path& path, const Surface& hit) const {
+void CameraTracer::pass_glass(Path& path) const {
   path.info.kind = RayInfo::kTransmission;
   path.info.singular = true;
   ++path.info.depth;

@@ -199,7 +199,7 @@ class CameraTracer {
   void end_features(Path& path, const Bsdf& bsdf, const Rgb& mirrored) const;
   void show_first(Path& path, const Surface& hit, const Bsdf& bsdf) const;
   void add_ambient_occlusion(Path& path, const Surface& hit, const Bsdf& bsdf) const;
-  void pass_glass(Path& path, const Surface& hit) const;
+  void pass_glass(Path& path) const;
   enum class InMedium { kNothing, kScattered, kAbsorbed };
   InMedium pass_media(Path& path, const Surface* hit, float far) const;
   bool sees_beams(const Path& path) const;
