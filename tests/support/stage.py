@@ -102,6 +102,20 @@ def output(tree: Any, shader: Any, socket: str) -> None:
     tree.links.new(shader.outputs[0], node.inputs[socket])
 
 
+def add_bumps(material: Any, height: float) -> None:
+    """A displacement by noise, as bumps alone; height: m."""
+    tree = material.node_tree
+    material.displacement_method = "BUMP"
+    place, noise, bump = (
+        tree.nodes.new(f"ShaderNode{kind}") for kind in ("TexCoord", "TexNoise", "Displacement")
+    )
+    noise.inputs["Scale"].default_value = 3.0
+    bump.inputs["Scale"].default_value = height
+    tree.links.new(place.outputs["Object"], noise.inputs["Vector"])
+    tree.links.new(noise.outputs[0], bump.inputs["Height"])
+    output(tree, bump, "Displacement")
+
+
 def world(radiance: float) -> None:
     import bpy
 

@@ -58,6 +58,11 @@ Rgb Environment::most_of_program(const Vec3& d, bool suns) const {
   return most;
 }
 
+// In a program suns are part of what is mixed: what they add there.
+Rgb Environment::suns_of_program(const Vec3& d) const {
+  return max(most_of_program(d, true) - most_of_program(d, false), Rgb{});
+}
+
 Rgb Environment::run(const Vec3& d, RayInfo ray, bool suns) const {
   ShadingPoint p;
   p.position = d;
@@ -120,9 +125,7 @@ void Environment::add_discs() {
     constexpr uint32_t kProbes = 1024;
     const Basis basis(disc.towards);
     const auto of_disc = [&](const Vec3& d) {
-      return scene_.world_program < 0
-                 ? disc.radiance(d)
-                 : max(most_of_program(d, true) - most_of_program(d, false), Rgb{});
+      return scene_.world_program < 0 ? disc.radiance(d) : suns_of_program(d);
     };
     for (uint32_t i = 0; i < kProbes; ++i)
       sum += of_disc(basis.to_world(sample_cone(sobol_2d(i, 0, 0), disc.one_minus_cos)));
@@ -132,13 +135,11 @@ void Environment::add_discs() {
   }
 }
 
-// In a program the sun is part of what is mixed: what it adds there.
 Rgb Environment::disc_radiance(const Vec3& d) const {
   Rgb sum{};
   for (const Disc& disc : discs_) {
     if (!disc.contains(d)) continue;
-    if (scene_.world_program >= 0)
-      return max(most_of_program(d, true) - most_of_program(d, false), Rgb{});
+    if (scene_.world_program >= 0) return suns_of_program(d);  // all of them
     sum += disc.radiance(d);
   }
   return sum;

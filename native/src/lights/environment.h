@@ -81,6 +81,7 @@ class Environment {
   Rgb map_radiance(const Vec3& d) const;
   Rgb run(const Vec3& d, RayInfo ray, bool suns) const;
   Rgb most_of_program(const Vec3& d, bool suns) const;
+  Rgb suns_of_program(const Vec3& d) const;
   void find_kinds();
   Rgb disc_radiance(const Vec3& d) const;
   void add_discs();

@@ -7,28 +7,20 @@ from typing import Any
 
 import pytest
 
+from tests.reference.agreement.beside import means_beside_cycles
 from tests.support import stage
-from tests.support.corescene import shoot
 
 
 def _glass(displacement: float, tilt: float = 0.0, roughness: float = 0.0) -> Any:
     """displacement: of bumps, m. tilt: what is added to the normal, whichever side is seen."""
     made, tree = stage.empty_material("Glass")
-    made.displacement_method = "BUMP"
     glass = tree.nodes.new("ShaderNodeBsdfGlass")
     glass.inputs["Color"].default_value = (0.9, 0.95, 1.0, 1.0)
     glass.inputs["Roughness"].default_value = roughness
     glass.inputs["IOR"].default_value = 1.33
     stage.surface(tree, glass)
     if displacement:
-        place, noise, bump = (
-            tree.nodes.new(f"ShaderNode{kind}") for kind in ("TexCoord", "TexNoise", "Displacement")
-        )
-        noise.inputs["Scale"].default_value = 3.0
-        bump.inputs["Scale"].default_value = displacement
-        tree.links.new(place.outputs["Object"], noise.inputs["Vector"])
-        tree.links.new(noise.outputs[0], bump.inputs["Height"])
-        stage.output(tree, bump, "Displacement")
+        stage.add_bumps(made, displacement)
     if tilt:
         seen, sum_ = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("NewGeometry", "VectorMath"))
         sum_.inputs[1].default_value = (tilt, 0.0, 0.0)
@@ -51,14 +43,8 @@ def _constant_normal() -> Any:
 
 def _mean_beside_cycles(samples: int) -> float:
     """Of the open scene, as a ratio."""
-    import bpy
-    from photon_splat.export import export_scene
-
-    from tests.reference.cycles.references import render_with_cycles
-
-    what = export_scene(bpy.context.evaluated_depsgraph_get())
-    ours = shoot(what, passes=32, photons_per_pass=40_000, seed=1).passes["Combined"][..., :3]
-    return float(ours.mean() / render_with_cycles(samples, 21)[..., :3].mean())
+    ours, cycles = means_beside_cycles(samples, passes=32, photons_per_pass=40_000)
+    return ours / cycles
 
 
 @pytest.mark.parametrize(("displacement", "tilt"), [(0.2, 0.0), (0.0, 0.2)])

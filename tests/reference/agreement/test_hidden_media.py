@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import pytest
 
+from tests.reference.agreement.beside import means_beside_cycles
 from tests.support import stage
-from tests.support.corescene import Integrator, shoot
+from tests.support.corescene import Integrator
 
 
 @pytest.mark.parametrize("integrator", list(Integrator))
@@ -20,9 +21,6 @@ def test_fog_that_hides_is_as_bright_as_in_cycles(
     light .06 to .18 was there.
     """
     import bpy
-    from photon_splat.export import export_scene
-
-    from tests.reference.cycles.references import render_with_cycles
 
     bpy.ops.wm.read_homefile(use_empty=True)
     stage.scene()
@@ -41,9 +39,6 @@ def test_fog_that_hides_is_as_bright_as_in_cycles(
     if light == "SUN":
         stage.lamp("SUN", 3.0).rotation_euler = (0.3, 0.2, 0.0)
     stage.camera((0.0, 0.0, 3.0)).data.angle = 0.6
-    bpy.context.view_layer.update()
     passes = 64 if integrator == Integrator.REFERENCE else 24
-    what = export_scene(bpy.context.evaluated_depsgraph_get())
-    ours = shoot(what, integrator, passes=passes, seed=1).passes["Combined"][..., :3]
-    cycles = render_with_cycles(256, 21)[..., :3]
-    assert ours.mean() == pytest.approx(cycles.mean(), rel=0.01)
+    ours, cycles = means_beside_cycles(256, integrator, passes=passes)
+    assert ours == pytest.approx(cycles, rel=0.01)

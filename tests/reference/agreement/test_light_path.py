@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 
+from tests.reference.agreement.beside import means_beside_cycles
 from tests.support import stage
 from tests.support.corescene import Integrator, shoot
 
@@ -56,16 +57,8 @@ def _shines(strength: Any, place: stage.Point, size: float) -> Any:
 
 
 def _beside_cycles(integrator: Integrator, samples: int = 1024) -> tuple[float, float]:
-    import bpy
-    from photon_splat.export import export_scene
-
-    from tests.reference.cycles.references import render_with_cycles
-
-    bpy.context.view_layer.update()
     passes = 256 if integrator == Integrator.REFERENCE else 64
-    what = export_scene(bpy.context.evaluated_depsgraph_get())
-    ours = shoot(what, integrator, passes=passes, seed=1).passes["Combined"][..., :3]
-    return float(ours.mean()), float(render_with_cycles(samples, 21)[..., :3].mean())
+    return means_beside_cycles(samples, integrator, passes=passes)
 
 
 @pytest.mark.parametrize("integrator", list(Integrator))

@@ -6,8 +6,9 @@ import math
 
 import pytest
 
+from tests.reference.agreement.beside import means_beside_cycles
 from tests.support import stage
-from tests.support.corescene import Integrator, shoot
+from tests.support.corescene import Integrator
 
 
 def _wall(material: object, place: stage.Point, turn: stage.Point, size: stage.Point) -> object:
@@ -70,16 +71,8 @@ def _varied_world() -> None:
 
 
 def _beside_cycles(integrator: Integrator, samples: int = 1024) -> tuple[float, float]:
-    import bpy
-    from photon_splat.export import export_scene
-
-    from tests.reference.cycles.references import render_with_cycles
-
-    bpy.context.view_layer.update()
     passes = 256 if integrator == Integrator.REFERENCE else 48
-    what = export_scene(bpy.context.evaluated_depsgraph_get())
-    ours = shoot(what, integrator, passes=passes, seed=1).passes["Combined"][..., :3]
-    return float(ours.mean()), float(render_with_cycles(samples, 21)[..., :3].mean())
+    return means_beside_cycles(samples, integrator, passes=passes)
 
 
 @pytest.mark.parametrize("integrator", list(Integrator))

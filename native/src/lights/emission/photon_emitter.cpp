@@ -45,8 +45,8 @@ PhotonStart PhotonEmitter::emit_world(const Vec2& place, const Vec2& way, float 
   PhotonStart start = emit_parallel(-s.direction, place, time);
   start.power *= s.pdf > 0 ? environment_.radiance(s.direction) / s.pdf : Rgb{};
   start.asks_ray = environment_.asks_ray();
-  start.by_rays = environment_.constant() && scene_.shadows_differ();
-  start.shares_with_rays = !environment_.constant() && scene_.shadows_differ();
+  if (scene_.shadows_differ())
+    (environment_.constant() ? start.by_rays : start.shares_with_rays) = true;
   return start;
 }
 

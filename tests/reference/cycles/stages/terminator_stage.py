@@ -9,6 +9,7 @@ import bpy
 
 from blend_scenes.scripts import modelling as m
 from tests.reference.cycles.stages import stage
+from tests.support.stage import add_bumps
 
 PLACE = (0.0, -0.1, 0.75)
 
@@ -41,7 +42,7 @@ def terminator(
     mesh = _mesh(shape)
     mesh.materials.append(_material(material))
     if bumps:
-        _add_bumps(mesh.materials[0], bumps)
+        add_bumps(mesh.materials[0], bumps)
     for k in range(copies):
         thing = bpy.data.objects.new("Coarse", mesh)
         bpy.context.scene.collection.objects.link(thing)
@@ -87,17 +88,3 @@ def _material(kind: str) -> bpy.types.Material:
     tree.links.new(second.outputs[0], mix.inputs[2])
     tree.links.new(mix.outputs[0], output.inputs["Surface"])
     return material
-
-
-def _add_bumps(material: bpy.types.Material, height: float) -> None:
-    tree = material.node_tree
-    material.displacement_method = "BUMP"
-    output = next(node for node in tree.nodes if node.type == "OUTPUT_MATERIAL")
-    place, noise, bump = (
-        tree.nodes.new(f"ShaderNode{kind}") for kind in ("TexCoord", "TexNoise", "Displacement")
-    )
-    noise.inputs["Scale"].default_value = 3.0
-    bump.inputs["Scale"].default_value = height
-    tree.links.new(place.outputs["Object"], noise.inputs["Vector"])
-    tree.links.new(noise.outputs[0], bump.inputs["Height"])
-    tree.links.new(bump.outputs[0], output.inputs["Displacement"])
