@@ -88,6 +88,8 @@ void CameraTracer::follow(Path& path) const {
     const bool found =
         scene_.intersect(path.origin, path.direction, path.near, path.far, path.vertex == 0, hit,
                          ray_mask(path.info), path.info.time, path.info.left);
+    if (found && media)
+      media->meet_touched(hit, path.origin, path.direction, ray_mask(path.info), path.info.time);
     add_lamps(path, found ? hit.distance : path.far >= 1e30f ? INFINITY : path.far);
     if (found && path.vertex > 0 && path.info.transparent_depth == 0)
       see_world(path, path.from, path.direction, {}, true);

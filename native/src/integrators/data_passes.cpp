@@ -87,6 +87,9 @@ struct Looker {
       if (!scene.intersect(ray.origin, ray.direction, near, ray.far, true, hit,
                            ray_bit(RayInfo::kCamera), time))
         break;
+      if (scene.media())
+        scene.media()->meet_touched(hit, ray.origin, ray.direction, ray_bit(RayInfo::kCamera),
+                                    time);
       float through = 0;
       info.length = hit.distance;
       info.footprint = camera.footprint_at(ray, hit.distance);

@@ -36,12 +36,16 @@ std::unique_ptr<Media> Media::of(const Scene& scene, ThreadPool& pool, const Can
   if (scene.world_volume >= 0)
     media->world_ = media->add_region(ShadingPoint::kNoInstance, scene.world_volume, pool, cancel);
   media->of_slot_.assign(scene.slot_materials.size(), -1);
+  media->clear_slot_.assign(scene.slot_materials.size(), 0);
   for (uint32_t i = 0; i < scene.instances.size(); ++i) {
     const Instance& instance = scene.instances[i];
     for (uint32_t slot = 0; slot < instance.slot_count; ++slot) {
       const size_t at = instance.first_material + slot;
-      const int volume = scene.materials[scene.slot_materials[at]].volume;
+      const Material& material = scene.materials[scene.slot_materials[at]];
+      const int volume = material.volume;
       if (volume < 0) continue;
+      media->clear_slot_[at] =
+          material.program >= 0 && media->is_clear(scene.programs[material.program]);
       int16_t known = -1;  // slots of one object share what they have
       for (uint32_t before = 0; before < slot && known < 0; ++before) {
         const size_t other = instance.first_material + before;
@@ -53,6 +57,7 @@ std::unique_ptr<Media> Media::of(const Scene& scene, ThreadPool& pool, const Can
       media->in_meshes_ = true;
     }
   }
+  if (media->in_meshes_) media->find_touching(pool, cancel);
   return media;
 }
 
@@ -88,12 +93,16 @@ int Media::add_region(uint32_t instance, int program, ThreadPool& pool, const Ca
   return static_cast<int>(regions_.size() - 1);
 }
 
-int Media::region_of(uint32_t instance, uint32_t triangle) const {
+size_t Media::slot_of(uint32_t instance, uint32_t triangle) const {
   const Instance& own = scene_.instances[instance];
   const Mesh& mesh = scene_.meshes[own.mesh];
-  if (mesh.strands) return -1;
   const uint32_t slot = mesh.slots.empty() ? 0 : mesh.slots[triangle];
-  return of_slot_[own.first_material + std::min(slot, own.slot_count - 1)];
+  return own.first_material + std::min(slot, own.slot_count - 1);
+}
+
+int Media::region_of(uint32_t instance, uint32_t triangle) const {
+  if (scene_.meshes[scene_.instances[instance].mesh].strands) return -1;
+  return of_slot_[slot_of(instance, triangle)];
 }
 
 // At an edge rays may meet both triangles, in either order, or, by the tolerance that makes Embree
@@ -143,21 +152,25 @@ MediumStack Media::around(const Vec3& x, float time) const {
   MediumStack stack, entered;
   if (world_ >= 0) stack.enter(static_cast<uint16_t>(world_));
   if (!in_meshes_) return stack;
-  Surface s;
-  float near = 0;
-  for (int i = 0; i < kMostCrossings &&
-                  scene_.intersect(x, {0, 0, 1}, near, INFINITY, false, s, kAllRays, time);
-       ++i, near = past(s)) {
-    const int region = region_of(s.instance, s.triangle);
-    if (region < 0) continue;
+  const auto meet = [&](int region, bool back) {
     const uint16_t own = static_cast<uint16_t>(region);
-    if (!goes_through(region, s, gap_at(s, x, {0, 0, 1}), time)) continue;
-    if (!s.back)
+    if (!back)
       entered.enter(own);
     else if (entered.holds(own))
       entered.leave(own);
     else
       stack.enter(own);
+  };
+  Surface s;
+  float near = 0;
+  for (int i = 0; i < kMostCrossings &&
+                  scene_.intersect(x, {0, 0, 1}, near, INFINITY, false, s, kAllRays, time);
+       ++i, near = past(s)) {
+    const Gap gap = gap_at(s, x, {0, 0, 1});
+    const int region = region_of(s.instance, s.triangle);
+    if (region >= 0 && goes_through(region, s, gap, time)) meet(region, s.back);
+    if (touching_)
+      for (const Touching& other : touching(s, gap, time)) meet(other.region, other.back);
   }
   return stack;
 }

@@ -6,12 +6,14 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <memory>
 #include <optional>
 #include <vector>
 
 #include "math/even_number.h"
 #include "media/medium.h"
+#include "scene/crossings.h"
 #include "scene/scene.h"
 
 namespace photon_splat {
@@ -72,11 +74,20 @@ class Media {
 
   // Region of the volume behind a surface; -1: none.
   int region_of(uint32_t instance, uint32_t triangle) const;
-  // A path goes through a surface. Where it goes back through the same object's within the gap, at
-  // the rim of a thing, it is where it was.
+  // A path goes through a surface, and through those of other media that lie in it. Where it goes
+  // back through the same object's within the gap, at the rim of a thing, it is where it was.
   void cross(MediumStack& stack, const Surface& s, const Gap& gap, float time) const {
     const int region = region_of(s.instance, s.triangle);
     if (region >= 0 && goes_through(region, s, gap, time)) stack.cross(region, s.back);
+    if (!touching_) return;
+    for (const Touching& other : touching(s, gap, time)) stack.cross(other.region, other.back);
+  }
+  // Where a surface that is there for its medium alone lies in another one, a ray meets that one,
+  // whichever Embree finds first, and stays in the media that it is in.
+  void meet_touched(Surface& s, const Vec3& origin, const Vec3& direction, RayMask kinds,
+                    float time) const {
+    if (touching_ && !s.on_strand() && is_clear(s.instance, s.triangle))
+      look_for_touched(s, origin, direction, kinds, time);
   }
   // Which media a point lies in, as a ray upwards tells.
   MediumStack around(const Vec3& x, float time = kShutterCentre) const;
@@ -146,7 +157,30 @@ class Media {
   };
   class Walk;
 
+  // A region whose surface lies in another one.
+  struct Touching {
+    int region;
+    bool back;
+  };
+  struct TouchingList {
+    std::array<Touching, Crossings::kMost> met;
+    size_t count = 0;
+    const Touching* begin() const { return met.data(); }
+    const Touching* end() const { return met.data() + count; }
+  };
+
   explicit Media(const Scene& scene) : scene_(scene) {}
+  size_t slot_of(uint32_t instance, uint32_t triangle) const;  // of Scene::slot_materials
+  // Whether its surface is there for its medium alone.
+  bool is_clear(uint32_t instance, uint32_t triangle) const {
+    return clear_slot_[slot_of(instance, triangle)];
+  }
+  bool is_clear(const Program& program) const;
+  TouchingList touching(const Surface& s, const Gap& gap, float time) const;
+  void look_for_touched(Surface& s, const Vec3& origin, const Vec3& direction, RayMask kinds,
+                        float time) const;
+  void find_touching(ThreadPool& pool, const CancelFlag& cancel);
+  bool touches(uint32_t instance, uint32_t samples) const;
   bool goes_through(int region, const Surface& s, const Gap& gap, float time) const;
   int add_region(uint32_t instance, int program, ThreadPool& pool, const CancelFlag& cancel);
   MediumPoint run(const Region& region, const Vec3& x, const Vec3& wo, const RayInfo& ray) const;
@@ -160,11 +194,13 @@ class Media {
   const Scene& scene_;
   std::vector<Region> regions_;
   std::vector<Shared> shared_;
-  std::vector<int16_t> of_slot_;  // of Scene::slot_materials, -1: none
+  std::vector<int16_t> of_slot_;     // of Scene::slot_materials, -1: none
+  std::vector<uint8_t> clear_slot_;  // likewise
   int world_ = -1;
   MediumStack visible_part(const MediumStack& stack, RayMask kinds) const;
 
   bool in_meshes_ = false, emits_ = false, scatters_ = false;
+  bool touching_ = false;  // some medium's surface lies in another surface
   bool hides_from_shadows_ = false;
   bool hides_ = false;  // some object with a medium does from some rays
 };

@@ -275,6 +275,8 @@ void PhotonTracer::trace_chunk(uint64_t first, uint64_t count, double total, uin
           surface.distance = INFINITY;
           const bool there = met >> k & 1;
           if (there) surface = scene_.surface_of(hits, k, direction, path.time);
+          if (there && scene_.media())
+            scene_.media()->meet_touched(surface, origin, direction, kAllRays, path.time);
           if (leaves_beams && there) leave_beam(travellers, i, &surface, total, useful, run.beams);
           const Draws draws{first_bounce, static_cast<uint32_t>(first + place)};
           if (scene_.media()) {

@@ -125,6 +125,7 @@ Rgb Scene::transmittance(const Vec3& origin, const Vec3& direction, float far, c
   Surface s;
   for (float near = 0, begin = 0;; near = past(s)) {
     const bool found = intersect(origin, direction, near, far, false, s, kinds, ray.time, ray.left);
+    if (found) media_->meet_touched(s, origin, direction, kinds, ray.time);
     if (found && blockers & instances[s.instance].group) {
       through *= let_through(*this, s, direction, info);
       if (!(max_abs(through) > 0)) return {};

@@ -53,16 +53,17 @@ inline float past(const Surface& s) {
 struct Gap {
   Vec3 origin, direction;
   float near, far;
+  float at;  // where that one is
 };
 // Of the ray that found `s` and goes straight on.
 inline Gap gap_at(const Surface& s, const Vec3& origin, const Vec3& direction) {
   const float epsilon = ray_epsilon(s.position, s.distance);
-  return {origin, direction, s.distance - epsilon, s.distance + epsilon};
+  return {origin, direction, s.distance - epsilon, s.distance + epsilon, s.distance};
 }
 // Of the ray that starts anew, from leave(s, direction).
 inline Gap gap_beside(const Surface& s, const Vec3& direction) {
   const float side = std::copysign(1.0f, dot(direction, s.ng));
-  return {s.position, s.ng * side, 0, ray_offset(s.position, s.distance)};
+  return {s.position, s.ng * side, 0, ray_offset(s.position, s.distance), 0};
 }
 
 }  // namespace photon_splat

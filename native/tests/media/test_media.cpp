@@ -201,6 +201,45 @@ TEST_CASE("rays through an edge are in the medium where they go on into it, and 
   CHECK(into == 0);
 }
 
+TEST_CASE("a path leaves one medium and enters another where their surfaces lie in each other") {
+  Scene scene(1);
+  add_cube_of(scene, scattering(1));
+  scene.programs.push_back(scattering(2));
+  Material other = scene.materials[0];
+  other.volume = 2;
+  scene.materials.push_back(other);
+  scene.add_instance(0, identity, {0});
+  scene.add_instance(0, {1, 0, 0, 1, 0, 1, 0, 0, 0, 0, 1, 0}, {1});
+  scene.add_instance(0, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 1}, {1});
+  scene.build(kNever);
+  const Media& media = *scene.media();
+  const auto extinction = [&](const MediumStack& stack) {
+    return media.at(stack, {}, {0, 0, 1}, {}).extinction().x;
+  };
+  CHECK(extinction(media.around({0.3f, 0.4f, 0.5f})) == approx(1));
+  CHECK(extinction(media.around({1.3f, 0.4f, 0.5f})) == approx(2));
+  CHECK(extinction(media.around({0.3f, 0.4f, 1.5f})) == approx(2));
+  CHECK(media.around({1.3f, 0.4f, 1.5f}).empty());
+  const struct {
+    Vec3 from, way;
+    float before, after;
+  } ways[] = {{{0.3f, 0.4f, 0.5f}, {1, 0, 0}, 1, 2},
+              {{1.3f, 0.4f, 0.5f}, {-1, 0, 0}, 2, 1},
+              {{0.3f, 0.4f, 0.5f}, {0, 0, 1}, 1, 2},
+              {{0.3f, 0.4f, 1.5f}, {0.1f, -0.1f, -1}, 2, 1}};
+  for (const auto& [from, way, before, after] : ways) {
+    const Vec3 direction = normalize(way);
+    MediumStack stack = media.around(from), beside = stack;
+    CHECK(extinction(stack) == approx(before));
+    Surface s;
+    REQUIRE(scene.intersect(from, direction, 0, INFINITY, false, s));
+    media.cross(stack, s, gap_at(s, from, direction), kShutterCentre);
+    CHECK(extinction(stack) == approx(after));
+    media.cross(beside, s, gap_beside(s, direction), kShutterCentre);
+    CHECK(extinction(beside) == approx(after));
+  }
+}
+
 TEST_CASE("a point knows the media around it") {
   Scene scene(1);
   fill(scene, scattering(1));
