@@ -37,12 +37,14 @@ EXTENSIONS = {
 @dataclass(frozen=True, slots=True)
 class ImagePixels:
     """(height, width, 4) as core.scene.Texture has them, colour times alpha as Cycles has them, and
-    whether they are sRGB-encoded; `depends`: who asks for the alpha too gets others.
+    whether they are sRGB-encoded; `depends`: who asks for the alpha too gets others; `gray`: the
+    file has nothing but grey, which Cycles shows opaque outside of the picture too.
     """
 
     pixels: NDArray
     srgb: bool
     depends: bool = False
+    gray: bool = False
 
 
 class Textures:
@@ -74,6 +76,8 @@ class Textures:
         found = self._once(image, path, owner, tile, straight)
         if found.pixels is PINK:
             extension = Extension.EXTEND  # the alpha is 1 everywhere
+        if found.gray and extension is Extension.CLIP:
+            extension = Extension.CLIP_OPAQUE
         key = (
             image.as_pointer() if image else 0,
             path,
@@ -151,6 +155,7 @@ def _read(
     if raw is None and image.source == "TILED":
         raw = _from_packed_tile(image, tile)
     from_file = raw is not None
+    gray = raw is not None and raw[1] == 1 and not image.packed_file
     # Blender's own buffer is that of the first tile
     first = image.source != "TILED" or tile == image.tiles[0].number
     pixels = raw[0] if raw is not None else _own_pixels(image) if first else None
@@ -162,36 +167,39 @@ def _read(
             missing=True,
         )
         return ImagePixels(PINK, True)
-    space = image.colorspace_settings.name
+    space = "Raw" if is_data(image) else image.colorspace_settings.name
+    if pixels.dtype != np.uint8:
+        if not from_file:  # Blender has decoded it
+            space = "Raw"
+        if not np.isfinite(pixels).all():
+            report.warn(f"{owner}: {named} holds values that are not finite numbers; read as 0")
+            pixels = np.nan_to_num(pixels, nan=0.0, posinf=0.0, neginf=0.0)
+    mode, multiplies = "NONE", False
     if image.alpha_mode == "NONE":
         pixels[..., 3] = 255 if pixels.dtype == np.uint8 else 1.0
     elif not is_data(image) and image.alpha_mode in {"STRAIGHT", "PREMUL"}:
         # Cycles takes grey pictures with an alpha as they are
-        grey = raw is not None and raw[1] == 2
+        as_is = raw is not None and raw[1] == 2
         # A byte buffer of Blender is straight whatever the file says, which Cycles overlooks from
         # 5.0 on.
         buffer = not from_file and not BLENDER_5 and pixels.dtype == np.uint8
-        mode = "PREMUL" if grey else "STRAIGHT" if buffer else image.alpha_mode
+        mode = "PREMUL" if as_is else "STRAIGHT" if buffer else image.alpha_mode
         multiplies = mode == "STRAIGHT" and (from_file or BLENDER_5 or pixels.dtype == np.uint8)
-        if pixels.dtype == np.uint8 and space in {"sRGB", *LINEAR_SPACES}:
-            if multiplies and pixels[..., 3].min() < 255:
-                pixels[..., :3] = pixels[..., :3] * pixels[..., 3:].astype(np.uint16) // 255
-            return ImagePixels(pixels, space == "sRGB")
-        return _decoded(
-            pixels, space, mode, multiplies, from_file, straight, f"{owner}: {named}", report
-        )
-    if pixels.dtype == np.uint8 and space in {"sRGB", *LINEAR_SPACES}:
-        return ImagePixels(pixels, space == "sRGB" and not is_data(image))
-    return _decoded(
-        pixels,
-        "Raw" if is_data(image) else space,
-        "NONE",
-        False,
-        from_file,
-        straight,
-        f"{owner}: {named}",
-        report,
-    )
+    if space == "sRGB" or (pixels.dtype == np.uint8 and space in LINEAR_SPACES):
+        # decoded after pixels are interpolated, as in Cycles
+        if multiplies:
+            _multiply(pixels)
+        return ImagePixels(pixels, space == "sRGB", gray=gray)
+    return _decoded(pixels, space, mode, multiplies, straight, gray, f"{owner}: {named}", report)
+
+
+def _multiply(pixels: NDArray) -> None:
+    """Colours by their alpha."""
+    alpha = pixels[..., 3:]
+    if pixels.dtype != np.uint8:
+        pixels[..., :3] *= alpha
+    elif alpha.min() < 255:
+        pixels[..., :3] = pixels[..., :3] * alpha.astype(np.uint16) // 255
 
 
 def _decoded(
@@ -199,8 +207,8 @@ def _decoded(
     space: str,
     mode: str,
     multiplies: bool,
-    from_file: bool,
     straight: bool,
+    gray: bool,
     named: str,
     report: Report,
 ) -> ImagePixels:
@@ -210,11 +218,6 @@ def _decoded(
     depends = False
     if pixels.dtype == np.uint8:
         pixels = pixels.astype(np.float32) / 255.0
-    elif not from_file:  # Blender has decoded it
-        space = "Raw"
-    if not np.isfinite(pixels).all():
-        report.warn(f"{named} holds values that are not finite numbers; read as 0")
-        pixels = np.nan_to_num(pixels, nan=0.0, posinf=0.0, neginf=0.0)
     alpha = pixels[..., 3:]
     if (
         mode in {"STRAIGHT", "PREMUL"}
@@ -228,7 +231,7 @@ def _decoded(
             pixels[..., :3], alpha, out=np.zeros_like(pixels[..., :3]), where=alpha > 0.0
         )
     if multiplies and not after:
-        pixels[..., :3] *= alpha
+        _multiply(pixels)
     linear = to_linear(pixels[..., :3], space)
     if linear is None:
         nearest = "Linear Rec.709" if space.startswith(("Linear", "ACEScg", "ACES2065")) else "sRGB"
@@ -237,7 +240,7 @@ def _decoded(
     pixels[..., :3] = linear
     if after:
         pixels[..., :3] *= alpha
-    return ImagePixels(pixels, False, depends)
+    return ImagePixels(pixels, False, depends, gray)
 
 
 def _path(image: Any, node: Any, tile: int) -> str:

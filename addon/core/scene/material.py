@@ -21,11 +21,12 @@ class Interpolation(StrEnum):
 
 
 class Extension(StrEnum):
-    """How a texture continues outside the unit square."""
+    """How a texture continues outside the unit square; CLIP_OPAQUE: black with an alpha of 1."""
 
     REPEAT = "repeat"
     EXTEND = "extend"
     CLIP = "clip"
+    CLIP_OPAQUE = "clip_opaque"
     MIRROR = "mirror"
 
 

@@ -113,6 +113,7 @@ Extension extension_named(const std::string& name) {
                           {{"repeat", Extension::kRepeat},
                            {"extend", Extension::kExtend},
                            {"clip", Extension::kClip},
+                           {"clip_opaque", Extension::kClipOpaque},
                            {"mirror", Extension::kMirror}},
                           "extension");
 }
@@ -225,9 +226,10 @@ void bind_geometry(nb::module_& m, RendererClass& renderer) {
           "near: radius, m, of what stands close to it where other things are very far off, else 0.")
       .def(
           "add_texture", &add_texture, "pixels"_a, "srgb"_a, "interpolation"_a, "extension"_a,
-          "(height, width, 4) uint8 or float32, row 0 at the bottom; float pixels are scene-linear.\n"
-          "srgb: bytes are sRGB-encoded. interpolation: 'linear', 'closest', 'cubic'; extension: 'repeat', 'extend',\n"
-          "'clip', 'mirror'. Returns the texture's index. ValueError for another dtype or name, or no pixels.")
+          "(height, width, 4) uint8 or float32, row 0 at the bottom; those of floats are scene-linear or sRGB too.\n"
+          "srgb: colours are sRGB-encoded. interpolation: 'linear', 'closest', 'cubic'; extension: 'repeat', 'extend',\n"
+          "'clip', 'clip_opaque' (with an alpha of 1 outside), 'mirror'. Returns the texture's index. ValueError for\n"
+          "another dtype or name, or no pixels.")
       .def("add_texture_reading", &add_texture_reading, "of"_a, "interpolation"_a, "extension"_a,
            "The pixels of texture `of` read in another way; they are kept once. Returns its index.")
       .def_prop_ro("texture_memory", &texture_memory, "Bytes of all textures' pixels.")

@@ -62,7 +62,8 @@ int wrap(int i, int size, Extension extension) {
       return period < size ? period : 2 * size - 1 - period;
     }
     case Extension::kExtend: return std::clamp(i, 0, size - 1);
-    case Extension::kClip: return i < 0 || i >= size ? -1 : i;
+    case Extension::kClip:
+    case Extension::kClipOpaque: return i < 0 || i >= size ? -1 : i;
   }
   return 0;
 }
@@ -207,6 +208,7 @@ std::array<float, 4> Texture::interpolated(Vec2 uv) const {
 
 std::array<float, 4> Texture::lookup_rgba(Vec2 uv, bool unassociate) const {
   std::array<float, 4> t = interpolated(uv);
+  if (extension == Extension::kClipOpaque) t[3] = 1;
   if (unassociate && t[3] != 0 && t[3] != 1)
     for (size_t c = 0; c < 3; ++c) t[c] /= t[3];
   if (srgb)

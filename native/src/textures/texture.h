@@ -12,7 +12,8 @@
 namespace photon_splat {
 
 enum class Interpolation { kLinear, kClosest, kCubic };
-enum class Extension { kRepeat, kExtend, kClip, kMirror };
+// kClipOpaque: black outside, with an alpha of 1.
+enum class Extension { kRepeat, kExtend, kClip, kMirror, kClipOpaque };
 
 float decode_srgb(float encoded);
 float decode_srgb_byte(uint8_t encoded);
@@ -37,7 +38,7 @@ struct Texture {
   Texture reading(Interpolation other_interpolation, Extension other_extension);
   size_t memory() const { return bytes.size() + 2 * shorts.size() + 4 * floats.size(); }
 
-  // Linear RGB at uv; black where kClip ends the image. Stored values are interpolated, then
+  // Linear RGB at uv; black where the image ends for kClip. Stored values are interpolated, then
   // decoded, as Cycles does.
   Rgb lookup(Vec2 uv) const;
   // lookup() with alpha; `unassociate`: colour is divided by alpha before it is decoded.

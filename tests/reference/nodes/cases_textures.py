@@ -335,9 +335,11 @@ def picture(
     space: str = "",
     mode: str = "",
     packed: bool = False,
+    file: str = "",
+    channels: int = 4,
 ) -> Any:
     """A small coloured image, 12 x 8, that is like no turned or mirrored copy of itself. `packed`:
-    from a PNG within the .blend.
+    from a PNG within the .blend. `file`: from one on disk, of such a format and so many channels.
     """
     import bpy
 
@@ -355,6 +357,14 @@ def picture(
     pixels[2:4, :, 3] = 1.0
     if floats:
         pixels[..., :3] *= 2.0
+    if file:
+        bpy.data.images.remove(image)
+        image = bpy.data.images.load(_written(pixels[..., :channels], file))
+        image.name = name
+        if space:
+            image.colorspace_settings.name = space
+        image.alpha_mode = mode or "STRAIGHT"
+        return image
     image.pixels.foreach_set(pixels.ravel())
     image.update()
     if packed:
@@ -367,6 +377,22 @@ def picture(
             image.alpha_mode = mode or "STRAIGHT"
             image.pack()
     return image
+
+
+def _written(pixels: np.ndarray, kind: str) -> str:
+    """Path of a new file: png and bits of a channel, or exr."""
+    import OpenImageIO as oiio
+
+    depth = {"png8": oiio.UINT8, "png16": oiio.UINT16, "exr": oiio.HALF}[kind]
+    path = f"{tempfile.mkdtemp(prefix='photon_splat_image_')}/image.{kind.rstrip('0123456789')}"
+    height, width, channels = pixels.shape
+    spec = oiio.ImageSpec(width, height, channels, depth)
+    spec["oiio:UnassociatedAlpha"] = 1
+    out = oiio.ImageOutput.create(path)
+    assert out.open(path, spec), oiio.geterror()
+    out.write_image(np.ascontiguousarray(pixels))
+    out.close()
+    return path
 
 
 def _image(**given: Any) -> Any:
@@ -448,6 +474,16 @@ def _images() -> list[Case]:
         "packed file": {"packed": True},
         "packed premultiplied": {"packed": True, "mode": "PREMUL"},
         "packed channels": {"packed": True, "mode": "CHANNEL_PACKED"},
+        "deep file": {"file": "png16"},
+        "deep premultiplied file": {"file": "png16", "mode": "PREMUL"},
+        "deep channels": {"file": "png16", "mode": "CHANNEL_PACKED"},
+        "deep data": {"file": "png16", "space": "Non-Color"},
+        "deep grey": {"file": "png16", "channels": 1},
+        "deep opaque": {"file": "png16", "channels": 3},
+        "half file": {"file": "exr"},
+        "half sRGB": {"file": "exr", "space": "sRGB"},
+        "grey file": {"file": "png8", "channels": 1},
+        "grey and alpha": {"file": "png8", "channels": 2},
     }
     for name, given in variants.items():
         setup = _image(name=name, **given)
@@ -456,6 +492,12 @@ def _images() -> list[Case]:
         found.append(
             Case(f"both of {name}", "", "", build=lambda tree, setup=setup: _both(tree, setup))
         )
+    for name in ("grey file", "deep grey", "grey and alpha", "deep opaque", "straight"):
+        setup, clip = _image(name=name, **variants[name]), {"extension": "CLIP"}
+        found += [
+            Case(f"{what} outside of {name}", node, socket, clip, {"Vector": "p"}, setup=setup)
+            for what, socket in (("image", "Color"), ("alpha", "Alpha"))
+        ]
     setup = _image(name="straight")
     found.append(
         Case("image whose alpha leads nowhere", "", "", build=lambda tree: _dead_end(tree, setup))
