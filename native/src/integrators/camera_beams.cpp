@@ -28,7 +28,7 @@ bool CameraTracer::beams_bring_all(const Path& path) const {
 }
 
 void CameraTracer::add_beams(Path& path, float far) const {
-  if (!sees_beams(path) || is_black(path.throughput)) return;
+  if (!sees_beams(path) || is_zero(path.throughput)) return;
   float weight = 1;
   if (path.info.after_diffuse || path.info.kind == RayInfo::kVolume) {
     if (path.random.next() >= kLaterLooks) return;
@@ -134,7 +134,7 @@ void CameraTracer::add_beams(Path& path, float far, const BeamTree& tree, float 
             found->at);
     }
   }
-  if (is_black(sum)) return;
+  if (is_zero(sum)) return;
   const Rgb brings = path.throughput * sum * weight;
   if (path.vertex == 0)
     add_finite(path.pixel.volume_indirect, brings, path.tile.bad_samples);

@@ -55,7 +55,7 @@ void CameraTracer::add_light(Path& path, const Surface& hit, const Bsdf& bsdf,
                              const Receiver& receiver, const LightSample& light, bool world) const {
   float pdf = 0, sharp = 0;
   Rgb diffuse{};
-  const bool any_covered = !is_black(path.covered);
+  const bool any_covered = !is_zero(path.covered);
   // Cycles has no light samples of a world that is the same everywhere.
   const bool lit = !light.from_world || !lights_.environment().constant();
   Rgb scattered = bsdf.evaluate_light(light.direction, {receiver.bent, lit}, &pdf, &diffuse,

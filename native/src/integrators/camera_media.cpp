@@ -61,7 +61,7 @@ bool CameraTracer::add_single_scattering(Path& path, float far) const {
   if (!medium || is_black(medium->scattering)) return medium.has_value();
   const float near = path.near, extinction = average(medium->extinction()),
               inside = std::isfinite(far) ? -std::expm1(-extinction * (far - near)) : 1;
-  if (!(far > near) || !(inside > 0) || is_black(path.throughput + path.world_throughput))
+  if (!(far > near) || !(inside > 0) || is_zero(path.throughput + path.world_throughput))
     return true;
   const Vec2 how = path.numbers(kMediumPair), where = path.numbers(kMediumPlacePair);
   // Thin media scatter all along the ray, but light of near lamps alone comes from near them.

@@ -114,7 +114,7 @@ void CameraTracer::add_world_by_ray(Path& path, const Rgb& light) const {
 }
 
 void CameraTracer::add_emission(Path& path, const Surface& hit, const Rgb& emission) const {
-  if (hit.program && hit.program->asks_kind && !is_black(path.withheld) && !hit.on_strand())
+  if (hit.program && hit.program->asks_kind && !is_zero(path.withheld) && !hit.on_strand())
     add_unlike_photons(path, hit, emission);
   if (is_zero(emission)) return;
   if (hit.on_strand()) return add_found_emission(path, hit, emission);

@@ -42,7 +42,7 @@ void CameraTracer::leave_gather_points(Path& path, const Surface& hit, const Bsd
   }
   const auto leave = [&](const Rgb& albedo, uint32_t key, const Vec3& ng) {
     const Rgb throughput = path.throughput * albedo * (1 / kPi);
-    if (is_black(throughput)) return;
+    if (is_zero(throughput)) return;
     if (!is_finite(throughput))
       ++path.tile.bad_samples;
     else

@@ -192,7 +192,7 @@ CameraTracer::Meeting CameraTracer::light(Path& path, const Surface& hit, Bsdf& 
   if (path.vertex < kSunnyVertices && lights_.environment().contrast() > kSunny)
     receiver.world_samples = 2;
   const bool gathers = path.leaves_gather_points && !path.only_mirrored &&
-                       path.vertex < path.max_bounces && !is_black(path.throughput),
+                       path.vertex < path.max_bounces && !is_zero(path.throughput),
              continued = gathers && continues(path, hit, bsdf);
   if (path.leaves_gather_points && bsdf.has_rest()) {
     const bool shares_diffuse =

@@ -269,7 +269,7 @@ uint64_t PhotonMap::add_to_film(const GatherPoints& gather_points,
         pixel.detail += detail;
         if (!after_gather) {
           noise[at.pixel] +=
-              luminance(light) * pixel.share() * std::sqrt(of_one / block.count[lane]);
+              std::abs(luminance(light)) * pixel.share() * std::sqrt(of_one / block.count[lane]);
           adaptive_radius_.detail()[at.pixel] += detail * pixel.share();
         }
       }
