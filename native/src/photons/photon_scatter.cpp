@@ -336,7 +336,8 @@ bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const Phot
   ray.depth = path.bounces;
   ray.transparent_depth = path.passed;
   ray.time = path.time;
-  if (viewer_) ray.footprint = viewer_->footprint_from(hit.position);
+  // It is seen by way of where the photon goes next: about as far off as where it came from
+  if (viewer_) ray.footprint = viewer_->footprint_by_way(hit.position, hit.distance);
   Bsdf bsdf(Transport::kFlux, -direction, hit.ng, hit.ns, hit.back);
   if (hit.program->features & kProgramSubsurface && !hit.on_strand())
     bsdf.keep_subsurface(SubsurfaceUse::kWalks);

@@ -125,7 +125,12 @@ std::optional<CameraRay> Camera::ray(int x, int y, const Vec2& u, const Vec2& le
     sy *= zoom;
   }
   CameraRay ray;
-  ray.footprint = std::max(step_x, step_y);
+  ray.footprint = 0.5f * (step_x + step_y);
+  if (!s_.orthographic) {  // what a direction turns by from pixel to pixel
+    const float wide = 1 + sx * sx + sy * sy;
+    ray.footprint =
+        0.5f * (step_x * std::sqrt(wide - sx * sx) + step_y * std::sqrt(wide - sy * sy)) / wide;
+  }
   // Camera space: from a point of the lens to where the ray through the lens' centre meets the
   // plane of focus.
   Vec3 from{}, toward{sx, sy, -1};
@@ -164,7 +169,7 @@ std::optional<CameraRay> Camera::panoramic(float u, float v, const Vec2& step, c
   ray.footprint = 0;
   for (const auto& next : {panorama_direction(s_.panorama, u + step.x, v),
                            panorama_direction(s_.panorama, u, v + step.y)})
-    if (next) ray.footprint = std::max(ray.footprint, length(*next - *seen));
+    ray.footprint += next ? 0.5f * length(*next - *seen) : 0;
   Vec3 from{}, toward = *seen;
   if (s_.aperture.radius > 0) {
     const Vec2 p = on_aperture(lens);

@@ -59,7 +59,8 @@ struct CameraRay {
   Vec3 origin, direction;
   float near, far;
   float cosine;  // depth = cosine * distance; 1 for panoramas, whose depth is the distance
-  // Width of a pixel at distance 1 (perspective, panorama) or everywhere (orthographic), m
+  // Width of a pixel at distance 1 (perspective, panorama) or everywhere (orthographic), m: the
+  // mean of what a step to the next column and one to the next row make, as in Cycles
   float footprint;
 };
 
@@ -72,9 +73,13 @@ class Camera {
   // circle.
   std::optional<CameraRay> ray(int x, int y, const Vec2& u, const Vec2& lens,
                                float time = kShutterCentre) const;
-  // Width of a camera sample at a point, in view or not, m.
-  float footprint_from(const Vec3& x) const {
-    return s_.orthographic ? step_ : step_ * length(x - axes_.position);
+  // Width of a camera sample at a point, in view or not, m; and of one that comes there by way of
+  // another surface, so far from it or as far as the camera is.
+  float footprint_from(const Vec3& x) const { return footprint_by_way(x, 0); }
+  float footprint_by_way(const Vec3& x, float way) const {
+    if (s_.orthographic) return step_;
+    const float straight = length(x - axes_.position);
+    return step_ * (straight + std::min(way, straight));
   }
   float footprint_at(const CameraRay& ray, float distance) const {
     return s_.orthographic ? ray.footprint : ray.footprint * distance;
