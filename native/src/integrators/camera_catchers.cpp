@@ -8,13 +8,16 @@
 
 namespace photon_splat {
 
-// Whether the camera sees this catcher, as it sees the world in a transparent film.
-bool CameraTracer::catches(const Path& path, const Surface& hit) const {
-  const Instance& instance = scene_.instances[hit.instance];
-  if (path.caught || !instance.catcher || instance.holdout) return false;
+// Whether the camera sees what is there, as it sees the world in a transparent film.
+bool CameraTracer::seen_clearly(const Path& path) const {
   const CameraSettings& film = camera_.settings();
   return (path.vertex == 0 && !path.through_glass) ||
          (path.clear && film.transparent && film.transparent_glass >= 0);
+}
+
+bool CameraTracer::catches(const Path& path, const Surface& hit) const {
+  const Instance& instance = scene_.instances[hit.instance];
+  return !path.caught && instance.catcher && !instance.holdout && seen_clearly(path);
 }
 
 // The rest of a path that has come to a catcher.
@@ -27,6 +30,7 @@ void CameraTracer::catch_shadows(Path& path, const Surface& hit) const {
     pixel.surface_id = others.surface_id;
   };
   const float passed = average(path.emission_throughput);
+  const float stays = path.vertex == 0 && !path.through_glass ? 1 : 0;  // glass has counted it
   const Rgb backdrop = camera_.settings().transparent || path.vertex > 0
                            ? Rgb{}
                            : path.emission_throughput * world_seen(path);
@@ -48,8 +52,8 @@ void CameraTracer::catch_shadows(Path& path, const Surface& hit) const {
   add_finite(pixel.caught, among_all.combined(), path.tile.bad_samples);
   add_finite(pixel.caught_alone, light_alone, path.tile.bad_samples);
   add_finite(pixel.backdrop, backdrop, path.tile.bad_samples);
-  pixel.alpha += 1 - passed;
-  pixel.caught_alpha += among_all.alpha - (1 - passed);
+  pixel.alpha += stays - passed;
+  pixel.caught_alpha += among_all.alpha - (stays - passed);
   pixel.normal += among_all.normal;
   pixel.diffuse_color += among_all.diffuse_color;
   pixel.glossy_color += among_all.glossy_color;

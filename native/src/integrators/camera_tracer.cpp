@@ -125,7 +125,7 @@ bool CameraTracer::meet_surface(Path& path, const Surface& hit) const {
   if (scene_.features() & kProgramSubsurface && !hit.on_strand())
     bsdf.keep_subsurface(path.info.after_diffuse ? SubsurfaceUse::kWalks : SubsurfaceUse::kAll);
   scene_.shade(hit, wo, path.info, bsdf);
-  const bool holdout = path.vertex == 0 && scene_.instances[hit.instance].holdout;
+  const bool clear = seen_clearly(path), holdout = clear && scene_.instances[hit.instance].holdout;
   if (!holdout) add_emission(path, hit, bsdf.emission());
   const bool hole = bsdf.holdout() >= 1 || (holdout && is_black(bsdf.transparency()));
   if (path.vertex == 0 && path.shows_normal && !hole) show_first(path, hit, bsdf);
@@ -150,6 +150,10 @@ bool CameraTracer::meet_surface(Path& path, const Surface& hit) const {
   path.only_mirrored = reads;
   if (scatters && !body && (!reads || read_light(path, hit, bsdf)))
     meeting = light(path, hit, bsdf);
+  if (clear && (holdout || bsdf.holdout() > 0)) {
+    const Rgb held = holdout ? Rgb{1, 1, 1} - bsdf.transparency() : Rgb{1, 1, 1} * bsdf.holdout();
+    path.pixel.alpha -= average(held * path.emission_throughput);
+  }
   const Passing passing = pass_through(path, hit, bsdf);
   if (passing == Passing::kPasses) {
     path.badly_served = badly_served;
@@ -160,7 +164,7 @@ bool CameraTracer::meet_surface(Path& path, const Surface& hit) const {
     return false;
   }
   if (path.shows_features && !holdout) end_features(path, bsdf, mirrored);
-  if (path.vertex == 0 && !holdout && !path.through_glass) path.pixel.alpha += 1 - bsdf.holdout();
+  if (path.vertex == 0 && !path.through_glass) path.pixel.alpha += 1;
   if (body) return scatters && meet_body(path, hit, bsdf);
   return meeting && go_on(path, hit, bsdf, *meeting);
 }

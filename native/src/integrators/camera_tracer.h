@@ -167,6 +167,7 @@ class CameraTracer {
   void trace_path(Path& path) const;
   void follow(Path& path) const;
   bool meet_surface(Path& path, const Surface& hit) const;
+  bool seen_clearly(const Path& path) const;
   bool catches(const Path& path, const Surface& hit) const;
   void catch_shadows(Path& path, const Surface& hit) const;
   // A surface whose light has been gathered, for the path's next way from there.
