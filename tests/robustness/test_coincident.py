@@ -8,6 +8,7 @@ from photon_splat.core.render.settings import Integrator
 from photon_splat.core.scene import ALL_RAYS, LightKind, Ray
 
 from tests.support import corescene as c
+from tests.support import stage
 
 RED, GREEN = (0.8, 0.05, 0.05), (0.05, 0.8, 0.05)
 
@@ -93,3 +94,29 @@ def test_a_warning_names_what_lies_in_each_other() -> None:
     faces = [(0, 1, 2), (0, 2, 3)]
     [warning] = said(floor, named("Plate", c.mesh(plate, [*faces, *faces])))
     assert "('Plate' in itself)" in warning
+
+
+def test_a_warning_names_what_lies_in_each_other_behind_glass() -> None:
+    """A block of glass that stands on the floor: its foot is seen through it."""
+    import bpy
+    from photon_splat.export import export_scene
+
+    bpy.ops.wm.read_homefile(use_empty=True)
+    stage.scene()
+    stage.camera()
+    stage.lamp()
+    stage.plane("Floor", 2.0)
+    bpy.ops.mesh.primitive_cube_add(size=1.0, location=(0.2, 0.1, 0.5))
+    block = bpy.context.object
+    block.name = "Block"
+    block.data.materials.append(stage.material("Glass", (1, 1, 1), "ShaderNodeBsdfGlass"))
+
+    def said() -> list[str]:
+        bpy.context.view_layer.update()
+        what = export_scene(bpy.context.evaluated_depsgraph_get())
+        return c.shoot(what, passes=1, photons_per_pass=1000).statistics["warnings"]
+
+    [warning] = said()
+    assert "('Block' in 'Floor')" in warning or "('Floor' in 'Block')" in warning
+    block.location.z += 0.001
+    assert said() == []

@@ -40,15 +40,19 @@ std::optional<uint32_t> Scene::coincides(const Surface& s) const {
 
 namespace {
 
-// The first opaque surface on a ray's way.
+// Calls met() for the surfaces on a ray's way that are not transparent, straight through glass, up
+// to the first one that sends no light on; true where there is that one, which is left in `s`.
+template <class Met>
 bool look(const Scene& scene, const Vec3& origin, const Vec3& direction, float near, float far,
-          RayInfo::Kind kind, Surface& s) {
+          RayInfo::Kind kind, Surface& s, Met&& met) {
   for (int step = 0; step < kSteps; ++step, near = past(s)) {
     if (!scene.intersect(origin, direction, near, far, kind == RayInfo::kCamera, s,
                          ray_bit(kind)) ||
         s.on_strand())
       return false;
-    if (!scene.may_be_transparent(s)) return true;
+    if (scene.may_be_transparent(s)) continue;
+    met(s);
+    if (!(s.program && s.program->features & kProgramTransmits)) return true;
   }
   return false;
 }
@@ -59,8 +63,10 @@ std::vector<Coincident> coincident_surfaces(const Scene& scene, const Camera& ca
   if (scene.bounds().empty()) return {};
   const CameraSettings& frame = camera.settings();
   std::map<std::pair<uint32_t, uint32_t>, float> found;
-  const auto note = [&](const Surface& s, float weight) {
-    if (const auto other = scene.coincides(s)) found[{s.instance, *other}] += weight;
+  const auto noting = [&](float weight) {
+    return [&, weight](const Surface& s) {
+      if (const auto other = scene.coincides(s)) found[{s.instance, *other}] += weight;
+    };
   };
   for (int j = 0; j < kLooks; ++j)
     for (int i = 0; i < kLooks; ++i) {
@@ -69,13 +75,11 @@ std::vector<Coincident> coincident_surfaces(const Scene& scene, const Camera& ca
                      (2 * j + 1) * frame.region_height / (2 * kLooks), {0.5f, 0.5f}, {0.5f, 0.5f});
       const uint32_t index = static_cast<uint32_t>(j * kLooks + i);
       Surface seen, beside;
-      if (!ray ||
-          !look(scene, ray->origin, ray->direction, ray->near, ray->far, RayInfo::kCamera, seen))
+      if (!ray || !look(scene, ray->origin, ray->direction, ray->near, ray->far, RayInfo::kCamera,
+                        seen, noting(1)))
         continue;
-      note(seen, 1);
       const Vec3 way = Basis(seen.ng).to_world(sample_cosine_hemisphere(sobol_2d(index, 0, 0)));
-      if (look(scene, leave(seen, way), way, 0, INFINITY, RayInfo::kDiffuse, beside))
-        note(beside, kBeside);
+      look(scene, leave(seen, way), way, 0, INFINITY, RayInfo::kDiffuse, beside, noting(kBeside));
     }
   std::vector<Coincident> out;
   for (const auto& [pair, weight] : found)
