@@ -219,6 +219,19 @@ float Bsdf::smooth_chance(bool sharp) const {
   return all > 0 ? through / all : 0;
 }
 
+bool Bsdf::keep_turned() {
+  float total = 0;
+  for (Lobe& lobe : lobes_) {
+    if (!lobe.turned()) lobe.weight = {}, lobe.pick = 0;
+    total += lobe.pick;
+  }
+  lobes_.drop_below();
+  gather_ = gather_through_ = {};
+  rest_ = total > 0;
+  for (Lobe& lobe : lobes_) lobe.pick = total > 0 ? lobe.pick / total : 0;
+  return total > 0;
+}
+
 bool Bsdf::transmits() const {
   for (const Lobe& lobe : lobes_) {
     if (lobe.pick <= 0) continue;
@@ -346,6 +359,7 @@ Rgb Bsdf::adjoint(const Vec3& wi, Rgb* rest, Rgb* diffuse) const {
   Rgb sum{}, soft{};
   for (int i = 0; i < lobes.size(); ++i) {
     const Lobe& lobe = lobes[i];
+    if (turned_apart_ && lobe.turned()) continue;
     Rgb f = lobe.evaluate(view, view_.wo).f;
     if (lobe.of_hair()) f *= around_strand(lobe, wi, lobes_[i], view_.wo) / std::max(scale, 1e-20f);
     sum += f;
@@ -383,7 +397,7 @@ Rgb Bsdf::evaluate_as(const View& view, const Vec3& wi, float* pdf, Rgb* rest, R
     if (lobe.pick <= 0) continue;
     const FacetValue value = lobe.evaluate(view, wi, i == sampled);
     density += lobe.pick * value.pdf;
-    if (sharp && gathers_ && !lobe.diffuse())
+    if (sharp && gathers_ && !lobe.diffuse() && !(turned_apart_ && lobe.turned()))
       sharp_density += lobe.pick * value.pdf * sharpness(lobe.roughness());
     if (!radiance) continue;
     sum += value.f;
@@ -474,6 +488,7 @@ std::optional<BsdfSample> Bsdf::sample_lobe(int index, float choice, const Vec2&
   out.diffuse = lobe.diffuse();
   out.roughness = gathers_ ? lobe.roughness() : 1;
   if (lobe.delta()) return finish_delta(index, out);
+  out.by_turned_normal = turned_apart_ && transport_ == Transport::kRadiance && lobe.turned();
   if (!right_side(lobe, view_, out.direction)) return std::nullopt;
   const Rgb f = evaluate_as(view_, out.direction, &out.pdf, &out.rest, nullptr, nullptr, index);
   if (!(out.pdf > 0) || !std::isfinite(out.pdf)) return std::nullopt;

@@ -57,8 +57,8 @@ struct BsdfSample {
   float per_value = 0;
   float roughness = 0;  // of the chosen lobe: 0 delta .. 1; diffuse lobes, strands: 1
   bool transmitted = false;
-  // Mirrored by a normal that was turned towards wo: all such viewers see what lies along the
-  // surface, and no photon that comes from there goes to them
+  // By a lobe whose normal was turned towards wo: all such viewers see what lies along the surface,
+  // and photons that come from there do not go to them
   bool by_turned_normal = false;
   bool diffuse = false;  // a diffuse-like lobe (diffuse, translucent, sheen) was chosen
 };
@@ -92,6 +92,11 @@ class Bsdf {
   // Photons estimate nothing here, all is left to `rest`; and no lobe counts as one that focuses
   // light, which caustic photons would have to be aimed at. Before finish().
   void gather_nothing() { gathers_ = false; }
+  // Lobes whose normals turn towards who sees them are looked for from the surfaces that they
+  // light: photons leave them out. keep_turned(), after finish(): there is nothing but them; false
+  // if there is none.
+  void leave_out_turned() { turned_apart_ = true; }
+  bool keep_turned();
 
   // weight: the closure's colour times the mix factors above it (what Cycles calls the closure's
   // weight). Negative or non-finite weights and parameters are made harmless here: never a NaN out.
@@ -261,7 +266,7 @@ class Bsdf {
   View view_;
   LobeList lobes_;
   Rgb gather_{}, gather_through_{};
-  bool rest_ = false, gathers_ = true, loses_below_ = false;
+  bool rest_ = false, gathers_ = true, loses_below_ = false, turned_apart_ = false;
   size_t tape_used_ = 0;
   alignas(16) std::byte tape_[kTapeBytes];  // flux only
 };

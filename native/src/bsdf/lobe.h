@@ -80,6 +80,12 @@ struct Lobe {
            (kind == LobeKind::kFacets && max_component(fresnel.transmit_tint) > 0);
   }
   bool delta() const { return kind == LobeKind::kFacets && facets.delta(); }
+  // Mirrors about the horizon, as its normal has turned towards wo: hardly any photon finds its way
+  // to such a viewer.
+  bool turned() const {
+    return kind == LobeKind::kFacets && roughness() <= kTurned && dot(n, given) < 1 - 1e-6f;
+  }
+  static constexpr float kTurned = 0.3f;  // greatest roughness
   float roughness() const;
   Vec3 to_local(const Vec3& v) const { return {dot(v, t), dot(v, b), dot(v, n)}; }
   Vec3 to_world(const Vec3& v) const { return t * v.x + b * v.y + n * v.z; }

@@ -1,6 +1,7 @@
-// What smooth glass and mirrors show of what lies along them. Their normals, where bumps tell them,
-// turn towards who sees them until they mirror the horizon: no photon that comes from there reaches
-// such a viewer, so that diffuse surfaces, whose light photons bring, look for it themselves.
+// What smooth glass and mirrors, and what is nearly as smooth, show of what lies along them. Their
+// normals, where bumps tell them, turn towards who sees them until they mirror the horizon: hardly
+// any photon that comes from there reaches such a viewer, so that diffuse surfaces, whose light
+// photons bring, look for it themselves.
 #include "integrators/camera_path.h"
 
 namespace photon_splat {
@@ -56,7 +57,12 @@ void CameraTracer::look_for_turned_mirrors(const Path& path, const Surface& hit,
   aside.info.footprint = camera_.footprint_at(aside.ray, aside.travelled + mirror.distance);
   Bsdf glass(Transport::kRadiance, -aside.direction, mirror.ng, mirror.ns, mirror.back);
   scene_.shade(mirror, -aside.direction, aside.info, glass);
-  const Receiver receiver{mirror.position, {}, true, scene_.instances[mirror.instance].group};
+  if (!glass.keep_turned()) return;
+  Receiver receiver{mirror.position, {}, true, scene_.instances[mirror.instance].group};
+  receiver.ns = mirror.ns;
+  receiver.time = aside.info.time;
+  receiver.bounces = static_cast<uint16_t>(aside.vertex);
+  add_direct(aside, mirror, glass, receiver);
   aside.only_turned = true;
   if (scatter(aside, mirror, glass, receiver, false)) follow(aside);
 }

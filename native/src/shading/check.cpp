@@ -2,6 +2,7 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "bsdf/lobe.h"
 #include "scene/scene.h"
 #include "shading/ops.h"
 
@@ -123,9 +124,6 @@ class Checker {
 void check_program(const Scene& scene, const Program& program) { Checker(scene, program).run(); }
 
 namespace {
-
-constexpr float kMirror = 6.5e-3f;  // roughness up to which facets are one: Facets::kDeltaArea
-
 std::optional<uint32_t> operand_of(nodes::Op op, const uint32_t* w, Operand::Kind kind,
                                    std::string_view name) {
   const auto& operands = nodes::operations()[static_cast<size_t>(op)].operands;
@@ -153,12 +151,12 @@ bool has_own_normal(const Program& program, nodes::Op op, const uint32_t* w) {
   return n[0] != 0 || n[1] != 0 || n[2] != 0;
 }
 
-// Whether such a closure mirrors, everywhere.
+// Whether such a closure mirrors, or nearly, everywhere.
 bool mirrors_by_own_normal(const Program& program, nodes::Op op, const uint32_t* w) {
   if (op == nodes::Op::Refraction || !has_own_normal(program, op, w)) return false;
   const auto roughness = operand_of(op, w, Operand::Kind::kFloat, "roughness");
   return roughness && *roughness & nodes::kConstant &&
-         program.constants[*roughness & ~nodes::kConstant] <= kMirror;
+         program.constants[*roughness & ~nodes::kConstant] <= Lobe::kTurned;
 }
 
 // Whether it tells from where the surface is seen.
