@@ -180,10 +180,13 @@ def _read(
     elif not is_data(image) and image.alpha_mode in {"STRAIGHT", "PREMUL"}:
         # Cycles takes grey pictures with an alpha as they are
         as_is = raw is not None and raw[1] == 2
+        # Before 5.0 it goes by what the file says of itself, not by the image's alpha mode
+        own_mode = "STRAIGHT" if raw is not None and raw[2] else "PREMUL"
         # A byte buffer of Blender is straight whatever the file says, which Cycles overlooks from
         # 5.0 on.
         buffer = not from_file and not BLENDER_5 and pixels.dtype == np.uint8
-        mode = "PREMUL" if as_is else "STRAIGHT" if buffer else image.alpha_mode
+        by_image = image.alpha_mode if BLENDER_5 or not from_file else own_mode
+        mode = "PREMUL" if as_is else "STRAIGHT" if buffer else by_image
         multiplies = mode == "STRAIGHT" and (from_file or BLENDER_5 or pixels.dtype == np.uint8)
     if space == "sRGB" or (pixels.dtype == np.uint8 and space in LINEAR_SPACES):
         # decoded after pixels are interpolated, as in Cycles
@@ -259,10 +262,14 @@ def _path(image: Any, node: Any, tile: int) -> str:
     return bpy.path.abspath(path, library=image.library) if path else ""
 
 
-def _from_file(path: str) -> tuple[NDArray, int] | None:
-    """(height, width, 4) uint8 or float32 as stored in the file, bottom row first, and its number
-    of channels. None: OpenImageIO is not there or cannot.
-    """
+RawPixels = tuple[NDArray, int, bool]
+"""(height, width, 4) uint8 or float32 as stored in a file, bottom row first; its number of
+channels; whether its colours are not times their alpha.
+"""
+
+
+def _from_file(path: str) -> RawPixels | None:
+    """None: OpenImageIO is not there or cannot."""
     try:
         import OpenImageIO as oiio
     except ImportError:
@@ -277,6 +284,7 @@ def _from_file(path: str) -> tuple[NDArray, int] | None:
         return None
     spec = file.spec()
     channels = min(spec.nchannels, 4)
+    straight = bool(spec.get_int_attribute("oiio:UnassociatedAlpha"))
     eight_bit = spec.format.basetype == oiio.UINT8
     pixels = file.read_image(0, 0, 0, channels, oiio.UINT8 if eight_bit else oiio.FLOAT)
     broken = (
@@ -290,15 +298,15 @@ def _from_file(path: str) -> tuple[NDArray, int] | None:
         return None
     pixels = np.asarray(pixels).reshape(spec.height, spec.width, channels)
     if channels == 4:
-        return np.ascontiguousarray(pixels[::-1]), channels
+        return np.ascontiguousarray(pixels[::-1]), channels, straight
     rgba = np.empty((spec.height, spec.width, 4), pixels.dtype)
     gray = channels < 3
     rgba[..., :3] = pixels[::-1, :, :1] if gray else pixels[::-1]
     rgba[..., 3] = pixels[::-1, :, 1] if channels == 2 else 255 if eight_bit else 1.0
-    return rgba, channels
+    return rgba, channels, straight
 
 
-def _from_packed_tile(image: Any, tile: int) -> tuple[NDArray, int] | None:
+def _from_packed_tile(image: Any, tile: int) -> RawPixels | None:
     """As _from_file(), of a tile that is packed into the .blend file; None if it is not."""
     packed = next((file for file in image.packed_files if file.tile_number == tile), None)
     if packed is None or packed.packed_file is None or image.is_dirty:
@@ -306,7 +314,7 @@ def _from_packed_tile(image: Any, tile: int) -> tuple[NDArray, int] | None:
     return _from_data(packed.packed_file.data, image)
 
 
-def _from_data(data: bytes, image: Any) -> tuple[NDArray, int] | None:
+def _from_data(data: bytes, image: Any) -> RawPixels | None:
     """As _from_file(), of what a file of the image holds; None as well where no room is for it."""
     try:
         with tempfile.TemporaryDirectory() as folder:
