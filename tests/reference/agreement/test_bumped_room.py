@@ -61,7 +61,7 @@ def test_a_room_of_bumps_is_as_bright_as_in_cycles(
 
     bpy.ops.wm.read_homefile(use_empty=True)
     stage.scene()
-    stage.resize(48, 48)
+    stage.resize(72, 72)
     _room(orthographic, _tiles(specular))
-    ours, cycles = means_beside_cycles(128, integrator, passes=24, photons_per_pass=20_000)
+    ours, cycles = means_beside_cycles(128, integrator, passes=16, photons_per_pass=20_000)
     assert ours == pytest.approx(cycles, rel=0.01)
