@@ -437,7 +437,7 @@ std::optional<BsdfSample> Bsdf::finish_delta(int index, BsdfSample out) const {
     if (index < lobes.size()) out.weight = share(lobes[index], cos_out) * (scale / chance);
   }
   out.rest = out.weight;
-  out.by_turned_normal = !out.transmitted && dot(lobe.n, lobe.given) < kStraight;
+  out.by_turned_normal = !out.transmitted && lobe.turned();
   return out;
 }
 
