@@ -93,6 +93,8 @@ const OffsetAxes& Frame::offset_axes() {
 }
 
 // UV of the point itself and its change along the shift, by least squares in the triangle's plane.
+// Cycles has that change reversed where the back is seen, while positions go along the shift: bumps
+// by UVs and attributes stand out of the side that the same bumps by coordinates are sunk into.
 Vec2 Frame::uv_there() {
   if (knows_uv) return shifted_uv;
   knows_uv = true;
@@ -104,7 +106,8 @@ Vec2 Frame::uv_there() {
   const Vec3 e1 = corner[1] - corner[0], e2 = corner[2] - corner[0];
   const float a = dot(e1, e1), b = dot(e1, e2), c = dot(e2, e2), determinant = a * c - b * b;
   if (!(determinant > 0)) return shifted_uv;
-  const float p = dot(e1, shift), q = dot(e2, shift);
+  const Vec3 along = point.back ? -shift : shift;
+  const float p = dot(e1, along), q = dot(e2, along);
   return shifted_uv = {point.u + (p * c - q * b) / determinant,
                        point.v + (q * a - p * b) / determinant};
 }

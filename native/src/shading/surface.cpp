@@ -196,7 +196,10 @@ Vec3 Frame::generated() {
     const Vec3 x = c[0] * (1 - at.x - at.y) + c[1] * at.x + c[2] * at.y;
     return scene.world_to_object[point.instance].point(x) * space.scale + space.offset;
   }
-  return object_position() * space.scale + space.offset;
+  Vec3 at = object_position();
+  if (is_on_surface() && point.back && !before)
+    at = at - world_to_object().vector(shift) * 2.0f;  // see uv_there()
+  return at * space.scale + space.offset;
 }
 
 Vec3 Frame::uv(uint32_t id) {

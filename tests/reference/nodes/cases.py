@@ -27,7 +27,7 @@ class Case:
     properties: dict[str, Any] = field(default_factory=dict)
     inputs: dict[str, Any] = field(default_factory=dict)
     setup: Setup | None = None
-    thing: str = "plane"  # "sphere", "bumps", "hexagons", "bare"
+    thing: str = "plane"  # "sphere", "bumps", "hexagons", "bare", "hollow"
     noise: bool = False  # 0.5 % is allowed instead of 1/255
     build: Callable[[Any], Any] | None = None  # instead of all that: tree -> output socket
 

@@ -289,7 +289,12 @@ def _normals() -> list[Case]:
         for space in enum("ShaderNodeVectorDisplacement", "space")
         for thing in ("sphere", "hexagons")
     ]
-    for thing in THINGS:
+    found += [
+        Case(f"bump by {place} {thing}", "", "", thing=thing, build=_bump_by(place), noise=True)
+        for place in ("Generated", "UV", "Object", "Where")
+        for thing in ("sphere", "hollow")
+    ]
+    for thing in (*THINGS, "hollow"):
         for invert in (False, True):
             inputs = {"Strength": 0.7, "Distance": 0.3, "Height": "waves"}
             found.append(
@@ -341,6 +346,26 @@ def _bump(invert: bool, **inputs: Any) -> Callable[[Any], Any]:
                 )
             else:
                 input_of(bump, name).default_value = value
+        return bump.outputs[0]
+
+    return build
+
+
+def _bump_by(place: str) -> Callable[[Any], Any]:
+    """By waves along texture coordinates, or an attribute."""
+
+    def build(tree: Any) -> Any:
+        bump, wave = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("Bump", "TexWave"))
+        wave.inputs["Scale"].default_value = 1.0
+        input_of(bump, "Distance").default_value = 0.1
+        if place == "Where":
+            at = tree.nodes.new("ShaderNodeAttribute")
+            at.attribute_name = place
+            vector = at.outputs["Vector"]
+        else:
+            vector = tree.nodes.new("ShaderNodeTexCoord").outputs[place]
+        tree.links.new(vector, wave.inputs["Vector"])
+        tree.links.new(wave.outputs[1], input_of(bump, "Height"))
         return bump.outputs[0]
 
     return build

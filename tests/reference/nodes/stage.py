@@ -29,11 +29,11 @@ def build(cases: list[Case]) -> None:
     scene = bpy.context.scene
     side = board(len(cases))
     things = {"plane": _plane(), "sphere": _sphere(), "bumps": _bumps()}
-    things |= {"hexagons": _hexagons(), "bare": _bare()}
+    things |= {"hexagons": _hexagons(), "bare": _bare(), "hollow": _hollow()}
     for k, case in enumerate(cases):
         ob = bpy.data.objects.new(case.name, things[case.thing].copy())
         ob.location = (k % side + 0.5, k // side + 0.5, 0.0)
-        if case.thing in {"sphere", "bare"}:
+        if case.thing in {"sphere", "bare", "hollow"}:
             ob.rotation_euler, ob.scale = (0.3, 0.5, 0.7), (1.0, 0.9, 1.1)
         ob.color, ob.pass_index = (0.25, 0.5, 0.75, 0.5), 3
         ob["own"] = 0.375
@@ -145,6 +145,13 @@ def _sphere() -> Any:
     made.free()
     mesh.polygons.foreach_set("use_smooth", [True] * len(mesh.polygons))
     _layers(mesh, lambda v: (v.co.x * 0.8 + 0.5, v.co.y * 0.7 + 0.3 * v.co.z + 0.5))
+    return mesh
+
+
+def _hollow() -> Any:
+    """A sphere whose faces look inwards: their backs are seen."""
+    mesh = _sphere()
+    mesh.flip_normals()
     return mesh
 
 

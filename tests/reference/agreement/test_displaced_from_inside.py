@@ -1,0 +1,39 @@
+"""Bumps that a displacement leaves on the back of a surface."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.reference.agreement.beside import means_beside_cycles
+from tests.support import stage
+
+
+def test_a_displaced_and_bumped_ball_is_lit_inside_as_in_cycles() -> None:
+    """With bumps the wrong way it is a sixth darker."""
+    import bpy
+
+    bpy.ops.wm.read_homefile(use_empty=True)
+    stage.scene()
+    stage.resize(48, 36)
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=96, ring_count=48, radius=2.0)
+    ball = bpy.context.object
+    bpy.ops.object.shade_smooth()
+    made, tree = stage.empty_material("Wrinkled")
+    made.displacement_method = "BOTH"
+    cloth, noise, displacement, place = (
+        tree.nodes.new(f"ShaderNode{kind}")
+        for kind in ("BsdfDiffuse", "TexNoise", "Displacement", "TexCoord")
+    )
+    noise.inputs["Scale"].default_value = 2.0
+    displacement.inputs["Scale"].default_value = 0.3
+    tree.links.new(place.outputs["Object"], noise.inputs["Vector"])
+    tree.links.new(noise.outputs[0], displacement.inputs["Height"])
+    tree.links.new(displacement.outputs[0], tree.nodes["Material Output"].inputs["Displacement"])
+    stage.surface(tree, cloth)
+    ball.data.materials.append(made)
+    bpy.ops.object.light_add(type="POINT", location=(0.5, 0.3, 0.6))
+    bpy.context.object.data.energy = 100.0
+    view = stage.camera((0, 0, 1.2))
+    view.data.angle = 1.4
+    ours, cycles = means_beside_cycles(128, passes=24, photons_per_pass=20_000)
+    assert ours == pytest.approx(cycles, rel=0.01)
