@@ -11,6 +11,9 @@ inline constexpr float kRoulette = 8;
 // The same factor at the first vertex: what a dark surface mirrors is most of what is seen there
 inline constexpr float kFirstRoulette = 100;
 inline constexpr int kSureBounces = 3;  // from here on with the root of their throughput
+// Light samples hardly find the lamps that such rays meet, those of mirrors or of more than this
+// density (1/sr): dark paths take so many times as many of these rays as go on from what they meet
+inline constexpr float kNarrow = 4, kSights = 8;
 
 // Dimensions of the camera's low-discrepancy sequence, in pairs.
 enum Dimension : uint32_t {
@@ -165,6 +168,7 @@ struct CameraTracer::Path {
   // The last vertex
   Receiver from{{}, {}, true, ~uint64_t{0}, nullptr, 1, ray_bit(RayInfo::kCamera)};
   float pdf = INFINITY;  // of the direction, by its BSDF
+  float survives = 1;    // chance to go on from the next surface, whose emission counts anyhow
   Random random;
 
   // Whether photons would bring the light from where it is now.
@@ -186,6 +190,13 @@ struct CameraTracer::Path {
   // not 1, when it meets a lamp.
   float survival(float strength) const {
     return std::min(1.0f, vertex < kSureBounces ? strength * kRoulette : std::sqrt(strength));
+  }
+  // Ends the path with a chance of 1 - `chance`: true then.
+  bool ends(float chance) {
+    if (chance >= 1) return false;
+    if (random.next() >= chance) return true;
+    scale(Rgb{1, 1, 1} / chance);
+    return false;
   }
   // Numbers for the next vertex: the low-discrepancy sequence at the first one.
   Vec2 numbers(Dimension pair) {

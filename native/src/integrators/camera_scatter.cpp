@@ -102,8 +102,10 @@ bool CameraTracer::scatter(Path& path, const Surface& hit, const Bsdf& bsdf,
                                   max_abs(path.emission_throughput + path.world_emission));
   const float survival =
       path.vertex == 0 ? std::min(1.0f, strength * kFirstRoulette) : path.survival(strength);
-  if (path.random.next() >= survival) return false;
-  path.scale(Rgb{1, 1, 1} / survival);
+  const bool narrow = !(s->pdf > 0) || s->pdf > kNarrow;
+  const float looks = narrow ? std::min(1.0f, survival * kSights) : survival;
+  if (path.ends(looks)) return false;
+  path.survives = survival / looks;
 
   if (path.vertex == 0) {
     const Rgb left_out = whole ? Rgb{} : s->weight - s->rest;  // by photons, all diffuse
