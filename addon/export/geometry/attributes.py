@@ -16,18 +16,10 @@ from ..arrays import read, read_copy
 from ..nodes.node import Want
 from ..nodes.random_numbers import number_random
 from ..report import Report
+from .attribute_values import at_vertices, bytes_of, numbers_of
 from .curvature import pointiness
 from .mesh import Triangles, sound_triangles
 from .tangents import mesh_tangents
-
-NUMBERS = {"FLOAT", "INT", "INT8", "BOOLEAN"}
-# For each type of attribute: the property that holds its value, and its number of components.
-STORED = {
-    "FLOAT_VECTOR": ("vector", 3),
-    "FLOAT2": ("vector", 2),
-    "FLOAT_COLOR": ("color", 4),
-    "QUATERNION": ("value", 4),
-}
 
 
 def mesh_shading(
@@ -67,6 +59,8 @@ def mesh_shading(
             found = Domain.POINT, pointiness(mesh)[:, None]
         elif want.kind == "color":
             found = _values(mesh, _color_attribute(mesh, want.name), triangles, left)
+            if found is None:  # a colour of no alpha; other attributes that are missing have one
+                found = Domain.POINT, np.zeros((len(mesh.vertices), 4), np.uint8)
         else:
             found = _values(mesh, mesh.attributes.get(want.name), triangles, left)
         if found is not None:
@@ -108,18 +102,9 @@ def _values(
     if attribute is None or len(attribute.data) == 0:
         return None
     kind = attribute.data_type
-    if kind == "BYTE_COLOR":
-        encoded = read_copy(attribute.data, "color_srgb", np.float32, 4)
-        values: NDArray = np.rint(np.clip(encoded, 0.0, 1.0) * 255.0).astype(np.uint8)
-    elif kind in NUMBERS:
-        dtype = {"FLOAT": np.float32, "BOOLEAN": np.bool_}.get(kind, np.int32)
-        values = read_copy(attribute.data, "value", dtype).astype(np.float32)[:, None]
-    elif kind in STORED:
-        values = read_copy(attribute.data, STORED[kind][0], np.float32, STORED[kind][1])
-    else:
+    values: NDArray | None = bytes_of(attribute) if kind == "BYTE_COLOR" else numbers_of(attribute)
+    if values is None:
         return None
-    if values.dtype == np.float32 and not np.isfinite(values).all():
-        values = np.nan_to_num(values, nan=0.0, posinf=0.0, neginf=0.0)
     if attribute.domain == "POINT":
         return Domain.POINT, values
     if attribute.domain == "CORNER":
@@ -129,7 +114,7 @@ def _values(
         faces = faces if triangles().kept is None else faces[triangles().kept]
         return Domain.FACE, values[faces if left is None else faces[left]]
     if attribute.domain == "EDGE":
-        return Domain.POINT, _at_vertices(mesh, values.astype(np.float32))
+        return Domain.POINT, at_vertices(mesh, values, kind)
     return None
 
 
@@ -161,13 +146,3 @@ def island_randoms(mesh: Any) -> NDArray[np.float32]:
     values = np.zeros(count, np.float32)
     values[standing] = [number_random(int(vertex), 1) for vertex in standing]
     return values[roots]
-
-
-def _at_vertices(mesh: Any, values: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Mean over the edges of each vertex."""
-    ends = read_copy(mesh.edges, "vertices", np.int32, 2)
-    total = np.zeros((len(mesh.vertices), values.shape[1]), np.float32)
-    for side in (0, 1):
-        np.add.at(total, ends[:, side], values)
-    counts = np.maximum(np.bincount(ends.ravel(), minlength=len(total)), 1).astype(np.float32)
-    return (total / counts[:, None]).astype(np.float32)

@@ -11,16 +11,9 @@ from numpy.typing import NDArray
 
 from ..arrays import read_copy
 from ..report import Report
+from .attribute_values import numbers_of
 
 NO_LEVEL = 0x7FFFFFFF  # number that fills the unused levels of a persistent id
-# For each type of attribute: the property that holds its value, and its number of components.
-STORED = {
-    "FLOAT": ("value", 1),
-    "INT": ("value", 1),
-    "BOOLEAN": ("value", 1),
-    "FLOAT_VECTOR": ("vector", 3),
-}
-STORED |= {"FLOAT2": ("vector", 2), "FLOAT_COLOR": ("color", 4), "BYTE_COLOR": ("color", 4)}
 
 
 class InstanceAttributes:
@@ -118,14 +111,12 @@ class _Level:
 
     def _read(self, name: str) -> NDArray[np.float32] | None:
         attribute = None if self._cloud is None else self._cloud.attributes.get(name)
-        if attribute is None or attribute.data_type not in STORED:
+        # a rotation is no colour, which Blender asks for
+        known = attribute is not None and attribute.data_type != "QUATERNION"
+        values = numbers_of(attribute) if known else None
+        if values is None:
             return None
-        stored, width = STORED[attribute.data_type]
-        dtype = {"INT": np.int32, "BOOLEAN": np.bool_}.get(attribute.data_type, np.float32)
-        values = (
-            read_copy(attribute.data, stored, dtype, width).astype(np.float32).reshape(-1, width)
-        )
-        values = np.nan_to_num(values, posinf=0.0, neginf=0.0)
+        width = values.shape[1]
         whole = np.zeros((len(values), 4), np.float32)
         whole[:, 3] = 1.0
         whole[:, : 3 if width == 1 else width] = values

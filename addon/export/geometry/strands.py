@@ -13,6 +13,7 @@ from ...core.scene.shading import Domain, MeshAttribute, MeshShading
 from ..arrays import read, read_copy
 from ..nodes.node import Want
 from ..report import Report
+from .attribute_values import numbers_of
 
 STRANDS = {"CURVES", "POINTCLOUD"}
 SHAPES = {
@@ -22,14 +23,6 @@ SHAPES = {
 }
 CURVE_RADIUS, POINT_RADIUS = np.float32(0.005), np.float32(0.01)
 POLY = 1  # of Blender's types of curves
-NUMBERS = {"FLOAT": np.float32, "INT": np.int32, "INT8": np.int32, "BOOLEAN": np.bool_}
-STORED = {
-    "FLOAT_VECTOR": ("vector", 3),
-    "FLOAT2": ("vector", 2),
-    "FLOAT_COLOR": ("color", 4),
-    "BYTE_COLOR": ("color", 4),
-    "QUATERNION": ("value", 4),
-}
 
 
 @dataclass(frozen=True, slots=True)
@@ -177,25 +170,16 @@ def _is_poly(data: Any) -> bool:
 def _values(attribute: Any) -> tuple[Domain, NDArray] | None:
     if attribute is None or len(attribute.data) == 0:
         return None
-    if attribute.data_type in NUMBERS:
-        dtype = NUMBERS[attribute.data_type]
-        values = read_copy(attribute.data, "value", dtype).astype(np.float32)[:, None]
-    elif attribute.data_type in STORED:
-        values = read_copy(attribute.data, *_stored(attribute.data_type))
-    else:
+    values = numbers_of(attribute)
+    if values is None:
         return None
-    return Domain.FACE if attribute.domain == "CURVE" else Domain.POINT, _finite(values)
+    return Domain.FACE if attribute.domain == "CURVE" else Domain.POINT, values
 
 
 def _normals(data: Any) -> NDArray[np.float32]:
     """(K, 3) of the keys of curves. One by one: foreach_get reads memory that Blender has freed."""
     numbers = [one.vector[:] for one in data.normals]
     return _finite(np.array(numbers, np.float32).reshape(-1, 3))
-
-
-def _stored(data_type: str) -> tuple[str, type, int]:
-    name, width = STORED[data_type]
-    return name, np.float32, width
 
 
 def _finite(values: NDArray) -> NDArray:

@@ -183,6 +183,8 @@ def _attributes() -> list[Case]:
         "Flag",
         "Pair",
         "Edge",
+        *(f"Edge {kind}" for kind in ("BOOLEAN", "INT", "INT8", "FLOAT_COLOR")),
+        *(f"Edge {kind}" for kind in ("BYTE_COLOR", "QUATERNION")),
         "Bytes",
         "Floats",
         "First",
@@ -205,7 +207,7 @@ def _attributes() -> list[Case]:
             )
             for o in ("Vector", "Fac", "Alpha")
         ]
-    for name in ("Bytes", "Floats", ""):
+    for name in ("Bytes", "Floats", "No such", ""):
         outputs = ("Color", "Alpha")
         found += [
             Case(

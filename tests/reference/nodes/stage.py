@@ -196,7 +196,25 @@ def _layers(mesh: Any, uv: Any) -> None:
         flag.data[polygon.index].value = polygon.index % 3 == 0
     for line in mesh.edges:
         edge.data[line.index].value = (line.index % 7) / 7.0
+    _edge_layers(mesh)
     mesh.color_attributes.render_color_index = 0
+
+
+def _edge_layers(mesh: Any) -> None:
+    """Attributes of edges, which are mixed at vertices, each kind in its own way."""
+    rows = np.arange(len(mesh.edges))
+    color = np.stack([(rows * k % 11) / 11.0 for k in (1, 3, 5, 7)], axis=1)
+    turned = np.stack([np.cos(rows), np.sin(rows) * 0.6, np.sin(rows) * 0.8, 0 * rows], axis=1)
+    for kind, field, values in (
+        ("BOOLEAN", "value", rows % 5 == 0),
+        ("INT", "value", rows % 8 - 3),
+        ("INT8", "value", rows % 8 - 3),
+        ("BYTE_COLOR", "color", color),
+        ("FLOAT_COLOR", "color", color),
+        ("QUATERNION", "value", turned),
+    ):
+        layer = mesh.attributes.new(f"Edge {kind}", kind, "EDGE")
+        layer.data.foreach_set(field, values.ravel())
 
 
 def _material(case: Case) -> Any:

@@ -18,9 +18,10 @@ def _instances(
     stored: str,
     divisor: float,
     ids: tuple[float, float] | None = None,
+    kind: str = "FLOAT",
 ) -> Any:
-    """A row of instances, each with its number by `divisor` as the attribute `stored`, and, if
-    wanted, with an `id` of its number times `ids[0]` plus `ids[1]`.
+    """A row of instances, each with its number by `divisor` as the attribute `stored` of that
+    kind, and, if wanted, with an `id` of its number times `ids[0]` plus `ids[1]`.
     """
     add, link = tree.nodes.new, tree.links.new
     row, onto, store, index, divide = (
@@ -38,7 +39,7 @@ def _instances(
         points[0],
         (points[1], 0.0, 0.0),
     )
-    store.domain, store.data_type, divide.operation = "INSTANCE", "FLOAT", "DIVIDE"
+    store.domain, store.data_type, divide.operation = "INSTANCE", kind, "DIVIDE"
     store.inputs["Name"].default_value, divide.inputs[1].default_value = stored, divisor
     if ids is None:
         link(row.outputs["Mesh"], onto.inputs["Points"])
@@ -77,11 +78,30 @@ def test_attributes_of_instances_that_share_an_id() -> None:
     _check_two_levels((0.0, -5.0), (0.0, 3.0))
 
 
+@in_blender
+def test_attributes_of_instances_of_all_kinds() -> None:
+    """Numbers, colours and vectors; a rotation is nothing, as in Cycles."""
+    kinds = _kinds_stored()
+    assert {"INT8", "BYTE_COLOR", "QUATERNION"} < kinds
+    for kind in sorted(kinds - {"FLOAT4X4"}):
+        _check_two_levels(None, None, kind)
+
+
+def _kinds_stored() -> set[str]:
+    import bpy
+
+    known = bpy.types.GeometryNodeStoreNamedAttribute.bl_rna.properties["data_type"].enum_items
+    stored = {item.identifier for item in known}
+    return stored - {"STRING", "INT16_2D", "INT32_2D"}
+
+
 def _check_two_levels(
-    inner_ids: tuple[float, float] | None, outer_ids: tuple[float, float] | None
+    inner_ids: tuple[float, float] | None,
+    outer_ids: tuple[float, float] | None,
+    kind: str = "FLOAT",
 ) -> None:
-    """Red is stored with the inner of two levels of instances, green with the outer, blue is a
-    property of the object that has them.
+    """Red is stored with the inner of two levels of instances, green with the outer as that kind,
+    blue is a property of the object that has them.
     """
     import bpy
 
@@ -109,7 +129,7 @@ def _check_two_levels(
     colored.inputs["Material"].default_value = made
     nodes.links.new(cube.outputs["Mesh"], colored.inputs["Geometry"])
     inner = _instances(nodes, (3, 1.0), colored.outputs[0], "inner", 4.0, inner_ids)
-    outer = _instances(nodes, (2, 3.0), inner, "outer", 2.0, outer_ids)
+    outer = _instances(nodes, (2, 3.0), inner, "outer", 2.0, outer_ids, kind)
     nodes.links.new(outer, output.inputs[0])
     ob = bpy.data.objects.new("Rows", bpy.data.meshes.new("Rows"))
     ob.modifiers.new("Rows", "NODES").node_group = nodes
@@ -124,6 +144,7 @@ def _check_two_levels(
     ours, warnings = stage.ours(positions)
     assert warnings == []
     middles = reference[5, 5::10]
-    expected = [(k % 3 / 4.0, k // 3 / 2.0, 0.375) for k in range(6)]
-    np.testing.assert_allclose(middles, expected, atol=1e-4)
+    if kind == "FLOAT":
+        expected = [(k % 3 / 4.0, k // 3 / 2.0, 0.375) for k in range(6)]
+        np.testing.assert_allclose(middles, expected, atol=1e-4)
     np.testing.assert_allclose(ours, reference, atol=1e-4)
