@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 from ..core.scene import NO_PROGRAM, NO_TEXTURE, Light, LightKind
 from .materials import Shading
 from .nodes.links import output_node, report_foreign_output, uses_nodes
-from .nodes.node import Owner
+from .nodes.node import Owner, Want
 from .nodes.reduce import lambertian
 from .visibility import lamp_seen_by
 
@@ -26,9 +27,11 @@ KINDS = {
 }
 
 
-def export_light(ob: Any, matrix: NDArray[np.float64], shading: Shading) -> Light | None:
+def export_light(
+    ob: Any, matrix: NDArray[np.float64], shading: Shading, read: Callable[[Want], Any]
+) -> Light | None:
     """A lamp object placed by `matrix`, or None if it sheds no light or cannot be rendered (which
-    is reported).
+    is reported). `read`: what its nodes ask of the instance that it is.
     """
     lamp = ob.data
     report = shading.around.report
@@ -42,7 +45,7 @@ def export_light(ob: Any, matrix: NDArray[np.float64], shading: Shading) -> Ligh
     if lamp.type == "AREA" and getattr(cycles, "is_portal", False):
         report.warn("Light portals are not supported; left out: {}", ob.name)
         return None
-    strength, program = _strength(lamp, ob, shading)
+    strength, program = _strength(lamp, ob, shading, read)
     if not np.isfinite(strength).all() or (strength < 0.0).any():
         report.warn(
             "Lights whose strength is negative or not a finite number are left out: {}", ob.name
@@ -107,7 +110,9 @@ def export_light(ob: Any, matrix: NDArray[np.float64], shading: Shading) -> Ligh
     return light
 
 
-def _strength(lamp: Any, ob: Any, shading: Shading) -> tuple[NDArray[np.float64], int]:
+def _strength(
+    lamp: Any, ob: Any, shading: Shading, read: Callable[[Want], Any]
+) -> tuple[NDArray[np.float64], int]:
     """energy * colour * temperature * 2^exposure * what the light's nodes emit; where that is no
     constant, their program.
     """
@@ -121,7 +126,7 @@ def _strength(lamp: Any, ob: Any, shading: Shading) -> tuple[NDArray[np.float64]
     if output is None:
         report_foreign_output(lamp.node_tree, f"Light '{ob.name}'", shading.around.report)
         return np.zeros(3), NO_PROGRAM
-    owner = Owner(f"Light '{ob.name}'", lamp, lamp=ob)
+    owner = Owner(f"Light '{ob.name}'", lamp, read=read)
     compiled = shading.compile(owner, output.inputs["Surface"])
     compiled.statements = [
         made for made in compiled.statements if made.operation.name == "Emission"

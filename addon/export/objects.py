@@ -13,6 +13,8 @@ from ..core.scene.shading import InstanceAttribute
 from .geometry.adaptive import Adaptive, adaptive_of, eye_of, levels_of
 from .geometry.displacement import Displaced, slots_of
 from .geometry.flatness import is_flat
+from .geometry.instance_attributes import InstanceAttributes
+from .geometry.instance_values import reader_of
 from .geometry.object_shading import ObjectShading
 from .geometry.particle_hair import hair_of
 from .geometry.rows import Rows, Traits
@@ -27,7 +29,7 @@ from .material_sets import MaterialSets, materials_of
 from .materials import Materials, Shading, grid_interpolation
 from .matrices import Matrices
 from .motion import Moving
-from .nodes.node import Wants
+from .nodes.node import Want, Wants
 from .repeats import Repeats
 from .visibility import FLAGS, Visibility, report_unsupported, terminator_offset
 
@@ -66,6 +68,7 @@ class Objects:
         self._object_shading = ObjectShading(self._shapes, self._rows, shading, kept)
         self._attributes: list[InstanceAttribute] = []
         go_on = shading.around.watch.go_on
+        self._of_nodes = InstanceAttributes(self._report)
         self._displaced = Displaced(self._shapes.list, kept, self._report, go_on)
 
     @property
@@ -131,7 +134,7 @@ class Objects:
                     repeats.keep(key, ob, self._rows.kinds[rows.start])
             elif kind == "LIGHT":
                 if instance.show_self:
-                    self._add_light(ob, matrices.of(place), linking)
+                    self._add_light(instance, matrices.of(place), linking)
             elif kind in PENCILS and instance.show_self:
                 self._report.warn(
                     "Blender draws grease pencil objects over the picture; they cast no shadow, "
@@ -199,8 +202,14 @@ class Objects:
     def _light_group(self, ob: Any) -> int:
         return self._light_group_of.get(ob.original.lightgroup, NO_LIGHT_GROUP)
 
-    def _add_light(self, ob: Any, matrix: NDArray[np.float64], linking: Linking) -> None:
-        light = export_light(ob, matrix, self._shading)
+    def _add_light(self, instance: Any, matrix: NDArray[np.float64], linking: Linking) -> None:
+        ob = instance.object
+
+        def read(want: Want) -> Any:
+            graph = self._shading.around.depsgraph
+            return reader_of(want, graph, self._of_nodes)(instance)
+
+        light = export_light(ob, matrix, self._shading, read)
         if light is None:
             return
         light.lit_groups, light.blockers = linking.lit_groups(ob), linking.blockers(ob)

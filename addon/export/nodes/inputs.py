@@ -7,8 +7,7 @@ from typing import Any
 import bpy
 
 from .media import grid_value
-from .node import Node
-from .random_numbers import name_random
+from .node import Node, Want
 from .values import NONE, ONE, ORIGIN, ZERO, Value, number, vector
 
 Outputs = dict[str, Value]
@@ -50,7 +49,17 @@ def uv_id(n: Node, name: str) -> int:
 
 
 def instance_value(n: Node, kind: str, name: str) -> Outputs:
-    return n.graph.add("InstanceAttribute", attribute=n.around.wants.id(kind, name))
+    """Of a light, which has a tree of its own wherever it is: a constant."""
+    if n.owner.read is None:
+        return n.graph.add("InstanceAttribute", attribute=n.around.wants.id(kind, name))
+    value = n.owner.read(Want(kind, name))
+    numbers = value if isinstance(value, tuple) else (value,) * 3
+    first = numbers[0] if len(numbers) == 1 else sum(numbers[:3]) / 3.0
+    return {
+        "vector": vector(numbers[:3]),
+        "factor": number(first),
+        "alpha": number(numbers[3] if len(numbers) == 4 else 1.0),
+    }
 
 
 def texture_coordinate(n: Node) -> Outputs:
@@ -107,16 +116,6 @@ def geometry(n: Node) -> Outputs:
 
 
 def object_info(n: Node) -> Outputs:
-    lamp = n.owner.lamp
-    if lamp is not None:
-        return {
-            "Location": n.graph.one("ObjectLocation"),
-            "Color": vector(lamp.color[:3]),
-            "Alpha": number(lamp.color[3]),
-            "Object Index": number(lamp.pass_index),
-            "Material Index": ZERO,
-            "Random": number(name_random(lamp.name)),
-        }
     color = instance_value(n, "info", "color")
     return {
         "Location": n.graph.one("ObjectLocation"),
@@ -243,7 +242,7 @@ def camera_data(n: Node) -> Outputs:
 def light_path(n: Node) -> Outputs:
     # as in Cycles it knows no kinds of rays; how far away it is looked at, and that it is one step
     # away
-    if n.owner.lamp is not None:
+    if n.owner.read is not None:
         if any(n.wanted(name) for name in DEPTHS):
             n.warn("the depths of rays that see a light are those of its direct light")
         found = {socket.identifier: ZERO for socket in n.node.outputs}

@@ -5,6 +5,7 @@ attributes it may ask for.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -80,7 +81,9 @@ class Owner:
     of_volume: bool = False  # the tree describes a medium
     grids: str | None = None  # of an object with volume grids: how they are interpolated
     opaque_shadow: bool = False  # its transparency does not count for shadow rays
-    lamp: Any = None  # the object, where the tree is a light's
+    # Where the tree is a light's: what programs read from instances, of that one. RGBA, a vector or
+    # a number
+    read: Callable[[Want], tuple[float, ...] | float] | None = None
     normal: Value | None = None  # in place of the shading normal, where a displacement bends it
 
 
