@@ -6,6 +6,25 @@
 #include "subsurface/walk.h"
 
 namespace photon_splat {
+namespace {
+
+constexpr float kMostWays = 16;
+
+}  // namespace
+
+// How many ways the path goes from there, each with its part of the power; `room`: most. Of photons
+// that go below surfaces half come up where no camera path goes down, and the others bring twice
+// the light: after many such surfaces few of them would have all of it.
+uint32_t PhotonTracer::split(Path& path, const Surface& hit, size_t room) const {
+  const float times = max_abs(path.power) / path.reference;
+  if (!(times >= 2) || path.bounces == 0 || stream_ == PhotonStream::kCaustic || !hit.program ||
+      !(hit.program->features & kProgramSubsurface))
+    return 1;
+  const float ways = std::floor(std::min({times, kMostWays, static_cast<float>(room)}));
+  path.power *= 1 / ways;
+  return static_cast<uint32_t>(ways);
+}
+
 // Sends the path on from where it leaves; false where it ends. The body is taken for one of what
 // the closure says where the photon enters, while camera paths ask where they do.
 bool PhotonTracer::go_below(Path& path, const Surface& hit, const Bsdf& bsdf, const RayInfo& ray,

@@ -95,7 +95,8 @@ unsigned PhotonTracer::seen_by_all(const RayHits& hits, unsigned which) const {
 // How many of a chunk's paths carry anything.
 uint32_t PhotonTracer::start_all(uint64_t first, uint32_t count, double total, uint32_t seed,
                                  Travellers& travellers) const {
-  auto& [starts, paths, rest] = travellers;
+  auto& [starts, paths, rest, more] = travellers;
+  more.clear();
   starts.resize(count);
   const SobolPair first_bounce = photon_numbers(PhotonDimension::kFirstBounce, seed);
   const bool guesses_first = scene_.first_kinds_differ();
@@ -287,11 +288,18 @@ void PhotonTracer::trace_chunk(uint64_t first, uint64_t count, double total, uin
           }
           run.shaded += surface.program != nullptr;
           if (leaves_beams) path.left_normal = encode_direction(surface.ng);
-          if (shade(path, surface, travellers.starts[place], draws, visible, origin, direction,
-                    run.photons))
-            travellers.put(
-                kept++, path, origin, direction,
-                path.bounces == 0 || path.guessed || ~travellers.starts[place].max_bounces);
+          const PhotonStart& start = travellers.starts[place];
+          // Those before this one that are left, it, those after it, and those that wait
+          const size_t all = kept + (alive - i) + travellers.more.size();
+          for (uint32_t ways = split(path, surface, kPathsPerChunk - all + 1); ways > 1; --ways) {
+            Travellers::Waiting way{path, origin, direction};
+            way.path.random = Random(path.random.state(), ways);
+            if (shade(way.path, surface, start, draws, visible, way.origin, way.direction,
+                      run.photons))
+              travellers.more.push_back(way);
+          }
+          if (shade(path, surface, start, draws, visible, origin, direction, run.photons))
+            travellers.put(kept++, path, origin, direction, goes_alone(path, start));
         }
         if (useful)
           for (size_t p = stored; p < run.photons.size(); ++p)
@@ -301,6 +309,10 @@ void PhotonTracer::trace_chunk(uint64_t first, uint64_t count, double total, uin
           run.groups.resize(run.photons.size(), travellers.starts[place].light_group);
       }
     }
+    for (const Travellers::Waiting& one : travellers.more)
+      travellers.put(kept++, one.path, one.origin, one.direction,
+                     goes_alone(one.path, travellers.starts[one.path.place]));
+    travellers.more.clear();
     alive = kept;
   }
 }

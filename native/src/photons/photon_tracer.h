@@ -109,6 +109,11 @@ class PhotonTracer {
     std::vector<PhotonStart> starts;  // of all
     PhotonPaths paths{};              // those that are left
     std::array<Rest, PhotonPaths::kSpace> rest;
+    struct Waiting {
+      Path path;
+      Vec3 origin, direction;
+    };
+    std::vector<Waiting> more;  // ways of paths that have split: they go on with the others' next
 
     Path take(uint32_t i) const;
     unsigned in_media(uint32_t begin, uint32_t count) const;
@@ -148,6 +153,10 @@ class PhotonTracer {
   double useful_share(std::span<const float> use) const;
   float use_of(const Photon& photon, const PhotonStart& start, double total) const;
   float use_of(const PhotonBeam& beam, const PhotonStart& start, double total) const;
+  static bool goes_alone(const Path& path, const PhotonStart& start) {
+    return path.bounces == 0 || path.guessed || ~start.max_bounces;
+  }
+  uint32_t split(Path& path, const Surface& hit, size_t room) const;
   void leave_beam(const Travellers& travellers, uint32_t i, const Surface* hit, double total,
                   float* useful, std::vector<PhotonBeam>& beams) const;
   PhotonStart start(uint64_t index, uint32_t seed) const;
