@@ -10,6 +10,8 @@ constexpr int kLooksInTime = 9;         // at where a triangle goes while the sh
 constexpr size_t kMostBoxes = 1 << 18;  // triangles looked at; of more, every n-th
 // The halves' spheres together show at most this share of the whole's disc
 constexpr float kWorthSplitting = 0.8f;
+// Of a cluster's size: larger boxes leave nothing to aim at
+constexpr float kLarge = 0.5f;
 
 struct Cluster {
   std::vector<Bounds> boxes;
@@ -25,6 +27,15 @@ Cluster cluster_of(std::vector<Bounds> boxes) {
   Cluster c{std::move(boxes), {}};
   for (const Bounds& b : c.boxes) c.all.add(b);
   return c;
+}
+
+// Those that are not much smaller than all together, a floor say, and the others, which may lie
+// among them.
+std::pair<Cluster, Cluster> by_size(const Cluster& whole) {
+  std::vector<Bounds> large, small;
+  for (const Bounds& b : whole.boxes)
+    (b.diagonal() > kLarge * whole.size() ? large : small).push_back(b);
+  return {cluster_of(std::move(large)), cluster_of(std::move(small))};
 }
 
 // Halves at the middle of the longest axis.
@@ -90,6 +101,13 @@ std::vector<EmissionTargets::Sphere> caustic_targets(const Scene& scene) {
     Cluster whole = open.top();
     open.pop();
     if (whole.boxes.size() > 1 && open.size() + done.size() + 2 <= kMostTargets) {
+      auto [large, small] = by_size(whole);
+      if (!large.boxes.empty() && !small.boxes.empty() &&
+          disc(small) < kWorthSplitting * disc(whole)) {
+        open.push(std::move(large));
+        open.push(std::move(small));
+        continue;
+      }
       auto [low, high] = halves(whole);
       // Halves of halves too: four things in a square are not worth one cut.
       if (!low.boxes.empty() && !high.boxes.empty()) {

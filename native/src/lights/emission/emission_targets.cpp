@@ -28,7 +28,7 @@ void EmissionTargets::finish() {
     useful += pair.useful;
   }
   if (!(useful > 0)) return;
-  constexpr double kLeast = 0.05;
+  constexpr double kLeast = 0.01;
   const double mean = useful / paths;
   std::vector<double> wishes;
   for (const Pair& pair : pairs_)  // drawn towards the mean of all by as much as one path weighs

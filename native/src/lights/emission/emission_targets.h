@@ -25,9 +25,9 @@ class EmissionTargets {
   const Sphere& sphere(size_t i) const { return spheres_[i]; }
 
   // A path that began with `start` was of so much use: the squares of what its photons kept of its
-  // power, say. After finish(), pairs are drawn by the root of the mean use of their paths as well
-  // (with squares: what makes the variance of the sum least), none less than a twentieth of its
-  // share before.
+  // power, say. It counts for the smallest target on its way, whichever it was aimed at. After
+  // finish(), pairs are drawn by the root of the mean use of their paths as well (with squares:
+  // what makes the variance of the sum least), none less than a hundredth of its share before.
   void learn(const PhotonStart& start, double useful);
   void finish();
 

@@ -390,14 +390,18 @@ PhotonStart PhotonEmitter::emit_towards(const EmissionTargets& targets, uint64_t
       aim < 0 ? natural_draft(p) : aimed_draft(p, targets.spheres_[targets.pairs_[aim].target]);
   const double power = p.emitter == emitters_.size() ? world_power_ : emitters_[p.emitter].power;
   double density = natural_share * power / total_power_ * draft.natural;
+  float narrowest = 0;
+  int32_t towards = -1;
   if (!targets.pairs_.empty())
     for (uint32_t i = targets.first_pair_[p.emitter]; i < targets.first_pair_[p.emitter + 1]; ++i) {
       const EmissionTargets::Pair& pair = targets.pairs_[i];
-      density += pair.probability * aimed_density(draft, targets.spheres_[pair.target],
-                                                  static_cast<int32_t>(i) == aim);
+      const auto number = static_cast<int32_t>(i);
+      const float aimed = aimed_density(draft, targets.spheres_[pair.target], number == aim);
+      density += pair.probability * aimed;
+      if (aimed > narrowest) narrowest = aimed, towards = number;
     }
   draft.start.power *= density > 0 ? static_cast<float>(draft.natural / density) : 0.0f;
-  draft.start.aim = aim;
+  draft.start.aim = towards;
   draft.start.time = p.time;
   draft.start.light_group = scene_.world_light_group;
   draft.start.seen_by = as_scattered(scene_.world_seen_by);
