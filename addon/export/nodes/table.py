@@ -87,7 +87,7 @@ NODES: dict[str, Entry] = {
     # --- what the hit knows ---
     "TEX_COORD": Entry("input", "Texture Coordinate", i.texture_coordinate),
     "UVMAP": Entry("input", "UV Map", i.uv_map),
-    "ATTRIBUTE": Entry("input", "Attribute", i.attribute),
+    "ATTRIBUTE": Entry("input", "Attribute", i.attribute, "`N` and `P` of the mesh are taken as 0"),
     "VERTEX_COLOR": Entry("input", "Color Attribute", i.color_attribute),
     "NEW_GEOMETRY": Entry("input", "Geometry", i.geometry),
     "OBJECT_INFO": Entry("input", "Object Info", i.object_info),
@@ -154,6 +154,10 @@ NODES: dict[str, Entry] = {
     "SHADERTORGB": Entry("converter", "Shader to RGB", None, NO_SCRIPT),
     "SCRIPT": Entry("converter", "Script", None, NO_SCRIPT),
     "SQUEEZE": Entry("converter", "Squeeze Value (Legacy)", None, NO_SCRIPT),
+    "MENU_SWITCH": Entry("converter", "Menu Switch", None, NO_SCRIPT),
+    "REPEAT_OUTPUT": Entry("converter", "Repeat zones", None, NO_SCRIPT),
+    "NodeEvaluateClosure": Entry("converter", "Closures", None, NO_SCRIPT),
+    "NodeSeparateBundle": Entry("converter", "Bundles", None, NO_SCRIPT),
 }
 KINDS = {
     "shader": "Shaders",
