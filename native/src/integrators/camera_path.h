@@ -193,7 +193,6 @@ struct CameraTracer::Path {
   }
   // Ends the path with a chance of 1 - `chance`: true then.
   bool ends(float chance) {
-    if (chance >= 1) return false;
     if (random.next() >= chance) return true;
     scale(Rgb{1, 1, 1} / chance);
     return false;

@@ -129,7 +129,7 @@ bool CameraTracer::meet_surface(Path& path, const Surface& hit) const {
   scene_.shade(hit, wo, path.info, bsdf);
   const bool clear = seen_clearly(path), holdout = clear && scene_.instances[hit.instance].holdout;
   if (!holdout) add_emission(path, hit, bsdf.emission());
-  if (path.ends(std::exchange(path.survives, 1.0f))) return false;
+  if (path.survives < 1 && path.ends(std::exchange(path.survives, 1.0f))) return false;
   const bool hole = bsdf.holdout() >= 1 || (holdout && is_black(bsdf.transparency()));
   if (path.vertex == 0 && path.shows_normal && !hole) show_first(path, hit, bsdf);
   const bool scatters =
