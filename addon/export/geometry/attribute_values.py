@@ -32,10 +32,15 @@ def numbers_of(attribute: Any) -> NDArray[np.float32] | None:
     if attribute.data_type not in _STORED:
         return None
     field, width, dtype = _STORED[attribute.data_type]
-    values = read_copy(attribute.data, field, dtype, width).astype(np.float32).reshape(-1, width)
-    if not np.isfinite(values).all():
-        values = np.nan_to_num(values, nan=0.0, posinf=0.0, neginf=0.0)
-    return values
+    values = read_copy(attribute.data, field, dtype, width).astype(np.float32)
+    return finite(values.reshape(-1, width))
+
+
+def finite(values: NDArray) -> NDArray:
+    """With 0 for what is not finite."""
+    if np.isfinite(values).all():
+        return values
+    return np.nan_to_num(values, nan=0.0, posinf=0.0, neginf=0.0)
 
 
 def bytes_of(attribute: Any) -> NDArray[np.uint8]:

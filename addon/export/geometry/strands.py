@@ -13,7 +13,7 @@ from ...core.scene.shading import Domain, MeshAttribute, MeshShading
 from ..arrays import read, read_copy
 from ..nodes.node import Want
 from ..report import Report
-from .attribute_values import numbers_of
+from .attribute_values import finite, numbers_of
 
 STRANDS = {"CURVES", "POINTCLOUD"}
 SHAPES = {
@@ -75,7 +75,7 @@ def export_strands(data: Any, kind: str, name: str, look: Look, report: Report) 
         return None
     uv = None
     if (layer := uv_layer(data)) is not None:
-        uv = sound.of(_finite(read_copy(layer.data, "vector", np.float32, 2)), Domain.FACE)
+        uv = sound.of(finite(read_copy(layer.data, "vector", np.float32, 2)), Domain.FACE)
     own = None if first is None else first.astype(np.uint32)
     return Mesh.of_strands(data.name, Strands(keys, own, shape, look.subdivisions, uv))
 
@@ -179,10 +179,4 @@ def _values(attribute: Any) -> tuple[Domain, NDArray] | None:
 def _normals(data: Any) -> NDArray[np.float32]:
     """(K, 3) of the keys of curves. One by one: foreach_get reads memory that Blender has freed."""
     numbers = [one.vector[:] for one in data.normals]
-    return _finite(np.array(numbers, np.float32).reshape(-1, 3))
-
-
-def _finite(values: NDArray) -> NDArray:
-    if np.isfinite(values).all():
-        return values
-    return np.nan_to_num(values, nan=0.0, posinf=0.0, neginf=0.0)
+    return finite(np.array(numbers, np.float32).reshape(-1, 3))

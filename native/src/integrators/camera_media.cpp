@@ -131,8 +131,7 @@ bool CameraTracer::scatter_in_medium(Path& path, const Flight& flight, bool dire
     ++path.tile.bad_samples;
     return false;
   }
-  if (!(path.random.next() < survival)) return false;
-  path.scale(Rgb{1, 1, 1} / survival);
+  if (path.ends(survival)) return false;
   if (path.vertex == 0) {
     path.category = path.beside = LobeCategory::kVolume;
     path.diffuse_part = {};

@@ -287,9 +287,8 @@ CameraTracer::Passing CameraTracer::pass_through(Path& path, const Surface& hit,
   if (!passes) return Passing::kStays;
   const Rgb emission = path.emission_throughput + path.withheld + path.world_emission;
   const float survival = std::min(1.0f, max_abs(emission) * kRoulette);
-  if (++path.info.transparent_depth > kMaxTransparent || path.random.next() >= survival)
+  if (++path.info.transparent_depth > kMaxTransparent || path.ends(survival))
     return Passing::kAbsorbed;
-  path.scale(Rgb{1, 1, 1} / survival);
   path.near = past(hit);
   if (scene_.media())
     scene_.media()->cross(path.media, hit, gap_at(hit, path.origin, path.direction),
