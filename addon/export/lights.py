@@ -122,9 +122,10 @@ def _strength(
     strength = strength * 2.0 ** float(getattr(lamp, "exposure", 0.0))
     if not uses_nodes(lamp):
         return strength, NO_PROGRAM
-    output = output_node(lamp.node_tree)
+    tree = shading.tree(lamp)
+    output = output_node(tree)
     if output is None:
-        report_foreign_output(lamp.node_tree, f"Light '{ob.name}'", shading.around.report)
+        report_foreign_output(tree, f"Light '{ob.name}'", shading.around.report)
         return np.zeros(3), NO_PROGRAM
     owner = Owner(f"Light '{ob.name}'", lamp, read=read)
     compiled = shading.compile(owner, output.inputs["Surface"])

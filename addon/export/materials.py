@@ -55,6 +55,10 @@ class Shading:
         self.programs.append(program)
         return len(self.programs) - 1
 
+    def tree(self, owner: Any) -> Any:
+        """The node tree of a material, light or world as it is compiled."""
+        return self.around.trees.inlined.tree(owner)
+
     def compile(
         self, owner: Owner, surface: Any, displacement: Any = None, displaced: bool = False
     ) -> Compiled:
@@ -134,7 +138,7 @@ class Materials:
         for k, (name, is_color) in enumerate(self._aovs):
             if (k, index) in self._aov_programs or not uses_nodes(material):
                 continue
-            outputs = self._aov_outputs.found(material.node_tree).get(name)
+            outputs = self._aov_outputs.found(self._shading.tree(material)).get(name)
             if outputs:
                 value = self._shading.pass_value(owner, outputs, is_color)
                 program = self._shading.add(value.program(f"{material.name} ({name})"))
@@ -212,7 +216,7 @@ def displacement_method(material: Any) -> str:
 def true_displacement(material: Any, owner: Owner, shading: Shading) -> Displacement | None:
     """How a material moves the surface itself; None where it does not."""
     method = displacement_method(material)
-    output = output_node(material.node_tree) if uses_nodes(material) else None
+    output = output_node(shading.tree(material)) if uses_nodes(material) else None
     if method == "BUMP" or output is None or not is_linked(output, "Displacement"):
         return None
     compiled = shading.displacement(owner, output.inputs["Displacement"])
@@ -232,9 +236,10 @@ def export_material(material: Any, owner: Owner, shading: Shading, grids: bool =
         r, g, b, _ = material.diffuse_color
         side = Side(base_color=(r, g, b))
         return Material(material.name, side, side)
-    output = output_node(material.node_tree)
+    tree = shading.tree(material)
+    output = output_node(tree)
     if output is None:
-        report_foreign_output(material.node_tree, owner.name, report)
+        report_foreign_output(tree, owner.name, report)
         return Material(material.name, BLACK, BLACK)
     # Blender 5 has taken groups apart in the evaluated tree
     for group in hollow_groups(material.original.node_tree):

@@ -60,9 +60,10 @@ class _World:
         self.textures, self.report = shading.around.textures, shading.around.report
 
     def read(self, world: Any) -> None:
-        output = output_node(world.node_tree)
+        tree = self.shading.tree(world)
+        output = output_node(tree)
         if output is None:
-            report_foreign_output(world.node_tree, self.owner, self.report)
+            report_foreign_output(tree, self.owner, self.report)
             return
         self.scene.world_volume = export_volume(
             Owner(self.owner, world, of_volume=True), world.name, output, self.shading

@@ -230,6 +230,17 @@ def color_attribute(n: Node) -> Outputs:
     return {"Color": found["vector"], "Alpha": found["alpha"]}
 
 
+def scene_time(n: Node) -> Outputs:
+    """The same at every time of the exposure, as in Cycles."""
+    depsgraph = n.around.depsgraph
+    if depsgraph is None:
+        return {"Seconds": ZERO, "Frame": ZERO}
+    scene = depsgraph.scene
+    frame = float(scene.frame_current_final)
+    a_second = scene.render.fps / scene.render.fps_base
+    return {"Seconds": number(frame / a_second), "Frame": number(frame)}
+
+
 def camera_data(n: Node) -> Outputs:
     found = n.graph.add("CameraData")
     return {

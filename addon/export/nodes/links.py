@@ -11,6 +11,7 @@ from typing import Any
 import bpy
 
 from ..report import Report
+from .inlined import name_in_tree
 
 OUTPUTS = ("ShaderNodeOutputMaterial", "ShaderNodeOutputWorld", "ShaderNodeOutputLight")
 
@@ -151,7 +152,7 @@ def default_value(socket: Any) -> Any:
 
 def label(node: Any) -> str:
     """How a warning names a node: by the name the user gave it, or by its name in the tree."""
-    return node.label or node.name
+    return node.label or name_in_tree(node)
 
 
 def _by_identifier(sockets: Any, identifier: str) -> Any:

@@ -104,6 +104,7 @@ NODES: dict[str, Entry] = {
     "LAYER_WEIGHT": Entry("input", "Layer Weight", i.layer_weight),
     "WIREFRAME": Entry("input", "Wireframe", i.wireframe),
     "TANGENT": Entry("input", "Tangent", i.tangent),
+    "INPUT_SCENE_TIME": Entry("input", "Scene Time", i.scene_time),
     "VALUE": Entry("input", "Value", c.value),
     "RGB": Entry("input", "RGB", c.rgb),
     "HAIR_INFO": Entry("input", "Curves Info", i.curves_info),
@@ -154,11 +155,9 @@ NODES: dict[str, Entry] = {
     "SHADERTORGB": Entry("converter", "Shader to RGB", None, NO_SCRIPT),
     "SCRIPT": Entry("converter", "Script", None, NO_SCRIPT),
     "SQUEEZE": Entry("converter", "Squeeze Value (Legacy)", None, NO_SCRIPT),
-    "MENU_SWITCH": Entry("converter", "Menu Switch", None, NO_SCRIPT),
-    "REPEAT_OUTPUT": Entry("converter", "Repeat zones", None, NO_SCRIPT),
-    "NodeEvaluateClosure": Entry("converter", "Closures", None, NO_SCRIPT),
-    "NodeSeparateBundle": Entry("converter", "Bundles", None, NO_SCRIPT),
 }
+INLINED = ("Menu Switch", "Repeat zones", "Closures", "Bundles", "Integer", "Boolean", "Vector")
+"""What Blender 5 has taken apart before a tree is compiled (inlined.py)."""
 KINDS = {
     "shader": "Shaders",
     "texture": "Textures",
@@ -187,6 +186,7 @@ def markdown() -> str:
     for kind, title in KINDS.items():
         same = [entry.label for entry in NODES.values() if entry.kind == kind and not entry.instead]
         lines.append(f"| {title} | {', '.join(sorted(same))} |")
+    lines.append(f"| Taken apart by Blender 5 | {', '.join(INLINED)} |")
     instead: dict[str, list[str]] = {}
     for entry in NODES.values():
         if entry.instead:

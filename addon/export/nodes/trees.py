@@ -9,6 +9,7 @@ from typing import Any
 
 import bpy
 
+from .inlined import InlinedTrees
 from .links import OUTPUTS, counts, output_node
 
 Groups = tuple[Any, ...]
@@ -42,6 +43,7 @@ class Trees:
     """
 
     def __init__(self) -> None:
+        self.inlined = InlinedTrees()
         self._links: dict[int, dict[int, Any]] = {}
         self._endings: dict[int, Any] = {}
         self._onward: dict[int, dict[int, list[Any]]] = {}

@@ -158,11 +158,16 @@ def exists(node: str) -> bool:
 
 def all_cases() -> list[Case]:
     """Every case that this version of Blender has, in a fixed order."""
-    from tests.reference.nodes import cases_converters, cases_inputs, cases_textures
+    from tests.reference.nodes import (
+        cases_converters,
+        cases_inlined,
+        cases_inputs,
+        cases_textures,
+    )
 
     found: list[Case] = []
-    for made in (cases_converters.cases(), cases_textures.cases(), cases_inputs.cases()):
-        found += made
+    for kind in (cases_converters, cases_textures, cases_inputs, cases_inlined):
+        found += kind.cases()
     names = [case.name for case in found]
     assert len(set(names)) == len(names), sorted(name for name in names if names.count(name) > 1)
     return found
