@@ -8,7 +8,10 @@ namespace {
 
 constexpr float kOrenNayarRest = 0.3f;  // about the share of it that no Lambertian has
 constexpr float kStraight = 1 - 1e-6f;  // cosine from which on a normal is taken for not bent
-constexpr float kLeastCover = 0.05f;    // of a bent glossy lobe's samples
+// Cosine below which a bent normal's light has less to do with what photons bring to the surface
+// than what is then taken off: |n - ns|^2 is 1, the norm of a Lambertian, at 60 degrees.
+constexpr float kMostBent = 0.5f;
+constexpr float kLeastCover = 0.05f;  // of a bent glossy lobe's samples
 // Of the samples at a surface whose sides may differ: by rough boundaries as the other side has
 // them, or anywhere on that side; the latter beside the former.
 constexpr float kSentThrough = 0.25f, kSentAnywhere = 0.1f;
@@ -67,6 +70,8 @@ Bsdf::Bsdf(Transport transport, const Vec3& wo, const Vec3& ng, const Vec3& ns, 
 void Bsdf::finish() {
   if (loses_below_) lobes_.drop_below();
   gather_ = gather_through_ = {};
+  for (Lobe& lobe : lobes_)
+    if (dot(lobe.n, view_.ns) < kMostBent) lobe.gather = {};
   if (gathers_) sum_gather(lobes_, &gather_, &gather_through_);
   rest_ = false;
   float total = 0, largest = 0;

@@ -197,6 +197,25 @@ TEST_CASE("what photons estimate and the rest make up the whole") {
   }
 }
 
+TEST_CASE("normals bent far away from the surface's gather no photons: nothing is taken off") {
+  const Vec3 wo = direction(0.7f, 0.2f);
+  for (float degrees : {59.0f, 61.0f, 120.0f, 180.0f}) {
+    CAPTURE(degrees);
+    const float angle = degrees * kPi / 180;
+    const Vec3 bump{std::sin(angle), 0, std::cos(angle)};
+    Bsdf bsdf = flat(wo, [&](Bsdf& b) { b.add_diffuse(kGrey, bump, 0); });
+    CHECK((bsdf.gather().x > 0) == (degrees < 60));
+    bsdf.prefer_rest(0.05f);
+    float least = 0;
+    for (int i = 0; i < 256; ++i) {
+      Rgb rest;
+      bsdf.evaluate(sample_sphere(sobol_2d(uint32_t(i), 0, 1)), nullptr, &rest);
+      least = std::min(least, rest.x);
+    }
+    CHECK((least < 0) == (degrees < 60));
+  }
+}
+
 TEST_CASE("light samples find light through rough glass where no facet refracts it, as in Cycles") {
   const Vec3 wo{std::sin(0.9f), 0, std::cos(0.9f)}, wi{std::sin(0.5f), 0, -std::cos(0.5f)};
   const Bsdf glass =
