@@ -378,7 +378,7 @@ const Photons* PhotonTracer::learn_emission(uint64_t paths, uint32_t seed,
     targets_ = emitter_.aim_at(caustic_targets(scene_));
     Usefulness useful{nullptr, places, {}};
     trace(0, paths, static_cast<double>(paths), seed, visible, cancel, &useful);
-    for (uint64_t i = 0; i < paths; ++i) targets_->learn(start(i, seed), useful.of_path[i]);
+    for (uint64_t i = 0; i < paths; ++i) emitter_.learn(*targets_, i, seed, useful.of_path[i]);
     targets_->finish();
     return nullptr;
   }

@@ -350,7 +350,7 @@ TEST_CASE("what was learnt sends photons to the targets of use, and changes no e
   const int before = count_of(aimed);
   for (uint64_t i = 0; i < 4096; ++i) {
     const PhotonStart start = PhotonEmitter(all).emit_towards(aimed, i, 5);
-    aimed.learn(start, start.aim == 0 ? 1 : 0);
+    PhotonEmitter(all).learn(aimed, i, 5, start.aim == 0 ? 1 : 0);
   }
   aimed.finish();
   const int after = count_of(aimed);
@@ -362,6 +362,36 @@ TEST_CASE("what was learnt sends photons to the targets of use, and changes no e
   });
   const auto towards = flux_through(
       targets, 1 << 16, [&](uint64_t i) { return PhotonEmitter(all).emit_towards(aimed, i, 2); });
+  for (size_t s = 0; s < natural.size(); ++s)
+    CHECK(std::abs(natural[s].mean - towards[s].mean) <
+          4 * std::hypot(natural[s].error, towards[s].error));
+}
+
+TEST_CASE("the world's photons come from where they were of use, and no expectation changes") {
+  Scene scene(1);
+  Named lights{"world", {}};
+  lights.world = 1;
+  fill_for(scene, lights);
+  const Lights all(scene, lights.lamps);
+  const PhotonEmitter emitter(all);
+  const std::vector<EmissionTargets::Sphere> targets{{{0, 0, 0.5f}, 0.1f}};
+  EmissionTargets aimed = emitter.aim_at(targets);
+  const auto from_window = [](const PhotonStart& p) { return p.direction.y > 0.8f; };  // a tenth
+  const auto share = [&](uint32_t seed) {
+    int found = 0;
+    for (uint64_t i = 0; i < 8192; ++i) found += from_window(emitter.emit_towards(aimed, i, seed));
+    return found / 8192.0;
+  };
+  CHECK(share(5) == approx(0.1).epsilon(0.05));
+  for (uint64_t i = 0; i < 65536; ++i)
+    emitter.learn(aimed, i, 5, from_window(emitter.emit_towards(aimed, i, 5)));
+  aimed.finish();
+  CHECK(share(6) > 0.5);
+  CHECK(share(6) < 0.95);
+  const auto natural = flux_through(
+      targets, 1 << 18, [&](uint64_t i) { return emitter.emit(emitter.primary(i, 1, nullptr)); });
+  const auto towards =
+      flux_through(targets, 1 << 16, [&](uint64_t i) { return emitter.emit_towards(aimed, i, 2); });
   for (size_t s = 0; s < natural.size(); ++s)
     CHECK(std::abs(natural[s].mean - towards[s].mean) <
           4 * std::hypot(natural[s].error, towards[s].error));

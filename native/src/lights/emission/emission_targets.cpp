@@ -14,7 +14,8 @@ void EmissionTargets::distribute(const std::vector<double>& wishes) {
   }
 }
 
-void EmissionTargets::learn(const PhotonStart& start, double useful) {
+void EmissionTargets::learn(const PhotonStart& start, const Vec2& way, double useful) {
+  if (start.of_world) world_ways_.learn(way, useful);
   if (start.aim < 0) return;
   Pair& pair = pairs_[start.aim];
   pair.paths += 1;
@@ -22,6 +23,7 @@ void EmissionTargets::learn(const PhotonStart& start, double useful) {
 }
 
 void EmissionTargets::finish() {
+  world_ways_.finish();
   double paths = 0, useful = 0;
   for (const Pair& pair : pairs_) {
     paths += pair.paths;

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "math/vec.h"
+#include "lights/emission/way_guide.h"
 
 namespace photon_splat {
 
@@ -27,8 +27,9 @@ class EmissionTargets {
   // A path that began with `start` was of so much use: the squares of what its photons kept of its
   // power, say. It counts for the smallest target on its way, whichever it was aimed at. After
   // finish(), pairs are drawn by the root of the mean use of their paths as well (with squares:
-  // what makes the variance of the sum least), none less than a hundredth of its share before.
-  void learn(const PhotonStart& start, double useful);
+  // what makes the variance of the sum least), none less than a hundredth of its share before. So
+  // are the directions that the world's light comes from; `way`: the numbers that drew it.
+  void learn(const PhotonStart& start, const Vec2& way, double useful);
   void finish();
 
  private:
@@ -47,6 +48,7 @@ class EmissionTargets {
   std::vector<Pair> pairs_;           // by emitter
   std::vector<uint32_t> first_pair_;  // of each emitter, and the end
   std::vector<double> pair_cdf_;
+  WayGuide world_ways_;
 };
 
 }  // namespace photon_splat

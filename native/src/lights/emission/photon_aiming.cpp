@@ -13,6 +13,7 @@
 //   it. Densities are relative to a
 //              uniform one on the disc that shows all of the scene.
 #include "lights/emission/photon_emitter.h"
+#include "math/random_streams.h"
 #include "math/table.h"
 
 namespace photon_splat {
@@ -66,6 +67,13 @@ int near_spheres(const Scene& scene, float distance) {
   int count = 0;
   while (count < kMostNearSpheres && near_sphere(scene, count) * 2 < distance) ++count;
   return count;
+}
+
+float guide_number(uint64_t index, uint32_t seed) {
+  SobolPair::Run numbers;
+  photon_numbers(PhotonDimension::kGuide, hash_combine(seed, static_cast<uint32_t>(index >> 32)))
+      .fill(static_cast<uint32_t>(index), 1, numbers);
+  return numbers.x[0];
 }
 
 }  // namespace
@@ -369,11 +377,13 @@ EmissionTargets PhotonEmitter::aim_at(std::vector<EmissionTargets::Sphere> spher
   return targets;
 }
 
-PhotonStart PhotonEmitter::emit_towards(const EmissionTargets& targets, uint64_t index,
-                                        uint32_t seed) const {
-  EmissionPrimary p = primary(index, seed, nullptr);
+// Emitter and way are chosen, and where in the sky the world's light comes from: that is the same
+// by all ways, so that its density is one factor.
+PhotonEmitter::Aimed PhotonEmitter::aimed_primary(const EmissionTargets& targets, uint64_t index,
+                                                  uint32_t seed) const {
+  Aimed out{primary(index, seed, nullptr), -1};
+  EmissionPrimary& p = out.primary;
   const double natural_share = targets.natural_share();
-  int32_t aim = -1;
   if (p.pick.x < natural_share) {
     const double target = p.pick.x / natural_share * total_power_;
     p.emitter = static_cast<uint32_t>(std::min<size_t>(
@@ -383,13 +393,27 @@ PhotonStart PhotonEmitter::emit_towards(const EmissionTargets& targets, uint64_t
     const double u = (p.pick.x - natural_share) / (1 - natural_share);
     const size_t at = std::upper_bound(targets.pair_cdf_.begin(), targets.pair_cdf_.end(), u) -
                       targets.pair_cdf_.begin();
-    aim = static_cast<int32_t>(std::min(at, targets.pairs_.size() - 1));
-    p.emitter = targets.pairs_[aim].emitter;
+    out.pair = static_cast<int32_t>(std::min(at, targets.pairs_.size() - 1));
+    p.emitter = targets.pairs_[out.pair].emitter;
   }
+  if (p.emitter == emitters_.size())
+    p.weight /= targets.world_ways_.warp(p.way, guide_number(index, seed));
+  return out;
+}
+
+void PhotonEmitter::learn(EmissionTargets& targets, uint64_t index, uint32_t seed,
+                          double useful) const {
+  const Vec2 way = aimed_primary(targets, index, seed).primary.way;
+  targets.learn(emit_towards(targets, index, seed), way, useful);
+}
+
+PhotonStart PhotonEmitter::emit_towards(const EmissionTargets& targets, uint64_t index,
+                                        uint32_t seed) const {
+  const auto [p, aim] = aimed_primary(targets, index, seed);
   Draft draft =
       aim < 0 ? natural_draft(p) : aimed_draft(p, targets.spheres_[targets.pairs_[aim].target]);
   const double power = p.emitter == emitters_.size() ? world_power_ : emitters_[p.emitter].power;
-  double density = natural_share * power / total_power_ * draft.natural;
+  double density = targets.natural_share() * power / total_power_ * draft.natural;
   float narrowest = 0;
   int32_t towards = -1;
   if (!targets.pairs_.empty())
@@ -400,7 +424,7 @@ PhotonStart PhotonEmitter::emit_towards(const EmissionTargets& targets, uint64_t
       density += pair.probability * aimed;
       if (aimed > narrowest) narrowest = aimed, towards = number;
     }
-  draft.start.power *= density > 0 ? static_cast<float>(draft.natural / density) : 0.0f;
+  draft.start.power *= density > 0 ? p.weight * static_cast<float>(draft.natural / density) : 0.0f;
   draft.start.aim = towards;
   draft.start.time = p.time;
   draft.start.light_group = scene_.world_light_group;

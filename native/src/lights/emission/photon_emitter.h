@@ -53,6 +53,8 @@ class PhotonEmitter {
   // by the mixture's density, so that sums over photons have the same expectation as with emit().
   // Without targets: natural emission.
   PhotonStart emit_towards(const EmissionTargets& targets, uint64_t index, uint32_t seed) const;
+  // Tells the targets what use that photon was of.
+  void learn(EmissionTargets& targets, uint64_t index, uint32_t seed, double useful) const;
   // A photon of one lamp, before its node program. coin: whether a photon of a spherical lamp that
   // holds things starts inside.
   PhotonStart emit_lamp(const Lamp& lamp, float coin, const Vec2& place, const Vec2& way,
@@ -68,6 +70,11 @@ class PhotonEmitter {
                   PhotonStart* out) const;
   // A photon that is not weighted yet, and what its weight is made of: photon_aiming.cpp.
   struct Draft;
+  struct Aimed {
+    EmissionPrimary primary;
+    int32_t pair;  // -1: natural emission
+  };
+  Aimed aimed_primary(const EmissionTargets& targets, uint64_t index, uint32_t seed) const;
   Draft natural_draft(const EmissionPrimary& primary) const;
   Draft aimed_draft(const EmissionPrimary& primary, const EmissionTargets::Sphere& target) const;
   void cross_scene(Draft& draft) const;
