@@ -55,6 +55,23 @@ def test_a_highlight_of_several_pixels_stays() -> None:
     assert np.array_equal(without_specks(picture, variance, SAMPLES), picture)
 
 
+def test_light_that_many_single_paths_bring_stays() -> None:
+    """A lamp's streak on a floor, say, of which every twentieth pixel has seen the lamp once."""
+    picture, variance = plain(0.02)
+    random = np.random.default_rng(5)
+    hits = random.random((SIDE, SIDE)) < 0.05
+    picture[hits] += 20.0
+    variance += 0.05 * 20.0**2
+    calm = without_specks(picture, variance, SAMPLES)
+    light, left = picture.mean() - 1, calm.mean() - 1
+    assert light == pytest.approx(1.0, rel=0.1)
+    assert left > 0.55 * light
+    alone = np.full_like(picture, 1.0)
+    alone[PLACE] += 20.0
+    lost = without_specks(alone, variance, SAMPLES)
+    assert lost[PLACE] == pytest.approx(1.0, abs=0.1)
+
+
 @pytest.mark.parametrize("samples", [1.0, 4.0, 16.0, 500.0])
 def test_noise_loses_no_light(samples: float) -> None:
     random = np.random.default_rng(8)
@@ -105,5 +122,13 @@ def test_a_denoised_picture_has_none() -> None:
         return float(passes["Combined"][PLACE].mean())
 
     assert denoised() < 5.0
+    picture[::9, ::7] = 60.0  # too many
+    film["variance"][...] = 60.0**2 / 63
+    passes = {"Combined": picture.copy()}
+    (said,) = ending.denoise_result(
+        passes, film, scene, passes_done=64, samples=SAMPLES, threads=0, on_card=False
+    )
+    assert "taken for specks" in said
+    picture[::9, ::7] = 1.0
     film["variance"][...] = 1e-4  # as if very many paths had found it
     assert denoised() > 30.0

@@ -11,7 +11,7 @@ from .denoise import Quality, denoise, denoising_runs
 from .oidn import DenoiserMissing
 from .result import Passes
 from .shadow_catcher import has_catchers, with_shadow
-from .specks import without_specks
+from .specks import share_taken, without_specks
 
 SAMPLES_OF_NOISY_FEATURES = 32.0
 """Camera samples per pixel up to which the denoiser's features are noisier than it expects. Where
@@ -37,6 +37,10 @@ def runs_of_result(quality: Quality, samples: float, scene: Scene) -> float:
     return of_picture + of_shadow * has_catchers(scene)
 
 
+MOST_TAKEN = 0.03
+"""Of a picture's light, that may be taken out as specks without a word."""
+
+
 def denoise_result(
     passes: Passes,
     film: dict[str, Any],
@@ -59,6 +63,12 @@ def denoise_result(
     direct, variance = film["diffuse_direct"], film["variance"][..., 0]
     try:
         calm = direct + without_specks(noisy - direct, variance, samples)
+        taken = share_taken(noisy, calm)
+        if taken > MOST_TAKEN:
+            warnings.append(
+                f"Single paths bring much of the light; {taken:.0%} of the picture's have been "
+                "taken for specks by denoising. Give it more time, or do not denoise it."
+            )
         clean = denoise(
             calm,
             film["albedo"],

@@ -23,6 +23,10 @@ DOUBT = 2.0
 """Factor on the estimated variance: of a single path of strong light the variance equals the square
 of what it adds, of two such paths half of that.
 """
+COMPANY = 4
+"""Half the side, in pixels, of the square in which a speck has company or not."""
+ALONE = 1.5
+"""Equal specks there that still count as one: a speck brightens its neighbours too."""
 OF_MEDIAN = 1.4826
 """Standard deviation of normal numbers over their median absolute deviation."""
 
@@ -32,7 +36,9 @@ def without_specks(
 ) -> NDArray[np.float32]:
     """`color` (height, width, 3), linear, where pixels that stand out lose as much of their excess
     as noise explains: of the excess d over the third brightest neighbour max(0, 1 - variance / d^2)
-    is left. What is as bright after many paths as after few stays.
+    is left. What is as bright after many paths as after few stays. So does what many specks bring
+    together, as that is how much light there is: of what n equal specks around would lose ALONE / n
+    goes.
 
     variance: of the luminance, (height, width), a mean over the square around each pixel, as
     estimated after so many camera samples per pixel. After few of them most pixels stand out
@@ -53,9 +59,45 @@ def without_specks(
     pixels = (2 * WINDOW + 1) ** 2  # all variance of the square may be this one's
     noise = DOUBT * pixels * np.maximum(variance[places].astype(np.float64), 0.0)
     share = np.where(apart, np.maximum(1.0 - noise / np.maximum(excess**2, 1e-300), 0.0), 1.0)
+    lost = np.zeros(picture.shape)
+    lost[places] = (1.0 - share) * excess
+    kept = light - lost[places] * _loneliness(lost)[places]
     result = color.copy()
-    result[places] *= ((third + share * excess) / light)[:, None].astype(np.float32)
+    result[places] *= (kept / light)[:, None].astype(np.float32)
     return result
+
+
+def share_taken(color: NDArray[np.float32], calm: NDArray[np.float32]) -> float:
+    """Of the light of a picture (height, width, 3), what is not in `calm` any more."""
+    weights = np.asarray(LUMINANCE, np.float64)
+    before, after = (float(one.sum((0, 1), np.float64) @ weights) for one in (color, calm))
+    return (before - after) / before if before > 0.0 else 0.0
+
+
+def _loneliness(lost: NDArray[np.float64]) -> NDArray[np.float64]:
+    """ALONE over the number of equal specks that would say as much as those around each pixel, at
+    most 1.
+    """
+    most = float(np.max(lost, initial=0.0))
+    if not most > 0.0:
+        return np.ones_like(lost)
+    lost = lost / most
+    total, squares = _sum_around(lost), _sum_around(lost**2)
+    lonely = np.divide(ALONE * squares, total**2, out=np.ones_like(lost), where=squares > 0.0)
+    return np.asarray(np.minimum(lonely, 1.0))
+
+
+def _sum_around(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Over (2 COMPANY + 1)^2 pixels. No differences: a huge number beside small ones hides none."""
+    side = 2 * COMPANY + 1
+    height, width = values.shape
+    padded = np.pad(values, COMPANY)
+    rows, squares = np.zeros((height, padded.shape[1])), np.zeros((height, width))
+    for k in range(side):
+        rows += padded[k : k + height]
+    for k in range(side):
+        squares += rows[:, k : k + width]
+    return squares
 
 
 def _third_brightest_neighbour(light: NDArray[np.float32]) -> NDArray[np.float32]:
