@@ -37,13 +37,12 @@ EXTENSIONS = {
 @dataclass(frozen=True, slots=True)
 class ImagePixels:
     """(height, width, 4) as core.scene.Texture has them, colour times alpha as Cycles has them, and
-    whether they are sRGB-encoded; `depends`: who asks for the alpha too gets others; `gray`: the
-    file has nothing but grey, which Cycles shows opaque outside of the picture too.
+    whether they are sRGB-encoded; `gray`: the file has nothing but grey, which Cycles shows opaque
+    outside of the picture too.
     """
 
     pixels: NDArray
     srgb: bool
-    depends: bool = False
     gray: bool = False
 
 
@@ -57,23 +56,21 @@ class Textures:
         self._report, self._kept, self._watch = report, kept, watch or Watch()
         self._known: dict[tuple[Any, ...], int] = {}
         # however many textures read it
-        self._read: dict[tuple[int, str, int, bool], ImagePixels] = {}
+        self._read: dict[tuple[int, str, int], ImagePixels] = {}
 
     def add(self, texture: Texture) -> int:
         self.list.append(texture)
         return len(self.list) - 1
 
-    def of_node(self, node: Any, owner: str, tile: int = FIRST_TILE, straight: bool = False) -> int:
+    def of_node(self, node: Any, owner: str, tile: int = FIRST_TILE) -> int:
         """Index of the texture that an Image (or Environment) Texture node reads, or one of its
         UDIM tiles; warnings name `owner`.
-
-        `straight`: the node is asked for the alpha too, and the colour is not times it then.
         """
         image = node.image
         interpolation = INTERPOLATIONS.get(node.interpolation, Interpolation.LINEAR)
         extension = EXTENSIONS.get(getattr(node, "extension", "REPEAT"), Extension.REPEAT)
         path = _path(image, node, tile) if image else ""
-        found = self._once(image, path, owner, tile, straight)
+        found = self._once(image, path, owner, tile)
         if found.pixels is PINK:
             extension = Extension.EXTEND  # the alpha is 1 everywhere
         if found.gray and extension is Extension.CLIP:
@@ -82,7 +79,6 @@ class Textures:
             image.as_pointer() if image else 0,
             path,
             tile,
-            found.depends and straight,
             interpolation,
             extension,
         )
@@ -98,26 +94,24 @@ class Textures:
             )
         return self._known[key]
 
-    def _once(self, image: Any, path: str, owner: str, tile: int, straight: bool) -> ImagePixels:
-        pointer = image.as_pointer() if image else 0
-        if (pointer, path, tile, straight) not in self._read:
+    def _once(self, image: Any, path: str, owner: str, tile: int) -> ImagePixels:
+        key = (image.as_pointer() if image else 0, path, tile)
+        if key not in self._read:
             self._watch.go_on()
-            found = self._pixels(image, path, owner, tile, straight)
-            for asked in (straight,) if found.depends else (False, True):
-                self._read[pointer, path, tile, asked] = found
-        return self._read[pointer, path, tile, straight]
+            self._read[key] = self._pixels(image, path, owner, tile)
+        return self._read[key]
 
-    def _pixels(self, image: Any, path: str, owner: str, tile: int, straight: bool) -> ImagePixels:
+    def _pixels(self, image: Any, path: str, owner: str, tile: int) -> ImagePixels:
         if image is None or image.is_dirty or image.source == "MOVIE" or tile != FIRST_TILE:
-            return _read(image, path, owner, self._report, tile, straight)
+            return _read(image, path, owner, self._report, tile)
         changed = os.stat(path).st_mtime_ns if os.path.isfile(path) else 0
-        reading = (image.colorspace_settings.name, image.alpha_mode, image.source, straight)
+        reading = (image.colorspace_settings.name, image.alpha_mode, image.source)
         key = ("image", identity(image), path, changed, owner, *reading)
         return self._kept.get(
             key,
             (identity(image),),
             self._report,
-            lambda report: _read(image, path, owner, report, straight=straight),
+            lambda report: _read(image, path, owner, report),
         )
 
 
@@ -128,17 +122,8 @@ def is_associated(image: Any) -> bool:
     return image is not None and image.alpha_mode in {"STRAIGHT", "PREMUL"} and not is_data(image)
 
 
-def _read(
-    image: Any,
-    path: str,
-    owner: str,
-    report: Report,
-    tile: int = FIRST_TILE,
-    straight: bool = False,
-) -> ImagePixels:
-    """The image for who asks for its alpha too (`straight`) or does not; pink where there is
-    none.
-    """
+def _read(image: Any, path: str, owner: str, report: Report, tile: int = FIRST_TILE) -> ImagePixels:
+    """The image; pink where there is none."""
     if image is None:
         report.warn(f"{owner}: an image texture has no image; shown in pink")
         return ImagePixels(PINK, True)
@@ -193,7 +178,7 @@ def _read(
         if multiplies:
             _multiply(pixels)
         return ImagePixels(pixels, space == "sRGB", gray=gray)
-    return _decoded(pixels, space, mode, multiplies, straight, gray, f"{owner}: {named}", report)
+    return _decoded(pixels, space, mode, multiplies, gray, f"{owner}: {named}", report)
 
 
 def _multiply(pixels: NDArray) -> None:
@@ -210,25 +195,15 @@ def _decoded(
     space: str,
     mode: str,
     multiplies: bool,
-    straight: bool,
     gray: bool,
     named: str,
     report: Report,
 ) -> ImagePixels:
-    """Linear colours times alpha. As in Cycles, colours are multiplied before they are decoded,
-    unless somebody asks for the alpha too.
-    """
-    depends = False
+    """Linear colours times alpha. As in Cycles, encoded colours are decoded without it."""
     if pixels.dtype == np.uint8:
         pixels = pixels.astype(np.float32) / 255.0
     alpha = pixels[..., 3:]
-    if (
-        mode in {"STRAIGHT", "PREMUL"}
-        and alpha.min() < 1.0
-        and (space not in LINEAR_SPACES or not multiplies)
-    ):
-        depends = space not in LINEAR_SPACES
-    after = depends and straight
+    after = mode in {"STRAIGHT", "PREMUL"} and space not in LINEAR_SPACES and alpha.min() < 1.0
     if after and mode == "PREMUL":
         pixels[..., :3] = np.divide(
             pixels[..., :3], alpha, out=np.zeros_like(pixels[..., :3]), where=alpha > 0.0
@@ -243,7 +218,7 @@ def _decoded(
     pixels[..., :3] = linear
     if after:
         pixels[..., :3] *= alpha
-    return ImagePixels(pixels, False, depends, gray)
+    return ImagePixels(pixels, False, gray)
 
 
 def _path(image: Any, node: Any, tile: int) -> str:
@@ -336,7 +311,8 @@ def _own_pixels(image: Any) -> NDArray | None:
     if data.startswith((b"\x89PNG", b"\xff\xd8\xff")):
         found = _from_data(data, image)
         if found is not None and found[0].dtype == np.uint8:
-            return _unmultiplied(found[0]) if image.alpha_mode == "PREMUL" else found[0]
+            multiplied = image.alpha_mode == "PREMUL" and not is_data(image)
+            return _unmultiplied(found[0]) if multiplied else found[0]
     return _from_blender(image)
 
 

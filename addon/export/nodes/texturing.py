@@ -114,7 +114,7 @@ def _tiles(n: Node) -> Outputs:
             "ImageTexture",
             vector=rest,
             image=n.around.textures.of_node(
-                node, f"{n.owner.name}, node '{label(node)}'", tile.number, unassociate
+                node, f"{n.owner.name}, node '{label(node)}'", tile.number
             ),
             projection="FLAT",
             projection_blend=ZERO,
@@ -130,9 +130,7 @@ def image(n: Node) -> Outputs:
     if node.image is not None and node.image.source == "TILED" and node.projection == "FLAT":
         return _tiles(n)
     unassociate = n.wanted("Alpha") and is_associated(node.image)
-    index = n.around.textures.of_node(
-        node, f"{n.owner.name}, node '{label(node)}'", straight=unassociate
-    )
+    index = n.around.textures.of_node(node, f"{n.owner.name}, node '{label(node)}'")
     found = n.graph.add(
         "ImageTexture",
         vector=coordinates(n, uv(n, "")),

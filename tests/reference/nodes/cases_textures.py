@@ -374,6 +374,8 @@ def picture(
             bpy.data.images.remove(image)
             image = bpy.data.images.load(f"{folder}/packed.png")
             image.name = name
+            if space:
+                image.colorspace_settings.name = space
             image.alpha_mode = mode or "STRAIGHT"
             image.pack()
     return image
@@ -484,6 +486,18 @@ def _images() -> list[Case]:
         "half sRGB": {"file": "exr", "space": "sRGB"},
         "grey file": {"file": "png8", "channels": 1},
         "grey and alpha": {"file": "png8", "channels": 2},
+    }
+    sources: dict[str, dict[str, Any]] = {
+        "buffer": {},
+        "float buffer": {"floats": True},
+        "packed": {"packed": True},
+        **{kind: {"file": kind} for kind in ("png8", "png16", "exr")},
+    }
+    variants |= {
+        f"{kind} in {space}, {mode.lower()}": given | {"space": space, "mode": mode}
+        for kind, given in sources.items()
+        for space in ("Rec.1886", "Linear Rec.2020", "Non-Color")
+        for mode in ("STRAIGHT", "PREMUL")
     }
     for name, given in variants.items():
         setup = _image(name=name, **given)
