@@ -24,8 +24,11 @@ WALLS = (  # centre and size
 )
 
 
-def test_the_skys_photons_come_in_through_the_pane() -> None:
-    """Before their directions were learnt, five in a hundred arrived; now seventeen."""
+@pytest.mark.parametrize("ground", [0.0, 300.0])
+def test_the_skys_photons_come_in_through_the_pane(ground: float) -> None:
+    """Before their directions were learnt, five in a hundred arrived; now seventeen. On a wide ground
+    that is a little glossy, and so a target of its own, it was one in a thousand.
+    """
     bpy.ops.wm.read_homefile(use_empty=True)
     stage.scene()
     stage.resize(32, 24)
@@ -37,6 +40,12 @@ def test_the_skys_photons_come_in_through_the_pane() -> None:
     made, tree = stage.empty_material("Pane")
     stage.surface(tree, tree.nodes.new("ShaderNodeBsdfGlass"))
     bpy.context.object.data.materials.append(made)
+    if ground:
+        made, tree = stage.empty_material("Ground")
+        gloss = tree.nodes.new("ShaderNodeBsdfPrincipled")
+        gloss.inputs["Roughness"].default_value = 0.4
+        stage.surface(tree, gloss)
+        stage.plane("Ground", ground, location=(0, 0, -0.3)).data.materials[0] = made
     stage.world(3.0)
     camera = stage.camera((-1.8, -2.2, 1.5))
     camera.rotation_euler = (1.45, 0.0, -0.6)
@@ -47,4 +56,4 @@ def test_the_skys_photons_come_in_through_the_pane() -> None:
     assert photons["stored"] > 0.1 * photons["traced"]
     paths = shoot(what, seed=2, passes=400, integrator=Integrator.REFERENCE)
     light, expected = (np.mean(one.passes["Combined"][..., :3]) for one in (splat, paths))
-    assert light == pytest.approx(expected, rel=0.02)
+    assert light == pytest.approx(expected, rel=0.05 if ground else 0.02)

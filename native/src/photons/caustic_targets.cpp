@@ -1,6 +1,7 @@
 #include "photons/caustic_targets.h"
 
-#include <queue>
+#include <algorithm>
+#include <optional>
 
 namespace photon_splat {
 namespace {
@@ -12,13 +13,16 @@ constexpr size_t kMostBoxes = 1 << 18;  // triangles looked at; of more, every n
 constexpr float kWorthSplitting = 0.8f;
 // Of a cluster's size: larger boxes leave nothing to aim at
 constexpr float kLarge = 0.5f;
+// Wider against their distance clusters are cut whatever becomes of the discs, up to so many: which
+// part of them is of use is learnt
+constexpr float kWide = 0.5f;
+constexpr size_t kMostWide = 32;
 
 struct Cluster {
   std::vector<Bounds> boxes;
   Bounds all;
 
   float size() const { return all.diagonal(); }
-  bool operator<(const Cluster& other) const { return size() < other.size(); }
 };
 
 float disc(const Cluster& c) { return c.size() * c.size(); }
@@ -89,48 +93,88 @@ std::vector<Bounds> sharp_triangles(const Scene& scene) {
   return boxes;
 }
 
+// Size against the distance from what is seen, if that is told.
+float width(const Cluster& c, const Vec3& center, float radius) {
+  return radius < INFINITY ? c.size() / (length(c.all.center() - center) + radius) : c.size();
+}
+
+using Halves = std::optional<std::pair<Cluster, Cluster>>;
+
+// Cuts that leave less to aim at.
+Halves cut_to_save(const Cluster& whole) {
+  auto [large, small] = by_size(whole);
+  if (!large.boxes.empty() && !small.boxes.empty() && disc(small) < kWorthSplitting * disc(whole))
+    return {{std::move(large), std::move(small)}};
+  auto [low, high] = halves(whole);
+  if (low.boxes.empty() || high.boxes.empty()) return {};
+  // Halves of halves too: four things in a square are not worth one cut.
+  float quarters = 0;
+  for (const Cluster* half : {&low, &high}) {
+    const auto [a, b] = halves(*half);
+    quarters += a.boxes.empty() || b.boxes.empty() ? disc(*half) : disc(a) + disc(b);
+  }
+  if (std::min(disc(low) + disc(high), quarters) < kWorthSplitting * disc(whole))
+    return {{std::move(low), std::move(high)}};
+  return {};
+}
+
+// Large and small things apart, or halves.
+Halves cut_anyway(const Cluster& whole) {
+  for (auto& parts : {by_size(whole), halves(whole)})
+    if (!parts.first.boxes.empty() && !parts.second.boxes.empty()) return parts;
+  return {};
+}
+
+// The widest first; those wider than `wide` are cut whatever becomes of the discs.
+std::vector<Cluster> clusters_of(const Scene& scene, const Vec3& center, float radius, float wide) {
+  std::vector<Bounds> boxes = sharp_triangles(scene);
+  if (boxes.empty()) return {};
+  std::vector<Cluster> open, done;
+  open.push_back(cluster_of(std::move(boxes)));
+  while (!open.empty()) {
+    const auto widest = std::ranges::max_element(
+        open, {}, [&](const Cluster& c) { return width(c, center, radius); });
+    Cluster whole = std::move(*widest);
+    open.erase(widest);
+    const size_t count = open.size() + done.size() + 1;
+    Halves cut;
+    if (whole.boxes.size() > 1 && count < kMostTargets) cut = cut_to_save(whole);
+    if (!cut && count < kMostWide && width(whole, center, radius) >= wide) cut = cut_anyway(whole);
+    if (!cut) {
+      done.push_back(std::move(whole));
+      continue;
+    }
+    open.push_back(std::move(cut->first));
+    open.push_back(std::move(cut->second));
+  }
+  return done;
+}
+
+EmissionTargets::Sphere sphere_of(const Cluster& c, const Scene& scene) {
+  const float least = std::max(1e-6f * scene.near_radius(), 1e-30f);
+  return {c.all.center(), std::max(0.5f * c.size(), least) * 1.001f};
+}
+
 }  // namespace
 
 std::vector<EmissionTargets::Sphere> caustic_targets(const Scene& scene) {
-  std::vector<Bounds> boxes = sharp_triangles(scene);
-  if (boxes.empty()) return {};
-  std::priority_queue<Cluster> open;
-  std::vector<Cluster> done;
-  open.push(cluster_of(std::move(boxes)));
-  while (!open.empty()) {
-    Cluster whole = open.top();
-    open.pop();
-    if (whole.boxes.size() > 1 && open.size() + done.size() + 2 <= kMostTargets) {
-      auto [large, small] = by_size(whole);
-      if (!large.boxes.empty() && !small.boxes.empty() &&
-          disc(small) < kWorthSplitting * disc(whole)) {
-        open.push(std::move(large));
-        open.push(std::move(small));
-        continue;
-      }
-      auto [low, high] = halves(whole);
-      // Halves of halves too: four things in a square are not worth one cut.
-      if (!low.boxes.empty() && !high.boxes.empty()) {
-        float best = disc(low) + disc(high);
-        float quarters = 0;
-        for (const Cluster* half : {&low, &high}) {
-          const auto [a, b] = halves(*half);
-          quarters += a.boxes.empty() || b.boxes.empty() ? disc(*half) : disc(a) + disc(b);
-        }
-        best = std::min(best, quarters);
-        if (best < kWorthSplitting * disc(whole)) {
-          open.push(std::move(low));
-          open.push(std::move(high));
-          continue;
-        }
-      }
-    }
-    done.push_back(std::move(whole));
-  }
   std::vector<EmissionTargets::Sphere> spheres;
-  const float least = std::max(1e-6f * scene.near_radius(), 1e-30f);
-  for (const Cluster& c : done)
-    spheres.push_back({c.all.center(), std::max(0.5f * c.size(), least) * 1.001f});
+  for (const Cluster& c : clusters_of(scene, scene.near_center(), INFINITY, INFINITY))
+    spheres.push_back(sphere_of(c, scene));
+  return spheres;
+}
+
+std::vector<EmissionTargets::Sphere> fine_caustic_targets(const Scene& scene, const Vec3& center,
+                                                          float radius) {
+  std::vector<EmissionTargets::Sphere> spheres;
+  for (const Cluster& c : clusters_of(scene, center, radius, kWide)) {
+    EmissionTargets::Sphere s = sphere_of(c, scene);
+    // Of light that is scattered further off the less comes to what is seen, and what is wider than
+    // that scatters most of it elsewhere.
+    const float off = std::max(0.0f, length(s.center - center) - s.radius) / radius;
+    s.weight = 1 / sqr((1 + off) * std::max(1.0f, s.radius / radius));
+    spheres.push_back(s);
+  }
   return spheres;
 }
 

@@ -15,6 +15,8 @@ constexpr uint32_t kStartsAtOnce = SobolPair::kMost;
 constexpr double kMorePhotons = 1.1;  // memory is kept for, than the last paths have left
 // Share of useful paths from which on emission stays unguided
 constexpr double kUsefulShare = 0.3;
+// Share of useful caustic paths below which targets are cut finer
+constexpr double kFewArrive = 0.003;
 
 Scene::Rays rays_of(const PhotonPaths& paths, uint32_t first, bool moves, bool strands) {
   return {paths.origin_x + first,
@@ -367,6 +369,17 @@ double PhotonTracer::useful_share(std::span<const float> use) const {
   return squares > 0 ? sum * sum / (squares * static_cast<double>(use.size())) : 0;
 }
 
+double PhotonTracer::aim(std::vector<EmissionTargets::Sphere> spheres, uint64_t paths,
+                         uint32_t seed, const SurfaceFilter& visible, const SeenPlaces* places,
+                         const CancelFlag& cancel) {
+  targets_ = emitter_.aim_at(std::move(spheres));
+  Usefulness useful{nullptr, places, {}};
+  trace(0, paths, static_cast<double>(paths), seed, visible, cancel, &useful);
+  for (uint64_t i = 0; i < paths; ++i) emitter_.learn(*targets_, i, seed, useful.of_path[i]);
+  targets_->finish();
+  return useful_share(useful.of_path);
+}
+
 const Photons* PhotonTracer::learn_emission(uint64_t paths, uint32_t seed,
                                             const SurfaceFilter& visible,
                                             const SurfaceFilter& stored, const SeenPlaces* places,
@@ -375,11 +388,13 @@ const Photons* PhotonTracer::learn_emission(uint64_t paths, uint32_t seed,
   targets_.reset();
   if (lights_.total_power() <= 0 || max_bounces_ < 1) return nullptr;
   if (stream_ == PhotonStream::kCaustic) {
-    targets_ = emitter_.aim_at(caustic_targets(scene_));
-    Usefulness useful{nullptr, places, {}};
-    trace(0, paths, static_cast<double>(paths), seed, visible, cancel, &useful);
-    for (uint64_t i = 0; i < paths; ++i) emitter_.learn(*targets_, i, seed, useful.of_path[i]);
-    targets_->finish();
+    const double share = aim(caustic_targets(scene_), paths, seed, visible, places, cancel);
+    if (share >= kFewArrive) return nullptr;
+    EmissionTargets coarse = std::move(*targets_);
+    const EmissionDiscs& discs = lights_.discs();
+    const double fine = aim(fine_caustic_targets(scene_, discs.seen_center(), discs.seen_radius()),
+                            paths, seed, visible, places, cancel);
+    if (fine < share) targets_ = std::move(coarse);
     return nullptr;
   }
   Usefulness useful{&visible, places, {}};

@@ -151,6 +151,9 @@ class PhotonTracer {
                                                : 1 - caustic;
   }
   double useful_share(std::span<const float> use) const;
+  // Aims at the spheres as a pilot teaches; the share of its paths that were of use.
+  double aim(std::vector<EmissionTargets::Sphere> spheres, uint64_t paths, uint32_t seed,
+             const SurfaceFilter& visible, const SeenPlaces* places, const CancelFlag& cancel);
   float use_of(const Photon& photon, const PhotonStart& start, double total) const;
   float use_of(const PhotonBeam& beam, const PhotonStart& start, double total) const;
   static bool goes_alone(const Path& path, const PhotonStart& start) {

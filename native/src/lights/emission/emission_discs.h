@@ -34,6 +34,10 @@ class EmissionDiscs {
   double least_area() const;
   double scene_area() const { return double(kPi) * radius_ * radius_; }
 
+  // The smallest disc's: about what is seen.
+  const Vec3& seen_center() const { return small_ ? focus_ : center_; }
+  float seen_radius() const { return small_ ? width_[small_ - 1] : radius_; }
+
   const Vec3& center() const { return center_; }
   float radius() const { return radius_; }
   // The point of a line before everything.
