@@ -26,8 +26,8 @@ WALLS = (  # centre and size
 
 @pytest.mark.parametrize("ground", [0.0, 300.0])
 def test_the_skys_photons_come_in_through_the_pane(ground: float) -> None:
-    """Before their directions were learnt, five in a hundred arrived; now seventeen. On a wide ground
-    that is a little glossy, and so a target of its own, it was one in a thousand.
+    """Before their directions were learnt, five in a hundred arrived; now seventeen. On a wide
+    ground that is a little glossy, and so a target of its own, it was one in a thousand.
     """
     bpy.ops.wm.read_homefile(use_empty=True)
     stage.scene()
