@@ -353,6 +353,10 @@ def _disc_of_world(n: Node, found: ExportedSky) -> SunDisc | None:
     return sun_disc(found, to_lookup, (1.0, 1.0, 1.0))
 
 
+WITHOUT_PROFILE = 100.0
+"""What an IES Texture gives in all directions where Cycles finds no profile."""
+
+
 def ies(n: Node) -> Outputs:
     from .ies import read_profile
 
@@ -361,8 +365,8 @@ def ies(n: Node) -> Outputs:
     try:
         profile = read_profile(node)
     except (OSError, ValueError) as error:
-        n.unsupported(f"has no profile that can be read ({error}); shines evenly")
-        return {"Fac": strength}
+        n.unsupported(f"has no profile that can be read ({error}); shines evenly, as in Cycles")
+        return {"Fac": n.graph.multiply(strength, number(WITHOUT_PROFILE))}
     # Unlike other textures: where nothing is linked, the direction it is seen from, in the light's
     # own coordinates.
     seen_from = n.graph.one("Geometry", what="INCOMING")

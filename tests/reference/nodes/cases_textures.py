@@ -16,6 +16,14 @@ def cases() -> list[Case]:
         Case(f"image tiles {thing}", "ShaderNodeTexImage", "Color", build=_tiled, thing=thing)
         for thing in ("plane", "sphere")
     ]
+    found += [
+        Case(f"IES {name}", "ShaderNodeTexIES", "Fac", given, {"Strength": 0.2, "Vector": "p"})
+        for name, given in (
+            ("without text", {"mode": "INTERNAL"}),
+            ("without file", {"mode": "EXTERNAL"}),
+            ("of no such file", {"mode": "EXTERNAL", "filepath": "//none.ies"}),
+        )
+    ]
     return found + (_gabors() if exists("ShaderNodeTexGabor") else [])
 
 
