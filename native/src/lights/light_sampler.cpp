@@ -129,6 +129,13 @@ float Lights::ray_share_of_lamp(uint32_t emitter, const Receiver& to, const Vec3
   return pdf > 0 ? power_heuristic(ray_pdf, pdf * choice_probability(emitter, to)) : 0;
 }
 
+float Lights::unshadowed_share(uint32_t emitter, const Receiver& to, const Vec3& direction,
+                               float ray_pdf) const {
+  if (!(ray_pdf < INFINITY)) return 0;
+  if (!shares_with_rays(emitters_[emitter], to)) return 1;
+  return 1 - ray_share_of_lamp(emitter, to, direction, ray_pdf);
+}
+
 float Lights::choice_probability(uint32_t emitter, const Receiver& to) const {
   if (emitters_.size() > kFewEmitters) {
     const float all = emitters_weight(to);

@@ -118,6 +118,10 @@ class Lights {
   // The same of a lamp, where Emitter::lamp is one; 0 where such rays do not find it.
   float ray_share_of_lamp(uint32_t emitter, const Receiver& to, const Vec3& direction,
                           float ray_pdf) const;
+  // Of the light of a lamp without shadow, behind what would block it: what light samples bring;
+  // rays that look for it end there, as in Cycles. 0 for deltas.
+  float unshadowed_share(uint32_t emitter, const Receiver& to, const Vec3& direction,
+                         float ray_pdf) const;
   // Of light samples of the world about as Cycles takes them, which has none of one that is the
   // same everywhere; for Bsdf::diffuse_share().
   float world_density(const Vec3& direction) const;

@@ -77,7 +77,7 @@ bool PhotonTracer::scatter_in_medium(Path& path, const Flight& flight, const Pho
   float pdf;
   const Rgb scattered = flight.point.evaluate(direction, way, &pdf);
   if (!(pdf > 0)) return false;
-  path.power *= scattered * (share_of_way(path, start, pdf) / pdf);
+  path.power *= scattered * (share_of_way(path, start, {place, {}, true}, pdf) / pdf);
   path.kind = RayInfo::kDiffuse;
   path.guessed = scene_.kinds_differ();
   if (path.guessed) {

@@ -297,8 +297,9 @@ bool PhotonTracer::shade(Path& path, const Surface& hit, const PhotonStart& star
   if (path.guessed && path.kind != (straight(path, start) ? RayInfo::kShadow : RayInfo::kDiffuse))
     return false;
   if (!sends_on(path, hit)) return false;
-  path.power *= scene_.albedo(hit) *
-                (cos_shading / cos_geometric * share_of_way(path, start, cos_shading * (1 / kPi)));
+  const Receiver at{hit.position, hit.ng, false, scene_.instances[hit.instance].group};
+  path.power *= scene_.albedo(hit) * (cos_shading / cos_geometric *
+                                      share_of_way(path, start, at, cos_shading * (1 / kPi)));
   const float survival = std::min(1.0f, max_component(path.power) / path.reference);
   if (!(survival > 0) || path.random.next() >= survival) return false;
   path.power *= 1 / survival;
@@ -406,7 +407,8 @@ bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const Phot
           !light_up_by_ray(path, start, {1, 1, 1}, false, false))
         return false;
       const float cosine = std::abs(dot(direction, hit.ns));
-      path.power *= share_of_way(path, start, cosine * (1 / kPi)) / (below * chance);
+      const Receiver at{hit.position, hit.ng, false, scene_.instances[hit.instance].group};
+      path.power *= share_of_way(path, start, at, cosine * (1 / kPi)) / (below * chance);
       if (!go_below(path, hit, bsdf, ray, draws, origin, direction)) return false;
       path.kind = ray.kind;
       path.guessed = asked || decided;
@@ -444,8 +446,11 @@ bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const Phot
                                   -start.direction, bsdf.ray_pdf(s->direction));
     path.power *= path.kind == RayInfo::kShadow ? 1 - by_rays : by_rays;
   }
-  if (direct && start.shares_with_rays)
-    path.power *= share_of_way(path, start, s->pdf > 0 ? bsdf.ray_pdf(s->direction) : INFINITY);
+  if (direct && (start.shares_with_rays || path.unshadowed)) {
+    const Receiver at{hit.position, bsdf.transmits() ? Vec3{} : hit.ng, bsdf.has_rest(),
+                      scene_.instances[hit.instance].group};
+    path.power *= share_of_way(path, start, at, s->pdf > 0 ? bsdf.ray_pdf(s->direction) : INFINITY);
+  }
   path.caustic *= s->diffuse ? 0 : sharpness(s->roughness);
   if (caustic && !(path.caustic > 0)) return false;
   path.power *= s->weight / chance;

@@ -182,8 +182,13 @@ class PhotonTracer {
   }
   // Of light that has scattered nowhere, the part that comes the way that it has taken, by rays or
   // by light samples. `ray_pdf`: as Lights::ray_share_of_world().
-  float share_of_way(const Path& path, const PhotonStart& start, float ray_pdf) const {
-    if (path.bounces > 0 || !start.shares_with_rays) return 1;
+  float share_of_way(const Path& path, const PhotonStart& start, const Receiver& at,
+                     float ray_pdf) const {
+    if (path.bounces > 0) return 1;
+    if (path.unshadowed && start.unshadowed >= 0 && !path.guessed)
+      return lights_.unshadowed_share(static_cast<uint32_t>(start.unshadowed), at, -start.direction,
+                                      ray_pdf);
+    if (!start.shares_with_rays) return 1;
     const float by_rays = lights_.ray_share_of_world(-start.direction, ray_pdf);
     return start.by_rays ? by_rays : 1 - by_rays;
   }

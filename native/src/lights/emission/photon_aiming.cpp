@@ -438,6 +438,9 @@ PhotonStart PhotonEmitter::emit_towards(const EmissionTargets& targets, uint64_t
     draft.start.max_bounces = emitters_[p.emitter].max_bounces;
     draft.start.deltas = emitters_[p.emitter].met_by_rays;
     draft.start.casts_shadows = emitters_[p.emitter].casts_shadows;
+    if (emitters_[p.emitter].lamp >= 0 && !emitters_[p.emitter].casts_shadows &&
+        emitters_[p.emitter].met_by_rays)
+      draft.start.unshadowed = static_cast<int32_t>(p.emitter);
     draft.start.power *= emitters_[p.emitter].past_surface;
     if (emitters_[p.emitter].exact) start_exactly(p.emitter, draft.start);
     const int lamp = emitters_[p.emitter].lamp;

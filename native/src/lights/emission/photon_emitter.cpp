@@ -151,6 +151,8 @@ PhotonStart& PhotonEmitter::finished(PhotonStart& start, const EmissionPrimary& 
     start.casts_shadows = e.casts_shadows;
     if (e.lamp >= 0 && !e.exact && e.met_by_rays && e.past_surface >= 1 && scene_.shadows_differ())
       start.told_apart = static_cast<int32_t>(p.emitter);
+    if (e.lamp >= 0 && !e.casts_shadows && e.met_by_rays)
+      start.unshadowed = static_cast<int32_t>(p.emitter);
     if (e.exact) start_exactly(p.emitter, start);
   }
   start.power *= over_share * p.weight;

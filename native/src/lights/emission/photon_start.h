@@ -40,6 +40,8 @@ struct PhotonStart {
   // A lamp's emitter, where what scatters its light by lobes that are not diffuse tells rays that
   // find the lamp from light samples
   int32_t told_apart = -1;
+  // Emitter of a lamp without shadow that rays find: behind what would block it they do not
+  int32_t unshadowed = -1;
   bool from_afar = false;  // of a sun or the world
   float time = kShutterCentre;
 
