@@ -37,7 +37,7 @@ def runs_of_result(quality: Quality, samples: float, scene: Scene) -> float:
     return of_picture + of_shadow * has_catchers(scene)
 
 
-MOST_TAKEN = 0.03
+MOST_TAKEN = 0.05
 """Of a picture's light, that may be taken out as specks without a word."""
 
 
