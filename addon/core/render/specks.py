@@ -74,30 +74,31 @@ def share_taken(color: NDArray[np.float32], calm: NDArray[np.float32]) -> float:
     return (before - after) / before if before > 0.0 else 0.0
 
 
-def _loneliness(lost: NDArray[np.float64]) -> NDArray[np.float64]:
+def _loneliness(lost: NDArray[np.float64]) -> NDArray[np.float32]:
     """ALONE over the number of equal specks that would say as much as those around each pixel, at
     most 1.
     """
     most = float(np.max(lost, initial=0.0))
     if not most > 0.0:
-        return np.ones_like(lost)
-    lost = lost / most
-    total, squares = _sum_around(lost), _sum_around(lost**2)
-    lonely = np.divide(ALONE * squares, total**2, out=np.ones_like(lost), where=squares > 0.0)
+        return np.ones(lost.shape, np.float32)
+    part = (lost / most).astype(np.float32)  # of pictures of many millions of pixels
+    total, squares = _sum_around(part), _sum_around(part**2)
+    lonely = np.divide(ALONE * squares, total**2, out=np.ones_like(part), where=total**2 > 0.0)
     return np.asarray(np.minimum(lonely, 1.0))
 
 
-def _sum_around(values: NDArray[np.float64]) -> NDArray[np.float64]:
+def _sum_around(values: NDArray[np.float32]) -> NDArray[np.float32]:
     """Over (2 COMPANY + 1)^2 pixels. No differences: a huge number beside small ones hides none."""
     side = 2 * COMPANY + 1
     height, width = values.shape
     padded = np.pad(values, COMPANY)
-    rows, squares = np.zeros((height, padded.shape[1])), np.zeros((height, width))
+    rows = np.zeros((height, padded.shape[1]), np.float32)
+    square = np.zeros((height, width), np.float32)
     for k in range(side):
         rows += padded[k : k + height]
     for k in range(side):
-        squares += rows[:, k : k + width]
-    return squares
+        square += rows[:, k : k + width]
+    return square
 
 
 def _third_brightest_neighbour(light: NDArray[np.float32]) -> NDArray[np.float32]:
