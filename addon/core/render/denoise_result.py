@@ -13,6 +13,8 @@ from .result import Passes
 from .shadow_catcher import has_catchers, with_shadow
 from .specks import share_taken, without_specks
 
+MOST_TAKEN = 0.05
+"""Of a picture's light, that may be taken out as specks without a word."""
 SAMPLES_OF_NOISY_FEATURES = 32.0
 """Camera samples per pixel up to which the denoiser's features are noisier than it expects. Where
 they were denoised first, after 1, 14, 64 samples relMSE of street is .49, .90, .99 times as large.
@@ -35,10 +37,6 @@ def runs_of_result(quality: Quality, samples: float, scene: Scene) -> float:
     of_picture = denoising_runs(quality, apart=True, noisy_features=noisy)
     of_shadow = denoising_runs(quality, apart=False, noisy_features=False)
     return of_picture + of_shadow * has_catchers(scene)
-
-
-MOST_TAKEN = 0.05
-"""Of a picture's light, that may be taken out as specks without a word."""
 
 
 def denoise_result(
@@ -66,8 +64,8 @@ def denoise_result(
         taken = share_taken(noisy, calm)
         if taken > MOST_TAKEN:
             warnings.append(
-                f"Single paths bring much of the light; {taken:.0%} of the picture's have been "
-                "taken for specks by denoising. Give it more time, or do not denoise it."
+                f"Single paths bring much of the light; {taken:.0%} of it has been taken for "
+                "specks by denoising. Give it more time, or do not denoise it."
             )
         clean = denoise(
             calm,
