@@ -14,6 +14,9 @@ import pytest
 
 from tests.support.paths import ROOT, environment
 
+# IES Texture whose profile cannot be read: the picture is as in Cycles, but its user should know.
+NAMED = [f"Material 'IES {why}'" for why in ("without text", "without file", "of no such file")]
+
 
 @pytest.mark.smoke
 def test_every_node_agrees_with_cycles(tmp_path: Path) -> None:
@@ -26,4 +29,4 @@ def test_every_node_agrees_with_cycles(tmp_path: Path) -> None:
     print(f"{result['passed']} of {result['total']} cases of nodes agree with Cycles")
     assert result["failed"] == {}
     assert result["passed"] >= 900
-    assert result["warnings"] == []
+    assert [said.split(",")[0] for said in result["warnings"]] == NAMED
