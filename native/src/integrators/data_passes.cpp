@@ -54,7 +54,7 @@ struct Looker {
     for (uint32_t sample = 0; sample < settings.samples; ++sample) {
       const float time = rays.time(sample);
       if (const auto ray = rays.ray(sample, time))
-        seen += follow(*ray, time, index, sample == 0, scratch);
+        seen += follow(*ray, time, index, sample, scratch);
     }
     out.mist[index] = 1 - seen * share;
     for (int i = 0; i < 3; ++i) {
@@ -72,8 +72,16 @@ struct Looker {
   }
 
   // Through what lets light pass. Returns how much of it is not lost in mist.
-  float follow(const CameraRay& ray, float time, size_t index, bool first, Scratch& scratch) const {
+  float follow(const CameraRay& ray, float time, size_t index, uint32_t sample,
+               Scratch& scratch) const {
     float left = 1, clear = 0, near = ray.near;
+    const Media* const media = scene.media();
+    MediumStack around;
+    if (media)
+      around = media->seen(media->around(ray.origin + ray.direction * near, time),
+                           ray_bit(RayInfo::kCamera));
+    float unfogged = 1;  // as much as media let pass: what they take is mist, as in Cycles
+    Random random(index * settings.samples + sample, settings.seed);
     // Share of the samples that get there with a path of Cycles, which passes a layer or is
     // scattered
     float reach = 1;
@@ -87,9 +95,12 @@ struct Looker {
       if (!scene.intersect(ray.origin, ray.direction, near, ray.far, true, hit,
                            ray_bit(RayInfo::kCamera), time))
         break;
-      if (scene.media())
-        scene.media()->meet_touched(hit, ray.origin, ray.direction, ray_bit(RayInfo::kCamera),
-                                    time);
+      if (media)
+        media->meet_touched(hit, ray.origin, ray.direction, ray_bit(RayInfo::kCamera), time);
+      if (!around.empty())
+        unfogged *=
+            average(media->transmittance(media->seen(around, ray_bit(RayInfo::kCamera)), ray.origin,
+                                         ray.direction, near, hit.distance, info, random));
       float through = 0;
       info.length = hit.distance;
       info.footprint = camera.footprint_at(ray, hit.distance);
@@ -112,7 +123,7 @@ struct Looker {
       const float stays = left * (1 - through);
       if (!solid && 1 - through >= settings.alpha_threshold) {
         solid = true;
-        if (first) describe(hit, index);
+        if (sample == 0) describe(hit, index);
         if (motion) add_vector(motion->at(hit), scratch);
         if (!scene.meshes[scene.instances[hit.instance].mesh].uv.empty()) {
           const Vec2 uv = scene.uv_at(hit.instance, hit.triangle, hit.u, hit.v);
@@ -121,7 +132,7 @@ struct Looker {
           out.uv[3 * index + 2] += 1;
         }
       }
-      clear += stays * (1 - mist_at(hit.distance));
+      clear += stays * unfogged * (1 - mist_at(hit.distance));
       if (settings.levels) {
         scratch.mattes[0].add(labels.object_id[hit.instance], stays);
         scratch.mattes[1].add(labels.asset_id[hit.instance], stays);
@@ -129,6 +140,7 @@ struct Looker {
       }
       left -= stays;
       near = past(hit);
+      if (media) media->cross(around, hit, gap_at(hit, ray.origin, ray.direction), time);
     }
     if (motion && !solid) add_vector(motion->beyond(ray.direction), scratch);
     return clear;

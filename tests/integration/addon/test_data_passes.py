@@ -104,6 +104,42 @@ def test_passes_of_data() -> None:
 
 
 @in_blender
+def test_what_media_take_is_mist() -> None:
+    """A slab 1 m thick that absorbs .5/m over all squares."""
+    import math
+
+    import bpy
+
+    made = _board()
+    world = bpy.data.worlds.new("World")
+    world.mist_settings.start, world.mist_settings.depth = 2.0, 4.0
+    world.mist_settings.falloff = "LINEAR"
+    made.world = world
+    bpy.ops.mesh.primitive_cube_add(size=1.0, location=(0.0, 0.0, 2.0))
+    slab = bpy.context.object
+    slab.scale = (5.0, 5.0, 1.0)
+    fog = bpy.data.materials.new("Fog")
+    if bpy.app.version < (5, 0, 0):
+        fog.use_nodes = True
+    tree = fog.node_tree
+    tree.nodes.clear()
+    absorbs, output = (
+        tree.nodes.new(f"ShaderNode{kind}") for kind in ("VolumeAbsorption", "OutputMaterial")
+    )
+    absorbs.inputs["Color"].default_value = (0.0, 0.0, 0.0, 1.0)
+    absorbs.inputs["Density"].default_value = 0.5
+    tree.links.new(absorbs.outputs[0], output.inputs["Volume"])
+    slab.data.materials.append(fog)
+    with stage.watched() as results:
+        bpy.ops.render.render()
+    mist = results[0].passes["Mist"]
+    left, right = np.s_[2:-2, 2:6], np.s_[2:-2, 10:14]
+    stays = math.exp(-0.5)
+    assert mist[left] == pytest.approx(1 - stays * 0.5, abs=1e-4)
+    assert mist[right] == pytest.approx(1 - stays * (0.25 * 0.75 + 0.75 * 0.5), abs=1e-4)
+
+
+@in_blender
 def test_normals_are_those_of_the_first_surface_that_is_opaque_enough() -> None:
     import bpy
 
