@@ -15,6 +15,7 @@ constexpr uint32_t kStartsAtOnce = SobolPair::kMost;
 constexpr double kMorePhotons = 1.1;  // memory is kept for, than the last paths have left
 // Share of useful paths from which on emission stays unguided
 constexpr double kUsefulShare = 0.3;
+constexpr uint64_t kPilotsMore = 3;  // after the first, for emission that is guided
 // Share of useful caustic paths below which targets are cut finer
 constexpr double kFewArrive = 0.003;
 
@@ -380,6 +381,19 @@ double PhotonTracer::aim(std::vector<EmissionTargets::Sphere> spheres, uint64_t 
   return useful_share(useful.of_path);
 }
 
+// Of paths from `first` on, which `drawn_by` has chosen.
+void PhotonTracer::teach(EmissionGuide& guide, const EmissionGuide* drawn_by, uint64_t first,
+                         uint32_t seed, std::span<const float> useful) const {
+  EmissionPrimary primaries[kStartsAtOnce];
+  for (size_t begin = 0; begin < useful.size(); begin += kStartsAtOnce) {
+    const uint32_t count =
+        static_cast<uint32_t>(std::min<size_t>(kStartsAtOnce, useful.size() - begin));
+    emitter_.primaries(first + begin, count, seed, drawn_by, primaries);
+    for (uint32_t k = 0; k < count; ++k) guide.learn(primaries[k], useful[begin + k]);
+  }
+  guide.finish();
+}
+
 const Photons* PhotonTracer::learn_emission(uint64_t paths, uint32_t seed,
                                             const SurfaceFilter& visible,
                                             const SurfaceFilter& stored, const SeenPlaces* places,
@@ -400,13 +414,16 @@ const Photons* PhotonTracer::learn_emission(uint64_t paths, uint32_t seed,
   Usefulness useful{&visible, places, {}};
   const Photons& photons =
       trace(0, paths, static_cast<double>(paths), seed, stored, cancel, &useful);
-  EmissionGuide guide = emitter_.make_guide();
-  for (uint64_t i = 0; i < paths; ++i)
-    guide.learn(emitter_.primary(i, seed, nullptr), useful.of_path[i]);
   const double share = useful_share(useful.of_path);
   if (share > kUsefulShare || share == 0) return &photons;
-  guide.finish();
+  EmissionGuide guide = emitter_.make_guide();
+  teach(guide, nullptr, 0, seed, useful.of_path);
   guide_ = std::move(guide);
+  // Where few were of use, those of further pilots tell more
+  for (uint64_t first = paths; first <= kPilotsMore * paths; first += paths) {
+    trace(first, paths, static_cast<double>(paths), seed, stored, cancel, &useful);
+    teach(*guide_, &*guide_, first, seed, useful.of_path);
+  }
   return nullptr;
 }
 

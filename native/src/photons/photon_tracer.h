@@ -154,6 +154,8 @@ class PhotonTracer {
   // Aims at the spheres as a pilot teaches; the share of its paths that were of use.
   double aim(std::vector<EmissionTargets::Sphere> spheres, uint64_t paths, uint32_t seed,
              const SurfaceFilter& visible, const SeenPlaces* places, const CancelFlag& cancel);
+  void teach(EmissionGuide& guide, const EmissionGuide* drawn_by, uint64_t first, uint32_t seed,
+             std::span<const float> useful) const;
   float use_of(const Photon& photon, const PhotonStart& start, double total) const;
   float use_of(const PhotonBeam& beam, const PhotonStart& start, double total) const;
   static bool goes_alone(const Path& path, const PhotonStart& start) {

@@ -156,7 +156,7 @@ void PhotonEmitter::weigh_parallel(Draft& draft) const {
 }
 
 PhotonEmitter::Draft PhotonEmitter::natural_draft(const EmissionPrimary& primary) const {
-  const auto& [index, pick, place, way, weight, time] = primary;
+  const auto& [index, pick, place, way, weight, time, cell] = primary;
   Draft draft;
   if (index == emitters_.size()) {
     draft.start = emit_world(place, way, time);
@@ -190,7 +190,7 @@ PhotonEmitter::Draft PhotonEmitter::natural_draft(const EmissionPrimary& primary
 // there.
 PhotonEmitter::Draft PhotonEmitter::aimed_draft(const EmissionPrimary& primary,
                                                 const EmissionTargets::Sphere& t) const {
-  const auto& [index, pick, place, way, weight, time] = primary;
+  const auto& [index, pick, place, way, weight, time, cell] = primary;
   Draft draft = natural_draft(primary);
   PhotonStart& start = draft.start;
   if (draft.sort == Draft::kPoint) {

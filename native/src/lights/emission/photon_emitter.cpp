@@ -5,7 +5,6 @@
 namespace photon_splat {
 namespace {
 
-constexpr size_t kGuideCells = 1 << 20;
 constexpr float kHugeScene = 1000, kStartsAt = 16;  // times the width of a disc
 constexpr uint32_t kMost = SobolPair::kMost;
 
@@ -108,28 +107,10 @@ PhotonStart PhotonEmitter::emit(const EmissionPrimary& p) const {
 }
 
 EmissionGuide PhotonEmitter::make_guide() const {
-  // The more emitters, the fewer cells each of them gets: 4096, 256, 16 or 1.
-  int fine = 8;
-  while (fine > 1 && emitters_.size() * fine * fine * fine * fine > kGuideCells) fine /= 2;
-  const auto divided = [fine](bool by_place, bool by_way) {
-    return EmissionGuide::Division{by_place ? fine * fine
-                                   : by_way ? 1
-                                            : fine,
-                                   by_way     ? fine * fine
-                                   : by_place ? 1
-                                              : fine};
-  };
   std::vector<double> powers;
-  std::vector<EmissionGuide::Division> divisions;
-  for (const Emitter& e : emitters_) {
-    powers.push_back(e.power);
-    const LampKind kind = e.lamp >= 0 ? lamps_[e.lamp].s.kind : LampKind::kArea;
-    divisions.push_back(
-        divided(kind == LampKind::kSun, kind == LampKind::kPoint || kind == LampKind::kSpot));
-  }
+  for (const Emitter& e : emitters_) powers.push_back(e.power);
   powers.push_back(world_power_);
-  divisions.push_back(divided(false, false));
-  return EmissionGuide(std::move(powers), std::move(divisions));
+  return EmissionGuide(std::move(powers));
 }
 
 PhotonStart& PhotonEmitter::finished(PhotonStart& start, const EmissionPrimary& p) const {
