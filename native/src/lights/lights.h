@@ -82,7 +82,7 @@ class Lights {
   // Lives as long as it is used here; none at first.
   void set_guide(const EnvironmentGuide* guide) { guide_ = guide; }
   const EnvironmentGuide::Cell* guide_at(const Vec3& x, const Vec3& n) const {
-    return guide_ ? guide_->find(x, n) : nullptr;
+    return guide_ && !world_by_rays() ? guide_->find(x, n) : nullptr;
   }
 
   // True when a BSDF-sampled ray could add light that `sample` leaves to it (world, lights near
@@ -113,6 +113,8 @@ class Lights {
   // part of the world's light comes by light samples and which by rays of BSDFs, and each gets its
   // part as in Cycles.
   bool world_shares() const { return !environment_.constant() && scene_.shadows_differ(); }
+  // Of an even world all of it comes by rays.
+  bool world_by_rays() const { return environment_.constant() && scene_.shadows_differ(); }
   // The part of rays. `ray_pdf`: Bsdf::ray_pdf(); infinity for deltas.
   float ray_share_of_world(const Vec3& direction, float ray_pdf) const;
   // The same of a lamp, where Emitter::lamp is one; 0 where such rays do not find it.
