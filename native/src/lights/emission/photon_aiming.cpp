@@ -427,25 +427,8 @@ PhotonStart PhotonEmitter::emit_towards(const EmissionTargets& targets, uint64_t
   draft.start.power *= density > 0 ? p.weight * static_cast<float>(draft.natural / density) : 0.0f;
   draft.start.aim = towards;
   draft.start.time = p.time;
-  draft.start.light_group = scene_.world_light_group;
-  draft.start.seen_by = as_scattered(scene_.world_seen_by);
-  draft.start.of_world = p.emitter == emitters_.size();
-  if (p.emitter < emitters_.size()) {
-    draft.start.lit_groups = emitters_[p.emitter].lit_groups;
-    draft.start.blockers = emitters_[p.emitter].blockers;
-    draft.start.light_group = emitters_[p.emitter].light_group;
-    draft.start.seen_by = emitters_[p.emitter].seen_by;
-    draft.start.max_bounces = emitters_[p.emitter].max_bounces;
-    draft.start.deltas = emitters_[p.emitter].met_by_rays;
-    draft.start.casts_shadows = emitters_[p.emitter].casts_shadows;
-    if (emitters_[p.emitter].lamp >= 0 && !emitters_[p.emitter].casts_shadows &&
-        emitters_[p.emitter].met_by_rays)
-      draft.start.unshadowed = static_cast<int32_t>(p.emitter);
-    draft.start.power *= emitters_[p.emitter].past_surface;
-    if (emitters_[p.emitter].exact) start_exactly(p.emitter, draft.start);
-    const int lamp = emitters_[p.emitter].lamp;
-    if (lamp >= 0 && lamps_[lamp].s.program >= 0) draft.start.shaded_by = lamp;
-  }
+  tell(p.emitter, draft.start);
+  if (!draft.start.of_world) draft.start.power *= emitters_[p.emitter].past_surface;
   return draft.start;
 }
 

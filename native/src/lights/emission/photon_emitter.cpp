@@ -113,28 +113,35 @@ EmissionGuide PhotonEmitter::make_guide() const {
   return EmissionGuide(std::move(powers));
 }
 
-PhotonStart& PhotonEmitter::finished(PhotonStart& start, const EmissionPrimary& p) const {
-  float over_share = over_world_share_;
-  if (p.emitter == emitters_.size()) {
+void PhotonEmitter::tell(uint32_t emitter, PhotonStart& start) const {
+  if (emitter == emitters_.size()) {
     start.light_group = scene_.world_light_group;
     start.seen_by = as_scattered(scene_.world_seen_by);
     start.of_world = true;
-  } else {
+    return;
+  }
+  const Emitter& e = emitters_[emitter];
+  if (e.lamp >= 0 && lamps_[e.lamp].s.program >= 0) start.shaded_by = e.lamp;
+  start.lit_groups = e.lit_groups;
+  start.blockers = e.blockers;
+  start.light_group = e.light_group;
+  start.seen_by = e.seen_by;
+  start.max_bounces = e.max_bounces;
+  start.deltas = e.met_by_rays;
+  start.casts_shadows = e.casts_shadows;
+  if (e.lamp >= 0 && !e.casts_shadows && e.met_by_rays)
+    start.unshadowed = static_cast<int32_t>(emitter);
+  if (e.exact) start_exactly(emitter, start);
+}
+
+PhotonStart& PhotonEmitter::finished(PhotonStart& start, const EmissionPrimary& p) const {
+  tell(p.emitter, start);
+  float over_share = over_world_share_;
+  if (!start.of_world) {
     const Emitter& e = emitters_[p.emitter];
-    if (e.lamp >= 0 && lamps_[e.lamp].s.program >= 0) start.shaded_by = e.lamp;
     over_share = e.over_share * e.past_surface;
-    start.lit_groups = e.lit_groups;
-    start.blockers = e.blockers;
-    start.light_group = e.light_group;
-    start.seen_by = e.seen_by;
-    start.max_bounces = e.max_bounces;
-    start.deltas = e.met_by_rays;
-    start.casts_shadows = e.casts_shadows;
     if (e.lamp >= 0 && !e.exact && e.met_by_rays && e.past_surface >= 1 && scene_.shadows_differ())
       start.told_apart = static_cast<int32_t>(p.emitter);
-    if (e.lamp >= 0 && !e.casts_shadows && e.met_by_rays)
-      start.unshadowed = static_cast<int32_t>(p.emitter);
-    if (e.exact) start_exactly(p.emitter, start);
   }
   start.power *= over_share * p.weight;
   start.time = p.time;

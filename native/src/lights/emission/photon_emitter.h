@@ -62,7 +62,9 @@ class PhotonEmitter {
 
  private:
   void start_exactly(uint32_t emitter, PhotonStart& start) const;
-  // With what is the same for all that its emitter sends.
+  // Sets what is the same for all that an emitter sends; the world is the one after the last.
+  void tell(uint32_t emitter, PhotonStart& start) const;
+  // That, weighed.
   PhotonStart& finished(PhotonStart& start, const EmissionPrimary& primary) const;
   void emit_meshes(const EmissionPrimary* primaries, const uint32_t* which, uint32_t count,
                    PhotonStart* out) const;
