@@ -134,7 +134,7 @@ bool CameraTracer::meet_surface(Path& path, const Surface& hit) const {
   if (path.vertex == 0 && path.shows_normal && !hole) show_first(path, hit, bsdf);
   const bool scatters =
       !holdout && bsdf.scatters() && max_abs(path.throughput + path.world_throughput) > 0;
-  if (path.vertex == 0 && !holdout) {
+  if ((path.vertex == 0 || clear) && !holdout) {  // behind glass that the film sees as clear, too
     path.pixel.diffuse_color += bsdf.diffuse_albedo() * path.throughput;
     if (lobe_colors_) {
       const Bsdf::Colors colors = bsdf.colors();

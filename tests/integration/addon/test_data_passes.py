@@ -140,6 +140,33 @@ def test_what_media_take_is_mist() -> None:
 
 
 @in_blender
+def test_colours_are_seen_through_glass_that_the_film_sees_as_clear() -> None:
+    """A pane that refracts all light before the left square: two surfaces of white transmission."""
+    import bpy
+
+    made = _board()
+    made.render.film_transparent = True
+    for name in ("diffuse_color", "transmission_color"):
+        setattr(made.view_layers[0], f"use_pass_{name}", True)
+    pane, tree = stage.empty_material("Pane")
+    refracts = tree.nodes.new("ShaderNodeBsdfRefraction")
+    refracts.inputs["Roughness"].default_value = 0.0
+    stage.surface(tree, refracts)
+    bpy.ops.mesh.primitive_cube_add(size=1.0, location=(-1.0, 0.0, 1.0))
+    bpy.context.object.scale = (2.0, 5.0, 0.2)
+    bpy.context.object.data.materials.append(pane)
+    left = np.s_[2:-2, 2:6]
+    for clear, surfaces in ((False, 1.0), (True, 2.0)):
+        made.cycles.film_transparent_glass = clear
+        with stage.watched() as results:
+            bpy.ops.render.render()
+        passes = results[0].passes
+        behind = 0.5 if clear else 0.0
+        assert passes["Diffuse Color"][left] == pytest.approx(behind, abs=1e-3)
+        assert passes["Transmission Color"][left] == pytest.approx(surfaces, abs=1e-3)
+
+
+@in_blender
 def test_normals_are_those_of_the_first_surface_that_is_opaque_enough() -> None:
     import bpy
 
