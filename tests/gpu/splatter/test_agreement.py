@@ -149,11 +149,12 @@ def test_a_tile_full_of_photons() -> None:
     renderer = prepared(scenes.floor(16), photons_per_pass=20_000)
     points = renderer.points()
     widest = np.argmax(points["radius"])
-    rows = np.tile(renderer.photon_rows(0, 1, 1), (50_000, 1))
+    some = renderer.photon_rows(0, 200, 200)
+    there = some[some.view(np.uint32)[:, 3] == points["key"][widest]]
+    rows = np.tile(there[:1], (50_000, 1))
     rows[:, :3] = points["position"][widest] + np.random.default_rng(1).normal(
         0, 0.2 * points["radius"][widest], (50_000, 3)
     )
-    rows.view(np.uint32)[:, 3] = points["key"][widest]
     renderer.set_photon_rows(rows)
     renderer.splat()
     cpu = renderer.points()
