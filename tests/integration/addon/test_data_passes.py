@@ -66,6 +66,14 @@ def _board() -> Any:
     return made
 
 
+def _mist_from_2_m_to_6(made: Any) -> None:
+    import bpy
+
+    made.world = bpy.data.worlds.new("World")
+    mist = made.world.mist_settings
+    mist.start, mist.depth, mist.falloff = 2.0, 4.0, "LINEAR"
+
+
 def _coverage(passes: dict[str, np.ndarray], kind: str, name: str) -> np.ndarray:
     total: Any = 0.0
     for i in range(2):
@@ -80,10 +88,7 @@ def test_passes_of_data() -> None:
     import bpy
 
     made = _board()
-    world = bpy.data.worlds.new("World")
-    world.mist_settings.start, world.mist_settings.depth = 2.0, 4.0
-    world.mist_settings.falloff = "LINEAR"
-    made.world = world
+    _mist_from_2_m_to_6(made)
     with stage.watched() as results:
         bpy.ops.render.render()
     passes = results[0].passes
@@ -111,24 +116,15 @@ def test_what_media_take_is_mist() -> None:
     import bpy
 
     made = _board()
-    world = bpy.data.worlds.new("World")
-    world.mist_settings.start, world.mist_settings.depth = 2.0, 4.0
-    world.mist_settings.falloff = "LINEAR"
-    made.world = world
+    _mist_from_2_m_to_6(made)
     bpy.ops.mesh.primitive_cube_add(size=1.0, location=(0.0, 0.0, 2.0))
     slab = bpy.context.object
     slab.scale = (5.0, 5.0, 1.0)
-    fog = bpy.data.materials.new("Fog")
-    if bpy.app.version < (5, 0, 0):
-        fog.use_nodes = True
-    tree = fog.node_tree
-    tree.nodes.clear()
-    absorbs, output = (
-        tree.nodes.new(f"ShaderNode{kind}") for kind in ("VolumeAbsorption", "OutputMaterial")
-    )
+    fog, tree = stage.empty_material("Fog")
+    absorbs = tree.nodes.new("ShaderNodeVolumeAbsorption")
     absorbs.inputs["Color"].default_value = (0.0, 0.0, 0.0, 1.0)
     absorbs.inputs["Density"].default_value = 0.5
-    tree.links.new(absorbs.outputs[0], output.inputs["Volume"])
+    stage.output(tree, absorbs, "Volume")
     slab.data.materials.append(fog)
     with stage.watched() as results:
         bpy.ops.render.render()
