@@ -32,7 +32,6 @@ void EmissionGuide::learn(const EmissionPrimary& path, double useful) {
   // Unguided paths know no cells
   const uint32_t cell = cell_cdf_.empty() ? path.emitter : path.cell;
   samples_.push_back({{path.place.x, path.place.y, path.way.x, path.way.y},
-                      path.emitter,
                       cell,
                       static_cast<float>(useful / (double(path.weight) * path.weight))});
 }

@@ -52,7 +52,7 @@ class EmissionGuide {
 
   struct Sample {
     Point at;
-    uint32_t emitter, cell;
+    uint32_t cell;
     float useful;
   };
   struct Cell {
