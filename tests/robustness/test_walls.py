@@ -67,3 +67,36 @@ def test_the_two_sides_of_a_wall_through_the_middle_keep_their_light() -> None:
     x = ((np.arange(len(ours)) + 0.5) / len(ours) - 0.5) * 1.6
     foot = (x > 0.0) & (x < 0.15)
     assert abs(ours[foot].mean() / reference[foot].mean() - 1.0) < 0.03
+
+
+def test_the_foot_of_a_wall_is_not_much_noisier_than_the_floor_before_it() -> None:
+    """With few photons discs are as wide as the strip: what is left of them beside the wall, beyond
+    which the floor goes on, still takes in enough of the photons."""
+    view = ortho_down(3.0, 1.6, 64)
+    things = [
+        (quad(2.0), lambert(0.8)),
+        (upright(0.0, 0.0, 1.5), lambert(0.8)),
+        (upright(1.2, 0.02, 1.5), lambert(0.9)),
+    ]
+    spot = lamp(
+        LightKind.SPOT,
+        100.0,
+        (0.3, 0.0, 1.2),
+        (1.0, 0.0, 0.0),
+        spot_size=1.0,
+        spot_blend=0.0,
+        radius=0.0,
+    )
+    what = scene(view, things, [spot])
+    pictures = [
+        picture(what, passes=2, photons_per_pass=4000, seed=seed)[:, :, 1] for seed in range(12)
+    ]
+    mean = np.mean(pictures, 0)
+    x = ((np.arange(mean.shape[1]) + 0.5) / mean.shape[1] - 0.5) * 1.6
+    foot, floor = (x > 0.0) & (x < 0.1), (x > 0.15) & (x < 0.25)
+    noise = np.std(pictures, 0)[:, foot] / mean[:, foot]
+    assert 0.0 < noise.mean() < 0.25, noise.mean()
+    reference = picture(what, Integrator.REFERENCE, passes=256)[:, :, 1].mean(0)
+    for strip, most in ((foot, 0.06), (floor, 0.03)):
+        ratio = mean.mean(0)[strip].mean() / reference[strip].mean()
+        assert abs(ratio - 1.0) < most, ratio

@@ -23,9 +23,11 @@ constexpr float kLeastOnStrips = 0.2f;
 constexpr float kLeastOfDensityRadius = 0.2f;
 constexpr float kWhole = 0.999f;      // mass of a disc that no edge cuts
 constexpr float kClearOfWall = 0.9f;  // of the distance to it
-// Closer to a wall a disc of this size is moved away from it
-constexpr float kLeastOfWalledRadius = 0.15f;
-constexpr float kLeastBetweenWalls = 0.5f;  // of that, where there is no room for it
+// Closer to a wall a disc of this size is moved away from it: as far as the light's mean place in
+// the half disc at an edge is from that (8 / (15 pi / 2)), so that both are as blurred. Where there
+// is no room for it, of the second size.
+constexpr float kLeastOfWalledRadius[] = {0.34f, 0.15f};
+constexpr float kLeastBetweenWalls = 0.5f;  // of that, where there is no room for it either
 constexpr float kLeastUnhidden = 0.1f;      // of a kernel's mass, whatever the probes say
 // Smallest kernel radius in the first pass, in footprints of camera samples
 constexpr float kFootprintFloor = 2.0f;
@@ -344,16 +346,17 @@ void VisiblePoints::correct_boundaries(Scene& scene, const CancelFlag& cancel) {
       }
       if (inside.clear < h) {
         const uint32_t seed = hash_of(x), key = block.key[lane];
-        float least = kLeastOfWalledRadius * h;
-        if (kClearOfWall * inside.clear >= least) {
-          h = kClearOfWall * inside.clear;
+        const float whole = h;
+        bool found = false;
+        for (const float share : kLeastOfWalledRadius) {
+          h = share * whole;
+          if (kClearOfWall * inside.clear >= h) break;
+          found = step_clear_of_walls(scene, instance, triangle, key, x, n, h, seed, inside);
+          if (found) break;
+        }
+        if (!found) {
+          h = std::max(kClearOfWall * inside.clear, kLeastBetweenWalls * h);
           inside = disc_occlusion(scene, instance, triangle, key, x, n, h, seed);
-        } else {
-          h = least;
-          if (!step_clear_of_walls(scene, instance, triangle, key, x, n, h, seed, inside)) {
-            h = std::max(kClearOfWall * inside.clear, kLeastBetweenWalls * h);
-            inside = disc_occlusion(scene, instance, triangle, key, x, n, h, seed);
-          }
         }
         block.x[lane] = x.x;
         block.y[lane] = x.y;
