@@ -38,8 +38,8 @@ Vec3 Scene::shadow_ray_origin(const Surface& s, const Vec3& to_light, float time
   const Instance& instance = instances[s.instance];
   const float cutoff = instance.terminator_offset;
   if (!lookup.normals_mask || !(cutoff > 0)) return s.position;
-  const float smooth = dot(s.ns, to_light);
-  const float cosine = smooth < 0 ? -dot(s.ng, to_light) : dot(s.ng, to_light);
+  const float smooth = dot(s.ns, to_light), smooth_side = smooth < 0 ? -1.0f : 1.0f;
+  const float cosine = smooth_side * dot(s.ng, to_light);
   const float near =
       std::abs(smooth) < cutoff ? 2 - (cosine + std::abs(smooth)) / cutoff : 1 - cosine / cutoff;
   if (!(near > 0)) return s.position;
@@ -54,13 +54,12 @@ Vec3 Scene::shadow_ray_origin(const Surface& s, const Vec3& to_light, float time
   const Vec3* const normals =
       moving ? mesh.normals(s.triangle, time, made) : lookup.normals_of(s.triangle, made);
   const float weights[3] = {1 - s.u - s.v, s.u, s.v};
-  const bool inwards = s.back != (smooth < 0);
-  const float lift = lift_of(vertices, normals, weights, inwards ? -1.0f : 1.0f);
-  const Vec3 way = (normals[0] * weights[0] + normals[1] * weights[1] + normals[2] * weights[2]) *
-                   (lift * std::min(near, 1.0f));
-  if (!lookup.shared) return s.position + way;
-  if (moving) return s.position + pose_at(s.instance, time).to_world.vector(way);
-  return s.position + instance.to_world.vector(way);
+  Vec3 normal = normals[0] * weights[0] + normals[1] * weights[1] + normals[2] * weights[2];
+  if (lookup.shared)
+    normal = (moving ? pose_at(s.instance, time).to_world : instance.to_world).vector(normal);
+  // As in Cycles by the triangle's own side, which normals far off it may be on the other side of
+  const float side = dot(normal, s.ng) * smooth_side > 0 ? 1.0f : -1.0f;
+  return s.position + normal * (lift_of(vertices, normals, weights, side) * std::min(near, 1.0f));
 }
 
 }  // namespace photon_splat

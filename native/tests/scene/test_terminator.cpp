@@ -53,6 +53,26 @@ TEST_CASE("a grazing shadow ray of a coarse sphere starts near the sphere") {
   }
 }
 
+TEST_CASE("normals on the other side of their triangle move shadow rays to the side that is lit") {
+  const float third = 1 / 3.0f;
+  const Vec3 up = normalize({1, 1, 1}), below = normalize(Vec3{1, -1, 0} - up * 0.02f);
+  for (const std::vector<Placement>& places : {std::vector{identity}, {identity, doubled}}) {
+    Mesh turned = make_octant();
+    for (Vec3& n : turned.corner_normals.own()) n = -n;
+    Scene proper(1), scene(1);
+    fill(proper, make_octant(), places);
+    fill(scene, std::move(turned), places);
+    const uint32_t last = static_cast<uint32_t>(places.size() - 1);
+    // As far as the sphere's own
+    const Vec3 along = normalize(Vec3{1, -1, 0} + up * 0.02f);
+    const float height = dot(lift(proper, last, third, third, false, along), up);
+    CHECK(dot(lift(scene, last, third, third, false, below), up) == doctest::Approx(height));
+    // And seen from behind, where the normals are those of the hollow, inwards
+    CHECK(dot(lift(scene, last, third, third, true, along), up) ==
+          doctest::Approx(dot(lift(proper, last, third, third, true, below), up)));
+  }
+}
+
 TEST_CASE("shadow rays start on the surface itself where it is flat or the object says so") {
   Scene scene(1);
   fill(scene, make_octant(), {identity});
