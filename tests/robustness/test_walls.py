@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 from photon_splat.core.render.settings import Integrator
-from photon_splat.core.scene import LightKind, Mesh
+from photon_splat.core.scene import Light, LightKind, Mesh
 
-from tests.support.corescene import lambert, lamp, mesh, ortho_down, picture, quad, scene
+from tests.support.corescene import Point, lambert, lamp, mesh, ortho_down, picture, quad, scene
 
 BLACK = lambert(0.0)
 
@@ -20,6 +20,11 @@ def upright(x: float, low: float, high: float, half: float = 2.0) -> Mesh:
     )
 
 
+def spot_at_the_board(place: Point, aim: Point, size: float) -> Light:
+    """Shines from between wall and board on the board alone; size in radians."""
+    return lamp(LightKind.SPOT, 100.0, place, aim, spot_size=size, spot_blend=0.0, radius=0.0)
+
+
 def test_the_floor_before_a_wall_is_dark_where_all_light_is_behind_it() -> None:
     """A lit board at x = 1 stands behind a taller black wall at x = 0, which shades the floor."""
     view = ortho_down(3.0, 1.6, 128)
@@ -28,15 +33,7 @@ def test_the_floor_before_a_wall_is_dark_where_all_light_is_behind_it() -> None:
         (upright(0.0, 0.0, 0.6), BLACK),
         (upright(1.0, 0.02, 0.3), lambert(0.9)),
     ]
-    spot = lamp(
-        LightKind.SPOT,
-        100.0,
-        (0.3, 0.0, 0.5),
-        (1.0, 0.0, 0.15),
-        spot_size=0.5,
-        spot_blend=0.0,
-        radius=0.0,
-    )
+    spot = spot_at_the_board((0.3, 0.0, 0.5), (1.0, 0.0, 0.15), 0.5)
     rows = picture(scene(view, things, [spot]), passes=16, photons_per_pass=40_000)[:, :, 1].mean(0)
     x = ((np.arange(len(rows)) + 0.5) / len(rows) - 0.5) * 1.6
     behind, before = rows[(x > 0.05) & (x < 0.3)].mean(), rows[(x > -0.75) & (x < -0.03)]
@@ -52,15 +49,7 @@ def test_the_two_sides_of_a_wall_through_the_middle_keep_their_light() -> None:
         (upright(0.0, 0.0, 0.6), lambert(0.8)),
         (upright(1.0, 0.02, 0.3), lambert(0.9)),
     ]
-    spot = lamp(
-        LightKind.SPOT,
-        100.0,
-        (0.3, 0.0, 0.5),
-        (1.0, 0.0, 0.15),
-        spot_size=0.5,
-        spot_blend=0.0,
-        radius=0.0,
-    )
+    spot = spot_at_the_board((0.3, 0.0, 0.5), (1.0, 0.0, 0.15), 0.5)
     what = scene(view, things, [spot])
     ours = picture(what, passes=24, photons_per_pass=40_000)[:, :, 1].mean(0)
     reference = picture(what, Integrator.REFERENCE, passes=256)[:, :, 1].mean(0)
@@ -78,15 +67,7 @@ def test_the_foot_of_a_wall_is_not_much_noisier_than_the_floor_before_it() -> No
         (upright(0.0, 0.0, 1.5), lambert(0.8)),
         (upright(1.2, 0.02, 1.5), lambert(0.9)),
     ]
-    spot = lamp(
-        LightKind.SPOT,
-        100.0,
-        (0.3, 0.0, 1.2),
-        (1.0, 0.0, 0.0),
-        spot_size=1.0,
-        spot_blend=0.0,
-        radius=0.0,
-    )
+    spot = spot_at_the_board((0.3, 0.0, 1.2), (1.0, 0.0, 0.0), 1.0)
     what = scene(view, things, [spot])
     pictures = [
         picture(what, passes=2, photons_per_pass=4000, seed=seed)[:, :, 1] for seed in range(12)

@@ -24,7 +24,7 @@ constexpr float kLeastOfDensityRadius = 0.2f;
 constexpr float kWhole = 0.999f;      // mass of a disc that no edge cuts
 constexpr float kClearOfWall = 0.9f;  // of the distance to it
 // Closer to a wall a disc of this size is moved away from it: as far as the light's mean place in
-// the half disc at an edge is from that (8 / (15 pi / 2)), so that both are as blurred. Where there
+// the half disc at an edge is from that (16 / (15 pi)), so that both are as blurred. Where there
 // is no room for it, of the second size.
 constexpr float kLeastOfWalledRadius[] = {0.34f, 0.15f};
 constexpr float kLeastBetweenWalls = 0.5f;  // of that, where there is no room for it either
