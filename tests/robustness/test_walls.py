@@ -3,10 +3,21 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from photon_splat.core.render.settings import Integrator
 from photon_splat.core.scene import Light, LightKind, Mesh
 
-from tests.support.corescene import Point, lambert, lamp, mesh, ortho_down, picture, quad, scene
+from tests.support.corescene import (
+    Point,
+    box,
+    lambert,
+    lamp,
+    mesh,
+    ortho_down,
+    picture,
+    quad,
+    scene,
+)
 
 BLACK = lambert(0.0)
 
@@ -81,3 +92,26 @@ def test_the_foot_of_a_wall_is_not_much_noisier_than_the_floor_before_it() -> No
     for strip, most in ((foot, 0.06), (floor, 0.03)):
         ratio = mean.mean(0)[strip].mean() / reference[strip].mean()
         assert abs(ratio - 1.0) < most, ratio
+
+
+@pytest.mark.parametrize("gap", [0.01, 0.02])
+def test_what_comes_under_a_thick_wall_stays_where_it_comes_in(gap: float) -> None:
+    """A wall that hovers, its gap lit from behind: discs wider than the gap is high keep the light
+    of its two sides apart.
+    """
+    view = ortho_down(3.0, 1.6, 64)
+    things = [
+        (quad(2.0), lambert(0.8)),
+        (box((-0.2, -2.0, gap), (0.0, 2.0, 1.5)), lambert(0.8)),
+        (upright(1.0, 0.02, 0.6), lambert(0.9)),
+    ]
+    spot = spot_at_the_board((0.3, 0.0, 0.5), (1.0, 0.0, 0.15), 0.5)
+    what = scene(view, things, [spot])
+    pictures = [picture(what, passes=4, photons_per_pass=4000, seed=seed) for seed in range(8)]
+    ours = np.mean(pictures, 0)[:, :, 1].mean(0)
+    reference = picture(what, Integrator.REFERENCE, passes=1024)[:, :, 1].mean(0)
+    x = ((np.arange(len(ours)) + 0.5) / len(ours) - 0.5) * 1.6
+    lit, dark = (x > 0.01) & (x < 0.2), (x > -0.5) & (x < -0.21)
+    bright = reference[lit].mean()
+    assert abs(ours[lit].mean() / bright - 1.0) < 0.03
+    assert ours[dark].mean() - reference[dark].mean() < 0.004 * bright

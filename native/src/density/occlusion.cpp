@@ -22,6 +22,7 @@ constexpr float kRim = 0.98f;
 // What lies closer over the surface than this, in h, keeps photons off it
 constexpr float kCover = 0.12f;
 constexpr float kTouching = 1e-3f;
+constexpr float kUnderWall = 0.2f;  // in h: of discs in the gap below a wall that hovers
 constexpr float kGolden = 2.39996323f;
 // Away from walls: from one, from another that stands across the first, and once more
 constexpr int kSteps = 3;
@@ -42,17 +43,23 @@ float length_of_look(const Vec3& y, float h) {
   return kCover * h - std::max(kTouching * h, ray_epsilon(y, h));
 }
 
-bool is_cover(const Scene& scene, RayMask kinds, const Vec3& y, const Vec3& normal, float h) {
+// `from_within`: whether the look began inside of it, as in a wall's, which is higher than a cover.
+bool is_cover(const Scene& scene, RayMask kinds, const Vec3& y, const Vec3& normal, float h,
+              bool& from_within) {
   Surface hit;
-  return scene.intersect(y + normal * (kCover * h), -normal, 0, length_of_look(y, h), false, hit,
-                         kinds) &&
-         is_dark(scene, hit, normal);
+  if (!scene.intersect(y + normal * (kCover * h), -normal, 0, length_of_look(y, h), false, hit,
+                       kinds) ||
+      !is_dark(scene, hit, normal))
+    return false;
+  from_within = hit.back;
+  return true;
 }
 
-bool covered(const Scene& scene, RayMask kinds, const Vec3& y, const Vec3& normal, float h) {
+bool covered(const Scene& scene, RayMask kinds, const Vec3& y, const Vec3& normal, float h,
+             bool& from_within) {
   const float far = length_of_look(y, h);
   return far > 0 && scene.occluded(y + normal * (kCover * h), -normal, 0, far, kinds) &&
-         is_cover(scene, kinds, y, normal, h);
+         is_cover(scene, kinds, y, normal, h, from_within);
 }
 
 // Whether light comes in from the rim of the cover of y: by one direction, so that the mean tells
@@ -63,14 +70,18 @@ bool lit_from_the_rim(const Scene& scene, RayMask kinds, const Vec3& y, const Ba
   return !scene.occluded(y + basis.normal * ray_epsilon(y, h), way, 0, h, kinds);
 }
 
-// The parts of the two kernels where the patch is covered. Under a cover itself all is alike:
-// nothing is left out.
+// The parts of the two kernels where the patch is covered. Under a cover itself nothing is left
+// out; under a wall that hovers light ends a few gaps from where it comes in, and so does the disc.
 void add_covered(const Scene& scene, RayMask kinds, PatchOutline& outline, const Vec3& x,
                  const Basis& basis, float h, uint32_t seed, DiscOcclusion& out) {
   const Vec3& normal = basis.normal;
   Random random(seed, 0xc07e);
   const float turn = 2 * kPi * random.next();
-  if (covered(scene, kinds, x, normal, h)) return;
+  bool under_wall = false;
+  if (covered(scene, kinds, x, normal, h, under_wall)) {
+    if (under_wall) out.clear = kUnderWall * h;
+    return;
+  }
   const float far = length_of_look(x, h);
   if (!(far > 0)) return;
   bool any = false;
@@ -94,9 +105,16 @@ void add_covered(const Scene& scene, RayMask kinds, PatchOutline& outline, const
          met &= met - 1) {
       const int i = std::countr_zero(met);
       const Vec3 y = x + basis.to_world(offsets[i]);
-      if (!is_cover(scene, kinds, y, normal, h) || !outline.holds(offsets[i].x, offsets[i].y))
+      bool under_wall;
+      if (!is_cover(scene, kinds, y, normal, h, under_wall) ||
+          !outline.holds(offsets[i].x, offsets[i].y))
         continue;
       any = true;
+      // Through the gap below a wall light of a far brighter place may come
+      if (const float distance = h * std::sqrt(squares[i]); under_wall && distance < out.clear) {
+        out.clear = distance;
+        out.wall = basis.to_world(offsets[i] / distance);
+      }
       if (lit_from_the_rim(scene, kinds, y, basis, h, random)) continue;
       out.hidden += 1.0f / kCoverProbes;
       const float s2 = squares[i], n2 = sqr(kNarrow);
@@ -139,10 +157,11 @@ class Probes {
       Vec3 above[Scene::kPacket];
       for (uint32_t i = 0; i < count_; ++i) above[i] = places_[i] + basis_.normal * (kCover * h_);
       for (unsigned met = scene_.occluded_packet(above, count_, -basis_.normal, far_, kinds_); met;
-           met &= met - 1)
-        if (const int i = std::countr_zero(met);
-            is_cover(scene_, kinds_, places_[i], basis_.normal, h_))
-          open &= ~(1u << i);
+           met &= met - 1) {
+        const int i = std::countr_zero(met);
+        bool within;
+        if (is_cover(scene_, kinds_, places_[i], basis_.normal, h_, within)) open &= ~(1u << i);
+      }
     }
     const unsigned held = enclosures_.hold(places_, count_, open);
     for (; open; open &= open - 1) {

@@ -10,9 +10,10 @@ namespace photon_splat {
 // the patch of x where no photon lands: inside of closed things (enclosure.h), or covered by
 // something opaque that lies, or hovers, closer over the surface than a small share of h. The
 // kernel mass without them is M minus these. `clear`: how far the disc may reach before it takes in
-// surface on the other side of a wall, at most h. Walls and closed things are found by rays that
-// graze the surface from x to the rim of its disc; only where one meets something is the surface
-// beyond looked at. Bent patches are taken for unobstructed.
+// surface on the other side of a wall, at most h. A wall that hovers close over the surface is one,
+// and in the gap below it no disc is wide. Walls and closed things are found by rays that graze the
+// surface from x to the rim of its disc; only where one meets something is the surface beyond
+// looked at. Bent patches are taken for unobstructed.
 struct DiscOcclusion {
   float hidden = 0, narrow_hidden = 0, clear = 0;
   Vec3 wall = {};  // the way from x to the nearest wall, if clear < h

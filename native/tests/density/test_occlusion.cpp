@@ -46,9 +46,9 @@ std::vector<Mesh> floor_and(Mesh thing) {
 }
 
 // Of the floor at (x, y), seen from above; a mean over turns of the rays.
-DiscOcclusion at_floor(Scene& scene, float x, float y, float h) {
+DiscOcclusion at_floor(Scene& scene, float x, float y, float h, float from = 0.05f) {
   Surface s;
-  REQUIRE(scene.intersect({x, y, 0.05f}, {0, 0, -1}, 0, 100, true, s));
+  REQUIRE(scene.intersect({x, y, from}, {0, 0, -1}, 0, 100, true, s));
   REQUIRE(s.position.z == approx(0));
   DiscOcclusion sum{0, 0, h};
   for (uint32_t i = 0; i < 64; ++i) {
@@ -164,6 +164,16 @@ TEST_CASE("a board that hovers close over the floor keeps photons off it") {
     }
     CHECK(at_floor(scene, 0.2f, 0.5f, 0.2f).hidden == 0);
   }
+}
+
+TEST_CASE("no disc reaches under a wall that hovers close over the floor") {
+  Scene scene(1);
+  fill_all(scene, floor_and(make_box({0.5f, -1, 0.002f}, {0.7f, 2, 1})));
+  CHECK(at_floor(scene, 0.45f, 0.5f, 0.2f).clear == approx(0.05).epsilon(0.05));
+  CHECK(at_floor(scene, 0.6f, 0.5f, 0.2f, 0.001f).clear < 0.05f);  // in the gap
+  Scene low(1);  // a rug, which rays over the floor meet
+  fill_all(low, floor_and(make_box({0.5f, -1, 0}, {0.7f, 2, 0.01f})));
+  CHECK(at_floor(low, 0.45f, 0.5f, 0.2f).clear == 0.2f);
 }
 
 TEST_CASE("light comes in under a board that hovers higher, and one that shines is no cover") {
