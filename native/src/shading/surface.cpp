@@ -277,8 +277,16 @@ void instance_attribute(Frame& f, const uint32_t* w) {
   set_attribute(f, w, value, components);
 }
 
+// To the last bit, which White Noise tells: in doubles, as the origin has been taken off in them.
 void object_location(Frame& f, const uint32_t* w) {
-  f.set(w[0], f.is_background() ? Vec3{} : f.object_to_world().point({}) + origin_of(f.scene));
+  if (f.is_background()) return f.set(w[0], Vec3{});
+  if (f.point.lamp || f.pose || !f.is_on_mesh())
+    return f.set(w[0], f.object_to_world().point({}) + origin_of(f.scene));
+  const auto& to_world = f.scene.instances[f.point.instance].exact;
+  const auto along = [&](int i) {
+    return static_cast<float>(to_world[4 * i + 3] + f.scene.origin[i]);
+  };
+  f.set(w[0], Vec3{along(0), along(1), along(2)});
 }
 
 void camera_data(Frame& f, const uint32_t* w) {

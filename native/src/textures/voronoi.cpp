@@ -351,12 +351,15 @@ Result octaves(const Point<N>& p, const Settings& s) {
       sum = r;
       break;
     }
-    const float share = static_cast<float>(i) <= s.detail ? 1 : rest;
+    const float share = static_cast<float>(i) <= s.detail ? 1 : rest, shrink = 1 / scale;
     total += share * amplitude;
     sum.distance += share * amplitude * r.distance;
     sum.color += r.color * (share * amplitude);
-    for (int d = 0; d < 4; ++d)
-      sum.position.c[d] = mix(sum.position.c[d], r.position.c[d] / scale, amplitude * share);
+    for (int d = 0; d < 4; ++d) {
+      float& c = sum.position.c[d];
+      const float next = mix(c, r.position.c[d] * shrink, amplitude);
+      c = share == 1 ? next : mix(c, next, share);
+    }
     scale *= s.lacunarity;
     amplitude *= s.roughness;
   }
@@ -364,7 +367,9 @@ Result octaves(const Point<N>& p, const Settings& s) {
     sum.distance /= total * s.longest;
     sum.color = sum.color / total;
   }
-  for (float& c : sum.position.c) c = safe_divide(c, s.scale);
+  // By a factor, as in Cycles: White Noise of a position tells its last bit
+  const float shrink = safe_divide(1, s.scale);
+  for (float& c : sum.position.c) c *= shrink;
   return sum;
 }
 

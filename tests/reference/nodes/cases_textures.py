@@ -193,7 +193,26 @@ def _voronois() -> list[Case]:
         found.append(
             Case(f"voronoi sweep {k}", node, "Distance", properties, base | inputs, noise=True)
         )
+    for dimensions in ("2D", "3D", "4D"):
+        for feature in ("F1", "F2"):
+            properties = {"voronoi_dimensions": dimensions, "feature": feature}
+            cells = Case("", node, "Position", properties, base)
+            found.append(
+                Case(
+                    f"voronoi {dimensions} {feature} cells at random",
+                    "",
+                    "",
+                    build=lambda tree, cells=cells: _at_random(tree, cells),
+                )
+            )
     return found
+
+
+def _at_random(tree: Any, cells: Case) -> Any:
+    """White noise of a position, which tells its last bit."""
+    noise = tree.nodes.new("ShaderNodeTexWhiteNoise")
+    tree.links.new(cells.make(tree), noise.inputs["Vector"])
+    return noise.outputs["Color"]
 
 
 def _waves() -> list[Case]:

@@ -148,3 +148,50 @@ def _check_two_levels(
         expected = [(k % 3 / 4.0, k // 3 / 2.0, 0.375) for k in range(6)]
         np.testing.assert_allclose(middles, expected, atol=1e-4)
     np.testing.assert_allclose(ours, reference, atol=1e-4)
+
+
+@in_blender
+def test_the_location_of_an_object_to_its_last_bit() -> None:
+    """White noise of it is another colour at another bit: plain objects, and such as a parent has
+    turned, in a scene whose middle is elsewhere.
+    """
+    import bpy
+
+    stage.build([])
+    made, tree = board.empty_material("Random")
+    info, noise, shifted, emission = (
+        tree.nodes.new(f"ShaderNode{kind}")
+        for kind in ("ObjectInfo", "TexWhiteNoise", "VectorMath", "Emission")
+    )
+    shifted.inputs[1].default_value = (stage.SHIFT,) * 3
+    tree.links.new(info.outputs["Location"], noise.inputs["Vector"])
+    tree.links.new(noise.outputs["Color"], shifted.inputs[0])
+    tree.links.new(shifted.outputs[0], emission.inputs["Color"])
+    board.surface(tree, emission)
+
+    scene = bpy.context.scene
+    parent = bpy.data.objects.new("Parent", None)
+    parent.location, parent.rotation_euler, parent.scale = (2.3, -1.7, 0.9), (0, 0, 0.7), (1.3,) * 3
+    scene.collection.objects.link(parent)
+    sheet = bpy.data.meshes.new("Sheet")
+    sheet.from_pydata([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)], [], [(0, 1, 2, 3)])
+    sheet.materials.append(made)
+    for k in range(48):
+        ob = bpy.data.objects.new(f"Sheet {k}", sheet)
+        ob.scale = (0.4,) * 3
+        if k % 2:
+            ob.parent = parent
+        ob.location = (k % 8 + 0.1 * (k % 3), k // 8 * 1.1 + 0.07 * (k % 7), 0.013 * k)
+        scene.collection.objects.link(ob)
+    far = bpy.data.objects.new("Far", sheet)
+    far.location = (151.3, 77.7, 0.0)
+    scene.collection.objects.link(far)
+    scene.camera.location, scene.camera.data.ortho_scale = (4.1, 3.2, 15.0), 14.0
+    scene.render.resolution_x, scene.render.resolution_y = 96, 96
+    bpy.context.view_layer.update()
+
+    reference, positions = stage.cycles()
+    ours, _ = stage.ours(positions)
+    off = (np.abs(ours - reference) > 1e-3).any(axis=-1)
+    assert len(np.unique(np.round(reference, 3).reshape(-1, 3), axis=0)) > 30
+    assert off.mean() < 0.01, off.mean()
