@@ -40,16 +40,25 @@ CameraTracer::InMedium CameraTracer::pass_media(Path& path, const Surface* hit, 
   }
   if (first) {
     path.pixel.alpha += 1;
-    if (hit) {
-      path.pixel.depth = hit->distance * path.ray.cosine;
-      path.pixel.surface_id = static_cast<float>(hit->key & 0xffffff);
-    }
+    if (hit && path.shows_normal) show_depth_behind(path, *hit);
   }
   if (path.shows_features) {
     path.pixel.albedo += path.features * flight.point.scattering;
     path.shows_features = false;
   }
   return scatter_in_medium(path, flight, !single) ? InMedium::kScattered : InMedium::kAbsorbed;
+}
+
+// Media have no depth: the pixel shows that of the first thing behind, from `hit` on, which stops
+// all light.
+void CameraTracer::show_depth_behind(Path& path, Surface hit) const {
+  constexpr int kMostLayers = 64;
+  for (int layer = 0; layer < kMostLayers; ++layer) {
+    if (!scene_.may_be_transparent(hit)) return show_depth(path, hit);
+    if (!scene_.intersect(path.origin, path.direction, past(hit), path.far, true, hit,
+                          ray_mask(path.info), path.info.time))
+      return;
+  }
 }
 
 // Light samples of a medium that is the same everywhere: scattered at a place of its own on each

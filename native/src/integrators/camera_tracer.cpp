@@ -166,6 +166,7 @@ bool CameraTracer::meet_surface(Path& path, const Surface& hit) const {
     if (path.vertex == 0 && !path.through_glass) path.pixel.alpha += 1;
     return false;
   }
+  if (path.vertex == 0 && path.shows_normal && !hole) show_depth(path, hit);
   if (path.shows_features && !holdout) end_features(path, bsdf, mirrored);
   if (path.vertex == 0 && !path.through_glass) path.pixel.alpha += 1;
   if (body) return scatters && meet_body(path, hit, bsdf);
@@ -250,9 +251,14 @@ void CameraTracer::show_first(Path& path, const Surface& hit, const Bsdf& bsdf) 
   const float through = average(bsdf.transparency() - bsdf.straight());
   if (through > 0 && 1 - through < camera_.settings().alpha_threshold) return;
   path.pixel.normal += bsdf.mean_normal();
+  show_depth(path, hit);
+  path.shows_normal = false;
+}
+
+// Of that surface, or of one that lets more through where the path ends at it, as in Cycles.
+void CameraTracer::show_depth(Path& path, const Surface& hit) const {
   path.pixel.depth = hit.distance * path.ray.cosine;
   path.pixel.surface_id = static_cast<float>(hit.key & 0xffffff);
-  path.shows_normal = false;
 }
 
 // Where diffuse lobes look, as a ray of the shadows sees it; of what the surface does not let

@@ -199,6 +199,8 @@ class CameraTracer {
   Rgb show_features(Path& path, const Bsdf& bsdf) const;
   void end_features(Path& path, const Bsdf& bsdf, const Rgb& mirrored) const;
   void show_first(Path& path, const Surface& hit, const Bsdf& bsdf) const;
+  void show_depth(Path& path, const Surface& hit) const;
+  void show_depth_behind(Path& path, Surface hit) const;
   void add_ambient_occlusion(Path& path, const Surface& hit, const Bsdf& bsdf) const;
   void pass_glass(Path& path) const;
   enum class InMedium { kNothing, kScattered, kAbsorbed };

@@ -85,7 +85,7 @@ struct Looker {
     // Share of the samples that get there with a path of Cycles, which passes a layer or is
     // scattered
     float reach = 1;
-    bool solid = false;
+    bool solid = false, described = sample > 0;
     std::vector<float> registers;
     RayInfo info;
     info.from = near;
@@ -101,7 +101,8 @@ struct Looker {
         unfogged *=
             average(media->transmittance(media->seen(around, ray_bit(RayInfo::kCamera)), ray.origin,
                                          ray.direction, near, hit.distance, info, random));
-      float through = 0;
+      const float arrives = reach * unfogged;
+      float through = 0, scattered = 1;
       info.length = hit.distance;
       info.footprint = camera.footprint_at(ray, hit.distance);
       if (!solid) add_values(hit, -ray.direction, info, reach, index, registers);
@@ -111,7 +112,7 @@ struct Looker {
         Bsdf bsdf(Transport::kRadiance, -ray.direction, hit.ng, hit.ns, hit.back);
         scene.shade(hit, -ray.direction, info, bsdf);
         through = std::clamp(average(bsdf.transparency()), 0.0f, 1.0f);
-        const float scattered = bsdf.scatters() ? average(bsdf.albedo()) : 0;
+        scattered = bsdf.scatters() ? average(bsdf.albedo()) : 0;
         reach *= through > 0 ? through / (through + scattered) : 0;
         ++info.transparent_depth;
         hole = bsdf.holdout() >= 1 || (holdout && through == 0);
@@ -121,15 +122,20 @@ struct Looker {
         break;
       }
       const float stays = left * (1 - through);
-      if (!solid && 1 - through >= settings.alpha_threshold) {
+      const bool opaque = 1 - through >= settings.alpha_threshold;
+      // The first sample's path may end at what lets more through
+      if (!solid && !described && (opaque || random.next() * (through + scattered) < scattered)) {
+        described = true;
+        describe(hit, index);
+      }
+      if (!solid && opaque) {
         solid = true;
-        if (sample == 0) describe(hit, index);
         if (motion) add_vector(motion->at(hit), scratch);
         if (!scene.meshes[scene.instances[hit.instance].mesh].uv.empty()) {
           const Vec2 uv = scene.uv_at(hit.instance, hit.triangle, hit.u, hit.v);
-          out.uv[3 * index] += uv.x;
-          out.uv[3 * index + 1] += uv.y;
-          out.uv[3 * index + 2] += 1;
+          out.uv[3 * index] += uv.x * arrives;
+          out.uv[3 * index + 1] += uv.y * arrives;
+          out.uv[3 * index + 2] += arrives;
         }
       }
       clear += stays * unfogged * (1 - mist_at(hit.distance));
