@@ -35,6 +35,7 @@ def origin_of(depsgraph: Any, exported: Scene) -> dict[str, Any]:
         "number": scene.frame_current,
         "layer": depsgraph.view_layer_eval.name,
         "crop": bool(scene.render.use_crop_to_border),
+        "pixel_aspect": scene.render.pixel_aspect_x / scene.render.pixel_aspect_y,
         "mattes": _readable(exported.labels) if exported.labels is not None else {},
         "warnings": list(exported.warnings),
     }

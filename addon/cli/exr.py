@@ -36,10 +36,12 @@ def write_exr(
     frame: Frame,
     *,
     crop: bool,
+    pixel_aspect: float,
     metadata: dict[str, str | int | float],
 ) -> None:
     """Writes `planes` (height, width, channels), `names` their channels, row 0 at the bottom, of
-    `frame.region`; without `crop` a border is the data window.
+    `frame.region`; without `crop` a border is the data window. pixel_aspect: a pixel's width over
+    its height.
 
     Raises WriteError.
     """
@@ -58,6 +60,7 @@ def write_exr(
             frame.height,
         )
     spec.attribute("compression", "zip")
+    spec.attribute("PixelAspectRatio", pixel_aspect)
     spec.attribute("oiio:ColorSpace", "lin_rec709")
     for key, value in metadata.items():
         spec.attribute(key, value)

@@ -250,6 +250,7 @@ def _write(
         planes,
         layers[0].frame,
         crop=layers[0].picture["crop"],
+        pixel_aspect=layers[0].picture["pixel_aspect"],
         metadata=metadata,
     )
 

@@ -183,6 +183,7 @@ def write_files(
             planes,
             frame,
             crop=scene.render.use_crop_to_border,
+            pixel_aspect=scene.render.pixel_aspect_x / scene.render.pixel_aspect_y,
             metadata=metadata,
         )
     if options.stats is not None:

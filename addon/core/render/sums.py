@@ -18,7 +18,7 @@ from .result import Passes
 from .settings import RenderSettings
 from .shadow_catcher import has_catchers
 
-FORMAT = 3
+FORMAT = 4
 OF_LENGTH = ("passes", "time_limit", "error_threshold", "threads", "backend")
 """Settings in which renders of one picture may differ."""
 ADDED = ("sum", "error", "group")
@@ -150,8 +150,8 @@ def picture_of(
     scene: Scene, settings: RenderSettings, parts: int, origin: dict[str, Any]
 ) -> dict[str, Any]:
     """What all renders of a picture have in common, as JSON carries it. origin: who renders what:
-    engine, blender, file, scene, number of the frame, layer; whether a border is cropped; names in
-    mattes, and warnings.
+    engine, blender, file, scene, number of the frame, layer; whether a border is cropped; a pixel's
+    width over its height; names in mattes, and warnings.
     """
     kept = {name: value for name, value in asdict(settings).items() if name not in OF_LENGTH}
     frame = asdict(scene.frame)
@@ -164,6 +164,7 @@ def picture_of(
         "number": 0,
         "layer": "",
         "crop": False,
+        "pixel_aspect": 1.0,
         "mattes": {},
         "warnings": [],
         **origin,

@@ -61,6 +61,7 @@ def _save_scenes(folder: str) -> None:
     ) = 0.25, 0.75, 0.5, 0.75
     save("border")
     scene.render.use_crop_to_border = True
+    scene.render.pixel_aspect_y = 1.6
     save("crop")
     for layer in scene.view_layers:
         layer.use = False
@@ -436,6 +437,7 @@ def test_border_layers_and_warnings(scenes: Path, tmp_path: Path) -> None:
     spec, _ = _picture(tmp_path / "crop.exr")
     assert (spec.x, spec.y, spec.width, spec.height) == (0, 0, 12, 6)
     assert (spec.full_width, spec.full_height) == (12, 6)
+    assert spec.getattribute("PixelAspectRatio") == pytest.approx(0.625)
 
 
 def test_views_are_in_one_file(scenes: Path, tmp_path: Path) -> None:

@@ -178,7 +178,7 @@ def test_a_checkpoint_of_an_older_version_is_refused(
     before = (tmp_path / "c.exr").read_bytes()
     status, _, errors = call(tmp_path, *command)
     assert status == 1
-    assert "c.exr is of version 1 of the format; this is 3" in errors
+    assert "c.exr is of version 1 of the format; this is 4" in errors
     assert (tmp_path / "c.exr").read_bytes() == before
 
 
