@@ -1,4 +1,6 @@
-"""What Blender draws over a picture after its engine has ended: grease pencil objects."""
+"""What Blender draws over a picture after its engine has ended: grease pencil objects,
+and the lines of Freestyle.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +25,10 @@ Layer = tuple[str, RenderResult, Frame]
 def has_drawings(scene: Any) -> bool:
     from ..export.objects import PENCILS
 
-    return any(ob.type in PENCILS and not ob.hide_render for ob in scene.objects)
+    lines = scene.render.use_freestyle and any(
+        layer.use and layer.use_freestyle for layer in scene.view_layers
+    )
+    return lines or any(ob.type in PENCILS and not ob.hide_render for ob in scene.objects)
 
 
 def take_drawings(scene: Any, layers: Sequence[Layer]) -> None:
@@ -34,7 +39,7 @@ def take_drawings(scene: Any, layers: Sequence[Layer]) -> None:
         _take_all(scene, layers)
     except (OSError, RuntimeError) as error:
         reason = " ".join(str(error).split()).removeprefix("Error: ")
-        say(f"photon-splat: warning: grease pencil objects are missing: {reason}\n")
+        say(f"photon-splat: warning: grease pencil objects and Freestyle are missing: {reason}\n")
 
 
 def _take_all(scene: Any, layers: Sequence[Layer]) -> None:

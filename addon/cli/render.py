@@ -126,7 +126,10 @@ def render_layers(
     if has_drawings(scene):
         if options.part is not None or scene.render.use_multiview:
             of_what = "parts" if options.part is not None else "stereo pictures"
-            say(f"photon-splat: warning: grease pencil objects are not drawn over {of_what}\n")
+            say(
+                "photon-splat: warning: grease pencil objects and Freestyle are not drawn over "
+                f"{of_what}\n"
+            )
         else:
             take_drawings(scene, layers)
     return layers

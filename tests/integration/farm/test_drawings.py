@@ -59,3 +59,31 @@ def test_grease_pencil_is_drawn_over_every_layer(blender: Blender, tmp_path: Pat
     for channel in bare:
         if channel not in {*"RGBA"} and not channel.startswith("Second.Combined"):
             assert np.array_equal(drawn[channel], bare[channel]), channel
+
+
+def _save_lines(folder: str) -> None:
+    """Runs inside Blender."""
+    import bpy
+
+    from tests.support import stage
+
+    made = stage.room(pixels=32, passes=2, photons=500)
+    bpy.ops.mesh.primitive_cube_add(size=0.6, location=(0.0, 0.0, 0.5), rotation=(0.3, 0.2, 0.5))
+    made.view_layers[0].freestyle_settings.linesets.new("Lines")
+    for lines in (False, True):
+        made.render.use_freestyle = made.view_layers[0].use_freestyle = lines
+        bpy.ops.wm.save_as_mainfile(filepath=f"{folder}/lines_{lines}.blend", compress=False)
+
+
+def test_freestyle_is_drawn_over(blender: Blender, tmp_path: Path) -> None:
+    blender.call(_save_lines, {"folder": str(tmp_path)})
+    for lines in (False, True):
+        name = f"lines_{lines}"
+        status, _, errors = call(
+            tmp_path, "render", f"{name}.blend", "-o", f"{name}.exr", "--seed", 1
+        )
+        assert status == 0, errors
+    plain, drawn = (picture(tmp_path / f"lines_{lines}.exr")["G"] for lines in (False, True))
+    if np.array_equal(plain, drawn):
+        pytest.skip("this Blender draws nothing: it has no Freestyle")
+    assert 0.005 < np.mean(drawn < 0.5 * plain) < 0.5
