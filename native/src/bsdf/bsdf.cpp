@@ -198,6 +198,16 @@ Bsdf::SmoothWays Bsdf::smooth_ways(const Vec3& light) const {
   return out;
 }
 
+std::optional<Vec3> Bsdf::way_on() const {
+  for (const Lobe& lobe : lobes_) {
+    Vec3 way;
+    if (lobe.of_facets() && lobe.transmits() && refract(view_.wo, lobe.n, lobe.fresnel.ior, &way) &&
+        right_side(lobe, view_, way))
+      return way;
+  }
+  return {};
+}
+
 bool Bsdf::has_smooth_glass() const {
   return std::ranges::any_of(lobes_,
                              [](const Lobe& lobe) { return lobe.delta() && lobe.transmits(); });

@@ -175,6 +175,8 @@ class Bsdf {
     int count = 0;
   };
   SmoothWays smooth_ways(const Vec3& light) const;
+  // Flux: where a lobe of facets sends the light to through the surface, none if none does.
+  std::optional<Vec3> way_on() const;
   bool has_smooth_glass() const;
   // Radiance: that lobe's share in what is seen from wo.
   Rgb smooth_share(int lobe) const;

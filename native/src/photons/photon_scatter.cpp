@@ -349,10 +349,11 @@ bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const Phot
   Bsdf::SmoothWays ways;
   if (sided) {
     Bsdf from_there(Transport::kFlux, -direction, hit.ng, hit.ns, hit.back);
-    scene_.shade(Scene::other_side(hit), direction, ray, from_there);
+    // Seen from where the light is bent to: straight on nothing may shine through
+    const Vec3 viewer = bsdf.way_on().value_or(direction);
+    scene_.shade(Scene::other_side(hit), viewer, ray, from_there);
     bsdf.send_through(from_there);
-    if (from_there.has_smooth_glass())
-      ways = seen_from(hit, direction, ray).smooth_ways(-direction);
+    if (from_there.has_smooth_glass()) ways = seen_from(hit, viewer, ray).smooth_ways(-direction);
   }
   const bool blocking = blocks(path, hit, start);
   Rgb transparency = blocking ? bsdf.transparency() : Rgb{1, 1, 1};
