@@ -186,6 +186,11 @@ void Bsdf::send_through(const Bsdf& other) {
       });
 }
 
+void Bsdf::send_back() {
+  for (Lobe& lobe : lobes_) lobe.pick *= 1 - kSentAnywhere;
+  add_cover(view_.ng, kSentAnywhere, 0);
+}
+
 Bsdf::SmoothWays Bsdf::smooth_ways(const Vec3& light) const {
   SmoothWays out;
   for (int i = 0; i < lobes_.size(); ++i) {

@@ -163,6 +163,8 @@ class Bsdf {
   // Flux: lets a share of the samples leave on the other side, whatever the lobes say: who sees the
   // surface from there may see others. `other`: those, of a Bsdf for this side. After finish().
   void send_through(const Bsdf& other);
+  // Flux: lets a share of them leave anywhere on this side, for viewers who see other closures.
+  void send_back();
   // Where smooth glass sends light that comes from beyond the surface to, on this side: each way by
   // a lobe and as a viewer there sees its normal. Depends on wo by which closures there are alone.
   struct SmoothWay {

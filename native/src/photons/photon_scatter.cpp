@@ -343,7 +343,10 @@ bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const Phot
   if (hit.program->features & kProgramSubsurface && !hit.on_strand())
     bsdf.keep_subsurface(SubsurfaceUse::kWalks);
   scene_.shade(hit, -direction, ray, bsdf);
-  // Who sees the surface from the other side may see another one
+  // Who sees the surface from where the light goes may see other closures
+  const bool asked_back = hit.program->asks_view && !hit.on_strand() && bsdf.lobe_count() > 0;
+  if (asked_back) bsdf.send_back();
+  // And so may who sees it from the other side
   const bool sided = (hit.program->asks_side || hit.program->has_own_normals) &&
                      hit.program->features & kProgramTransmits && !hit.on_strand();
   Bsdf::SmoothWays ways;
@@ -422,6 +425,13 @@ bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const Phot
   auto s = sided     ? sample_sided(path, hit, direction, ray, bsdf, ways, choice, u)
            : caustic ? bsdf.sample_sharp(choice, u)
                      : bsdf.sample(choice, u);
+  if (s && asked_back && !s->transmitted && s->pdf > 0) {
+    Bsdf back(Transport::kRadiance, s->direction, hit.ng, hit.ns, hit.back);
+    if (hit.program->features & kProgramSubsurface) back.keep_subsurface(SubsurfaceUse::kWalks);
+    scene_.shade(hit, s->direction, ray, back);
+    s->weight = back.evaluate(-direction, nullptr) * s->per_value;
+    if (is_black(s->weight)) return false;
+  }
   // No viewer sees that by the same normal: CameraTracer::look_for_turned_mirrors()
   if (!s || (s->by_turned_normal && hit.program->turns_mirrors)) return false;
   if (direct && s->pdf <= 0 && (!start.deltas || path.unshadowed)) return false;

@@ -177,6 +177,19 @@ bool asks_side(nodes::Op op, const uint32_t* w) {
   }
 }
 
+// Whether it tells from which direction.
+bool asks_view(nodes::Op op, const uint32_t* w) {
+  using nodes::Coordinates, nodes::GeometryVector;
+  switch (op) {
+    case nodes::Op::Fresnel:
+    case nodes::Op::LayerWeight: return true;
+    case nodes::Op::Geometry: return static_cast<GeometryVector>(w[1]) == GeometryVector::INCOMING;
+    case nodes::Op::TextureCoordinate:
+      return static_cast<Coordinates>(w[1]) == Coordinates::REFLECTION;
+    default: return false;
+  }
+}
+
 }  // namespace
 
 void look_at_program(Program& program) {
@@ -192,11 +205,13 @@ void look_at_program(Program& program) {
     if (op == nodes::Op::AmbientOcclusion || op == nodes::Op::Bevel || op == nodes::Op::Raycast)
       program.features |= kProgramMeetsItself;
   }
-  program.asks_side = program.has_own_normals = program.turns_mirrors = program.holds_out = false;
+  program.asks_side = program.asks_view = program.has_own_normals = program.turns_mirrors =
+      program.holds_out = false;
   for (size_t at = 0; at < program.code.size(); at += nodes::kWords[program.code[at]]) {
     const auto op = static_cast<nodes::Op>(program.code[at]);
     program.holds_out |= op == nodes::Op::Holdout;
     program.asks_side |= asks_side(op, &program.code[at + 1]);
+    program.asks_view |= asks_view(op, &program.code[at + 1]);
     program.has_own_normals |= has_own_normal(program, op, &program.code[at + 1]);
     program.turns_mirrors |= mirrors_by_own_normal(program, op, &program.code[at + 1]);
   }

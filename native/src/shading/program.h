@@ -32,6 +32,7 @@ struct Program {
   bool asks_length = false;       // how far off who sees it is
   bool holds_out = false;         // there may be a hole in the picture
   bool asks_side = false;         // from where it is seen: what it lets through depends on the way
+  bool asks_view = false;         // and what it reflects, by more than the side
   bool has_own_normals = false;   // which need not be turned towards who sees it
   bool turns_mirrors = false;     // a smooth closure has such: Lobe::given
   bool bends_subsurface = false;  // light from below leaves about another normal than the surface's
