@@ -156,6 +156,13 @@ def exists(node: str) -> bool:
     return hasattr(bpy.types, node)
 
 
+def since(*version: int) -> bool:
+    """Whether this Blender is of that version, or newer."""
+    import bpy
+
+    return tuple(bpy.app.version) >= version
+
+
 def all_cases() -> list[Case]:
     """Every case that this version of Blender has, in a fixed order."""
     from tests.reference.nodes import (

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from tests.reference.nodes.cases import Case, Sources, enum, exists
+from tests.reference.nodes.cases import Case, Sources, enum, exists, since
 
 
 def cases() -> list[Case]:
@@ -193,7 +193,8 @@ def _voronois() -> list[Case]:
         found.append(
             Case(f"voronoi sweep {k}", node, "Distance", properties, base | inputs, noise=True)
         )
-    for dimensions in ("2D", "3D", "4D"):
+    # Cycles of Blender 4.5 rounds other places in one cell of twenty
+    for dimensions in ("2D", "3D", "4D") if since(5, 0) else ():
         for feature in ("F1", "F2"):
             properties = {"voronoi_dimensions": dimensions, "feature": feature}
             cells = Case("", node, "Position", properties, base)
