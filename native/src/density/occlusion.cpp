@@ -43,23 +43,16 @@ float length_of_look(const Vec3& y, float h) {
   return kCover * h - std::max(kTouching * h, ray_epsilon(y, h));
 }
 
-// `from_within`: whether the look began inside of it, as in a wall's, which is higher than a cover.
-bool is_cover(const Scene& scene, RayMask kinds, const Vec3& y, const Vec3& normal, float h,
-              bool& from_within) {
+// Its back where the look begins inside of it, as in a wall, which is higher than a cover.
+std::optional<Surface> cover_of(const Scene& scene, RayMask kinds, const Vec3& y,
+                                const Vec3& normal, float h) {
   Surface hit;
-  if (!scene.intersect(y + normal * (kCover * h), -normal, 0, length_of_look(y, h), false, hit,
-                       kinds) ||
-      !is_dark(scene, hit, normal))
-    return false;
-  from_within = hit.back;
-  return true;
-}
-
-bool covered(const Scene& scene, RayMask kinds, const Vec3& y, const Vec3& normal, float h,
-             bool& from_within) {
   const float far = length_of_look(y, h);
-  return far > 0 && scene.occluded(y + normal * (kCover * h), -normal, 0, far, kinds) &&
-         is_cover(scene, kinds, y, normal, h, from_within);
+  if (!(far > 0) ||
+      !scene.intersect(y + normal * (kCover * h), -normal, 0, far, false, hit, kinds) ||
+      !is_dark(scene, hit, normal))
+    return {};
+  return hit;
 }
 
 // Whether light comes in from the rim of the cover of y: by one direction, so that the mean tells
@@ -77,9 +70,8 @@ void add_covered(const Scene& scene, RayMask kinds, PatchOutline& outline, const
   const Vec3& normal = basis.normal;
   Random random(seed, 0xc07e);
   const float turn = 2 * kPi * random.next();
-  bool under_wall = false;
-  if (covered(scene, kinds, x, normal, h, under_wall)) {
-    if (under_wall) out.clear = kUnderWall * h;
+  if (const auto cover = cover_of(scene, kinds, x, normal, h)) {
+    if (cover->back) out.clear = kUnderWall * h;
     return;
   }
   const float far = length_of_look(x, h);
@@ -105,13 +97,11 @@ void add_covered(const Scene& scene, RayMask kinds, PatchOutline& outline, const
          met &= met - 1) {
       const int i = std::countr_zero(met);
       const Vec3 y = x + basis.to_world(offsets[i]);
-      bool under_wall;
-      if (!is_cover(scene, kinds, y, normal, h, under_wall) ||
-          !outline.holds(offsets[i].x, offsets[i].y))
-        continue;
+      const auto cover = cover_of(scene, kinds, y, normal, h);
+      if (!cover || !outline.holds(offsets[i].x, offsets[i].y)) continue;
       any = true;
       // Through the gap below a wall light of a far brighter place may come
-      if (const float distance = h * std::sqrt(squares[i]); under_wall && distance < out.clear) {
+      if (const float distance = h * std::sqrt(squares[i]); cover->back && distance < out.clear) {
         out.clear = distance;
         out.wall = basis.to_world(offsets[i] / distance);
       }
@@ -157,11 +147,10 @@ class Probes {
       Vec3 above[Scene::kPacket];
       for (uint32_t i = 0; i < count_; ++i) above[i] = places_[i] + basis_.normal * (kCover * h_);
       for (unsigned met = scene_.occluded_packet(above, count_, -basis_.normal, far_, kinds_); met;
-           met &= met - 1) {
-        const int i = std::countr_zero(met);
-        bool within;
-        if (is_cover(scene_, kinds_, places_[i], basis_.normal, h_, within)) open &= ~(1u << i);
-      }
+           met &= met - 1)
+        if (const int i = std::countr_zero(met);
+            cover_of(scene_, kinds_, places_[i], basis_.normal, h_))
+          open &= ~(1u << i);
     }
     const unsigned held = enclosures_.hold(places_, count_, open);
     for (; open; open &= open - 1) {

@@ -124,7 +124,7 @@ struct Looker {
       const float stays = left * (1 - through);
       const bool opaque = 1 - through >= settings.alpha_threshold;
       // The first sample's path may end at what lets more through
-      if (!solid && !described && (opaque || random.next() * (through + scattered) < scattered)) {
+      if (!described && (opaque || random.next() * (through + scattered) < scattered)) {
         described = true;
         describe(hit, index);
       }

@@ -244,21 +244,22 @@ std::optional<BsdfSample> PhotonTracer::sample_sided(Path& path, const Surface& 
     through.direction = way.to;
     through.transmitted = true;
     through.weight = through.rest =
-        seen_from(hit, way.to, ray).smooth_share(way.lobe) * (way.spread / chance);
+        seen_from(Scene::other_side(hit), way.to, ray).smooth_share(way.lobe) *
+        (way.spread / chance);
     s = through;
   } else if (s->transmitted) {
-    s->weight = seen_from(hit, s->direction, ray).evaluate(-direction, nullptr) * s->per_value;
+    s->weight = seen_from(Scene::other_side(hit), s->direction, ray).evaluate(-direction, nullptr) *
+                s->per_value;
   }
   if (is_black(s->weight)) return {};
   return s;
 }
 
-// The closures of the other side, as a camera path sees them that comes from there.
-Bsdf PhotonTracer::seen_from(const Surface& hit, const Vec3& wo, const RayInfo& ray) const {
-  const Surface other = Scene::other_side(hit);
-  Bsdf bsdf(Transport::kRadiance, wo, other.ng, other.ns, other.back);
-  if (hit.program->features & kProgramSubsurface) bsdf.keep_subsurface(SubsurfaceUse::kWalks);
-  scene_.shade(other, wo, ray, bsdf);
+// The closures of a surface, or of its other side, as a camera path sees them that comes from wo.
+Bsdf PhotonTracer::seen_from(const Surface& side, const Vec3& wo, const RayInfo& ray) const {
+  Bsdf bsdf(Transport::kRadiance, wo, side.ng, side.ns, side.back);
+  if (side.program->features & kProgramSubsurface) bsdf.keep_subsurface(SubsurfaceUse::kWalks);
+  scene_.shade(side, wo, ray, bsdf);
   return bsdf;
 }
 
@@ -354,9 +355,10 @@ bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const Phot
     Bsdf from_there(Transport::kFlux, -direction, hit.ng, hit.ns, hit.back);
     // Seen from where the light is bent to: straight on nothing may shine through
     const Vec3 viewer = bsdf.way_on().value_or(direction);
-    scene_.shade(Scene::other_side(hit), viewer, ray, from_there);
+    const Surface other = Scene::other_side(hit);
+    scene_.shade(other, viewer, ray, from_there);
     bsdf.send_through(from_there);
-    if (from_there.has_smooth_glass()) ways = seen_from(hit, viewer, ray).smooth_ways(-direction);
+    if (from_there.has_smooth_glass()) ways = seen_from(other, viewer, ray).smooth_ways(-direction);
   }
   const bool blocking = blocks(path, hit, start);
   Rgb transparency = blocking ? bsdf.transparency() : Rgb{1, 1, 1};
@@ -426,10 +428,7 @@ bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const Phot
            : caustic ? bsdf.sample_sharp(choice, u)
                      : bsdf.sample(choice, u);
   if (s && asked_back && !s->transmitted && s->pdf > 0) {
-    Bsdf back(Transport::kRadiance, s->direction, hit.ng, hit.ns, hit.back);
-    if (hit.program->features & kProgramSubsurface) back.keep_subsurface(SubsurfaceUse::kWalks);
-    scene_.shade(hit, s->direction, ray, back);
-    s->weight = back.evaluate(-direction, nullptr) * s->per_value;
+    s->weight = seen_from(hit, s->direction, ray).evaluate(-direction, nullptr) * s->per_value;
     if (is_black(s->weight)) return false;
   }
   // No viewer sees that by the same normal: CameraTracer::look_for_turned_mirrors()

@@ -231,7 +231,7 @@ class PhotonTracer {
                                          const RayInfo& ray, const Bsdf& bsdf,
                                          const Bsdf::SmoothWays& ways, float choice,
                                          const Vec2& u) const;
-  Bsdf seen_from(const Surface& hit, const Vec3& wo, const RayInfo& ray) const;
+  Bsdf seen_from(const Surface& side, const Vec3& wo, const RayInfo& ray) const;
   bool scatter_by_program(Path& path, const Surface& hit, const PhotonStart& start,
                           const Draws& draws, const SurfaceFilter& visible, Vec3& origin,
                           Vec3& direction, Photons& photons) const;

@@ -159,25 +159,7 @@ bool mirrors_by_own_normal(const Program& program, nodes::Op op, const uint32_t*
          program.constants[*roughness & ~nodes::kConstant] <= Lobe::kTurned;
 }
 
-// Whether it tells from where the surface is seen.
-bool asks_side(nodes::Op op, const uint32_t* w) {
-  using nodes::Coordinates, nodes::GeometryVector;
-  switch (op) {
-    case nodes::Op::Fresnel:
-    case nodes::Op::LayerWeight:
-    case nodes::Op::Backfacing: return true;
-    case nodes::Op::Geometry:
-      return static_cast<GeometryVector>(w[1]) == GeometryVector::INCOMING ||
-             static_cast<GeometryVector>(w[1]) == GeometryVector::NORMAL ||
-             static_cast<GeometryVector>(w[1]) == GeometryVector::TRUE_NORMAL;
-    case nodes::Op::TextureCoordinate:
-      return static_cast<Coordinates>(w[1]) == Coordinates::REFLECTION ||
-             static_cast<Coordinates>(w[1]) == Coordinates::NORMAL;
-    default: return false;
-  }
-}
-
-// Whether it tells from which direction.
+// Whether it tells from which direction the surface is seen.
 bool asks_view(nodes::Op op, const uint32_t* w) {
   using nodes::Coordinates, nodes::GeometryVector;
   switch (op) {
@@ -187,6 +169,20 @@ bool asks_view(nodes::Op op, const uint32_t* w) {
     case nodes::Op::TextureCoordinate:
       return static_cast<Coordinates>(w[1]) == Coordinates::REFLECTION;
     default: return false;
+  }
+}
+
+// Or from which side.
+bool asks_side(nodes::Op op, const uint32_t* w) {
+  using nodes::Coordinates, nodes::GeometryVector;
+  switch (op) {
+    case nodes::Op::Backfacing: return true;
+    case nodes::Op::Geometry:
+      return asks_view(op, w) || static_cast<GeometryVector>(w[1]) == GeometryVector::NORMAL ||
+             static_cast<GeometryVector>(w[1]) == GeometryVector::TRUE_NORMAL;
+    case nodes::Op::TextureCoordinate:
+      return asks_view(op, w) || static_cast<Coordinates>(w[1]) == Coordinates::NORMAL;
+    default: return asks_view(op, w);
   }
 }
 

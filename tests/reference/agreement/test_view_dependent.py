@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import pytest
 
 from tests.reference.agreement.beside import means_beside_cycles
+from tests.reference.agreement.room import lit_room, walls
 from tests.support import stage
 
 
@@ -34,22 +34,6 @@ def _grey(albedo: float) -> Any:
     return made
 
 
-def _box(material: Any, *, ceiling: bool) -> None:
-    """4 x 4 x 3 m."""
-    import bpy
-
-    up, side = math.pi / 2, (0.0, math.pi / 2, 0.0)
-    walls = [((0, 0, 0), (0, 0, 0), (4, 4, 1))]
-    walls += [((0, 0, 3), (math.pi, 0, 0), (4, 4, 1))] if ceiling else []
-    walls += [((0, y, 1.5), (up, 0, 0), (4, 3, 1)) for y in (-2, 2)]
-    walls += [((x, 0, 1.5), side, (3, 4, 1)) for x in (-2, 2)]
-    for place, turn, size in walls:
-        bpy.ops.mesh.primitive_plane_add(size=1, location=place, rotation=turn)
-        wall = bpy.context.object
-        wall.scale = size
-        wall.data.materials.append(material)
-
-
 def _open(width: int) -> None:
     import bpy
 
@@ -61,11 +45,7 @@ def _open(width: int) -> None:
 @pytest.mark.parametrize(("node", "output"), [("Fresnel", "Fac"), ("LayerWeight", "Facing")])
 def test_a_room_of_plastic_is_as_bright_as_in_cycles(node: str, output: str) -> None:
     _open(64)
-    _box(_mixed(("Diffuse", 0.0), ("Anisotropic", 0.3), node, output), ceiling=True)
-    stage.lamp("AREA", 80, (0.3, 0.2, 2.9)).data.size = 1
-    seen_from = stage.camera((0, -1.9, 1.5))
-    seen_from.rotation_euler = (math.pi / 2, 0, 0)
-    seen_from.data.angle = 1.6
+    lit_room(_mixed(("Diffuse", 0.0), ("Anisotropic", 0.3), node, output))
     ours, cycles = means_beside_cycles(192, passes=24, photons_per_pass=20_000)
     assert ours == pytest.approx(cycles, rel=0.006)
 
@@ -75,7 +55,7 @@ def test_a_pool_under_water_mixed_by_fresnel_is_as_bright_as_in_cycles() -> None
     import bpy
 
     _open(64)
-    _box(_grey(0.7), ceiling=False)
+    walls(_grey(0.7), ceiling=False)
     bpy.ops.mesh.primitive_plane_add(size=3.998, location=(0, 0, 1.2))
     bpy.context.object.data.materials.append(
         _mixed(("Refraction", 0.0), ("Anisotropic", 0.0), "Fresnel", "Fac")
