@@ -87,6 +87,10 @@ struct Lobe {
   }
   static constexpr float kTurned = 0.3f;  // greatest roughness
   float roughness() const;
+  // On the wrong side of the surface proper it scatters nothing.
+  bool on_right_side(const View& view, const Vec3& wi) const {
+    return of_hair() || (dot(wi, view.ng) > 0) == (dot(wi, n) > 0);
+  }
   Vec3 to_local(const Vec3& v) const { return {dot(v, t), dot(v, b), dot(v, n)}; }
   Vec3 to_world(const Vec3& v) const { return t * v.x + b * v.y + n * v.z; }
 
@@ -121,6 +125,11 @@ class LobeList {
   void add_below(const Subsurface& closure) {
     if (below_count_ == kMostBelow) return;
     new (below_ + sizeof(Subsurface) * static_cast<size_t>(below_count_++)) Subsurface(closure);
+  }
+  // Adds what photons estimate, on the side seen and through the surface.
+  void sum_gather(Rgb* same, Rgb* through) const {
+    for (const Lobe& lobe : *this)
+      (lobe.kind == LobeKind::kTranslucent ? *through : *same) += lobe.gather;
   }
   void go_straight(const Rgb& weight) {
     transparency += weight;

@@ -227,10 +227,20 @@ class PhotonTracer {
                        bool delta) const;
   bool go_below(Path& path, const Surface& hit, const Bsdf& bsdf, const RayInfo& ray,
                 const Draws& draws, Vec3& origin, Vec3& direction) const;
-  std::optional<BsdfSample> sample_sided(Path& path, const Surface& hit, const Vec3& direction,
-                                         const RayInfo& ray, const Bsdf& bsdf,
-                                         const Bsdf::SmoothWays& ways, float choice,
+  struct Vertex;
+  struct Passing;
+  void look_at(Path& path, Vertex& v) const;
+  Passing passing(Path& path, const Vertex& v) const;
+  float chance_below(const Bsdf& bsdf) const;
+  bool scatter_below(Path& path, const Vertex& v, float below, const Draws& draws, Vec3& origin,
+                     Vec3& direction) const;
+  std::optional<BsdfSample> sample(Path& path, const Vertex& v, float choice, const Vec2& u) const;
+  std::optional<BsdfSample> sample_sided(Path& path, const Vertex& v, float choice,
                                          const Vec2& u) const;
+  bool agrees(const Path& path, const Vertex& v, const BsdfSample& s) const;
+  bool take_own_share(Path& path, const Vertex& v, const BsdfSample& s) const;
+  bool follow(Path& path, const Vertex& v, const BsdfSample& s, Vec3& origin,
+              Vec3& direction) const;
   Bsdf seen_from(const Surface& side, const Vec3& wo, const RayInfo& ray) const;
   bool scatter_by_program(Path& path, const Surface& hit, const PhotonStart& start,
                           const Draws& draws, const SurfaceFilter& visible, Vec3& origin,
