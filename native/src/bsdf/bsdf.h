@@ -53,8 +53,9 @@ struct BsdfSample {
   Rgb rest;        // the same without what photons estimate at this vertex (see Bsdf::gather)
   float pdf = 0;   // solid angle, of the mixture over lobes; 0: delta
   // Flux: weight over the radiance BSDF's value for a path in the other direction, cosines
-  // included. Deltas: 0
+  // included. Deltas that reflect: over mirror_share(lobe); others: 0
   float per_value = 0;
+  int lobe = -1;
   float roughness = 0;  // of the chosen lobe: 0 delta .. 1; diffuse lobes, strands: 1
   bool transmitted = false;
   // By a lobe whose normal was turned towards wo: all such viewers see what lies along the surface,
@@ -180,8 +181,9 @@ class Bsdf {
   // Flux: where a lobe of facets sends the light to through the surface, none if none does.
   std::optional<Vec3> way_on() const;
   bool has_smooth_glass() const;
-  // Radiance: that lobe's share in what is seen from wo.
+  // Radiance: what such a lobe lets through of what is seen from wo, or a delta one mirrors.
   Rgb smooth_share(int lobe) const;
+  Rgb mirror_share(int lobe) const;
   // Flux: probability of sample(), or sample_sharp(), to go through by such a lobe.
   float smooth_chance(bool sharp) const;
   bool has_rest() const;  // scatters beyond what is gathered: camera paths go on

@@ -27,6 +27,7 @@ std::optional<BsdfSample> Bsdf::finish_delta(int index, BsdfSample out) const {
     // Light goes out of a strand without another refraction, which would undo that
     if (out.transmitted && !gathers_) scale = 1;
     if (index < lobes.size()) out.weight = share(lobes[index], cos_out) * (scale / chance);
+    if (!out.transmitted) out.per_value = scale / chance;
   }
   out.rest = out.weight;
   out.by_turned_normal = !out.transmitted && lobe.turned();
@@ -74,6 +75,7 @@ std::optional<BsdfSample> Bsdf::sample_sharp(float choice, const Vec2& u) const 
 std::optional<BsdfSample> Bsdf::sample_lobe(int index, float choice, const Vec2& u) const {
   const Lobe& lobe = lobes_[index];
   BsdfSample out;
+  out.lobe = index;
   if (!lobe.sample(view_, std::clamp(choice, 0.0f, 0.99999994f), u, &out.direction))
     return std::nullopt;
   out.transmitted = lobe.of_hair() ? hair_transmits(lobe, choice) : dot(out.direction, lobe.n) < 0;

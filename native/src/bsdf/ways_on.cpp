@@ -74,6 +74,13 @@ Rgb Bsdf::smooth_share(int lobe) const {
   return l.weight * evaluate_fresnel(l.fresnel, dot(l.n, view_.wo)).transmit;
 }
 
+Rgb Bsdf::mirror_share(int lobe) const {
+  if (lobe >= lobes_.size()) return {};
+  const Lobe& l = lobes_[lobe];
+  if (!l.delta()) return {};
+  return l.weight * evaluate_fresnel(l.fresnel, dot(l.n, view_.wo)).reflect;
+}
+
 float Bsdf::smooth_chance(bool sharp) const {
   float all = 0, through = 0;
   for (const Lobe& lobe : lobes_) {

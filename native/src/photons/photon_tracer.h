@@ -242,6 +242,7 @@ class PhotonTracer {
   bool follow(Path& path, const Vertex& v, const BsdfSample& s, Vec3& origin,
               Vec3& direction) const;
   Bsdf seen_from(const Surface& side, const Vec3& wo, const RayInfo& ray) const;
+  Bsdf seen_by_next(const Vertex& v, Surface side, const Vec3& way) const;
   bool scatter_by_program(Path& path, const Surface& hit, const PhotonStart& start,
                           const Draws& draws, const SurfaceFilter& visible, Vec3& origin,
                           Vec3& direction, Photons& photons) const;

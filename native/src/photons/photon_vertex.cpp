@@ -30,10 +30,11 @@ void PhotonTracer::look_at(Path& path, Vertex& v) const {
   if (viewer_) v.ray.footprint = viewer_->footprint_by_way(hit.position, hit.distance);
   if (v.has(kProgramSubsurface) && !hit.on_strand()) v.bsdf.keep_subsurface(SubsurfaceUse::kWalks);
   scene_.shade(hit, -v.direction, v.ray, v.bsdf);
-  v.asked_back = hit.program->asks_view && !hit.on_strand() && v.bsdf.lobe_count() > 0;
+  v.asked_back = (hit.program->asks_view || hit.program->asks_length) && !hit.on_strand() &&
+                 v.bsdf.lobe_count() > 0;
   if (v.asked_back) v.bsdf.send_back();
-  v.sided = (hit.program->asks_side || hit.program->has_own_normals) && v.has(kProgramTransmits) &&
-            !hit.on_strand();
+  v.sided = (hit.program->asks_side || hit.program->has_own_normals || hit.program->asks_length) &&
+            v.has(kProgramTransmits) && !hit.on_strand();
   if (!v.sided) return;
   Bsdf from_there(Transport::kFlux, -v.direction, hit.ng, hit.ns, hit.back);
   // Seen from where the light is bent to: straight on nothing may shine through
@@ -71,9 +72,10 @@ std::optional<BsdfSample> PhotonTracer::sample(Path& path, const Vertex& v, floa
   auto s = v.sided                             ? sample_sided(path, v, choice, u)
            : stream_ == PhotonStream::kCaustic ? v.bsdf.sample_sharp(choice, u)
                                                : v.bsdf.sample(choice, u);
-  if (s && v.asked_back && !s->transmitted && s->pdf > 0) {
-    s->weight =
-        seen_from(v.hit, s->direction, v.ray).evaluate(-v.direction, nullptr) * s->per_value;
+  if (s && v.asked_back && !s->transmitted && (s->pdf > 0 || v.hit.program->asks_length)) {
+    const Bsdf seen = seen_by_next(v, v.hit, s->direction);
+    s->weight = (s->pdf > 0 ? seen.evaluate(-v.direction, nullptr) : seen.mirror_share(s->lobe)) *
+                s->per_value;
     if (is_black(s->weight)) return {};
   }
   // No viewer sees that by the same normal: CameraTracer::look_for_turned_mirrors()
@@ -108,12 +110,12 @@ std::optional<BsdfSample> PhotonTracer::sample_sided(Path& path, const Vertex& v
     through.direction = way.to;
     through.transmitted = true;
     through.weight = through.rest =
-        seen_from(Scene::other_side(v.hit), way.to, v.ray).smooth_share(way.lobe) *
+        seen_by_next(v, Scene::other_side(v.hit), way.to).smooth_share(way.lobe) *
         (way.spread / chance);
     s = through;
   } else if (s->transmitted) {
     s->weight =
-        seen_from(Scene::other_side(v.hit), s->direction, v.ray).evaluate(-v.direction, nullptr) *
+        seen_by_next(v, Scene::other_side(v.hit), s->direction).evaluate(-v.direction, nullptr) *
         s->per_value;
   }
   if (is_black(s->weight)) return {};
@@ -126,6 +128,16 @@ Bsdf PhotonTracer::seen_from(const Surface& side, const Vec3& wo, const RayInfo&
   if (side.program->features & kProgramSubsurface) bsdf.keep_subsurface(SubsurfaceUse::kWalks);
   scene_.shade(side, wo, ray, bsdf);
   return bsdf;
+}
+
+// The same, as seen from what the photon meets on that way.
+Bsdf PhotonTracer::seen_by_next(const Vertex& v, Surface side, const Vec3& way) const {
+  Surface next;
+  if (side.program->asks_length &&
+      scene_.intersect(leave(v.hit, way), way, 0, INFINITY, false, next, ray_bit(v.ray.kind),
+                       v.ray.time, v.hit.mark))
+    side.distance = next.distance;
+  return seen_from(side, way, v.ray);
 }
 
 }  // namespace photon_splat

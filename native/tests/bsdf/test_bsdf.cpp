@@ -174,6 +174,26 @@ TEST_CASE("a photon's weight follows from what a camera path sees on the way bac
       const Rgb value = make_bsdf(c, s->direction).evaluate(from, nullptr) * s->per_value;
       for (int k = 0; k < 3; ++k) CHECK(s->weight[k] == approx(value[k]).epsilon(1e-3));
     }
+  for (uint32_t i = 0; i < 40; ++i) {  // a mirror, seen in another colour from there
+    const Vec2 u = sobol_2d(i, 0, 9);
+    const auto seen_from = [](const Vec3& w, Transport transport, const Rgb& color) {
+      Bsdf bsdf(transport, w, {0, 0, 1}, {0, 0, 1}, false);
+      bsdf.add_diffuse({0.1f, 0.1f, 0.1f}, {0, 0, 1}, 0);
+      bsdf.add_glossy(color, {0, 0, 1}, Distribution::kGgx, 0, 0, 0, {});
+      bsdf.finish();
+      return bsdf;
+    };
+    const Vec3 from = direction(0.05f + 0.9f * u.x, 6.28f * u.y);
+    const auto s =
+        seen_from(from, Transport::kFlux, {0.7f, 0.7f, 0.7f}).sample(0.5f, {0.99f, 0.5f});
+    REQUIRE(s);
+    REQUIRE(s->pdf <= 0);
+    const Rgb color{0.9f, 0.4f, 0.2f};
+    const Rgb value =
+        seen_from(s->direction, Transport::kRadiance, color).mirror_share(s->lobe) * s->per_value;
+    for (int k = 0; k < 3; ++k)
+      CHECK(value[k] == approx(s->weight[k] * color[k] / 0.7f).epsilon(1e-3));
+  }
   for (uint32_t i = 0; i < 40; ++i) {  // through a smooth boundary
     const Vec2 u = sobol_2d(i, 0, 9);
     const Vec3 from = direction((i % 2 ? 1.0f : -1.0f) * (0.05f + 0.9f * u.x), 6.28f * u.y);
