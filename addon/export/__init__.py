@@ -139,7 +139,6 @@ def export_contents(
     with_labels  if the view layer asks for passes of data
     """
     from .cancelled import Watch
-    from .coarse_glass import report_coarse_glass
     from .hair_shaders import report_hair_shaders
     from .images import Textures
     from .kept import Kept
@@ -174,7 +173,6 @@ def export_contents(
         shading.programs,
     )
     report_hair_shaders(exported, report)
-    report_coarse_glass(exported, report)
     if labelled is not None:
         exported.labels = labelled.labels(
             view_layer, scene, materials.list, materials.aov_programs()

@@ -1,8 +1,7 @@
 """Random Blender scenes of what light passes through or is caught by: glass, gloss, coats, mixed
 shaders, subsurface scattering, media in things and all around. Runs inside Blender.
 
-Lights are large, so that a path tracer finds the light that sharp lobes gather. Boxes and cylinders
-are shaded flat: light through smooth ones is what docs/limitations.md says of coarse glass.
+Lights are large, so that a path tracer finds the light that sharp lobes gather.
 """
 
 from __future__ import annotations
@@ -72,7 +71,7 @@ def _thing(chance: random.Random) -> None:
     ob.rotation_euler = [chance.uniform(-3, 3) for _ in range(3)]
     ob.scale = [chance.choice([0.6, 1, 1.3])] * 3
     for face in ob.data.polygons:
-        face.use_smooth = not ob.name.startswith(("Cube", "Cylinder"))
+        face.use_smooth = True
     if chance.random() < 0.15:
         ob.scale = [1.6] * 3
         ob.data.materials.append(_cloud(chance))

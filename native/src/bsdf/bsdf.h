@@ -94,10 +94,12 @@ class Bsdf {
   // light, which caustic photons would have to be aimed at. Before finish().
   void gather_nothing() { gathers_ = false; }
   // Lobes whose normals turn towards who sees them are looked for from the surfaces that they
-  // light: photons leave them out. keep_turned(), after finish(): there is nothing but them; false
-  // if there is none.
+  // light: photons leave them out. After finish(): there is nothing but them, or nothing but lobes
+  // as smooth; false if there is none.
   void leave_out_turned() { turned_apart_ = true; }
   bool keep_turned();
+  bool keep_smooth();
+  bool has_wide_turned() const;  // that light samples find
 
   // weight: the closure's colour times the mix factors above it (what Cycles calls the closure's
   // weight). Negative or non-finite weights and parameters are made harmless here: never a NaN out.
@@ -238,6 +240,8 @@ class Bsdf {
   float ray_pdf(const Vec3& wi) const;
 
  private:
+  template <typename Kept>
+  bool keep_lobes(const Kept& kept);
   // A closure kept to be expanded again for another direction: `size` bytes of it follow.
   struct Entry {
     void (*expand)(const void* closure, const View& view, LobeList& out);

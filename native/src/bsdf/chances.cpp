@@ -108,10 +108,16 @@ void Bsdf::add_cover(const Vec3& n, float same, float through) {
   add(LobeKind::kTranslucent, through);
 }
 
-bool Bsdf::keep_turned() {
+bool Bsdf::has_wide_turned() const {
+  return std::ranges::any_of(lobes_,
+                             [](const Lobe& lobe) { return lobe.turned() && !lobe.delta(); });
+}
+
+template <typename Kept>
+bool Bsdf::keep_lobes(const Kept& kept) {
   float total = 0;
   for (Lobe& lobe : lobes_) {
-    if (!lobe.turned()) lobe.weight = {}, lobe.pick = 0;
+    if (!kept(lobe)) lobe.weight = {}, lobe.pick = 0;
     total += lobe.pick;
   }
   lobes_.drop_below();
@@ -119,6 +125,16 @@ bool Bsdf::keep_turned() {
   rest_ = total > 0;
   for (Lobe& lobe : lobes_) lobe.pick = total > 0 ? lobe.pick / total : 0;
   return total > 0;
+}
+
+bool Bsdf::keep_turned() {
+  return keep_lobes([](const Lobe& lobe) { return lobe.turned(); });
+}
+
+bool Bsdf::keep_smooth() {
+  return keep_lobes([](const Lobe& lobe) {
+    return lobe.kind == LobeKind::kFacets && lobe.roughness() <= Lobe::kTurned;
+  });
 }
 
 }  // namespace photon_splat

@@ -4,10 +4,12 @@
 #include <memory>
 
 #include "geometry/attributes.h"
+#include "geometry/bent_normals.h"
 #include "geometry/mesh_array.h"
 #include "geometry/motion.h"
 #include "geometry/strands.h"
 #include "geometry/surface_tree.h"
+#include "math/sampling.h"
 #include "textures/volume_grid.h"
 
 namespace photon_splat {
@@ -33,8 +35,9 @@ struct Mesh {
   std::unique_ptr<EdgeTree> edge_tree;
   std::unique_ptr<SurfaceTree> surface_tree;
   std::unique_ptr<Strands> strands;  // instead of triangles; slots are those of its segments
+  std::vector<float> bent;           // bent_shares()
 
-  // Makes topology and trees from the others. Throws Cancelled.
+  // Makes topology, trees and bent from the others. Throws Cancelled.
   void describe_surface(ScratchMemory& scratch, const CancelFlag& cancel);
 
   const MeshAttribute* attribute(uint32_t id) const {

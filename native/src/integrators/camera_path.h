@@ -132,7 +132,7 @@ struct CameraTracer::Path {
   bool leaves_gather_points = false;
   bool reads_light = false;    // from a viewport's cache, wherever that holds it
   bool only_mirrored = false;  // at the last vertex: diffuse light was read there
-  bool only_turned = false;    // goes on by a mirror whose normal has turned towards it, or ends
+  bool only_turned = false;    // it seeks a mirror whose normal has turned towards it
 
   Vec3 origin, direction;
   float near, far;

@@ -63,8 +63,9 @@ bool CameraTracer::scatter(Path& path, const Surface& hit, const Bsdf& bsdf,
   if (!goes_on && !bsdf.has_rest() && !lights_.wants_bsdf_ray(receiver)) return false;
   const Vec2 lobe = path.numbers(kLobePair), way = path.way();
   const auto s = bsdf.sample(lobe.x, way);
-  if (!s || (path.only_turned && !s->by_turned_normal)) return false;
-  path.only_turned = false;
+  if (!s) return false;
+  path.only_turned &= !s->by_turned_normal;
+  if (path.only_turned && last) return false;
   Rgb diffuse = s->diffuse ? s->weight : Rgb{};
   if ((path.vertex == 0 || path.only_mirrored) && bsdf.has_rest() && s->pdf > 0) {
     float pdf;

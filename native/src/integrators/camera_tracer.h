@@ -241,6 +241,7 @@ class CameraTracer {
   bool scatter(Path& path, const Surface& hit, const Bsdf& bsdf, const Receiver& receiver,
                bool continued) const;
   void look_for_turned_mirrors(const Path& path, const Surface& hit, const Bsdf& bsdf) const;
+  void seek_turned_mirror(Path& path) const;
 
   Scene& scene_;
   const Lights& lights_;

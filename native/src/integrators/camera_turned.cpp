@@ -1,7 +1,9 @@
 // What smooth glass and mirrors, and what is nearly as smooth, show of what lies along them. Their
 // normals, where bumps tell them, turn towards who sees them until they mirror the horizon: hardly
 // any photon that comes from there reaches such a viewer, so that diffuse surfaces, whose light
-// photons bring, look for it themselves.
+// photons bring, look for it themselves. So do smooth normals of a mesh as coarse as a cube.
+#include <utility>
+
 #include "integrators/camera_path.h"
 
 namespace photon_splat {
@@ -42,29 +44,46 @@ void CameraTracer::look_for_turned_mirrors(const Path& path, const Surface& hit,
   ++aside.vertex;
   if (below && scene_.media())
     scene_.media()->cross(aside.media, hit, gap_beside(hit, aside.direction), aside.info.time);
-  Surface mirror;
-  ++path.tile.rays;
-  if (!scene_.intersect(aside.origin, aside.direction, 0, INFINITY, false, mirror,
-                        ray_mask(aside.info), aside.info.time, aside.info.left) ||
-      !mirror.program || !mirror.program->turns_mirrors || mirror.on_strand())
-    return;
-  if (!aside.media.empty())
-    aside.throughput *= scene_.media()->transmittance(
-        scene_.media()->seen(aside.media, ray_mask(aside.info)), aside.origin, aside.direction, 0,
-        mirror.distance, aside.info, aside.random);
-  aside.info.length = mirror.distance;
-  aside.info.left = mirror.mark;
-  aside.info.footprint = camera_.footprint_at(aside.ray, aside.travelled + mirror.distance);
-  Bsdf glass(Transport::kRadiance, -aside.direction, mirror.ng, mirror.ns, mirror.back);
-  scene_.shade(mirror, -aside.direction, aside.info, glass);
-  if (!glass.keep_turned()) return;
-  Receiver receiver{mirror.position, {}, true, scene_.instances[mirror.instance].group};
-  receiver.ns = mirror.ns;
-  receiver.time = aside.info.time;
-  receiver.bounces = static_cast<uint16_t>(aside.vertex);
-  add_direct(aside, mirror, glass, receiver);
   aside.only_turned = true;
-  if (scatter(aside, mirror, glass, receiver, false)) follow(aside);
+  seek_turned_mirror(aside);
+}
+
+// By smooth lobes to one whose normal has turned; from there on as any path.
+void CameraTracer::seek_turned_mirror(Path& path) const {
+  Surface hit;
+  while (path.only_turned) {
+    ++path.tile.rays;
+    if (!scene_.intersect(path.origin, path.direction, 0, INFINITY, false, hit, ray_mask(path.info),
+                          path.info.time, path.info.left) ||
+        !hit.program || !(hit.program->features & kProgramSharp) || hit.on_strand())
+      return;
+    if (path.survives < 1 && path.ends(std::exchange(path.survives, 1.0f))) return;
+    if (!path.media.empty())
+      path.scale(scene_.media()->transmittance(
+          scene_.media()->seen(path.media, ray_mask(path.info)), path.origin, path.direction, 0,
+          hit.distance, path.info, path.random));
+    path.info.length = hit.distance;
+    path.info.left = hit.mark;
+    path.info.footprint = camera_.footprint_at(path.ray, path.travelled + hit.distance);
+    Receiver receiver{hit.position, {}, true, scene_.instances[hit.instance].group};
+    receiver.ns = hit.ns;
+    receiver.time = path.info.time;
+    receiver.bounces = static_cast<uint16_t>(path.vertex);
+    const auto shade = [&] {
+      Bsdf bsdf(Transport::kRadiance, -path.direction, hit.ng, hit.ns, hit.back);
+      scene_.shade(hit, -path.direction, path.info, bsdf);
+      return bsdf;
+    };
+    Bsdf glass = shade();
+    if (!glass.keep_smooth()) return;
+    if (glass.has_wide_turned()) {
+      Bsdf turned = shade();
+      turned.keep_turned();
+      add_direct(path, hit, turned, receiver);
+    }
+    if (!scatter(path, hit, glass, receiver, false)) return;
+  }
+  follow(path);
 }
 
 }  // namespace photon_splat

@@ -4,6 +4,7 @@
 namespace photon_splat {
 namespace {
 
+constexpr float kAsFlat = 0.9995f;     // cosine of normals as good as the surface's own
 constexpr float kSentThrough = 0.25f;  // of photons at glass that one side sends nothing through
 
 // Taken for those of deltas.
@@ -33,7 +34,8 @@ void PhotonTracer::look_at(Path& path, Vertex& v) const {
   v.asked_back = (hit.program->asks_view || hit.program->asks_length) && !hit.on_strand() &&
                  v.bsdf.lobe_count() > 0;
   if (v.asked_back) v.bsdf.send_back();
-  v.sided = (hit.program->asks_side || hit.program->has_own_normals || hit.program->asks_length) &&
+  v.sided = (hit.program->asks_side || hit.program->has_own_normals || hit.program->asks_length ||
+             (hit.program->on_bent_normals && dot(hit.ns, hit.ng) < kAsFlat)) &&
             v.has(kProgramTransmits) && !hit.on_strand();
   if (!v.sided) return;
   Bsdf from_there(Transport::kFlux, -v.direction, hit.ng, hit.ns, hit.back);
@@ -79,7 +81,7 @@ std::optional<BsdfSample> PhotonTracer::sample(Path& path, const Vertex& v, floa
     if (is_black(s->weight)) return {};
   }
   // No viewer sees that by the same normal: CameraTracer::look_for_turned_mirrors()
-  if (s && s->by_turned_normal && v.hit.program->turns_mirrors) return {};
+  if (s && s->by_turned_normal && v.hit.program->turns_mirrors()) return {};
   return s;
 }
 

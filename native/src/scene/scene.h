@@ -274,6 +274,7 @@ class Scene {
   };
   void make_lookups();
   void see_limits();
+  void see_bent_normals();
   bool emits(const Instance& instance) const;
   Vec3 smooth_normal(uint32_t instance, uint32_t triangle, float u, float v, float time) const;
   Surface moving_surface_at(uint32_t instance, uint32_t triangle, float u, float v, bool back,

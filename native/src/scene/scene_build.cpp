@@ -10,6 +10,8 @@
 namespace photon_splat {
 namespace {
 
+constexpr float kBentShare = 0.02f;  // of a slot's area: more is coarse
+
 bool report_progress(void* cancel, double) {
   return !static_cast<const CancelFlag*>(cancel)->is_set();
 }
@@ -188,6 +190,7 @@ void Mesh::describe_surface(ScratchMemory& scratch, const CancelFlag& cancel) {
   topology = build_topology(positions, triangles, scratch, cancel);
   edge_tree = std::make_unique<EdgeTree>(topology.edges);
   surface_tree = std::make_unique<SurfaceTree>(positions, triangles, topology, scratch, cancel);
+  bent = bent_shares(*this);
 }
 
 void Scene::commit(RTCScene scene, const CancelFlag& cancel,
@@ -372,6 +375,18 @@ void Scene::update_features() {
   strands_emit_ = false;
   for (const Instance& instance : instances)
     strands_emit_ |= meshes[instance.mesh].strands && emits(instance);
+  see_bent_normals();
+}
+
+void Scene::see_bent_normals() {
+  for (Program& program : programs) program.on_bent_normals = false;
+  for (const Instance& instance : instances) {
+    const std::vector<float>& bent = meshes[instance.mesh].bent;
+    for (uint32_t slot = 0; slot < std::min<size_t>(instance.slot_count, bent.size()); ++slot) {
+      const int program = materials[slot_materials[instance.first_material + slot]].program;
+      if (program >= 0 && bent[slot] > kBentShare) programs[program].on_bent_normals = true;
+    }
+  }
 }
 
 void Scene::make_lookups() {

@@ -49,7 +49,7 @@ void Scene::shade(const Surface& s, const Vec3& wo, const RayInfo& ray, Bsdf& bs
     if (lookups_[s.instance].strands->are_curves()) bsdf.lose_subsurface();
   }
   if (s.program) {
-    if (s.program->turns_mirrors) bsdf.leave_out_turned();
+    if (s.program->turns_mirrors()) bsdf.leave_out_turned();
     run_program(*this, *s.program, shading_point(s, wo, ray), bsdf);
   } else {
     const Vec3 front_normal = s.back ? -s.ns : s.ns;

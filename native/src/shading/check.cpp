@@ -144,19 +144,37 @@ bool bends_subsurface(nodes::Op op, const uint32_t* w) {
 
 // Whether a closure has a normal other than the surface's, which nothing need turn towards who sees
 // it.
-bool has_own_normal(const Program& program, nodes::Op op, const uint32_t* w) {
-  const auto normal = normal_of(op, w);
+bool has_own_normal(const Program& program, nodes::Op op, const uint32_t* w,
+                    std::string_view name) {
+  const auto normal = operand_of(op, w, Operand::Kind::kVector, name);
   if (!normal || !(*normal & nodes::kConstant)) return normal.has_value();
   const float* n = &program.constants[*normal & ~nodes::kConstant];
   return n[0] != 0 || n[1] != 0 || n[2] != 0;
 }
 
-// Whether such a closure mirrors, or nearly, everywhere.
-bool mirrors_by_own_normal(const Program& program, nodes::Op op, const uint32_t* w) {
-  if (op == nodes::Op::Refraction || !has_own_normal(program, op, w)) return false;
-  const auto roughness = operand_of(op, w, Operand::Kind::kFloat, "roughness");
-  return roughness && *roughness & nodes::kConstant &&
-         program.constants[*roughness & ~nodes::kConstant] <= Lobe::kTurned;
+// A closure's number of that name, if it is a constant.
+std::optional<float> constant_of(const Program& program, nodes::Op op, const uint32_t* w,
+                                 std::string_view name) {
+  const auto value = operand_of(op, w, Operand::Kind::kFloat, name);
+  if (!value || !(*value & nodes::kConstant)) return {};
+  return program.constants[*value & ~nodes::kConstant];
+}
+
+struct Mirrors {
+  bool any = false, own = false;  // by a normal that it has of its own
+};
+
+// Whether a closure mirrors, or nearly, everywhere.
+Mirrors mirrors(const Program& program, nodes::Op op, const uint32_t* w) {
+  using enum nodes::Op;
+  if (op != Glossy && op != Glass && op != Metallic && op != Principled) return {};
+  const auto smooth = [&](std::string_view roughness) {
+    return constant_of(program, op, w, roughness).value_or(1) <= Lobe::kTurned;
+  };
+  const bool base = smooth("roughness"), coat = op == Principled && smooth("coat_roughness") &&
+                                                constant_of(program, op, w, "coat_weight") != 0.0f;
+  return {base || coat, (base && has_own_normal(program, op, w, "normal")) ||
+                            (coat && has_own_normal(program, op, w, "coat_normal"))};
 }
 
 // Whether it tells from which direction the surface is seen.
@@ -201,15 +219,17 @@ void look_at_program(Program& program) {
     if (op == nodes::Op::AmbientOcclusion || op == nodes::Op::Bevel || op == nodes::Op::Raycast)
       program.features |= kProgramMeetsItself;
   }
-  program.asks_side = program.asks_view = program.has_own_normals = program.turns_mirrors =
-      program.holds_out = false;
+  program.asks_side = program.asks_view = program.has_own_normals = program.nearly_mirrors =
+      program.own_mirrors = program.holds_out = false;
   for (size_t at = 0; at < program.code.size(); at += nodes::kWords[program.code[at]]) {
     const auto op = static_cast<nodes::Op>(program.code[at]);
     program.holds_out |= op == nodes::Op::Holdout;
     program.asks_side |= asks_side(op, &program.code[at + 1]);
     program.asks_view |= asks_view(op, &program.code[at + 1]);
-    program.has_own_normals |= has_own_normal(program, op, &program.code[at + 1]);
-    program.turns_mirrors |= mirrors_by_own_normal(program, op, &program.code[at + 1]);
+    program.has_own_normals |= has_own_normal(program, op, &program.code[at + 1], "normal");
+    const Mirrors found = mirrors(program, op, &program.code[at + 1]);
+    program.nearly_mirrors |= found.any;
+    program.own_mirrors |= found.own;
   }
   program.asks_shadow = program.asks_kind = program.asks_singular = program.asks_depth =
       program.asks_ray = program.asks_length = false;

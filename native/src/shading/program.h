@@ -34,8 +34,13 @@ struct Program {
   bool asks_side = false;         // from where it is seen: what it lets through depends on the way
   bool asks_view = false;         // and what it reflects, by more than the side
   bool has_own_normals = false;   // which need not be turned towards who sees it
-  bool turns_mirrors = false;     // a smooth closure has such: Lobe::given
+  bool nearly_mirrors = false;    // a closure is smooth everywhere, or nearly
+  bool own_mirrors = false;       // such a one has a normal of its own
+  bool on_bent_normals = false;   // its surfaces' smooth normals are far off: Scene::build()
   bool bends_subsurface = false;  // light from below leaves about another normal than the surface's
+
+  // Normals of smooth closures turn towards who sees them: Lobe::given
+  bool turns_mirrors() const { return own_mirrors || (nearly_mirrors && on_bent_normals); }
 };
 
 enum ProgramFeature : uint32_t {

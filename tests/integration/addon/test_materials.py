@@ -812,22 +812,6 @@ def test_thin_walls_of_smooth_glass_let_light_straight_through() -> None:
     assert straight == [False, True, False]
 
 
-@pytest.mark.parametrize("smooth", [True, False])
-@in_blender
-def test_coarse_glass_that_is_shaded_smooth_is_named(smooth: bool) -> None:
-    import bpy
-
-    bpy.ops.mesh.primitive_cube_add()
-    cube = bpy.context.object.data
-    cube.name = "Block"
-    cube.materials.append(stage.material("Glass", kind="ShaderNodeBsdfGlass"))
-    for face in cube.polygons:
-        face.use_smooth = smooth
-    named = [text for text in stage.exported().warnings if text.startswith("Glass so coarse")]
-    assert len(named) == smooth
-    assert all("'Block'" in text for text in named)
-
-
 @in_blender
 def test_glass_that_shadow_rays_pass_is_named() -> None:
     """Light gets through it twice: straight, and as a caustic."""
