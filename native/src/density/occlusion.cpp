@@ -2,6 +2,7 @@
 
 #include <bit>
 
+#include "density/bent_occlusion.h"
 #include "density/enclosure.h"
 #include "density/kernel_mass.h"
 #include "math/sampling.h"
@@ -26,11 +27,8 @@ constexpr float kUnderWall = 0.2f;  // in h: of discs in the gap below a wall th
 constexpr float kGolden = 2.39996323f;
 // Away from walls: from one, from another that stands across the first, and once more
 constexpr int kSteps = 3;
-constexpr float kPastRim = 1.05f;   // of a disc's radius: so far from its middle a wall is to be
-constexpr float kFurthest = 3;      // of it: so far a disc may be moved
-constexpr float kBentReach = 0.7f;  // of a bent disc's radius: further off it has little weight
-// In distances: the patch is looked for so far behind what has been met
-constexpr float kBeyond = 0.1f;
+constexpr float kPastRim = 1.05f;  // of a disc's radius: so far from its middle a wall is to be
+constexpr float kFurthest = 3;     // of it: so far a disc may be moved
 
 // The part of a kernel (Epanechnikov) within the share s of its radius.
 float mass_within(float s) {
@@ -193,8 +191,10 @@ DiscOcclusion disc_occlusion(const Scene& scene, uint32_t instance, uint32_t tri
   DiscOcclusion out{0, 0, h};
   const Topology& topology = scene.meshes[scene.instances[instance].mesh].topology;
   const uint32_t patch = topology.patch[triangle];
-  // Rays along the tangent plane tell little of a bent surface
-  if (!topology.planar[patch]) return out;
+  if (!topology.planar[patch]) {
+    hide_in_bent_disc(scene, instance, triangle, key, x, normal, h, seed, out);
+    return out;
+  }
   const RayMask kinds = scene.keeping_off(instance);
   const Basis basis(normal);
   const float turn = to_unit_float(hash32(seed));
@@ -259,50 +259,6 @@ bool step_clear_of_walls(const Scene& scene, uint32_t instance, uint32_t triangl
     x = y;
     near = there;
     return true;
-  }
-  return false;
-}
-
-bool stands_in_bent_disc(const Scene& scene, uint32_t instance, uint32_t triangle, uint32_t key,
-                         const Vec3& x, const Vec3& normal, float h) {
-  const Instance& placed = scene.instances[instance];
-  const RayMask kinds = scene.keeping_off(instance);
-  const float curvature = scene.meshes[placed.mesh].topology.curvature_of(triangle) / placed.scale;
-  const float tilt = std::min(0.5f * curvature * h, 0.5f);  // to where the surface is at the rim
-  const Basis basis(normal);
-  const Vec3 origin = x + normal * std::max(kHeight * h, ray_epsilon(x, h));
-  const float turn =
-      2 * kPi *
-      to_unit_float(hash_combine(std::bit_cast<uint32_t>(x.x), std::bit_cast<uint32_t>(x.y)));
-  Vec3 origins[Scene::kPacket], ways[Scene::kPacket];
-  for (uint32_t k = 0; k < Scene::kPacket; ++k) {
-    const float angle = turn + 2 * kPi * static_cast<float>(k) / Scene::kPacket;
-    origins[k] = origin;
-    ways[k] = normalize(basis.to_world({std::cos(angle), std::sin(angle), k % 2 ? -tilt : 0}));
-  }
-  const auto patch_below = [&](const Vec3& place, Surface& found) {
-    return scene.intersect(place, -normal, 0, h, false, found) && (found.key | 1u) == (key | 1u);
-  };
-  Surface hits[Scene::kPacket];
-  for (unsigned met = scene.intersect_packet(origins, ways, Scene::kPacket, hits, kinds); met;
-       met &= met - 1) {
-    const int k = std::countr_zero(met);
-    const Surface& hit = hits[k];
-    if (hit.distance >= kBentReach * h || (hit.key | 1u) == (key | 1u)) continue;
-    // What has been met may hang over the surface, or stand beside a fold of it: only what also
-    // parts the surface under it stands in the disc.
-    Surface before, behind, wall;
-    const float to_before = std::max(0.0f, hit.distance - kBeyond * h);
-    if (!patch_below(origin + ways[k] * (hit.distance + kBeyond * h), behind) ||
-        !patch_below(origin + ways[k] * to_before, before))
-      continue;
-    const float above = std::max(kHeight * h, ray_epsilon(x, h));
-    const Vec3 from = before.position + normal * above;
-    const Vec3 way = behind.position + normal * above - from;
-    const float distance = length(way);
-    if (distance > 0 && scene.intersect(from, way / distance, 0, distance, false, wall, kinds) &&
-        (wall.key | 1u) != (key | 1u))
-      return true;
   }
   return false;
 }

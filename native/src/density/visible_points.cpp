@@ -41,8 +41,9 @@ float quantized(float h) { return std::exp2(std::round(std::log2(h) * 4) / 4); }
 // whether an edge cuts the disc.
 bool divide_by_mass(PointBlock& block, uint32_t lane, KernelMass m, const DiscOcclusion& inside) {
   const bool cut = m.mass < kWhole;
-  m.mass = std::max(m.mass - inside.hidden, kLeastUnhidden * m.mass);
-  m.narrow = std::max(m.narrow - inside.narrow_hidden, kLeastUnhidden * m.narrow);
+  m.mass = std::max((1 - inside.hidden_share) * m.mass - inside.hidden, kLeastUnhidden * m.mass);
+  m.narrow = std::max((1 - inside.narrow_hidden_share) * m.narrow - inside.narrow_hidden,
+                      kLeastUnhidden * m.narrow);
   if (!m.exact) {
     m.mass = std::max(m.mass, kTrustedMass);
     m.narrow = std::max(m.narrow, kTrustedMass);
@@ -60,6 +61,7 @@ void VisiblePoints::build(Scene& scene, const GatherPoints& gather_points, const
   find_cells(scene, gather_points, radii, settings, pass, seed, cancel);
   pick_points(scene, cancel);
   looks_.clear();
+  looks_at_bent_ = settings.caustics;
   if (settings.occlusion) split_at_walls(scene, gather_points, cancel);
   fill_blocks(scene, gather_points, cancel);
 }
@@ -198,7 +200,8 @@ VisiblePoints::Look VisiblePoints::look(Scene& scene, const GatherPoint& r, floa
   const uint32_t seed = hash_of(r.position);
   Look look;
   look.region = ClearRegions::region(r.key, r.position, h);
-  look.done = clear_regions_.to_look_at(look.region, hash32(seed));
+  look.done = (looks_at_bent_ || scene.is_planar(r.instance, r.triangle)) &&
+              clear_regions_.to_look_at(look.region, hash32(seed));
   look.found = look.done
                    ? disc_occlusion(scene, r.instance, r.triangle, r.key, r.position, r.ng, h, seed)
                    : DiscOcclusion{0, 0, h};
@@ -339,7 +342,7 @@ void VisiblePoints::correct_boundaries(Scene& scene, const CancelFlag& cancel) {
       float h = 1 / std::sqrt(block.inverse_h2[lane]);
       DiscOcclusion inside{0, 0, h};
       if (!looks_.empty()) inside = looks_[i].found;
-      obstructed.fetch_add(inside.hidden > 0 || inside.clear < h, std::memory_order_relaxed);
+      obstructed.fetch_add(inside.hides() || inside.clear < h, std::memory_order_relaxed);
       if (inside.clear >= h && has_exact_mass(scene, instance, triangle, h)) {
         waiting_[i] = 1;
         continue;

@@ -72,7 +72,7 @@ class VisiblePoints {
     uint64_t region = 0;
     bool done = false;
     DiscOcclusion found;
-    bool clear(float h) const { return !(found.hidden > 0 || found.clear < h); }
+    bool clear(float h) const { return !(found.hides() || found.clear < h); }
   };
   struct Cell {
     uint64_t hash;
@@ -91,6 +91,8 @@ class VisiblePoints {
   std::vector<Cell> cells_;
   std::vector<Point> points_;
   // Per point, first as they are found, then in block order; none without occlusion
+  // Where things stand in bent discs, paths bring all light but caustics
+  bool looks_at_bent_ = false;
   std::vector<Look> looks_;
   // Instance and triangle per point, in block order
   std::vector<std::pair<uint32_t, uint32_t>> places_;

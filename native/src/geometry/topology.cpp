@@ -101,6 +101,8 @@ class Joiner {
   Vec3 from(uint32_t half) const { return positions_[begin(half)]; }
   Vec3 to(uint32_t half) const { return positions_[end(half)]; }
 
+  bool closed() const { return single_.empty(); }
+
   // Calls visit(half-edge) for those where a patch ends. A crease between triangles that are joined
   // some other way round is no end: photons beyond it count.
   template <class Visit>
@@ -241,6 +243,7 @@ Topology build_topology(std::span<const Vec3> positions, std::span<const Triangl
   Joiner joiner(positions, triangles, scratch, out, cancel);
   joiner.measure_triangles();
   joiner.join_edges();
+  out.closed = joiner.closed();
   const std::vector<uint32_t> root = number_patches(out.patch);
   const size_t patches = root.size();
 

@@ -34,6 +34,7 @@ struct Topology {
   std::vector<float> patch_area, patch_rim;  // m^2; length of its boundary, m: in mesh coordinates
   std::vector<BoundaryEdge> edges;           // sorted by patch
   std::vector<uint32_t> first_edge;          // per patch, and one past the end
+  bool closed = false;                       // every edge has two sides, and they face one way
 
   float curvature_of(uint32_t triangle) const {
     return curvature.empty() ? 0.0f : curvature[triangle];

@@ -1,7 +1,7 @@
 #include "integrators/indirect_strategy.h"
 
+#include "density/bent_occlusion.h"
 #include "density/kernel_mass.h"
-#include "density/occlusion.h"
 
 namespace photon_splat {
 namespace {
@@ -15,8 +15,7 @@ constexpr float kAcross = 1.7f;
 }  // namespace
 
 bool IndirectStrategy::bent(uint32_t instance, uint32_t triangle) const {
-  const Topology& topology = scene_.meshes[scene_.instances[instance].mesh].topology;
-  return !topology.planar[topology.patch[triangle]];
+  return !scene_.is_planar(instance, triangle);
 }
 
 float IndirectStrategy::disc_radius(uint32_t key, const Vec3& x, uint32_t instance,

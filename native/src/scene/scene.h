@@ -220,6 +220,11 @@ class Scene {
   const Material& material_of(uint32_t instance, uint32_t triangle) const;
   // Whether a hit's mesh is so coarse that shadow rays from below its smooth horizon matter.
   bool bent(const Surface& surface) const;
+  // Whether the patch that a triangle belongs to lies in a plane.
+  bool is_planar(uint32_t instance, uint32_t triangle) const {
+    const Topology& topology = meshes[instances[instance].mesh].topology;
+    return topology.planar[topology.patch[triangle]];
+  }
   bool smooth(const Surface& surface) const { return lookups_[surface.instance].normals_mask; }
   // The surface's own place, or one beyond it where its mesh is too coarse for its smooth normals.
   Vec3 shadow_ray_origin(const Surface& surface, const Vec3& to_light,

@@ -10,7 +10,7 @@
 namespace photon_splat {
 namespace {
 
-constexpr float kBentShare = 0.02f;  // of a slot's area: more is coarse
+constexpr float kBentShare = 0.25f;  // of a slot's area: more is coarse
 
 bool report_progress(void* cancel, double) {
   return !static_cast<const CancelFlag*>(cancel)->is_set();

@@ -74,6 +74,26 @@ float mass_beyond(float distance, float h) {
   return 1 - kernel_mass(scene, s.instance, s.triangle, s.position, s.ng, h).mass;
 }
 
+// Of a unit ball about (0, -1, 0), with another one at x = `apart`; a mean over turns of the
+// probes.
+float hidden_of_ball(float apart, float h, bool closed) {
+  Scene scene(1);
+  std::vector<Mesh> balls;
+  balls.push_back(make_sphere(48, 96));
+  balls.push_back(make_sphere(48, 96));
+  if (!closed) balls[1].triangles.own().pop_back();
+  for (Vec3& p : balls[1].positions) p.x += apart;
+  fill_all(scene, std::move(balls));
+  Surface s;
+  REQUIRE(scene.intersect({-1e-3f, -5, 0.01f}, {0, 1, 0}, 0, 100, true, s));
+  REQUIRE(s.instance == 0);
+  float sum = 0;
+  for (uint32_t i = 0; i < 64; ++i)
+    sum +=
+        disc_occlusion(scene, s.instance, s.triangle, s.key, s.position, s.ng, h, i).hidden_share;
+  return sum / 64;
+}
+
 }  // namespace
 
 TEST_CASE("a box on the floor hides what lies under it, and no more") {
@@ -185,4 +205,16 @@ TEST_CASE("light comes in under a board that hovers higher, and one that shines 
   shining.materials[0].front.emission = shining.materials[0].back.emission = {1, 1, 1};
   fill_all(shining, floor_and(make_box({0.5f, -1, 0.001f}, {2, 2, 0.004f})));
   CHECK(at_floor(shining, 0.45f, 0.5f, 0.2f).hidden == 0);
+}
+
+TEST_CASE("of balls that run into each other what lies inside is hidden") {
+  const float h = 0.3f;
+  for (const float apart : {0.1f, 0.2f, 0.4f}) {
+    CAPTURE(apart);
+    const float expected = mass_beyond(apart / 2, h);
+    CHECK(std::abs(hidden_of_ball(apart, h, true) - expected) < 0.06f);
+    CHECK(hidden_of_ball(apart, h, true) > 0.6f * expected);
+  }
+  CHECK(hidden_of_ball(0.7f, h, true) == 0);
+  CHECK(hidden_of_ball(0.2f, h, false) == 0);  // light may come into an open one
 }

@@ -1,0 +1,204 @@
+#include "density/bent_occlusion.h"
+
+#include <bit>
+
+#include "density/enclosure.h"
+#include "density/kernel_mass.h"
+#include "math/sampling.h"
+
+namespace photon_splat {
+namespace {
+
+constexpr float kHeight = 0.03f;  // of ways over the surface, in h
+constexpr float kReach = 0.7f;    // of a disc's radius: further off it has little weight
+// In distances: the patch is looked for so far behind what has been met
+constexpr float kBeyond = 0.1f;
+constexpr int kScouts = 16, kProbes = 64;
+// The mass divides: where little of it is left, as many rounds of probes as leave enough of them
+constexpr int kRounds = 5, kEnough = 24;
+constexpr int kWays = 8;          // to the rim, that look for other things
+constexpr float kClose = 0.005f;  // of ways that tell what is inside, in h over the surface
+constexpr float kGolden = 2.39996323f;
+constexpr float kLeastCosine = 0.2f;  // between the normals of a disc
+constexpr int kMostSteps = 16;        // of a way: surfaces that it goes through
+
+// A disc, and rays just over the surface about its middle.
+struct BentDisc {
+  BentDisc(const Scene& s, uint32_t instance, uint32_t triangle, uint32_t surface_key,
+           const Vec3& middle, const Vec3& n, float radius)
+      : scene(s),
+        kinds(s.keeping_off(instance)),
+        key(surface_key),
+        x(middle),
+        h(radius),
+        height(std::max(kHeight * radius, ray_epsilon(middle, radius))),
+        basis(n) {
+    const Instance& placed = scene.instances[instance];
+    const float curvature =
+        scene.meshes[placed.mesh].topology.curvature_of(triangle) / placed.scale;
+    tilt = std::min(0.5f * curvature * h, 0.5f);
+  }
+
+  const Vec3& normal() const { return basis.normal; }
+  Vec3 origin() const { return x + normal() * height; }
+  float close() const { return std::max(kClose * h, ray_epsilon(x, h)); }
+  bool is_own(const Surface& hit) const { return (hit.key | 1u) == (key | 1u); }
+
+  // By turns level and a little downwards, as the patch may bend away.
+  void aim(float turn, Vec3 ways[Scene::kPacket]) const {
+    for (uint32_t k = 0; k < Scene::kPacket; ++k)
+      ways[k] = way(turn + 2 * kPi * static_cast<float>(k) / Scene::kPacket, k % 2 ? tilt : 0);
+  }
+  Vec3 way(float angle, float down) const {
+    return normalize(basis.to_world({std::cos(angle), std::sin(angle), -down}));
+  }
+
+  // What those rays meet, as bits.
+  unsigned meet(const Vec3 ways[Scene::kPacket], Surface hits[Scene::kPacket]) const {
+    Vec3 origins[Scene::kPacket];
+    std::fill_n(origins, Scene::kPacket, origin());
+    return scene.intersect_packet(origins, ways, Scene::kPacket, hits, kinds);
+  }
+
+  const Scene& scene;
+  RayMask kinds;
+  uint32_t key;
+  Vec3 x;
+  float h, height;
+  Basis basis;
+  float tilt = 0;  // to where the surface is at the rim
+};
+
+// Calls met(surface) for what lies on the way from one place to another, one after the other, until
+// it says true: then this is true, too.
+template <class Met>
+bool walk(const Scene& scene, RayMask kinds, const Vec3& from, const Vec3& way, float far,
+          Met&& met) {
+  float near = 0;
+  Surface hit;
+  for (int step = 0; step < kMostSteps; ++step) {
+    if (!scene.intersect(from, way, near, far, false, hit, kinds)) return false;
+    if (met(hit)) return true;
+    near = hit.distance + ray_epsilon(hit.position, hit.distance);
+  }
+  return false;
+}
+
+// Whether anything else is on the ways to the rim of the patch, which go under it where it bends.
+bool meets_others(const BentDisc& disc, float turn) {
+  const Vec3 from = disc.x + disc.normal() * disc.close();
+  for (int k = 0; k < kWays; ++k) {
+    const float angle = turn + 2 * kPi * static_cast<float>(k) / kWays;
+    if (walk(disc.scene, disc.kinds, from, disc.way(angle, disc.tilt), disc.h,
+             [&](const Surface& hit) { return !disc.is_own(hit); }))
+      return true;
+  }
+  return false;
+}
+
+// The place of the patch under an offset from x in its tangent plane.
+bool place_on_patch(const BentDisc& disc, const Vec3& offset, Surface& found) {
+  const Vec3 over = disc.x + disc.basis.to_world(offset) + disc.normal() * disc.h;
+  return walk(disc.scene, disc.kinds, over, -disc.normal(), 2 * disc.h, [&](const Surface& hit) {
+    if (!disc.is_own(hit) || dot(hit.ng, disc.normal()) < kLeastCosine) return false;
+    found = hit;
+    return true;
+  });
+}
+
+// Whether the way from over x to over that place ends inside of something closed that lets no light
+// through.
+bool is_inside(const BentDisc& disc, const Surface& place) {
+  const Vec3 from = disc.x + disc.normal() * disc.close(),
+             way = place.position + place.ng * disc.close() - from;
+  const float distance = length(way);
+  if (!(distance > 0)) return false;
+  struct Entered {
+    uint32_t instance;
+    int times;
+  } entered[kMostSteps];
+  int count = 0;
+  walk(disc.scene, disc.kinds, from, way / distance, distance, [&](const Surface& hit) {
+    const Mesh& mesh = disc.scene.meshes[disc.scene.instances[hit.instance].mesh];
+    if (hit.on_strand() || !mesh.topology.closed || !is_dark(disc.scene, hit, -way / distance))
+      return false;
+    int i = 0;
+    while (i < count && entered[i].instance != hit.instance) ++i;
+    if (i == count) entered[count++] = {hit.instance, 0};
+    entered[i].times += hit.back ? -1 : 1;
+    return false;
+  });
+  return std::any_of(entered, entered + count, [](const Entered& e) { return e.times != 0; });
+}
+
+}  // namespace
+
+bool stands_in_bent_disc(const Scene& scene, uint32_t instance, uint32_t triangle, uint32_t key,
+                         const Vec3& x, const Vec3& normal, float h) {
+  const BentDisc disc(scene, instance, triangle, key, x, normal, h);
+  const Vec3 origin = disc.origin();
+  const auto patch_below = [&](const Vec3& place, Surface& found) {
+    return scene.intersect(place, -normal, 0, h, false, found) && disc.is_own(found);
+  };
+  Vec3 ways[Scene::kPacket];
+  const uint32_t draw = hash_combine(std::bit_cast<uint32_t>(x.x), std::bit_cast<uint32_t>(x.y));
+  disc.aim(2 * kPi * to_unit_float(draw), ways);
+  Surface hits[Scene::kPacket];
+  for (unsigned met = disc.meet(ways, hits); met; met &= met - 1) {
+    const int k = std::countr_zero(met);
+    const Surface& hit = hits[k];
+    if (hit.distance >= kReach * h || disc.is_own(hit)) continue;
+    // What has been met may hang over the surface, or stand beside a fold of it: only what also
+    // parts the surface under it stands in the disc.
+    Surface before, behind, wall;
+    const float to_before = std::max(0.0f, hit.distance - kBeyond * h);
+    if (!patch_below(origin + ways[k] * (hit.distance + kBeyond * h), behind) ||
+        !patch_below(origin + ways[k] * to_before, before))
+      continue;
+    const Vec3 from = before.position + normal * disc.height;
+    const Vec3 way = behind.position + normal * disc.height - from;
+    const float distance = length(way);
+    if (distance > 0 &&
+        scene.intersect(from, way / distance, 0, distance, false, wall, disc.kinds) &&
+        !disc.is_own(wall))
+      return true;
+  }
+  return false;
+}
+
+void hide_in_bent_disc(const Scene& scene, uint32_t instance, uint32_t triangle, uint32_t key,
+                       const Vec3& x, const Vec3& normal, float h, uint32_t seed,
+                       DiscOcclusion& out) {
+  const BentDisc disc(scene, instance, triangle, key, x, normal, h);
+  Random random(seed, 0xbe47);
+  const float turn = 2 * kPi * random.next();
+  if (!meets_others(disc, turn)) return;
+  double all = 0, hidden = 0, all_narrow = 0, hidden_narrow = 0;
+  int open = 0;
+  for (int k = 0; k < kScouts + kRounds * kProbes; ++k) {
+    if (k == kScouts && !(hidden > 0)) return;
+    const int place = k < kScouts ? k : (k - kScouts) % kProbes,
+              of = k < kScouts ? kScouts : kProbes;
+    if (k > kScouts && place == 0 && open >= kEnough) break;
+    // Each stands for as much of a flat disc's kernel; the scouts go all over it, and so does each
+    // round
+    const float s2 = 1 - std::sqrt(1 - (static_cast<float>(place) + 0.5f) / static_cast<float>(of));
+    const float angle = turn + kGolden * static_cast<float>(k), s = h * std::sqrt(s2);
+    Surface y;
+    if (!place_on_patch(disc, {s * std::cos(angle), s * std::sin(angle), 0}, y)) continue;
+    const float far2 = length2(y.position - x) / (h * h), n2 = sqr(kNarrow);
+    if (far2 >= 1) continue;
+    const float per_kernel = 1 / ((1 - s2) * dot(y.ng, normal));
+    const float weight = (1 - far2) * per_kernel,
+                narrow = std::max(1 - far2 / n2, 0.0f) * per_kernel;
+    const bool inside = is_inside(disc, y);
+    all += weight;
+    all_narrow += narrow;
+    if (inside) hidden += weight, hidden_narrow += narrow;
+    open += !inside;
+  }
+  if (all > 0) out.hidden_share = static_cast<float>(hidden / all);
+  if (all_narrow > 0) out.narrow_hidden_share = static_cast<float>(hidden_narrow / all_narrow);
+}
+
+}  // namespace photon_splat
