@@ -144,6 +144,8 @@ def export_contents(
     from .kept import Kept
     from .labels import Labelled, aovs, wanted
     from .materials import Materials, Shading
+    from .nodes.aovs import report_aovs_of_world
+    from .nodes.links import uses_nodes
     from .objects import Objects
     from .world import export_world
 
@@ -174,6 +176,9 @@ def export_contents(
     )
     report_hair_shaders(exported, report)
     if labelled is not None:
+        if world is not None and uses_nodes(world):
+            names = (name for name, _ in aovs(view_layer))
+            report_aovs_of_world(world, world.node_tree, names, report)
         exported.labels = labelled.labels(
             view_layer, scene, materials.list, materials.aov_programs()
         )

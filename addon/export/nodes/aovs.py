@@ -1,9 +1,11 @@
-"""AOV Output nodes of a material, in its own tree and in its groups."""
+"""AOV Output nodes of a material or a world, in its own tree and in its groups."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
+from ..report import Report
 from .holding import Holding, has_tree
 from .trees import Groups
 
@@ -30,3 +32,9 @@ class AovOutputs:
                 elif has_tree(node) and self._writing.holds(node.node_tree):
                     waiting.append((node.node_tree, (*groups, node)))
         return found
+
+
+def report_aovs_of_world(world: Any, tree: Any, passes: Iterable[str], report: Report) -> None:
+    """Names those that write to a pass: data are of surfaces alone."""
+    for name in sorted(AovOutputs().found(tree).keys() & set(passes)):
+        report.warn(f"World '{world.name}': AOV Output gives nothing to the pass {{}}", name)

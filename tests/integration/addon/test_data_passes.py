@@ -306,6 +306,21 @@ def test_outputs_in_groups_and_of_one_name_are_added() -> None:
 
 
 @in_blender
+def test_a_worlds_outputs_are_named() -> None:
+    made = _board()
+    layer = made.view_layers[0]
+    layer.aovs.add().name = "Tint"
+    stage.world(1.0)
+    for aov in ("Tint", "Nobody's"):
+        made.world.node_tree.nodes.new("ShaderNodeOutputAOV").aov_name = aov
+    for wanted in (True, False):
+        said = [text for text in stage.exported().warnings if "AOV Output" in text]
+        assert len(said) == wanted
+        assert all("'Tint'" in text for text in said)
+        layer.aovs[0].name = "Shade"
+
+
+@in_blender
 def test_blenders_cryptomatte_node_picks_an_object(tmp_path: str) -> None:
     import bpy
     import OpenImageIO as oiio
