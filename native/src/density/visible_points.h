@@ -91,9 +91,8 @@ class VisiblePoints {
   std::vector<Cell> cells_;
   std::vector<Point> points_;
   // Per point, first as they are found, then in block order; none without occlusion
-  // Where things stand in bent discs, paths bring all light but caustics
-  bool looks_at_bent_ = false;
   std::vector<Look> looks_;
+  bool looks_at_bent_ = false;  // else paths bring the light where things stand in bent discs
   // Instance and triangle per point, in block order
   std::vector<std::pair<uint32_t, uint32_t>> places_;
   std::vector<uint8_t> waiting_;  // by point, in block order: its mass is found once it has photons
