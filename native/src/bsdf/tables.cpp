@@ -38,7 +38,7 @@ struct Disk {
   Disk() {
     for (int i = 0; i < N; ++i) {
       const float r = std::sqrt((static_cast<float>(i) + 0.5f) / N),
-                  phi = 2.39996323f * static_cast<float>(i);
+                  phi = kGoldenAngle * static_cast<float>(i);
       points[i] = {r * std::cos(phi), r * std::sin(phi)};
     }
   }

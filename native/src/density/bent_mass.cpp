@@ -152,18 +152,20 @@ struct Sum {
 
 }  // namespace
 
-Masses bent_mass(const Scene& scene, uint32_t instance, uint32_t triangle, const Vec3& x,
-                 const Vec3& normal, float h) {
-  const Instance& placed = scene.instances[instance];
-  const Mesh& mesh = scene.meshes[placed.mesh];
-  Sum sum{scene, placed, mesh, x, normal, h};
+float side_of_patch(const Instance& placed, const Mesh& mesh, uint32_t triangle,
+                    const Vec3& normal) {
   const Triangle& t = mesh.triangles[triangle];
   const Vec3 a = placed.to_world.point(mesh.positions[t[0]]);
   const Vec3 own = cross(placed.to_world.point(mesh.positions[t[1]]) - a,
                          placed.to_world.point(mesh.positions[t[2]]) - a);
-  // A patch has one side towards the viewer; `normal` is on it, so that the triangles' fronts all
-  // agree or all disagree.
-  sum.side = (dot(own, normal) >= 0) != placed.mirrored ? 1.0f : -1.0f;
+  return (dot(own, normal) >= 0) != placed.mirrored ? 1.0f : -1.0f;
+}
+
+Masses bent_mass(const Scene& scene, uint32_t instance, uint32_t triangle, const Vec3& x,
+                 const Vec3& normal, float h) {
+  const Instance& placed = scene.instances[instance];
+  const Mesh& mesh = scene.meshes[placed.mesh];
+  Sum sum{scene, placed, mesh, x, normal, h, side_of_patch(placed, mesh, triangle, normal)};
   if (placed.shared) {
     const Vec3 c[3] = {placed.to_world.column(0), placed.to_world.column(1),
                        placed.to_world.column(2)};

@@ -12,4 +12,9 @@ namespace photon_splat {
 Masses bent_mass(const Scene& scene, uint32_t instance, uint32_t triangle, const Vec3& x,
                  const Vec3& normal, float h);
 
+// A patch has one side towards the viewer: 1 where `normal`, at a place of `triangle`, is on the
+// front of its triangles in world space, -1 on their back.
+float side_of_patch(const Instance& placed, const Mesh& mesh, uint32_t triangle,
+                    const Vec3& normal);
+
 }  // namespace photon_splat

@@ -2,9 +2,9 @@
 
 #include <bit>
 
+#include "density/bent_mass.h"
+#include "density/bent_places.h"
 #include "density/enclosure.h"
-#include "density/kernel_mass.h"
-#include "math/sampling.h"
 
 namespace photon_splat {
 namespace {
@@ -13,14 +13,13 @@ constexpr float kHeight = 0.03f;  // of ways over the surface, in h
 constexpr float kReach = 0.7f;    // of a disc's radius: further off it has little weight
 // In distances: the patch is looked for so far behind what has been met
 constexpr float kBeyond = 0.1f;
-constexpr int kScouts = 16, kProbes = 64;
-// The mass divides: where little of it is left, as many rounds of probes as leave enough of them
-constexpr int kRounds = 5, kEnough = 24;
-constexpr int kWays = 8;          // to the rim, that look for other things
-constexpr float kClose = 0.005f;  // of ways that tell what is inside, in h over the surface
-constexpr float kGolden = 2.39996323f;
-constexpr float kLeastCosine = 0.2f;  // between the normals of a disc
-constexpr int kMostSteps = 16;        // of a way: surfaces that it goes through
+// The mass divides: probes until so many have been in the open, as the number that it takes is in
+// the mean what it is to be divided by
+constexpr int kEnough = 4, kMostProbes = 96, kMostDraws = 1024;
+constexpr int kWays = 8;             // to the rim, that look for other things
+constexpr float kMostOverOpen = 10;  // whatever the probes say
+constexpr float kClose = 0.001f;     // of ways that tell what is inside, in h over the surface
+constexpr int kMostSteps = 16;       // of a way: surfaces that it goes through
 
 // A disc, and rays just over the surface about its middle.
 struct BentDisc {
@@ -96,21 +95,11 @@ bool meets_others(const BentDisc& disc, float turn) {
   return false;
 }
 
-// The place of the patch under an offset from x in its tangent plane.
-bool place_on_patch(const BentDisc& disc, const Vec3& offset, Surface& found) {
-  const Vec3 over = disc.x + disc.basis.to_world(offset) + disc.normal() * disc.h;
-  return walk(disc.scene, disc.kinds, over, -disc.normal(), 2 * disc.h, [&](const Surface& hit) {
-    if (!disc.is_own(hit) || dot(hit.ng, disc.normal()) < kLeastCosine) return false;
-    found = hit;
-    return true;
-  });
-}
-
 // Whether the way from over x to over that place ends inside of something closed that lets no light
 // through.
-bool is_inside(const BentDisc& disc, const Surface& place) {
+bool is_inside(const BentDisc& disc, const BentPlaces::Place& place) {
   const Vec3 from = disc.x + disc.normal() * disc.close(),
-             way = place.position + place.ng * disc.close() - from;
+             way = place.position + place.normal * disc.close() - from;
   const float distance = length(way);
   if (!(distance > 0)) return false;
   struct Entered {
@@ -166,39 +155,31 @@ bool stands_in_bent_disc(const Scene& scene, uint32_t instance, uint32_t triangl
   return false;
 }
 
-void hide_in_bent_disc(const Scene& scene, uint32_t instance, uint32_t triangle, uint32_t key,
-                       const Vec3& x, const Vec3& normal, float h, uint32_t seed,
-                       DiscOcclusion& out) {
+OverOpen over_open_share(const Scene& scene, uint32_t instance, uint32_t triangle, uint32_t key,
+                         const Vec3& x, const Vec3& normal, float h, uint32_t seed) {
   const BentDisc disc(scene, instance, triangle, key, x, normal, h);
   Random random(seed, 0xbe47);
-  const float turn = 2 * kPi * random.next();
-  if (!meets_others(disc, turn)) return;
-  double all = 0, hidden = 0, all_narrow = 0, hidden_narrow = 0;
-  int open = 0;
-  for (int k = 0; k < kScouts + kRounds * kProbes; ++k) {
-    if (k == kScouts && !(hidden > 0)) return;
-    const int place = k < kScouts ? k : (k - kScouts) % kProbes,
-              of = k < kScouts ? kScouts : kProbes;
-    if (k > kScouts && place == 0 && open >= kEnough) break;
-    // Each stands for as much of a flat disc's kernel; the scouts go all over it, and so does each
-    // round
-    const float s2 = 1 - std::sqrt(1 - (static_cast<float>(place) + 0.5f) / static_cast<float>(of));
-    const float angle = turn + kGolden * static_cast<float>(k), s = h * std::sqrt(s2);
-    Surface y;
-    if (!place_on_patch(disc, {s * std::cos(angle), s * std::sin(angle), 0}, y)) continue;
-    const float far2 = length2(y.position - x) / (h * h), n2 = sqr(kNarrow);
-    if (far2 >= 1) continue;
-    const float per_kernel = 1 / ((1 - s2) * dot(y.ng, normal));
-    const float weight = (1 - far2) * per_kernel,
-                narrow = std::max(1 - far2 / n2, 0.0f) * per_kernel;
-    const bool inside = is_inside(disc, y);
-    all += weight;
-    all_narrow += narrow;
-    if (inside) hidden += weight, hidden_narrow += narrow;
-    open += !inside;
+  if (!meets_others(disc, 2 * kPi * random.next())) return {};
+  const BentPlaces places(scene, instance, triangle, x, normal, h);
+  Masses all, open;
+  int probes = 0, opened = 0;
+  for (int draw = 0; draw < kMostDraws && probes < kMostProbes && opened < kEnough; ++draw) {
+    BentPlaces::Place y;
+    if (!places.draw(random, y)) continue;
+    ++probes;
+    // Of the narrow kernel, as a share of the other
+    const double narrow =
+        y.weight * std::max(1 - y.distance2 / sqr(kNarrow), 0.0f) / (1 - y.distance2);
+    all.wide += y.weight, all.narrow += narrow;
+    if (is_inside(disc, y)) continue;
+    ++opened;
+    open.wide += y.weight, open.narrow += narrow;
   }
-  if (all > 0) out.hidden_share = static_cast<float>(hidden / all);
-  if (all_narrow > 0) out.narrow_hidden_share = static_cast<float>(hidden_narrow / all_narrow);
+  const auto over = [](double whole, double part) {
+    return static_cast<float>(whole < kMostOverOpen * part ? whole / part : kMostOverOpen);
+  };
+  if (!(all.wide > 0)) return {};
+  return {over(all.wide, open.wide), all.narrow > 0 ? over(all.narrow, open.narrow) : 1.0f};
 }
 
 }  // namespace photon_splat

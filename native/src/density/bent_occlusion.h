@@ -1,7 +1,7 @@
 // What stands inside a kernel disc on a bent patch.
 #pragma once
 
-#include "density/occlusion.h"
+#include "scene/scene.h"
 
 namespace photon_splat {
 
@@ -11,11 +11,14 @@ namespace photon_splat {
 bool stands_in_bent_disc(const Scene& scene, uint32_t instance, uint32_t triangle, uint32_t key,
                          const Vec3& x, const Vec3& normal, float h);
 
-// Sets the shares of the kernels about x that lie inside of other closed things: of balls that run
-// into each other the parts that no photon reaches. A place of the patch is inside of what the way
-// there, close over the surface, enters and does not leave.
-void hide_in_bent_disc(const Scene& scene, uint32_t instance, uint32_t triangle, uint32_t key,
-                       const Vec3& x, const Vec3& normal, float h, uint32_t seed,
-                       DiscOcclusion& out);
+// One over the shares of the kernels of radius h and kNarrow * h about x that do not lie inside of
+// other closed things: of balls that run into each other the parts that photons reach. A place of
+// the patch is inside of what the way there, close over the surface, enters and does not leave.
+// Both are estimates, right in the mean.
+struct OverOpen {
+  float whole = 1, narrow = 1;
+};
+OverOpen over_open_share(const Scene& scene, uint32_t instance, uint32_t triangle, uint32_t key,
+                         const Vec3& x, const Vec3& normal, float h, uint32_t seed);
 
 }  // namespace photon_splat

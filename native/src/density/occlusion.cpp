@@ -2,7 +2,6 @@
 
 #include <bit>
 
-#include "density/bent_occlusion.h"
 #include "density/enclosure.h"
 #include "density/kernel_mass.h"
 #include "math/sampling.h"
@@ -24,7 +23,6 @@ constexpr float kRim = 0.98f;
 constexpr float kCover = 0.12f;
 constexpr float kTouching = 1e-3f;
 constexpr float kUnderWall = 0.2f;  // in h: of discs in the gap below a wall that hovers
-constexpr float kGolden = 2.39996323f;
 // Away from walls: from one, from another that stands across the first, and once more
 constexpr int kSteps = 3;
 constexpr float kPastRim = 1.05f;  // of a disc's radius: so far from its middle a wall is to be
@@ -87,7 +85,7 @@ void add_covered(const Scene& scene, RayMask kinds, PatchOutline& outline, const
       const int place = k < kCoverScouts ? k : k - kCoverScouts,
                 of = k < kCoverScouts ? kCoverScouts : kCoverProbes - kCoverScouts;
       squares[i] = 1 - std::sqrt(1 - (static_cast<float>(place) + 0.5f) / static_cast<float>(of));
-      const float s = std::sqrt(squares[i]), angle = turn + kGolden * static_cast<float>(k);
+      const float s = std::sqrt(squares[i]), angle = turn + kGoldenAngle * static_cast<float>(k);
       offsets[i] = Vec3{std::cos(angle), std::sin(angle), 0} * (h * s);
       above[i] = x + basis.to_world(offsets[i]) + normal * (kCover * h);
     }
@@ -191,10 +189,8 @@ DiscOcclusion disc_occlusion(const Scene& scene, uint32_t instance, uint32_t tri
   DiscOcclusion out{0, 0, h};
   const Topology& topology = scene.meshes[scene.instances[instance].mesh].topology;
   const uint32_t patch = topology.patch[triangle];
-  if (!topology.planar[patch]) {
-    hide_in_bent_disc(scene, instance, triangle, key, x, normal, h, seed, out);
-    return out;
-  }
+  // Rays along the tangent plane tell little of a bent surface
+  if (!topology.planar[patch]) return out;
   const RayMask kinds = scene.keeping_off(instance);
   const Basis basis(normal);
   const float turn = to_unit_float(hash32(seed));

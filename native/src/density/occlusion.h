@@ -13,14 +13,10 @@ namespace photon_splat {
 // surface on the other side of a wall, at most h. A wall that hovers close over the surface is one,
 // and in the gap below it no disc is wide. Walls and closed things are found by rays that graze the
 // surface from x to the rim of its disc; only where one meets something is the surface beyond
-// looked at. Of a bent patch it is known which share of both kernel masses is hidden
-// (bent_occlusion.h), and no walls are.
+// looked at. Bent patches are taken for unobstructed: see bent_occlusion.h.
 struct DiscOcclusion {
   float hidden = 0, narrow_hidden = 0, clear = 0;
   Vec3 wall = {};  // the way from x to the nearest wall, if clear < h
-  float hidden_share = 0, narrow_hidden_share = 0;
-
-  bool hides() const { return hidden > 0 || hidden_share > 0; }
 };
 DiscOcclusion disc_occlusion(const Scene& scene, uint32_t instance, uint32_t triangle, uint32_t key,
                              const Vec3& x, const Vec3& normal, float h, uint32_t seed);

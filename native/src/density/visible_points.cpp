@@ -3,7 +3,9 @@
 #include <atomic>
 #include <bit>
 #include <numeric>
+#include <utility>
 
+#include "density/bent_occlusion.h"
 #include "density/occlusion.h"
 #include "math/morton.h"
 #include "math/random_streams.h"
@@ -41,9 +43,8 @@ float quantized(float h) { return std::exp2(std::round(std::log2(h) * 4) / 4); }
 // whether an edge cuts the disc.
 bool divide_by_mass(PointBlock& block, uint32_t lane, KernelMass m, const DiscOcclusion& inside) {
   const bool cut = m.mass < kWhole;
-  m.mass = std::max((1 - inside.hidden_share) * m.mass - inside.hidden, kLeastUnhidden * m.mass);
-  m.narrow = std::max((1 - inside.narrow_hidden_share) * m.narrow - inside.narrow_hidden,
-                      kLeastUnhidden * m.narrow);
+  m.mass = std::max(m.mass - inside.hidden, kLeastUnhidden * m.mass);
+  m.narrow = std::max(m.narrow - inside.narrow_hidden, kLeastUnhidden * m.narrow);
   if (!m.exact) {
     m.mass = std::max(m.mass, kTrustedMass);
     m.narrow = std::max(m.narrow, kTrustedMass);
@@ -61,7 +62,7 @@ void VisiblePoints::build(Scene& scene, const GatherPoints& gather_points, const
   find_cells(scene, gather_points, radii, settings, pass, seed, cancel);
   pick_points(scene, cancel);
   looks_.clear();
-  looks_at_bent_ = settings.caustics;
+  looks_at_bent_ = settings.caustics && settings.occlusion;
   if (settings.occlusion) split_at_walls(scene, gather_points, cancel);
   fill_blocks(scene, gather_points, cancel);
 }
@@ -200,7 +201,7 @@ VisiblePoints::Look VisiblePoints::look(Scene& scene, const GatherPoint& r, floa
   const uint32_t seed = hash_of(r.position);
   Look look;
   look.region = ClearRegions::region(r.key, r.position, h);
-  look.done = (looks_at_bent_ || scene.is_planar(r.instance, r.triangle)) &&
+  look.done = scene.is_planar(r.instance, r.triangle) &&
               clear_regions_.to_look_at(look.region, hash32(seed));
   look.found = look.done
                    ? disc_occlusion(scene, r.instance, r.triangle, r.key, r.position, r.ng, h, seed)
@@ -342,9 +343,10 @@ void VisiblePoints::correct_boundaries(Scene& scene, const CancelFlag& cancel) {
       float h = 1 / std::sqrt(block.inverse_h2[lane]);
       DiscOcclusion inside{0, 0, h};
       if (!looks_.empty()) inside = looks_[i].found;
-      obstructed.fetch_add(inside.hides() || inside.clear < h, std::memory_order_relaxed);
+      obstructed.fetch_add(inside.hidden > 0 || inside.clear < h, std::memory_order_relaxed);
+      if (looks_at_bent_ && !scene.is_planar(instance, triangle)) waiting_[i] = kLook;
       if (inside.clear >= h && has_exact_mass(scene, instance, triangle, h)) {
-        waiting_[i] = 1;
+        waiting_[i] |= kMass;
         continue;
       }
       if (inside.clear < h) {
@@ -386,26 +388,43 @@ void VisiblePoints::correct_boundaries(Scene& scene, const CancelFlag& cancel) {
 }
 
 void VisiblePoints::find_masses(Scene& scene, const CancelFlag& cancel) {
-  std::atomic<uint64_t> cut{0}, measured{0};
+  std::atomic<uint64_t> cut{0}, measured{0}, obstructed{0};
+  bent_looks_.resize(blocks_.size());
   scene.pool().for_each(blocks_.size(), cancel, [&](size_t b, int) {
     PointBlock& block = blocks_[b];
+    bent_looks_[b].clear();
     const size_t first = b * kBlockSize, last = std::min(first + kBlockSize, waiting_.size());
     for (size_t i = first; i < last; ++i) {
       const uint32_t lane = static_cast<uint32_t>(i - first);
       if (!waiting_[i] || !(block.count[lane] > 0)) continue;
-      waiting_[i] = 0;
+      const auto waits = std::exchange(waiting_[i], uint8_t{0});
       const auto [instance, triangle] = places_[i];
       const Vec3 x{block.x[lane], block.y[lane], block.z[lane]},
           n{block.nx[lane], block.ny[lane], block.nz[lane]};
       const float h = 1 / std::sqrt(block.inverse_h2[lane]);
-      const KernelMass m = kernel_mass(scene, instance, triangle, x, n, h);
-      const DiscOcclusion inside = looks_.empty() ? DiscOcclusion{0, 0, h} : looks_[i].found;
-      cut.fetch_add(divide_by_mass(block, lane, m, inside), std::memory_order_relaxed);
-      measured.fetch_add(1, std::memory_order_relaxed);
+      if (waits & kMass) {
+        const KernelMass m = kernel_mass(scene, instance, triangle, x, n, h);
+        const DiscOcclusion inside = looks_.empty() ? DiscOcclusion{0, 0, h} : looks_[i].found;
+        cut.fetch_add(divide_by_mass(block, lane, m, inside), std::memory_order_relaxed);
+        measured.fetch_add(1, std::memory_order_relaxed);
+      }
+      if (!(waits & kLook)) continue;
+      const uint32_t seed = hash_of(x), key = block.key[lane];
+      const uint64_t region = ClearRegions::region(key, x, h);
+      if (!clear_regions_.to_look_at(region, hash32(seed))) continue;
+      const OverOpen over = over_open_share(scene, instance, triangle, key, x, n, h, seed);
+      const bool clear = !(over.whole > 1);
+      block.scale[lane] *= over.whole;
+      block.narrow_scale[lane] *= over.narrow;
+      obstructed.fetch_add(!clear, std::memory_order_relaxed);
+      bent_looks_[b].push_back({region, clear});
     }
   });
+  for (const auto& looks : bent_looks_)
+    for (const BentLook& look : looks) clear_regions_.learn(look.region, look.clear);
   counts_.measured += measured;
   counts_.cut += cut;
+  counts_.obstructed += obstructed;
 }
 
 }  // namespace photon_splat

@@ -72,7 +72,7 @@ class VisiblePoints {
     uint64_t region = 0;
     bool done = false;
     DiscOcclusion found;
-    bool clear(float h) const { return !(found.hides() || found.clear < h); }
+    bool clear(float h) const { return !(found.hidden > 0 || found.clear < h); }
   };
   struct Cell {
     uint64_t hash;
@@ -92,10 +92,18 @@ class VisiblePoints {
   std::vector<Point> points_;
   // Per point, first as they are found, then in block order; none without occlusion
   std::vector<Look> looks_;
-  bool looks_at_bent_ = false;  // else paths bring the light where things stand in bent discs
+  // At bent discs: for caustics alone, as paths bring other light where things stand in them
+  bool looks_at_bent_ = false;
   // Instance and triangle per point, in block order
   std::vector<std::pair<uint32_t, uint32_t>> places_;
-  std::vector<uint8_t> waiting_;  // by point, in block order: its mass is found once it has photons
+  // By point, in block order: what is found once it has photons
+  enum Waits : uint8_t { kMass = 1, kLook = 2 };  // kLook: at what stands in a bent disc
+  std::vector<uint8_t> waiting_;
+  struct BentLook {
+    uint64_t region;
+    bool clear;
+  };
+  std::vector<std::vector<BentLook>> bent_looks_;  // by block
   std::vector<uint32_t> point_of_;
   PointBlocks blocks_;
   std::vector<Bounds> bounds_;

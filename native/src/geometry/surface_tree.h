@@ -80,6 +80,26 @@ class SurfaceTree {
     }
   }
 
+  // A triangle below a node, drawn by u of [0, 1) with even chances for equal areas, given
+  // area_of(triangle) in any unit.
+  template <class AreaOf>
+  uint32_t pick(const SurfaceNode& below, float u, AreaOf&& area_of) const {
+    const SurfaceNode* node = &below;
+    while (!node->is_leaf()) {
+      const SurfaceNode &first = node[1], &second = nodes_[node->next];
+      const float share = first.area / (first.area + second.area);
+      const bool goes_first = u < share || !(second.area > 0);
+      u = goes_first ? u / share : (u - share) / (1 - share);
+      node = goes_first ? &first : &second;
+    }
+    float areas[kLeaf], all = 0;
+    const uint32_t count = std::min(node->count(), kLeaf);
+    for (uint32_t i = 0; i < count; ++i) all += areas[i] = area_of(order_[node->first + i]);
+    uint32_t i = 0;
+    for (u *= all; i + 1 < count && u >= areas[i]; ++i) u -= areas[i];
+    return order_[node->first + i];
+  }
+
  private:
   static constexpr uint32_t kNone = ~0u, kLeaf = 8, kDeepest = 128;
   struct Builder;

@@ -10,6 +10,7 @@
 
 namespace photon_splat {
 
+inline constexpr float kGoldenAngle = 2.39996323f;
 inline constexpr float kBelowOne = 0x1.fffffep-1f;  // the largest number of [0, 1)
 
 struct Vec2 {

@@ -4,51 +4,20 @@
 #include <doctest/doctest.h>
 
 #include "density/kernel_mass.h"
-#include "density/point_block.h"
-#include "support/meshes.h"
+#include "support/bent_discs.h"
 
 using namespace photon_splat;
 
 namespace {
 
-// An n x n grid with waves whose least radius of curvature is about a quarter.
-Mesh make_waves(int n) {
-  Mesh mesh = make_grid(n);
-  for (Vec3& p : mesh.positions) p.z = 0.06f * std::sin(8 * p.x) * std::cos(7 * p.y);
-  return mesh;
-}
-
-// The mass by its definition: every triangle in `cut` squared parts.
+// The mass by its definition.
 Masses summed_mass(const Scene& scene, uint32_t instance, const Vec3& x, const Vec3& normal,
                    float h, int cut) {
-  const Instance& placed = scene.instances[instance];
-  const Mesh& mesh = scene.meshes[placed.mesh];
   Masses sum;
-  for (const Triangle& t : mesh.triangles) {
-    Vec3 corner[3];
-    for (int i = 0; i < 3; ++i) corner[i] = placed.to_world.point(mesh.positions[t[i]]);
-    if (std::min({length2(corner[0] - x), length2(corner[1] - x), length2(corner[2] - x)}) >
-        4 * h * h)
-      continue;
-    const Vec3 n =
-        cross(corner[1] - corner[0], corner[2] - corner[0]) * (placed.mirrored ? -1.0f : 1.0f);
-    const double weight = std::clamp(kNormalWeightSlope * dot(n, normal) / length(n), 0.0f, 1.0f);
-    const auto add = [&](float u, float v) {
-      const double d2 =
-          length2(corner[0] + (corner[1] - corner[0]) * u + (corner[2] - corner[0]) * v - x) /
-          (double(h) * h);
-      const double part =
-          weight * 0.5 * length(n) / (double(cut) * cut) * 2 / (M_PI * double(h) * h);
-      sum.wide += part * std::max(0.0, 1 - d2);
-      sum.narrow += 2 * part * std::max(0.0, 1 - 2 * d2);
-    };
-    for (int j = 0; j < cut; ++j)
-      for (int i = 0; i + j < cut; ++i) {
-        add((float(i) + 1.0f / 3) / float(cut), (float(j) + 1.0f / 3) / float(cut));
-        if (i + j + 1 < cut)
-          add((float(i) + 2.0f / 3) / float(cut), (float(j) + 2.0f / 3) / float(cut));
-      }
-  }
+  sum_over_disc(scene, instance, x, normal, h, cut, [&](const Vec3&, double d2, double part) {
+    sum.wide += part * std::max(0.0, 1 - d2);
+    sum.narrow += 2 * part * std::max(0.0, 1 - 2 * d2);
+  });
   return sum;
 }
 

@@ -3,6 +3,7 @@
 
 #include <doctest/doctest.h>
 
+#include "density/bent_occlusion.h"
 #include "density/kernel_mass.h"
 #include "support/meshes.h"
 
@@ -74,8 +75,7 @@ float mass_beyond(float distance, float h) {
   return 1 - kernel_mass(scene, s.instance, s.triangle, s.position, s.ng, h).mass;
 }
 
-// Of a unit ball about (0, -1, 0), with another one at x = `apart`; a mean over turns of the
-// probes.
+// Of a unit ball about (0, -1, 0), with another one at x = `apart`; from the mean over looks.
 float hidden_of_ball(float apart, float h, bool closed) {
   Scene scene(1);
   std::vector<Mesh> balls;
@@ -88,10 +88,9 @@ float hidden_of_ball(float apart, float h, bool closed) {
   REQUIRE(scene.intersect({-1e-3f, -5, 0.01f}, {0, 1, 0}, 0, 100, true, s));
   REQUIRE(s.instance == 0);
   float sum = 0;
-  for (uint32_t i = 0; i < 64; ++i)
-    sum +=
-        disc_occlusion(scene, s.instance, s.triangle, s.key, s.position, s.ng, h, i).hidden_share;
-  return sum / 64;
+  for (uint32_t i = 0; i < 1024; ++i)
+    sum += over_open_share(scene, s.instance, s.triangle, s.key, s.position, s.ng, h, i).whole;
+  return 1 - 1024 / sum;
 }
 
 }  // namespace
