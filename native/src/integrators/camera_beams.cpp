@@ -139,7 +139,7 @@ void CameraTracer::add_beams(Path& path, float far, const BeamTree& tree, float 
   if (path.vertex == 0)
     add_finite(path.pixel.volume_indirect, brings, path.tile.bad_samples);
   else
-    add_indirect(path, brings);
+    add_indirect(path, brings, path.diffuse_part);
   if (path.tries_beams && path.after_medium) see_deep(path, brings);
   if (can_be_added(brings)) path.pixel.detail += detail * weight;
 }

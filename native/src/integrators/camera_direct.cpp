@@ -105,7 +105,9 @@ void CameraTracer::add_light(Path& path, const Surface& hit, const Bsdf& bsdf,
     add_finite(direct_of(path.pixel, through ? LobeCategory::kTransmission : LobeCategory::kGlossy),
                arriving * (scattered - diffuse), path.tile.bad_samples);
   } else {
-    add_indirect(path, arriving * scattered);
+    add_indirect(
+        path, arriving * scattered,
+        path.diffuse_part_of(throughput, path.covered * sharp, path.covered_diffuse * sharp));
   }
 }
 

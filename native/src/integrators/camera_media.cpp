@@ -116,6 +116,7 @@ bool CameraTracer::scatter_in_medium(Path& path, const Flight& flight, bool dire
   receiver.time = path.info.time;
   receiver.catchers_only = path.info.catchers_only;
   path.covered = path.withheld = path.diffuse_emission = {};
+  path.covered_diffuse = path.withheld_diffuse = {};
   if (direct) add_direct_in_medium(path, point, receiver);
 
   const Vec2 choice = path.numbers(kLobePair), way = path.way();
@@ -128,7 +129,10 @@ bool CameraTracer::scatter_in_medium(Path& path, const Flight& flight, bool dire
   const bool last = path.vertex >= path.max_bounces;
   path.emission_throughput = before * weight;
   const bool all_by_beams = beams_bring_all(path);
-  if (beams_.caustic && !all_by_beams && sees_beams(path)) path.covered = before * weight;
+  if (beams_.caustic && !all_by_beams && sees_beams(path)) {
+    path.covered = before * weight;
+    path.covered_diffuse = path.vertex == 0 ? Rgb{} : path.covered * path.diffuse_part;
+  }
   path.throughput = last || all_by_beams ? Rgb{} : before * weight;
   path.world_emission = world_before * weight;
   path.world_throughput = last || !lights_.world_by_paths()
@@ -203,7 +207,7 @@ void CameraTracer::add_light_in_medium(Path& path, const MediumPoint& point,
   if (path.vertex == 0)
     add_finite(path.pixel.volume_direct, arriving * scattered, path.tile.bad_samples);
   else
-    add_indirect(path, arriving * scattered);
+    add_indirect(path, arriving * scattered, path.diffuse_part);
 }
 
 }  // namespace photon_splat

@@ -16,13 +16,15 @@ void CameraTracer::add_met(Path& path, const Rgb& radiance, Rgb& seen, int16_t l
     add_finite(path.pixel.diffuse_direct, diffuse, path.tile.bad_samples);
     add_finite(direct_of(path.pixel, path.beside), light - diffuse, path.tile.bad_samples);
   } else {
-    add_indirect(path, light);
+    add_indirect(path, light,
+                 path.diffuse_part_of(path.emission_throughput + path.withheld, path.withheld,
+                                      path.withheld_diffuse));
   }
 }
 
 // Light that has scattered more than once on its way to the camera, at surfaces or in media.
-void CameraTracer::add_indirect(Path& path, const Rgb& light) {
-  const Rgb diffuse = light * path.diffuse_part;
+void CameraTracer::add_indirect(Path& path, const Rgb& light, const Rgb& diffuse_part) {
+  const Rgb diffuse = light * diffuse_part;
   add_finite(path.pixel.diffuse_indirect, diffuse, path.tile.bad_samples);
   add_finite(indirect_of(path.pixel, path.beside), light - diffuse, path.tile.bad_samples);
 }

@@ -153,6 +153,8 @@ struct CameraTracer::Path {
   // on
   Rgb covered{};
   Rgb withheld{};  // of emission_throughput: what photons bring of it
+  // The parts of both that the diffuse lobes of vertex 0 sent on
+  Rgb covered_diffuse{}, withheld_diffuse{};
   // What is more than throughput, and than emission_throughput, of the light of a world that comes
   // by paths alone
   Rgb world_throughput{}, world_emission{};
@@ -181,6 +183,8 @@ struct CameraTracer::Path {
     diffuse_emission *= factor;
     covered *= factor;
     withheld *= factor;
+    covered_diffuse *= factor;
+    withheld_diffuse *= factor;
     world_throughput *= factor;
     world_emission *= factor;
     features *= factor;
@@ -190,6 +194,11 @@ struct CameraTracer::Path {
   // not 1, when it meets a lamp.
   float survival(float strength) const {
     return std::min(1.0f, vertex < kSureBounces ? strength * kRoulette : std::sqrt(strength));
+  }
+  // What diffuse lobes of vertex 0 sent on of the light that photons leave to the path.
+  Rgb diffuse_part_of(const Rgb& all, const Rgb& brought, const Rgb& brought_diffuse) const {
+    if (is_zero(brought)) return diffuse_part;
+    return min(divided(max(all * diffuse_part - brought_diffuse, {}), all - brought), Rgb{1, 1, 1});
   }
   // Ends the path with a chance of 1 - `chance`: true then.
   bool ends(float chance) {

@@ -79,11 +79,12 @@ bool CameraTracer::scatter(Path& path, const Surface& hit, const Bsdf& bsdf,
   path.throughput = !goes_on                      ? Rgb{}
                     : whole || path.only_mirrored ? before * weight
                                                   : before * s->rest;
-  const Rgb still_covered =
-      s->diffuse || s->by_turned_normal ? Rgb{} : path.covered * weight * sharpness(s->roughness);
-  path.withheld = still_covered;
-  path.emission_throughput = before * weight - still_covered;
-  path.covered = still_covered;
+  const auto still_covered = [&](const Rgb& covered) {
+    return s->diffuse || s->by_turned_normal ? Rgb{} : covered * weight * sharpness(s->roughness);
+  };
+  path.withheld = path.covered = still_covered(path.covered);
+  path.withheld_diffuse = path.covered_diffuse = still_covered(path.covered_diffuse);
+  path.emission_throughput = before * weight - path.withheld;
   path.world_emission = world_before * weight;
   path.world_throughput = last || !lights_.world_by_paths()
                               ? Rgb{}
@@ -91,7 +92,11 @@ bool CameraTracer::scatter(Path& path, const Surface& hit, const Bsdf& bsdf,
   path.deep = path.is_beyond();
   path.gather_bounces += continued;
   path.diffuse_bounces += continued && s->diffuse;
-  if (continued && caustic_photons_) path.covered += before * (s->weight - s->rest);
+  if (continued && caustic_photons_) {
+    const Rgb gathered = before * (s->weight - s->rest);
+    path.covered += gathered;
+    path.covered_diffuse += path.vertex == 0 ? gathered : gathered * path.diffuse_part;
+  }
   path.diffuse_emission = path.only_mirrored ? Rgb{} : before * diffuse;
   if (!is_finite(path.emission_throughput) || !is_finite(path.throughput) ||
       !is_finite(path.diffuse_emission) || !is_finite(path.world_throughput) ||

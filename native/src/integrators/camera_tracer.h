@@ -185,7 +185,7 @@ class CameraTracer {
   bool meet_body(Path& path, const Surface& hit, Bsdf& bsdf) const;
   bool go_below(Path& path, const Surface& hit, const Bsdf& bsdf) const;
   Vec3 exit_normal(const Path& path, const Surface& exit, const Vec3& wo) const;
-  static void add_indirect(Path& path, const Rgb& light);
+  static void add_indirect(Path& path, const Rgb& light, const Rgb& diffuse_part);
   void add_met(Path& path, const Rgb& radiance, Rgb& seen,
                int16_t light_group = kNoLightGroup) const;
   void add_lamps(Path& path, float far) const;

@@ -29,7 +29,8 @@ void CameraTracer::look_for_turned_mirrors(const Path& path, const Surface& hit,
   if (!(survival > 0) || aside.random.next() >= survival) return;
   aside.throughput *= 1 / survival;
   aside.emission_throughput = aside.diffuse_emission = aside.covered = aside.withheld =
-      aside.world_throughput = aside.world_emission = {};
+      aside.covered_diffuse = aside.withheld_diffuse = aside.world_throughput =
+          aside.world_emission = {};
   aside.diffuse_part = path.vertex == 0 ? Rgb{1, 1, 1} : path.diffuse_part;
   aside.category = path.vertex == 0 ? LobeCategory::kDiffuse : path.category;
   aside.learns = aside.shows_features = aside.shows_normal = false;
