@@ -63,6 +63,8 @@ class VisiblePoints {
   uint32_t point_of(size_t gather_point) const { return point_of_[gather_point]; }
 
  private:
+  static constexpr size_t kChunk = 4096;  // of gather points, for one thread
+  static size_t chunks_of(size_t count) { return (count + kChunk - 1) / kChunk; }
   struct Point {
     uint32_t gather_point;
     float h;
