@@ -13,14 +13,19 @@ from photon_splat.core.scene import LightKind, Scene
 from tests.support import corescene as c
 
 
-def room(below: float, glowing: bool = False) -> Scene:
-    """A closed room, `below` m under the ceiling an area lamp or a mesh; its name is Panel."""
+def room(below: float, glowing: bool = False, ground: float = 0.0) -> Scene:
+    """A closed room, `below` m under the ceiling an area lamp or a mesh; its name is Panel. It may
+    stand on ground of that size.
+    """
     view = c.perspective((0.0, -1.3, 1.2), (0.0, 0.5, 1.2), 16, 16, 1.3)
     walls = c.box((-1.5, -1.5, 0.0), (1.5, 1.5, 2.5), inwards=True)
     if glowing:
         sheet = c.quad(0.35, 2.5 - below)
         sheet.name = "Panel"
-        return c.scene(view, [(sheet, c.lambert(0.0, 4.0)), (walls, c.lambert(0.6))])
+        things = [(sheet, c.lambert(0.0, 4.0)), (walls, c.lambert(0.6))]
+        if ground:
+            things.append((c.quad(ground / 2, -0.1), c.lambert(0.6)))
+        return c.scene(view, things)
     lamp = c.lamp(LightKind.AREA, 30.0, (0.2, -0.1, 2.5 - below), size=(0.7, 0.7))
     lamp.name = "Panel"
     return c.scene(view, [(walls, c.lambert(0.6))], [lamp])
@@ -32,14 +37,14 @@ def shoot(
     return c.shoot(what, integrator, passes=32, photons_per_pass=20_000, final_gather=gather)
 
 
-def means(below: float, glowing: bool = False) -> list[float]:
+def means(below: float, glowing: bool = False, ground: float = 0.0) -> list[float]:
     """Mean radiance by splatting without and with final gathering, and by the path tracer."""
     ways = (
         (Integrator.SPLAT, FinalGather.OFF),
         (Integrator.SPLAT, FinalGather.ON),
         (Integrator.REFERENCE, FinalGather.OFF),
     )
-    what = room(below, glowing)
+    what = room(below, glowing, ground)
     return [float(shoot(what, *way).passes["Combined"][..., :3].mean()) for way in ways]
 
 
@@ -65,3 +70,12 @@ def test_the_warning_names_light_and_mesh(glowing: bool) -> None:
     assert len(warnings) == 1
     assert "'Panel' in 'box'" in warnings[0]
     assert not shoot(room(0.01, glowing), Integrator.SPLAT).statistics["warnings"]
+
+
+def test_on_wide_ground_a_panel_close_to_the_ceiling_is_not_in_it() -> None:
+    """What light samples pass over grows with the distance. On ground of 120 m that was taken for
+    the panel's distance from the ceiling, and two thirds of its light were left.
+    """
+    what = room(0.001, glowing=True, ground=120.0)
+    assert not shoot(what, Integrator.SPLAT).statistics["warnings"]
+    assert means(0.001, True, 120.0) == pytest.approx(means(0.001, True), rel=0.02)

@@ -37,6 +37,7 @@ struct Emitter {
   double parallel_flux = 0;
   bool exact = false;      // a lamp that lies in a surface: lights_in_surfaces.cpp
   float past_surface = 1;  // of a mesh's light, where it lies in a surface
+  float clear = INFINITY;  // how far before a mesh nothing stands, m, where that is little
   float over_share = 0;    // one over its share of all lights' power
   MeshLight mesh{};        // of an instance
 };
@@ -161,8 +162,17 @@ class Lights {
 
  private:
   static constexpr size_t kFewEmitters = 32;  // up to here every emitter is ranked at every point
-  bool lies_in_surface(const Lamp& lamp, uint32_t& instance) const;
-  bool lies_in_surface(const Emitter& mesh, uint32_t& instance) const;
+  // Surfaces that lie in the plane of a light or so close to it that light samples might pass them.
+  struct Closeness {
+    int found = 0, within_rounding = 0;
+    float least = INFINITY;  // of their distances, m
+    uint32_t instance = 0;   // of one within rounding
+    void add(const Scene& scene, const Vec3& place, const Surface& s, float gap);
+    bool in_surface() const;
+    bool near_surface() const;
+  };
+  Closeness closeness(const Lamp& lamp) const;
+  Closeness closeness(const Emitter& mesh) const;
   void find_lights_in_surfaces();
   // How far off such a lamp may be found before something `far` off
   float reach_of_exact(float far) const;

@@ -15,13 +15,35 @@ constexpr int kFirstProbes = 4;  // of a mesh: others are sent where one of thes
 constexpr float kPastSurface = 0.63f;
 constexpr float kShare = 0.25f;  // of the probes that a surface must be at
 constexpr float kSlack = 1e-5f;  // of a distance: what light samples pass over before other lights
+constexpr float kOfGap = 0.25f;  // where a surface is closer to a mesh than that may be
 constexpr float kClear = 4;      // roundings that a photon starts away from the lamp
+constexpr float kOfEdges = 2e-7f;  // of a triangle's longest edge: where it is, but for rounding
 
 }  // namespace
 
-// By rays across the lamp's plane. `instance`: of a surface found.
-bool Lights::lies_in_surface(const Lamp& lamp, uint32_t& instance) const {
-  int found = 0;
+// Counts a surface found across a light's plane, `gap` away from the place on it.
+void Lights::Closeness::add(const Scene& scene, const Vec3& place, const Surface& s, float gap) {
+  Vec3 corner[3];
+  scene.corners(s.instance, s.triangle, kShutterCentre, corner);
+  const float longest =
+      std::sqrt(std::max({length2(corner[1] - corner[0]), length2(corner[2] - corner[1]),
+                          length2(corner[0] - corner[2])}));
+  ++found;
+  least = std::min(least, gap);
+  if (gap > std::max(kClear * ray_epsilon(place, 0), kOfEdges * longest)) return;
+  ++within_rounding;
+  instance = s.instance;
+}
+bool Lights::Closeness::in_surface() const {
+  return static_cast<float>(within_rounding) >= kShare * kProbes;
+}
+bool Lights::Closeness::near_surface() const {
+  return static_cast<float>(found) >= kShare * kProbes;
+}
+
+// By rays across the lamp's plane.
+Lights::Closeness Lights::closeness(const Lamp& lamp) const {
+  Closeness out;
   for (int i = 0; i < kProbes; ++i) {
     const Vec2 u{(static_cast<float>(i % 4) + 0.5f) / 4, (static_cast<float>(i / 4) + 0.5f) / 4};
     const Vec2 p = lamp.s.ellipse ? sample_disk(u) : Vec2{2 * u.x - 1, 2 * u.y - 1};
@@ -32,17 +54,16 @@ bool Lights::lies_in_surface(const Lamp& lamp, uint32_t& instance) const {
     if (!scene_.intersect(place - lamp.forward * reach, lamp.forward, 0, 2 * reach, false, s) ||
         scene_.may_be_transparent(s) || s.on_strand())
       continue;
-    instance = s.instance;
-    ++found;
+    out.add(scene_, place, s, std::abs(s.distance - reach));
   }
-  return static_cast<float>(found) >= kShare * kProbes;
+  return out;
 }
 
 // By rays across its triangles from either side, of which one at the least meets the surface first,
 // unless it is the mesh's twin.
-bool Lights::lies_in_surface(const Emitter& mesh, uint32_t& instance) const {
-  int found = 0;
-  for (int i = 0; i < kProbes && (i < kFirstProbes || found); ++i) {
+Lights::Closeness Lights::closeness(const Emitter& mesh) const {
+  Closeness out;
+  for (int i = 0; i < kProbes && (i < kFirstProbes || out.found); ++i) {
     const Vec2 u = sobol_2d(static_cast<uint32_t>(i), 1, 0);
     EmissiveTriangle moved;
     const MeshPoint p =
@@ -56,26 +77,28 @@ bool Lights::lies_in_surface(const Emitter& mesh, uint32_t& instance) const {
       if (!scene_.intersect(p.position - towards * reach, towards, 0, 2 * reach, false, s) ||
           s.instance == mesh.instance || scene_.may_be_transparent(s) || s.on_strand())
         continue;
-      instance = s.instance;
-      ++found;
+      out.add(scene_, p.position, s, std::abs(s.distance - reach));
       break;
     }
   }
-  return static_cast<float>(found) >= kShare * kProbes;
+  return out;
 }
 
 void Lights::find_lights_in_surfaces() {
   if (scene_.bounds().empty()) return;
   for (Emitter& e : emitters_) {
-    uint32_t instance = 0;
     const Lamp* const lamp = e.lamp >= 0 ? &lamps_[e.lamp] : nullptr;
     if (lamp && lamp->s.kind != LampKind::kArea) continue;
-    if (!(lamp ? lies_in_surface(*lamp, instance) : lies_in_surface(e, instance))) continue;
-    if (lamp)
+    const Closeness close = lamp ? closeness(*lamp) : closeness(e);
+    if (lamp && close.near_surface())
       e.exact = any_exact_ = true;
-    else
+    else if (close.in_surface())
       e.past_surface = kPastSurface;
-    in_surfaces_.push_back({lamp ? static_cast<int32_t>(lamp->number) : -1, e.instance, instance});
+    else if (close.found)
+      e.clear = kOfGap * close.least;
+    if (close.in_surface())
+      in_surfaces_.push_back(
+          {lamp ? static_cast<int32_t>(lamp->number) : -1, e.instance, close.instance});
   }
 }
 
