@@ -13,16 +13,16 @@ from photon_splat.core.scene import LightKind, Scene
 from tests.support import corescene as c
 
 
-def room(below: float, glowing: bool = False, ground: float = 0.0) -> Scene:
-    """A closed room, `below` m under the ceiling an area lamp or a mesh; its name is Panel. It may
-    stand on ground of that size.
+def room(below: float, glowing: bool = False, ground: float = 0.0, albedo: float = 0.0) -> Scene:
+    """A closed room, `below` m under the ceiling an area lamp or a mesh of that albedo; its name is
+    Panel. It may stand on ground of that size.
     """
     view = c.perspective((0.0, -1.3, 1.2), (0.0, 0.5, 1.2), 16, 16, 1.3)
     walls = c.box((-1.5, -1.5, 0.0), (1.5, 1.5, 2.5), inwards=True)
     if glowing:
         sheet = c.quad(0.35, 2.5 - below)
         sheet.name = "Panel"
-        things = [(sheet, c.lambert(0.0, 4.0)), (walls, c.lambert(0.6))]
+        things = [(sheet, c.lambert(albedo, 4.0)), (walls, c.lambert(0.6))]
         if ground:
             things.append((c.quad(ground / 2, -0.1), c.lambert(0.6)))
         return c.scene(view, things)
@@ -79,3 +79,14 @@ def test_on_wide_ground_a_panel_close_to_the_ceiling_is_not_in_it() -> None:
     what = room(0.001, glowing=True, ground=120.0)
     assert not shoot(what, Integrator.SPLAT).statistics["warnings"]
     assert means(0.001, True, 120.0) == pytest.approx(means(0.001, True), rel=0.02)
+
+
+def test_a_panel_close_to_the_ceiling_lights_it_above_itself_alone() -> None:
+    """The gap has a light of its own, which discs beside it took for theirs: 1.08 of it there."""
+    what = room(0.001, glowing=True, albedo=0.8)
+    what.camera, what.frame = c.perspective((0.0, -1.3, 0.6), (0.0, 0.3, 2.5), 24, 24, 1.3)
+    paths = c.shoot(what, Integrator.REFERENCE, passes=1000).passes["Combined"][..., :3]
+    ceiling = paths.max(axis=-1) < 0.5
+    shots = [c.shoot(what, passes=8, photons_per_pass=5_000, seed=seed) for seed in (1, 2, 3)]
+    splat = np.mean([shot.passes["Combined"][..., :3] for shot in shots], axis=0)
+    assert splat[ceiling].mean() == pytest.approx(paths[ceiling].mean(), rel=0.03)

@@ -9,13 +9,14 @@ constexpr uint32_t kLooks = 24;  // by which a closed thing is told from a sheet
 
 }  // namespace
 
-bool is_dark(const Scene& scene, const Surface& hit, const Vec3& wo) {
-  if (!hit.program) return is_black(hit.side->emission);
+std::optional<bool> shines(const Scene& scene, const Surface& hit, const Vec3& wo) {
+  if (!hit.program) return !is_black(hit.side->emission);
   if (!(hit.program->features & (kProgramEmits | kProgramTransparent | kProgramTransmits)))
-    return true;
+    return false;
   Bsdf bsdf(Transport::kRadiance, wo, hit.ng, hit.ns, hit.back);
   scene.shade(hit, wo, {}, bsdf);
-  return is_black(bsdf.transparency()) && is_black(bsdf.emission()) && !bsdf.transmits();
+  if (!is_black(bsdf.transparency()) || bsdf.transmits()) return {};
+  return !is_black(bsdf.emission());
 }
 
 unsigned Enclosures::hold(const Vec3* points, uint32_t count, unsigned which) {

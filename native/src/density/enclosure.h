@@ -1,13 +1,19 @@
 // What is dark because something closed stands over it.
 #pragma once
 
+#include <optional>
+
 #include "math/sampling.h"
 #include "scene/scene.h"
 
 namespace photon_splat {
 
-// Whether a surface lets no light through and gives none.
-bool is_dark(const Scene& scene, const Surface& hit, const Vec3& wo);
+// Whether a surface that lets no light through gives any; nothing where it lets some through.
+std::optional<bool> shines(const Scene& scene, const Surface& hit, const Vec3& wo);
+// Whether it lets no light through and gives none.
+inline bool is_dark(const Scene& scene, const Surface& hit, const Vec3& wo) {
+  return shines(scene, hit, wo) == false;
+}
 
 // Tells points of a surface inside of closed things from those under a sheet, an awning or a flag,
 // which shows its back as well: inside there are backs wherever one looks. Found out once for each

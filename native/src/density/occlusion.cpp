@@ -39,16 +39,21 @@ float length_of_look(const Vec3& y, float h) {
   return kCover * h - std::max(kTouching * h, ray_epsilon(y, h));
 }
 
-// Its back where the look begins inside of it, as in a wall, which is higher than a cover.
-std::optional<Surface> cover_of(const Scene& scene, RayMask kinds, const Vec3& y,
-                                const Vec3& normal, float h) {
+// What keeps photons from a place, or gives it light that no other one has.
+struct Cover {
+  bool shines;
+  bool back;  // is met: the look has begun inside of it, as in a wall, which is higher than a cover
+  bool parts() const { return shines || back; }
+};
+std::optional<Cover> cover_of(const Scene& scene, RayMask kinds, const Vec3& y, const Vec3& normal,
+                              float h) {
   Surface hit;
   const float far = length_of_look(y, h);
-  if (!(far > 0) ||
-      !scene.intersect(y + normal * (kCover * h), -normal, 0, far, false, hit, kinds) ||
-      !is_dark(scene, hit, normal))
+  if (!(far > 0) || !scene.intersect(y + normal * (kCover * h), -normal, 0, far, false, hit, kinds))
     return {};
-  return hit;
+  const auto gives = shines(scene, hit, normal);
+  if (!gives) return {};
+  return Cover{*gives, hit.back};
 }
 
 // Whether light comes in from the rim of the cover of y: by one direction, so that the mean tells
@@ -60,14 +65,15 @@ bool lit_from_the_rim(const Scene& scene, RayMask kinds, const Vec3& y, const Ba
 }
 
 // The parts of the two kernels where the patch is covered. Under a cover itself nothing is left
-// out; under a wall that hovers light ends a few gaps from where it comes in, and so does the disc.
+// out; under a wall that hovers light ends a few gaps from where it comes in, and so does the disc;
+// under what shines it does where that ends.
 void add_covered(const Scene& scene, RayMask kinds, PatchOutline& outline, const Vec3& x,
                  const Basis& basis, float h, uint32_t seed, DiscOcclusion& out) {
   const Vec3& normal = basis.normal;
   Random random(seed, 0xc07e);
   const float turn = 2 * kPi * random.next();
   if (const auto cover = cover_of(scene, kinds, x, normal, h)) {
-    if (cover->back) out.clear = kUnderWall * h;
+    if (cover->parts()) out.clear = kUnderWall * h;
     return;
   }
   const float far = length_of_look(x, h);
@@ -96,12 +102,14 @@ void add_covered(const Scene& scene, RayMask kinds, PatchOutline& outline, const
       const auto cover = cover_of(scene, kinds, y, normal, h);
       if (!cover || !outline.holds(offsets[i].x, offsets[i].y)) continue;
       any = true;
-      // Through the gap below a wall light of a far brighter place may come
-      if (const float distance = h * std::sqrt(squares[i]); cover->back && distance < out.clear) {
+      // Through the gap below a wall light of a far brighter place may come, and there is such
+      // light below what shines
+      if (const float distance = h * std::sqrt(squares[i]);
+          cover->parts() && distance < out.clear) {
         out.clear = distance;
         out.wall = basis.to_world(offsets[i] / distance);
       }
-      if (lit_from_the_rim(scene, kinds, y, basis, h, random)) continue;
+      if (cover->shines || lit_from_the_rim(scene, kinds, y, basis, h, random)) continue;
       out.hidden += 1.0f / kCoverProbes;
       const float s2 = squares[i], n2 = sqr(kNarrow);
       if (s2 < n2) out.narrow_hidden += (1 - s2 / n2) / (n2 * (1 - s2)) / kCoverProbes;

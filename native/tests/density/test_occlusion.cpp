@@ -204,6 +204,9 @@ TEST_CASE("light comes in under a board that hovers higher, and one that shines 
   shining.materials[0].front.emission = shining.materials[0].back.emission = {1, 1, 1};
   fill_all(shining, floor_and(make_box({0.5f, -1, 0.001f}, {2, 2, 0.004f})));
   CHECK(at_floor(shining, 0.45f, 0.5f, 0.2f).hidden == 0);
+  // The floor below has a light of its own, and no disc reaches into it
+  CHECK(at_floor(shining, 0.45f, 0.5f, 0.2f).clear == approx(0.05).epsilon(0.1));
+  CHECK(at_floor(shining, 0.25f, 0.5f, 0.2f).clear == 0.2f);
 }
 
 TEST_CASE("of balls that run into each other what lies inside is hidden") {
