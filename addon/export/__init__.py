@@ -175,6 +175,8 @@ def export_contents(
         shading.programs,
     )
     report_hair_shaders(exported, report)
+    if getattr(getattr(scene, "cycles", None), "use_fast_gi", False):
+        report.warn("Fast GI Approximation is not used: all indirect light is traced")
     if labelled is not None:
         if world is not None and uses_nodes(world):
             names = (name for name, _ in aovs(view_layer))

@@ -679,3 +679,15 @@ def test_what_cycles_does_with_some_caustics_only_is_told() -> None:
     assert not any("Caustics" in warning for warning in stage.exported().warnings)
     lamp.data.cycles.is_caustics_light = True
     assert any("Caustics" in w and lamp.name in w for w in stage.exported().warnings)
+
+
+@in_blender
+def test_fast_gi_is_named() -> None:
+    import bpy
+
+    stage.plane()
+    assert not stage.exported().warnings
+    bpy.context.scene.cycles.use_fast_gi = True
+    assert stage.exported().warnings == [
+        "Fast GI Approximation is not used: all indirect light is traced"
+    ]
