@@ -120,3 +120,34 @@ def test_a_warning_names_what_lies_in_each_other_behind_glass() -> None:
     assert "('Block' in 'Floor')" in warning or "('Floor' in 'Block')" in warning
     block.location.z += 0.001
     assert said() == []
+
+
+@pytest.mark.parametrize("through", ["ShaderNodeBsdfTransparent", "ShaderNodeBsdfGlass"])
+def test_a_warning_names_what_lies_in_something_that_lets_light_pass(through: str) -> None:
+    """A pane exactly on a wall: rays that pass it pass the wall, too, and show what is behind."""
+    import bpy
+    from photon_splat.export import export_scene
+
+    bpy.ops.wm.read_homefile(use_empty=True)
+    stage.scene()
+    stage.camera()
+    stage.lamp()
+    stage.plane("Floor", 2.0)
+    pane = stage.plane("Pane", 1.0)
+    made, tree = stage.empty_material("Pane")
+    shader = tree.nodes.new(through)
+    if through == "ShaderNodeBsdfGlass":
+        shader.inputs["IOR"].default_value = 1.0
+    stage.surface(tree, shader)
+    pane.data.materials[0] = made
+
+    def said() -> list[str]:
+        bpy.context.view_layer.update()
+        what = export_scene(bpy.context.evaluated_depsgraph_get())
+        return c.shoot(what, passes=1, photons_per_pass=1000).statistics["warnings"]
+
+    [warning] = said()
+    assert "such as let light pass" in warning
+    assert "('Floor' in 'Pane')" in warning
+    pane.location.z += 0.001
+    assert said() == []

@@ -91,9 +91,13 @@ class Scene {
   // All that a short ray meets, not the nearest alone.
   Crossings crossings(const Vec3& origin, const Vec3& direction, float near, float far,
                       RayMask kinds, float time) const;
-  // The instance of another opaque surface, or of another triangle of the same one, that lies in
-  // this one to within rounding, where rays of light meet it.
-  std::optional<uint32_t> coincides(const Surface& s) const;
+  // Another surface, or another triangle of the same one, that lies in this one to within rounding,
+  // where rays of light meet it; one of the two at the least is opaque.
+  struct Coinciding {
+    uint32_t instance;
+    bool one_passes;  // the other of the two lets light pass
+  };
+  std::optional<Coinciding> coincides(const Surface& s) const;
   // intersect() for `count` <= kPacket incoherent rays from 0 to infinity; bit k of the result
   // tells whether ray k hit.
   static constexpr uint32_t kPacket = 8;
