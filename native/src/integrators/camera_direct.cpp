@@ -157,15 +157,13 @@ Rgb CameraTracer::light_through(const LightSample& light, const Surface& hit, Pa
   if (!std::isfinite(light.distance))
     return transmittance(origin, light.direction, INFINITY, path.info, light.blockers, media,
                          path.random);
-  const Vec3 target =
-      hit.position + light.direction * light.distance +
-      light.normal *
-          std::min(light.clear, std::max(epsilon, ray_epsilon(hit.position, light.distance)));
+  const Vec3 target = hit.position + light.direction * light.distance +
+                      light.normal * std::max(epsilon, ray_epsilon(hit.position, light.distance));
   const Vec3 way = target - origin;
   const float distance = length(way);
   if (!(distance > 0)) return {1, 1, 1};
-  return transmittance(origin, way / distance, distance - std::min(light.clear, distance * 1e-5f),
-                       path.info, light.blockers, media, path.random);
+  return transmittance(origin, way / distance, distance * (1 - 1e-5f), path.info, light.blockers,
+                       media, path.random);
 }
 
 Rgb CameraTracer::transmittance(const Vec3& origin, const Vec3& direction, float far,

@@ -72,9 +72,8 @@ struct LightSample {
   int16_t light_group = kNoLightGroup;
   RayMask seen_by = kAllRays;
   bool from_world = false;
-  float clear = INFINITY;  // how far before it nothing stands, m, where that is little
-  int32_t exact = -1;      // a lamp's emitter that lies in a surface: see Lights::blocked_exactly()
-  Vec3 place;              // on it
+  int32_t exact = -1;  // a lamp's emitter that lies in a surface: see Lights::blocked_exactly()
+  Vec3 place;          // on it
 };
 
 }  // namespace photon_splat

@@ -267,7 +267,6 @@ bool Lights::sample(const Receiver& to, float choice, Vec2 u, LightSample& out) 
   out.light_group = e.light_group;
   out.seen_by = e.seen_by;
   out.weight *= e.past_surface;
-  out.clear = e.clear;
   if (e.exact) out.exact = static_cast<int32_t>(chosen);
   return true;
 }

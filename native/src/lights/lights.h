@@ -37,7 +37,6 @@ struct Emitter {
   double parallel_flux = 0;
   bool exact = false;      // a lamp that lies in a surface: lights_in_surfaces.cpp
   float past_surface = 1;  // of a mesh's light, where it lies in a surface
-  float clear = INFINITY;  // how far before a mesh nothing stands, m, where that is little
   float over_share = 0;    // one over its share of all lights' power
   MeshLight mesh{};        // of an instance
 };
@@ -165,8 +164,7 @@ class Lights {
   // Surfaces that lie in the plane of a light or so close to it that light samples might pass them.
   struct Closeness {
     int found = 0, within_rounding = 0;
-    float least = INFINITY;  // of their distances, m
-    uint32_t instance = 0;   // of one within rounding
+    uint32_t instance = 0;  // of one within rounding
     void add(const Scene& scene, const Vec3& place, const Surface& s, float gap);
     bool in_surface() const;
     bool near_surface() const;

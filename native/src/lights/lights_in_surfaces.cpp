@@ -15,7 +15,6 @@ constexpr int kFirstProbes = 4;  // of a mesh: others are sent where one of thes
 constexpr float kPastSurface = 0.63f;
 constexpr float kShare = 0.25f;  // of the probes that a surface must be at
 constexpr float kSlack = 1e-5f;  // of a distance: what light samples pass over before other lights
-constexpr float kOfGap = 0.25f;  // where a surface is closer to a mesh than that may be
 constexpr float kClear = 4;      // roundings that a photon starts away from the lamp
 constexpr float kOfEdges = 2e-7f;  // of a triangle's longest edge: where it is, but for rounding
 
@@ -29,7 +28,6 @@ void Lights::Closeness::add(const Scene& scene, const Vec3& place, const Surface
       std::sqrt(std::max({length2(corner[1] - corner[0]), length2(corner[2] - corner[1]),
                           length2(corner[0] - corner[2])}));
   ++found;
-  least = std::min(least, gap);
   if (gap > std::max(kClear * ray_epsilon(place, 0), kOfEdges * longest)) return;
   ++within_rounding;
   instance = s.instance;
@@ -94,8 +92,6 @@ void Lights::find_lights_in_surfaces() {
       e.exact = any_exact_ = true;
     else if (close.in_surface())
       e.past_surface = kPastSurface;
-    else if (close.found)
-      e.clear = kOfGap * close.least;
     if (close.in_surface())
       in_surfaces_.push_back(
           {lamp ? static_cast<int32_t>(lamp->number) : -1, e.instance, close.instance});
