@@ -16,41 +16,29 @@ SHARE = 0.004
 
 
 def coincident_surfaces(renderer: Renderer, scene: Scene) -> list[str]:
-    """Warnings about doubled surfaces, in view or beside it, the largest of them named: one about
-    opaque ones, which light reaches here while they shade each other in Cycles, and one about
-    those that lie in something that lets light pass. lights_in_surfaces() names those that shine.
+    """One warning about doubled surfaces, in view or beside it, the largest of them named: here
+    light reaches them, in Cycles they shade each other. lights_in_surfaces() names those that
+    shine.
     """
     found = renderer.coincident_surfaces()
     if not found:
         return []
     added = instance_order(scene)
     lights = {frozenset(pair) for _, *pair in renderer.lights_in_surfaces}
-
-    def pairs(passes: bool) -> str:
-        shares: dict[tuple[str, ...], float] = {}
-        for instance, other, share, one_passes in found:
-            if one_passes != passes or frozenset((instance, other)) in lights:
-                continue
-            pair = tuple(sorted({name_of(scene, int(added[k])) for k in (instance, other)}))
-            shares[pair] = shares.get(pair, 0.0) + share
-        if sum(shares.values()) < SHARE:
-            return ""
-        return first_of(
-            [
-                f"'{names[0]}' in '{names[-1]}'" if len(names) > 1 else f"'{names[0]}' in itself"
-                for names in sorted(shares, key=lambda pair: -shares[pair])
-            ]
-        )
-
-    warnings = []
-    if opaque := pairs(False):
-        warnings.append(
-            f"Surfaces lie exactly in each other ({opaque}). They are lit here, while "
-            "in Cycles they shade each other, wholly or by chance: delete one, or move it."
-        )
-    if passing := pairs(True):
-        warnings.append(
-            f"Opaque surfaces lie exactly in such as let light pass ({passing}). Light that "
-            "passes the one passes both: move one a little."
-        )
-    return warnings
+    shares: dict[tuple[str, ...], float] = {}
+    for instance, other, share in found:
+        if frozenset((instance, other)) in lights:
+            continue
+        names = {name_of(scene, int(added[k])) for k in (instance, other)}
+        pair = tuple(sorted(names))
+        shares[pair] = shares.get(pair, 0.0) + share
+    if sum(shares.values()) < SHARE:
+        return []
+    pairs = [
+        f"'{names[0]}' in '{names[-1]}'" if len(names) > 1 else f"'{names[0]}' in itself"
+        for names in sorted(shares, key=lambda pair: -shares[pair])
+    ]
+    return [
+        f"Surfaces lie exactly in each other ({first_of(pairs)}). They are lit here, while "
+        "in Cycles they shade each other, wholly or by chance: delete one, or move it."
+    ]

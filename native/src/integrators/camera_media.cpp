@@ -55,8 +55,8 @@ void CameraTracer::show_depth_behind(Path& path, Surface hit) const {
   constexpr int kMostLayers = 64;
   for (int layer = 0; layer < kMostLayers; ++layer) {
     if (!scene_.may_be_transparent(hit)) return show_depth(path, hit);
-    if (!scene_.intersect(path.origin, path.direction, past(hit), path.far, true, hit,
-                          ray_mask(path.info), path.info.time))
+    if (!scene_.intersect_past(hit, path.origin, path.direction, path.far, true,
+                               ray_mask(path.info), path.info.time))
       return;
   }
 }

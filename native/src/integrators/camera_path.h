@@ -143,6 +143,7 @@ struct CameraTracer::Path {
   // Before it, straight through glass that bends nothing: vertex 0 is not what the pixel shows
   // first
   bool through_glass = false;
+  bool passed_layer = false;  // what it meets next may lie where it passed the last surface
   // All that it was scattered by is glass that a transparent film takes for clear
   bool clear = true;
   float travelled = 0;               // up to the last vertex

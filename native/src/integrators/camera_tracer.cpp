@@ -83,11 +83,14 @@ void CameraTracer::trace_path(Path& path) const {
 
 void CameraTracer::follow(Path& path) const {
   const Media* const media = scene_.media();
+  Surface hit;
   for (;;) {
-    Surface hit;
     ++path.tile.rays;
     path.tile.deep_rays += path.deep;
     const bool found =
+        (std::exchange(path.passed_layer, false) &&
+         scene_.meets_layer(hit, path.origin, path.direction, ray_mask(path.info),
+                            path.info.time)) ||
         scene_.intersect(path.origin, path.direction, path.near, path.far, path.vertex == 0, hit,
                          ray_mask(path.info), path.info.time, path.info.left);
     if (found && media)
@@ -296,6 +299,7 @@ CameraTracer::Passing CameraTracer::pass_through(Path& path, const Surface& hit,
   if (++path.info.transparent_depth > kMaxTransparent || path.ends(survival))
     return Passing::kAbsorbed;
   path.near = past(hit);
+  path.passed_layer = scene_.instances[hit.instance].layered;
   if (scene_.media())
     scene_.media()->cross(path.media, hit, gap_at(hit, path.origin, path.direction),
                           path.info.time);

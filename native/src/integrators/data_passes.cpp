@@ -92,8 +92,10 @@ struct Looker {
     info.time = time;
     Surface hit;
     for (int layer = 0; layer < kMostLayers && left > kFaint; ++layer) {
-      if (!scene.intersect(ray.origin, ray.direction, near, ray.far, true, hit,
-                           ray_bit(RayInfo::kCamera), time))
+      const RayMask kinds = ray_bit(RayInfo::kCamera);
+      if (!(layer ? scene.intersect_past(hit, ray.origin, ray.direction, ray.far, true, kinds, time)
+                  : scene.intersect(ray.origin, ray.direction, near, ray.far, true, hit, kinds,
+                                    time)))
         break;
       if (media)
         media->meet_touched(hit, ray.origin, ray.direction, ray_bit(RayInfo::kCamera), time);

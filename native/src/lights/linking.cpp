@@ -29,9 +29,10 @@ Rgb Lights::linked_met(const Receiver& to, const Vec3& origin, const Vec3& direc
   Surface s;
   RayInfo info = ray;
   const RayMask kinds = ray_mask(ray);
-  for (float near = 0;
-       meshes && scene_.intersect(origin, direction, near, INFINITY, false, s, kinds, to.time);
-       near = past(s)) {
+  for (bool found =
+           meshes && scene_.intersect(origin, direction, 0, INFINITY, false, s, kinds, to.time);
+       found;
+       found = scene_.intersect_past(s, origin, direction, INFINITY, false, kinds, to.time)) {
     const int32_t index = emitter_of_instance_[s.instance];
     if (index < 0) continue;
     const Emitter& e = emitters_[index];

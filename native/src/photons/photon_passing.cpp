@@ -113,6 +113,17 @@ std::optional<Surface> PhotonTracer::seen_twin(const Path& path, const Surface& 
   return twin;
 }
 
+// The next surface in which one lies that the path passes.
+std::optional<Surface> PhotonTracer::layer(const Path& path, const Surface& hit, const Vec3& origin,
+                                           const Vec3& direction) const {
+  if (!scene_.instances[hit.instance].layered) return {};
+  Surface next = hit;
+  if (!scene_.meets_layer(next, origin, direction, ray_bit(kind_of_way(path, path.bounces)),
+                          path.time))
+    return {};
+  return next;
+}
+
 // Sends a path on that a surface lets pass with this weight (its transparency over the chance to
 // pass); false where it ends.
 bool PhotonTracer::go_straight_on(Path& path, const Surface& hit, const Rgb& weight,

@@ -123,6 +123,7 @@ bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const Phot
   const Passing passes = passing(path, v);
   const bool accepted = lit(path, hit, start);
   if (accepted) store(path, hit, direction, visible, photons);
+  path.power *= std::exchange(path.painted, Rgb{1, 1, 1});
 
   if (const float mean = average(passes.transparency); mean > 0) {  // straight on, or not
     const float scattered =
@@ -132,11 +133,13 @@ bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const Phot
       if (passes.asked) path.kind = passes.ray.kind, path.guessed = true;
       path.unshadowed |= v.direct && !passes.blocking && !start.casts_shadows;
       const Rgb weight = passes.transparency / (chance * passes.chance);
-      if (!passes.blocking)
-        if (const auto twin = seen_twin(path, hit, direction)) {
-          path.power *= weight;
-          return shade(path, *twin, start, draws, visible, origin, direction, photons);
-        }
+      const auto twin =
+          passes.blocking ? layer(path, hit, origin, direction) : seen_twin(path, hit, direction);
+      if (twin) {
+        if (passes.blocking) path.painted *= passes.transparency;
+        path.power *= passes.blocking ? Rgb{1, 1, 1} / (chance * passes.chance) : weight;
+        return shade(path, *twin, start, draws, visible, origin, direction, photons);
+      }
       return go_straight_on(path, hit, weight, origin);
     }
     path.power *= 1 / (1 - chance);

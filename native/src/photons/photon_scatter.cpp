@@ -49,6 +49,7 @@ bool PhotonTracer::shade(Path& path, const Surface& hit, const PhotonStart& star
   }
   if (!accepted) return false;
   store(path, hit, direction, visible, photons);
+  path.power *= std::exchange(path.painted, Rgb{1, 1, 1});
   if (!light_up(path, hit.position, path.travelled + hit.distance, start) ||
       !light_up_by_ray(path, start, {1, 1, 1}, false, false))
     return false;

@@ -102,6 +102,9 @@ class PhotonTracer {
     Random random{0, 0};
     uint16_t bounces = 0;  // lobes
     float caustic = 1;     // share of caustic light
+    // Share of light that panes let pass which lie in the surface that it meets: as if that were
+    // painted with them, they take of what it sends on and not of what comes to it
+    Rgb painted{1, 1, 1};
   };
   // The paths of a chunk on their way; a worker's own, so that it stays in its cache from chunk to
   // chunk.
@@ -174,6 +177,8 @@ class PhotonTracer {
   bool arrives(const Path& path, const Vec3& place, float distance, const PhotonStart& start) const;
   bool lit(const Path& path, const Surface& hit, const PhotonStart& start) const;
   bool blocks(const Path& path, const Surface& hit, const PhotonStart& start) const;
+  std::optional<Surface> layer(const Path& path, const Surface& hit, const Vec3& origin,
+                               const Vec3& direction) const;
   std::optional<Surface> seen_twin(const Path& path, const Surface& hit,
                                    const Vec3& direction) const;
   bool shade(Path& path, const Surface& hit, const PhotonStart& start, const Draws& draws,

@@ -17,6 +17,7 @@ void Renderer::relight() {
   scene.update_features();
   scene.update_own_scenes(cancel_);
   scene.update_media(cancel_);
+  scene.update_layers(cancel_);
   current_ = nullptr;  // what they were made of goes
   maps_.clear();
   camera_pass_.reset();

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <tuple>
 
 #include "math/sampling.h"
 
@@ -19,7 +18,7 @@ constexpr float kParallel = 0.99f;  // least cosine of their normals
 
 }  // namespace
 
-std::optional<Scene::Coinciding> Scene::coincides(const Surface& s) const {
+std::optional<uint32_t> Scene::coincides(const Surface& s) const {
   const float reach = ray_epsilon(s.position, s.distance);
   const Vec3 start = s.position + s.ng * reach, way = -s.ng;
   const Crossings crossings =
@@ -27,27 +26,22 @@ std::optional<Scene::Coinciding> Scene::coincides(const Surface& s) const {
   const auto own = std::find_if(crossings.begin(), crossings.end(), [&](const Crossings::Met& m) {
     return m.instance == s.instance && m.triangle == s.triangle;
   });
-  const bool passes = may_be_transparent(s);
-  std::optional<Coinciding> found;
   // Where it meets its neighbours both are met.
   if (own == crossings.end() || std::min({own->u, own->v, 1 - own->u - own->v}) < kEdge) return {};
   for (auto m = crossings.begin(); m != crossings.end(); ++m) {
     if (m == own || meshes[instances[m->instance].mesh].strands) continue;
     if (!(std::abs(m->distance - own->distance) <= kRounding * max_abs(s.position))) continue;
     const Surface other = surface_at(m->instance, m->triangle, m->u, m->v, false);
-    if (!(std::abs(dot(other.ng, s.ng)) >= kParallel)) continue;
-    const bool other_passes = may_be_transparent(other);
-    if (passes && other_passes) continue;
-    if (!passes && !other_passes) return Coinciding{m->instance, false};
-    found = Coinciding{m->instance, true};
+    if (std::abs(dot(other.ng, s.ng)) >= kParallel && !may_be_transparent(other))
+      return m->instance;
   }
-  return found;
+  return {};
 }
 
 namespace {
 
-// Calls met() for the surfaces on a ray's way, straight through glass, up to the first one that
-// sends no light on; true where there is that one, which is left in `s`.
+// Calls met() for the surfaces on a ray's way that are not transparent, straight through glass, up
+// to the first one that sends no light on; true where there is that one, which is left in `s`.
 template <class Met>
 bool look(const Scene& scene, const Vec3& origin, const Vec3& direction, float near, float far,
           RayInfo::Kind kind, Surface& s, Met&& met) {
@@ -56,8 +50,8 @@ bool look(const Scene& scene, const Vec3& origin, const Vec3& direction, float n
                          ray_bit(kind)) ||
         s.on_strand())
       return false;
-    met(s);
     if (scene.may_be_transparent(s)) continue;
+    met(s);
     if (!(s.program && s.program->features & kProgramTransmits)) return true;
   }
   return false;
@@ -68,11 +62,10 @@ bool look(const Scene& scene, const Vec3& origin, const Vec3& direction, float n
 std::vector<Coincident> coincident_surfaces(const Scene& scene, const Camera& camera) {
   if (scene.bounds().empty()) return {};
   const CameraSettings& frame = camera.settings();
-  std::map<std::tuple<uint32_t, uint32_t, bool>, float> found;
+  std::map<std::pair<uint32_t, uint32_t>, float> found;
   const auto noting = [&](float weight) {
     return [&, weight](const Surface& s) {
-      if (const auto other = scene.coincides(s))
-        found[{s.instance, other->instance, other->one_passes}] += weight;
+      if (const auto other = scene.coincides(s)) found[{s.instance, *other}] += weight;
     };
   };
   for (int j = 0; j < kLooks; ++j)
@@ -90,8 +83,7 @@ std::vector<Coincident> coincident_surfaces(const Scene& scene, const Camera& ca
     }
   std::vector<Coincident> out;
   for (const auto& [pair, weight] : found)
-    out.push_back(
-        {std::get<0>(pair), std::get<1>(pair), weight / (kLooks * kLooks), std::get<2>(pair)});
+    out.push_back({pair.first, pair.second, weight / (kLooks * kLooks)});
   std::stable_sort(out.begin(), out.end(),
                    [](const Coincident& a, const Coincident& b) { return a.share > b.share; });
   return out;

@@ -30,6 +30,7 @@ struct Instance {
   int16_t light_group = kNoLightGroup;
   RayMask seen_by = kAllRays;
   bool holdout = false;  // to the camera a hole in the picture
+  bool layered = false;  // lets light pass and lies in another surface to within rounding
   bool catcher = false;  // shows the camera what other things take from its light, and no more
   // Cosine below which shadow rays start off the surface that smooth normals promise
   float terminator_offset = 0.1f;

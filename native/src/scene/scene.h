@@ -91,13 +91,21 @@ class Scene {
   // All that a short ray meets, not the nearest alone.
   Crossings crossings(const Vec3& origin, const Vec3& direction, float near, float far,
                       RayMask kinds, float time) const;
-  // Another surface, or another triangle of the same one, that lies in this one to within rounding,
-  // where rays of light meet it; one of the two at the least is opaque.
-  struct Coinciding {
-    uint32_t instance;
-    bool one_passes;  // the other of the two lets light pass
-  };
-  std::optional<Coinciding> coincides(const Surface& s) const;
+  // The instance of another opaque surface, or of another triangle of the same one, that lies in
+  // this one to within rounding, where rays of light meet it.
+  std::optional<uint32_t> coincides(const Surface& s) const;
+  // What a ray meets next that has found `s` and passes it: a surface in which that one lies, or
+  // what is beyond. True and fills `s` when there is something.
+  bool intersect_past(Surface& s, const Vec3& origin, const Vec3& direction, float far,
+                      bool coherent, RayMask kinds = kAllRays, float time = kShutterCentre,
+                      uint32_t left = 0) const {
+    return (instances[s.instance].layered && meets_layer(s, origin, direction, kinds, time)) ||
+           intersect(origin, direction, past(s), far, coherent, s, kinds, time, left);
+  }
+  // True and fills `s` with the next of the surfaces in which it lies to within rounding, where
+  // rays of `kinds` meet one.
+  bool meets_layer(Surface& s, const Vec3& origin, const Vec3& direction, RayMask kinds,
+                   float time) const;
   // intersect() for `count` <= kPacket incoherent rays from 0 to infinity; bit k of the result
   // tells whether ray k hit.
   static constexpr uint32_t kPacket = 8;
@@ -220,6 +228,7 @@ class Scene {
   void update_features();
   void update_own_scenes(const CancelFlag& cancel);
   void update_media(const CancelFlag& cancel);
+  void update_layers(const CancelFlag& cancel);
   Vec2 uv_at(uint32_t instance, uint32_t triangle, float u, float v) const;
   const Material& material_of(uint32_t instance, uint32_t triangle) const;
   // Whether a hit's mesh is so coarse that shadow rays from below its smooth horizon matter.
@@ -285,6 +294,8 @@ class Scene {
   void see_limits();
   void see_bent_normals();
   bool emits(const Instance& instance) const;
+  bool stops_light(uint32_t instance, uint32_t triangle) const;
+  bool lies_in_another(uint32_t instance, uint32_t samples) const;
   Vec3 smooth_normal(uint32_t instance, uint32_t triangle, float u, float v, float time) const;
   Surface moving_surface_at(uint32_t instance, uint32_t triangle, float u, float v, bool back,
                             float time) const;

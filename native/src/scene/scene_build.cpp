@@ -294,6 +294,7 @@ void Scene::build(const CancelFlag& cancel) {
   is_built_ = true;
   update_own_scenes(cancel);
   update_media(cancel);
+  update_layers(cancel);
 }
 
 void Scene::update_own_scenes(const CancelFlag& cancel) {

@@ -109,8 +109,8 @@ Rgb Scene::transmittance(const Vec3& origin, const Vec3& direction, float far, c
   Rgb through{1, 1, 1};
   RayInfo info = shadow_ray(ray);
   Surface s;
-  for (float near = 0; intersect(origin, direction, near, far, false, s, kinds, ray.time, ray.left);
-       near = past(s)) {
+  for (bool found = intersect(origin, direction, 0, far, false, s, kinds, ray.time, ray.left);
+       found; found = intersect_past(s, origin, direction, far, false, kinds, ray.time, ray.left)) {
     if (!(blockers & instances[s.instance].group)) continue;
     through *= let_through(*this, s, direction, info);
     if (max_component(through) < 1e-6f) return {};
@@ -124,8 +124,9 @@ Rgb Scene::transmittance(const Vec3& origin, const Vec3& direction, float far, c
   RayInfo info = shadow_ray(ray);
   Rgb through{1, 1, 1};
   Surface s;
-  for (float near = 0, begin = 0;; near = past(s)) {
-    const bool found = intersect(origin, direction, near, far, false, s, kinds, ray.time, ray.left);
+  bool found = intersect(origin, direction, 0, far, false, s, kinds, ray.time, ray.left);
+  for (float begin = 0;;
+       found = intersect_past(s, origin, direction, far, false, kinds, ray.time, ray.left)) {
     if (found) media_->meet_touched(s, origin, direction, kinds, ray.time);
     if (found && blockers & instances[s.instance].group) {
       through *= let_through(*this, s, direction, info);
