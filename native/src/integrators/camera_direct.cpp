@@ -142,23 +142,23 @@ Vec3 CameraTracer::shadow_origin(const Surface& hit, const Vec3& direction, cons
 // The ray starts off the surface, so it is aimed anew; before an emissive surface it stops as far
 // off that one.
 Rgb CameraTracer::light_through(const LightSample& light, const Surface& hit, Path& path) const {
-  const float epsilon = ray_epsilon(hit.position, hit.distance);
+  const float epsilon = std::max(ray_epsilon(hit.position, hit.distance), hit.rounding);
   const bool below = passes_below(hit, light.direction);
   if (light.exact >= 0 &&
       lights_.blocked_exactly(static_cast<uint32_t>(light.exact),
                               shadow_origin(hit, light.direction, path, epsilon), light.place,
                               path.info.time, exact_blockers(path.info)))
     return {};
-  const Vec3 origin =
-      shadow_origin(hit, light.direction, path, ray_offset(hit.position, hit.distance));
+  const Vec3 origin = shadow_origin(hit, light.direction, path, ray_offset(hit));
   MediumStack media = path.media;
   if (scene_.media() && below)
     scene_.media()->cross(media, hit, gap_beside(hit, light.direction), path.info.time);
   if (!std::isfinite(light.distance))
     return transmittance(origin, light.direction, INFINITY, path.info, light.blockers, media,
                          path.random);
-  const Vec3 target = hit.position + light.direction * light.distance +
-                      light.normal * std::max(epsilon, ray_epsilon(hit.position, light.distance));
+  const Vec3 target =
+      hit.position + light.direction * light.distance +
+      light.normal * std::max({epsilon, ray_epsilon(hit.position, light.distance), light.rounding});
   const Vec3 way = target - origin;
   const float distance = length(way);
   if (!(distance > 0)) return {1, 1, 1};

@@ -275,7 +275,7 @@ void CameraTracer::add_ambient_occlusion(Path& path, const Surface& hit, const B
     scene_.media()->cross(media, hit, gap_beside(hit, direction), path.info.time);
   Random random = path.random;  // the path goes on as if nobody had looked
   const Rgb stays = Rgb{1, 1, 1} - (bsdf.transparency() - bsdf.straight());
-  const Vec3 origin = shadow_origin(hit, direction, path, ray_offset(hit.position, hit.distance));
+  const Vec3 origin = shadow_origin(hit, direction, path, ray_offset(hit));
   const Rgb open =
       transmittance(origin, direction, ambient_distance_, path.info, ~uint64_t{0}, media, random);
   ++path.tile.rays;

@@ -72,6 +72,7 @@ struct LightSample {
   int16_t light_group = kNoLightGroup;
   RayMask seen_by = kAllRays;
   bool from_world = false;
+  float rounding = 0;  // of an emissive surface's place (rounding_of()), m
   int32_t exact = -1;  // a lamp's emitter that lies in a surface: see Lights::blocked_exactly()
   Vec3 place;          // on it
 };

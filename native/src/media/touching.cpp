@@ -35,7 +35,7 @@ bool Media::is_clear(const Program& program) const {
 // Other regions whose surfaces are passed in one step with this one; not those gone through both
 // ways.
 Media::TouchingList Media::touching(const Surface& s, const Gap& gap, float time) const {
-  const float offset = ray_offset(s.position, s.distance),
+  const float offset = ray_offset(s),
               reach = kWithin * offset / std::max(std::abs(dot(gap.direction, s.ng)), kGrazing),
               near = gap.at - reach, start = std::min(near, 0.0f),
               far = std::min(gap.at + reach, std::nextafter(gap.at + offset, INFINITY));
@@ -60,8 +60,7 @@ Media::TouchingList Media::touching(const Surface& s, const Gap& gap, float time
 
 void Media::look_for_touched(Surface& s, const Vec3& origin, const Vec3& direction, RayMask kinds,
                              float time) const {
-  const float reach = kWithin * ray_offset(s.position, s.distance) /
-                      std::max(std::abs(dot(direction, s.ng)), kGrazing);
+  const float reach = kWithin * ray_offset(s) / std::max(std::abs(dot(direction, s.ng)), kGrazing);
   const Crossings crossings = scene_.crossings(
       origin, direction, std::max(s.distance - reach, 0.0f), s.distance + reach, kinds, time);
   const Crossings::Met* nearest = nullptr;

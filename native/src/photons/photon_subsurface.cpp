@@ -70,7 +70,7 @@ bool PhotonTracer::go_below(Path& path, const Surface& hit, const Bsdf& bsdf, co
   ++path.bounces;
   path.travelled = 0;
   path.left_normal = encode_direction(s.ng);
-  origin = s.position + s.ng * ray_offset(s.position, hit.distance);
+  origin = s.position + s.ng * std::max(ray_offset(s.position, hit.distance), s.rounding);
   direction = leaving->wo;
   return true;
 }

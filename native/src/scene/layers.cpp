@@ -25,7 +25,7 @@ bool Scene::meets_layer(Surface& s, const Vec3& origin, const Vec3& direction, R
     return media_ && media_->region_of(instance, triangle) >= 0;
   };
   if (has_medium(s.instance, s.triangle)) return false;  // Media::meet_touched() knows
-  const float offset = ray_offset(s.position, s.distance),
+  const float offset = ray_offset(s),
               reach = offset / std::max(std::abs(dot(direction, s.ng)), kGrazing);
   const Crossings crossings = this->crossings(
       origin, direction, std::max(s.distance - 2 * reach, 0.0f), s.distance + reach, kinds, time);

@@ -23,6 +23,7 @@ struct alignas(64) PlainSurfaces {
   float nx[RayHits::kMost], ny[RayHits::kMost], nz[RayHits::kMost];
   float red[RayHits::kMost], green[RayHits::kMost], blue[RayHits::kMost];  // albedo
   uint32_t key[RayHits::kMost];                                            // Surface::key
+  float rounding[RayHits::kMost];                                          // Surface::rounding
 };
 
 }  // namespace photon_splat

@@ -208,6 +208,8 @@ unsigned Scene::plain_surfaces(const RayHits& hits, unsigned which, PlainSurface
     out.nx[k] = n.x, out.ny[k] = n.y, out.nz[k] = n.z;
     out.red[k] = albedo.x, out.green[k] = albedo.y, out.blue[k] = albedo.z;
     out.key[k] = lookups_[instance].key(triangle, hits.back[k]);
+    out.rounding[k] = rounding_beyond(
+        ray_offset({hits.x[k], hits.y[k], hits.z[k]}, hits.distance[k]), instance, triangle);
   }
   return plain;
 }
@@ -340,6 +342,12 @@ inline void Scene::fill_triangle(const RawHit& hit, const Vec3& direction, Surfa
   }
   s.ng = ng;
   s.key = lookups_[s.instance].key(s.triangle, s.back);
+  s.rounding = rounding_beyond(ray_offset(s.position, s.distance), s.instance, s.triangle);
+}
+
+float Scene::large_rounding(uint32_t instance, uint32_t triangle) const {
+  const Instance& of = instances[instance];
+  return meshes[of.mesh].rounding_of(triangle) * (of.shared ? of.scale : 1);
 }
 
 Surface Scene::surface_at(uint32_t index, uint32_t triangle, float u, float v, bool back,

@@ -280,8 +280,9 @@ class Scene {
     const uint32_t* patches;
     const uint16_t* slots;
     uint32_t normals_mask, patches_mask, slots_mask;
-    uint32_t seed;  // Instance::seed
-    bool shared;    // Instance::shared
+    uint32_t seed;   // Instance::seed
+    bool shared;     // Instance::shared
+    float rounding;  // Mesh::rounding, in the world
     const Strands* strands;
 
     const Vec3* normals_of(uint32_t triangle, Vec3 made[3]) const {
@@ -290,6 +291,11 @@ class Scene {
     void fetch_ahead(uint32_t triangle) const;
     uint32_t key(uint32_t triangle, bool back) const;
   };
+  // rounding_of() a triangle in the world, as far as that is more than `known`.
+  float rounding_beyond(float known, uint32_t instance, uint32_t triangle) const {
+    return lookups_[instance].rounding > known ? large_rounding(instance, triangle) : 0;
+  }
+  float large_rounding(uint32_t instance, uint32_t triangle) const;
   void make_lookups();
   void see_limits();
   void see_bent_normals();

@@ -191,6 +191,8 @@ void Mesh::describe_surface(ScratchMemory& scratch, const CancelFlag& cancel) {
   edge_tree = std::make_unique<EdgeTree>(topology.edges);
   surface_tree = std::make_unique<SurfaceTree>(positions, triangles, topology, scratch, cancel);
   bent = bent_shares(*this);
+  rounding = 0;
+  for (uint32_t t = 0; t < triangles.size(); ++t) rounding = std::max(rounding, rounding_of(t));
 }
 
 void Scene::commit(RTCScene scene, const CancelFlag& cancel,
@@ -406,6 +408,7 @@ void Scene::make_lookups() {
                         one_patch ? &kOnePatch : mesh.topology.patch.data(),
                         one_slot ? &kOneSlot : mesh.slots.data(), flat ? 0 : ~0u,
                         one_patch ? 0 : ~0u, one_slot ? 0 : ~0u, instance.seed, instance.shared,
+                        mesh.rounding * (instance.shared ? instance.scale : 1.0f),
                         mesh.strands.get()});
   }
 }

@@ -16,7 +16,8 @@ struct Surface {
   bool back;
   float u, v;  // barycentric
   float distance;
-  uint32_t mark;  // of the strand that it is on, as Embree takes it; 0: of a mesh
+  float rounding = 0;  // of where it is, as far as its triangle is to blame (rounding_of())
+  uint32_t mark;       // of the strand that it is on, as Embree takes it; 0: of a mesh
   const MaterialSide* side;
   const Program* program;  // or null: then `side` says it all
 
@@ -36,17 +37,17 @@ inline float ray_epsilon(const Vec3& position, float distance) {
 inline float ray_offset(const Vec3& position, float distance) {
   return 0.125f * ray_epsilon(position, distance);
 }
+inline float ray_offset(const Surface& s) {
+  return std::max(ray_offset(s.position, s.distance), s.rounding);
+}
 // Where a ray starts that leaves `s` that way. On strands no distance is far enough: rays that
 // leave one do not meet it (Surface::mark).
 inline Vec3 leave(const Surface& s, const Vec3& direction) {
   if (s.on_strand()) return s.position;
-  return s.position +
-         s.ng * std::copysign(ray_offset(s.position, s.distance), dot(direction, s.ng));
+  return s.position + s.ng * std::copysign(ray_offset(s), dot(direction, s.ng));
 }
 // Where the ray goes on that found `s` and takes no notice of it.
-inline float past(const Surface& s) {
-  return std::nextafter(s.distance + ray_offset(s.position, s.distance), INFINITY);
-}
+inline float past(const Surface& s) { return std::nextafter(s.distance + ray_offset(s), INFINITY); }
 
 // The stretch of a ray on which surfaces are at the same place as the one that it goes through, but
 // for rounding, in whatever order it meets them.
@@ -57,13 +58,13 @@ struct Gap {
 };
 // Of the ray that found `s` and goes straight on.
 inline Gap gap_at(const Surface& s, const Vec3& origin, const Vec3& direction) {
-  const float epsilon = ray_epsilon(s.position, s.distance);
+  const float epsilon = std::max(ray_epsilon(s.position, s.distance), s.rounding);
   return {origin, direction, s.distance - epsilon, s.distance + epsilon, s.distance};
 }
 // Of the ray that starts anew, from leave(s, direction).
 inline Gap gap_beside(const Surface& s, const Vec3& direction) {
   const float side = std::copysign(1.0f, dot(direction, s.ng));
-  return {s.position, s.ng * side, 0, ray_offset(s.position, s.distance), 0};
+  return {s.position, s.ng * side, 0, ray_offset(s), 0};
 }
 
 }  // namespace photon_splat

@@ -200,7 +200,8 @@ inline void bounce(const PhotonPaths& paths, uint32_t i, const RayHits& hits,
   keep(out.blue + k, kept.z);
   const Floats farthest =
       larger(larger(magnitude(position.x), magnitude(position.y)), magnitude(position.z));
-  const Floats epsilon = 4e-6f * larger(farthest, load<Floats>(hits.distance + k));
+  const Floats epsilon = larger(4e-6f * larger(farthest, load<Floats>(hits.distance + k)),
+                                load<Floats>(surfaces.rounding + k));
   keep(out.origin_x + k, position.x + ng.x * epsilon);
   keep(out.origin_y + k, position.y + ng.y * epsilon);
   keep(out.origin_z + k, position.z + ng.z * epsilon);
