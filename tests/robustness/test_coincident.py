@@ -166,3 +166,32 @@ def test_a_wall_shows_through_a_pane_that_lies_on_it(
     for picture in (exact, before):
         assert picture[..., 0].mean() == pytest.approx(picture[..., 1].mean(), rel=1e-3)
     assert before.mean() == pytest.approx(painted.mean(), rel=0.01)
+
+
+def test_a_clear_shadow_catcher_may_lie_on_the_floor() -> None:
+    """It is passed as one that stands off the floor, and the floor shows through it."""
+    import bpy
+    from photon_splat.export import export_scene
+
+    bpy.ops.wm.read_homefile(use_empty=True)
+    stage.scene()
+    stage.resize(24)
+    stage.camera((0.0, 0.0, 3.0))
+    stage.lamp()
+    stage.world(0.5)
+    stage.plane("Floor", 2.0)
+    stage.plane("Shade", 0.3, location=(0.3, 0.2, 0.5))
+    made, tree = stage.empty_material("Clear")
+    stage.surface(tree, tree.nodes.new("ShaderNodeBsdfTransparent"))
+    catcher = stage.plane("Catcher", 1.5)
+    catcher.data.materials[0] = made
+    catcher.is_shadow_catcher = True
+
+    def seen(height: float) -> np.ndarray:
+        catcher.location.z = height
+        bpy.context.view_layer.update()
+        return c.picture(export_scene(bpy.context.evaluated_depsgraph_get()), passes=8)
+
+    above = seen(1e-3)
+    assert above.mean() > 0.1
+    assert seen(2e-7) == pytest.approx(above, rel=0.02)

@@ -42,10 +42,10 @@ void CameraTracer::catch_shadows(Path& path, const Surface& hit) const {
   if (scene_.media()) alone.media = scene_.media()->of_catchers(path.media);
 
   begin();
-  if (meet_surface(path, hit)) follow(path);
+  if (meet_surface(path, hit)) follow(path, hit);
   const Pixel among_all = pixel;
   begin();
-  if (meet_surface(alone, hit)) follow(alone);
+  if (meet_surface(alone, hit)) follow(alone, hit);
   const Rgb light_alone = pixel.combined();
 
   pixel = others;

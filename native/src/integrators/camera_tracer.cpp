@@ -81,9 +81,8 @@ void CameraTracer::trace_path(Path& path) const {
   follow(path);
 }
 
-void CameraTracer::follow(Path& path) const {
+void CameraTracer::follow(Path& path, Surface hit) const {
   const Media* const media = scene_.media();
-  Surface hit;
   for (;;) {
     ++path.tile.rays;
     path.tile.deep_rays += path.deep;

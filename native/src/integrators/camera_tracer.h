@@ -165,7 +165,8 @@ class CameraTracer {
   static void see_trial(Tile& tile, const PackedFilm::Tile& pixels, int width, int height);
   void trace_pixel(const Job& job, int x, int y, PackedFilm& film, Pixel& pixel, Tile& tile) const;
   void trace_path(Path& path) const;
-  void follow(Path& path) const;
+  // passed: the surface that it has just passed, if it has.
+  void follow(Path& path, Surface passed = {}) const;
   bool meet_surface(Path& path, const Surface& hit) const;
   bool seen_clearly(const Path& path) const;
   bool catches(const Path& path, const Surface& hit) const;

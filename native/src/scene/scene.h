@@ -238,6 +238,10 @@ class Scene {
     const Topology& topology = meshes[instances[instance].mesh].topology;
     return topology.planar[topology.patch[triangle]];
   }
+  // rounding_of() a triangle in the world, as far as that is more than `known`.
+  float rounding_beyond(float known, uint32_t instance, uint32_t triangle) const {
+    return lookups_[instance].rounding > known ? large_rounding(instance, triangle) : 0;
+  }
   bool smooth(const Surface& surface) const { return lookups_[surface.instance].normals_mask; }
   // The surface's own place, or one beyond it where its mesh is too coarse for its smooth normals.
   Vec3 shadow_ray_origin(const Surface& surface, const Vec3& to_light,
@@ -291,10 +295,6 @@ class Scene {
     void fetch_ahead(uint32_t triangle) const;
     uint32_t key(uint32_t triangle, bool back) const;
   };
-  // rounding_of() a triangle in the world, as far as that is more than `known`.
-  float rounding_beyond(float known, uint32_t instance, uint32_t triangle) const {
-    return lookups_[instance].rounding > known ? large_rounding(instance, triangle) : 0;
-  }
   float large_rounding(uint32_t instance, uint32_t triangle) const;
   void make_lookups();
   void see_limits();

@@ -16,7 +16,8 @@ uint32_t seed_at(const Frame& f, uint32_t node) {
 
 Vec3 start(const Frame& f, const Vec3& direction) {
   if (f.strands()) return f.point.position;
-  const float epsilon = ray_epsilon(f.point.position, f.point.ray.length);
+  const float known = ray_epsilon(f.point.position, f.point.ray.length),
+              epsilon = known + f.scene.rounding_beyond(known, f.point.instance, f.point.triangle);
   return f.point.position + f.point.ng * (dot(direction, f.point.ng) > 0 ? epsilon : -epsilon);
 }
 
