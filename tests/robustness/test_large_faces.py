@@ -57,3 +57,19 @@ def test_a_wide_room_is_as_bright_askew(integrator: Integrator) -> None:
         return float(c.picture(what, integrator, passes=passes, photons_per_pass=100_000).mean())
 
     assert mean(ASKEW) == pytest.approx(mean(np.eye(3)), rel=0.01)
+
+
+@pytest.mark.parametrize("integrator", c.BOTH)
+@pytest.mark.parametrize("far", [100.0, 3000.0])
+def test_instances_of_a_mesh_far_from_its_own_origin(far: float, integrator: Integrator) -> None:
+    """Linked duplicates of what was modelled away from the origin of its object."""
+    slope = c.quad(2.0)
+    place = np.array((far, -0.7 * far, 0.2 * far))
+    slope.positions = (slope.positions @ ASKEW.T + place).astype(np.float32)
+    view = c.perspective((0.0, -6.0, 6.0), (0.0, 0.0, 0.0), 48, 32, 0.3)
+    sun = c.lamp(LightKind.SUN, 3.0, (0.0, 0.0, 5.0))
+    what = c.scene(view, [(slope, c.lambert(0.7))] * 2, [sun])
+    what.instances.mesh[:] = 0
+    what.instances.matrix[:, :3, 3] = -place, -place - (0.0, 0.0, 30.0)
+    seen = c.picture(what, integrator, passes=4, photons_per_pass=5000)
+    assert seen == pytest.approx(0.7 * 3.0 * ASKEW[2, 2] / pi, rel=1e-4)

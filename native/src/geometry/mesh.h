@@ -38,13 +38,14 @@ struct Mesh {
   std::unique_ptr<Strands> strands;  // instead of triangles; slots are those of its segments
   std::vector<float> bent;           // bent_shares()
   float rounding = 0;                // the largest rounding_of() a triangle
+  float farthest = 0;                // the largest coordinate
 
   float rounding_of(uint32_t triangle) const {
     const Triangle& t = triangles[triangle];
     const Vec3 a = positions[t[0]];
     return photon_splat::rounding_of(positions[t[1]] - a, positions[t[2]] - a);
   }
-  // Makes topology, trees, bent and rounding from the others. Throws Cancelled.
+  // Makes topology, trees and what follows them from the others. Throws Cancelled.
   void describe_surface(ScratchMemory& scratch, const CancelFlag& cancel);
 
   const MeshAttribute* attribute(uint32_t id) const {

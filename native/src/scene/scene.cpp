@@ -347,7 +347,13 @@ inline void Scene::fill_triangle(const RawHit& hit, const Vec3& direction, Surfa
 
 float Scene::large_rounding(uint32_t instance, uint32_t triangle) const {
   const Instance& of = instances[instance];
-  return meshes[of.mesh].rounding_of(triangle) * (of.shared ? of.scale : 1);
+  const Mesh& mesh = meshes[of.mesh];
+  float found = mesh.rounding_of(triangle);
+  if (!of.shared) return found;
+  // Embree has the ray in the mesh's coordinates
+  for (const uint32_t corner : mesh.triangles[triangle])
+    found = std::max(found, ray_offset(mesh.positions[corner], 0));
+  return found * of.scale;
 }
 
 Surface Scene::surface_at(uint32_t index, uint32_t triangle, float u, float v, bool back,

@@ -238,7 +238,8 @@ class Scene {
     const Topology& topology = meshes[instances[instance].mesh].topology;
     return topology.planar[topology.patch[triangle]];
   }
-  // rounding_of() a triangle in the world, as far as that is more than `known`.
+  // How far off its place in the world a ray may meet a triangle because of how large that is, or
+  // how far from the origin of a mesh that is instanced, as far as that is more than `known`.
   float rounding_beyond(float known, uint32_t instance, uint32_t triangle) const {
     return lookups_[instance].rounding > known ? large_rounding(instance, triangle) : 0;
   }
@@ -286,7 +287,7 @@ class Scene {
     uint32_t normals_mask, patches_mask, slots_mask;
     uint32_t seed;   // Instance::seed
     bool shared;     // Instance::shared
-    float rounding;  // Mesh::rounding, in the world
+    float rounding;  // the most that rounding_beyond() may find
     const Strands* strands;
 
     const Vec3* normals_of(uint32_t triangle, Vec3 made[3]) const {

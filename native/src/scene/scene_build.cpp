@@ -191,7 +191,8 @@ void Mesh::describe_surface(ScratchMemory& scratch, const CancelFlag& cancel) {
   edge_tree = std::make_unique<EdgeTree>(topology.edges);
   surface_tree = std::make_unique<SurfaceTree>(positions, triangles, topology, scratch, cancel);
   bent = bent_shares(*this);
-  rounding = 0;
+  rounding = farthest = 0;
+  for (const Vec3& p : positions) farthest = std::max(farthest, max_abs(p));
   for (uint32_t t = 0; t < triangles.size(); ++t) rounding = std::max(rounding, rounding_of(t));
 }
 
@@ -401,15 +402,18 @@ void Scene::make_lookups() {
     const Mesh& mesh = meshes[instance.mesh];
     const bool flat = !mesh.is_smooth(), one_patch = mesh.topology.planar.size() <= 1,
                one_slot = mesh.slots.empty(), by_vertex = !mesh.vertex_normals.empty();
-    lookups_.push_back({flat        ? kNoNormals
-                        : by_vertex ? mesh.vertex_normals.data()
-                                    : mesh.corner_normals.data(),
-                        by_vertex ? mesh.triangles.data() : nullptr,
-                        one_patch ? &kOnePatch : mesh.topology.patch.data(),
-                        one_slot ? &kOneSlot : mesh.slots.data(), flat ? 0 : ~0u,
-                        one_patch ? 0 : ~0u, one_slot ? 0 : ~0u, instance.seed, instance.shared,
-                        mesh.rounding * (instance.shared ? instance.scale : 1.0f),
-                        mesh.strands.get()});
+    lookups_.push_back(
+        {flat        ? kNoNormals
+         : by_vertex ? mesh.vertex_normals.data()
+                     : mesh.corner_normals.data(),
+         by_vertex ? mesh.triangles.data() : nullptr,
+         one_patch ? &kOnePatch : mesh.topology.patch.data(),
+         one_slot ? &kOneSlot : mesh.slots.data(), flat ? 0 : ~0u, one_patch ? 0 : ~0u,
+         one_slot ? 0 : ~0u, instance.seed, instance.shared,
+         instance.shared
+             ? instance.scale * std::max(mesh.rounding, ray_offset({mesh.farthest, 0, 0}, 0))
+             : mesh.rounding,
+         mesh.strands.get()});
   }
 }
 

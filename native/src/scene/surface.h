@@ -16,7 +16,7 @@ struct Surface {
   bool back;
   float u, v;  // barycentric
   float distance;
-  float rounding = 0;  // of where it is, as far as its triangle is to blame (rounding_of())
+  float rounding = 0;  // of where it is, as far as its triangle is to blame
   uint32_t mark;       // of the strand that it is on, as Embree takes it; 0: of a mesh
   const MaterialSide* side;
   const Program* program;  // or null: then `side` says it all

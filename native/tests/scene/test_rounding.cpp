@@ -57,6 +57,40 @@ TEST_CASE("rays that leave a triangle do not meet it, whatever its size") {
     }
 }
 
+TEST_CASE("rays that leave an instance of a mesh far from its own origin do not meet it again") {
+  Random random(3, 1);
+  const auto number = [&] { return 2 * random.next() - 1; };
+  for (const double far : {10.0, 100.0, 1000.0, 10000.0}) {
+    CAPTURE(far);
+    uint32_t met = 0;
+    for (int turn = 0; turn < 20; ++turn) {
+      const Basis basis(normalize(Vec3{number(), number(), number()}));
+      Mesh mesh;
+      for (const Vec2 corner : {Vec2{-2, -2}, {2, -2}, {2, 2}, {-2, 2}})
+        mesh.positions.push_back(Vec3{static_cast<float>(far), 3, -2} +
+                                 basis.to_world({corner.x, corner.y, 0}));
+      mesh.triangles.own() = {{0, 1, 2}, {0, 2, 3}};
+      Scene scene(1);
+      scene.materials.resize(1);
+      scene.meshes.push_back(padded(std::move(mesh)));
+      const double c = std::cos(0.3 * turn), s = std::sin(0.3 * turn);
+      for (const double up : {0.0, 50.0})
+        scene.add_instance(
+            0, {c, -s, 0, -c * far + 3 * s, s, c, 0, -s * far - 3 * c, 0, 0, 1, up + 2}, {0});
+      scene.build({});
+      for (int look = 0; look < 200; ++look) {
+        const Vec3 from = Vec3{number(), number(), number()} * 5.0f,
+                   to = Vec3{number(), number(), number()} * 0.5f;
+        Surface hit, again;
+        if (!scene.intersect(from, normalize(to - from), 0, INFINITY, false, hit)) continue;
+        const Vec3 way = Basis(hit.ng).to_world(sample_cosine_hemisphere(random.next2()));
+        met += scene.intersect(leave(hit, way), way, 0, 2, false, again);
+      }
+    }
+    CHECK(met == 0);
+  }
+}
+
 TEST_CASE("faces that an axis stands on have no rounding of their own") {
   CHECK(rounding_of({1000, 0, 0}, {0, 1000, 0}) == 0);
   CHECK(rounding_of({1000, 300, 0}, {-20, 1000, 0}) == 0);
