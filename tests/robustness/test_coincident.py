@@ -195,3 +195,35 @@ def test_a_clear_shadow_catcher_may_lie_on_the_floor() -> None:
     above = seen(1e-3)
     assert above.mean() > 0.1
     assert seen(2e-7) == pytest.approx(above, rel=0.02)
+
+
+def test_light_passes_each_of_two_panes_in_a_floor_once() -> None:
+    """Two panes of a transmittance of .5 and .6 on the floor of a room are as paint of both."""
+    import bpy
+    from photon_splat.export import export_scene
+
+    bpy.ops.wm.read_homefile(use_empty=True)
+    stage.scene()
+    stage.resize(24)
+    stage.camera((0.0, 0.0, 1.5))
+    stage.lamp("AREA", 5.0, (0.0, 0.0, 1.6))
+    bpy.ops.mesh.primitive_cube_add(size=2.0, location=(0.0, 0.0, 1.0))
+    bpy.context.object.data.materials.append(stage.material("Wall", (0.8, 0.8, 0.8)))
+    panes = []
+    for transmittance in (0.5, 0.6):
+        made, tree = stage.empty_material("Pane")
+        shader = tree.nodes.new("ShaderNodeBsdfTransparent")
+        shader.inputs["Color"].default_value = (transmittance,) * 3 + (1.0,)
+        stage.surface(tree, shader)
+        panes.append(stage.plane("Pane", 0.8, location=(0.0, 0.0, 3e-7 * (1 + len(panes)))))
+        panes[-1].data.materials[0] = made
+
+    def seen() -> np.ndarray:
+        bpy.context.view_layer.update()
+        return c.picture(export_scene(bpy.context.evaluated_depsgraph_get()), passes=32)
+
+    both = seen()
+    panes[0].data.materials[0] = stage.material("Paint", (0.24, 0.24, 0.24))
+    panes[0].location.z = 1e-4
+    panes[1].location.z = 5.0
+    assert both.mean() == pytest.approx(seen().mean(), rel=0.01)

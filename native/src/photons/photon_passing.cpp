@@ -128,7 +128,7 @@ std::optional<Surface> PhotonTracer::layer(const Path& path, const Surface& hit,
 // pass); false where it ends.
 bool PhotonTracer::go_straight_on(Path& path, const Surface& hit, const Rgb& weight,
                                   Vec3& origin) const {
-  path.power *= weight;
+  path.power *= weight * std::exchange(path.painted, Rgb{1, 1, 1});
   const float survival = std::min(1.0f, max_abs(path.power) / path.reference);
   if (++path.passed > kMaxTransparent || !(survival > 0) || path.random.next() >= survival)
     return false;

@@ -123,7 +123,6 @@ bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const Phot
   const Passing passes = passing(path, v);
   const bool accepted = lit(path, hit, start);
   if (accepted) store(path, hit, direction, visible, photons);
-  path.power *= std::exchange(path.painted, Rgb{1, 1, 1});
 
   if (const float mean = average(passes.transparency); mean > 0) {  // straight on, or not
     const float scattered =
@@ -144,6 +143,7 @@ bool PhotonTracer::scatter_by_program(Path& path, const Surface& hit, const Phot
     }
     path.power *= 1 / (1 - chance);
   }
+  path.power *= std::exchange(path.painted, Rgb{1, 1, 1});
   if (!accepted || !(scene_.instances[hit.instance].seen_by & ray_bit(v.ray.kind)) ||
       path.bounces == max_bounces_ || path.bounces >= start.max_bounces || !v.bsdf.scatters() ||
       !light_up(path, hit.position, path.travelled + hit.distance, start))
