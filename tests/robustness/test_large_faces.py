@@ -73,3 +73,22 @@ def test_instances_of_a_mesh_far_from_its_own_origin(far: float, integrator: Int
     what.instances.matrix[:, :3, 3] = -place, -place - (0.0, 0.0, 30.0)
     seen = c.picture(what, integrator, passes=4, photons_per_pass=5000)
     assert seen == pytest.approx(0.7 * 3.0 * ASKEW[2, 2] / pi, rel=1e-4)
+
+
+@pytest.mark.parametrize("integrator", c.BOTH)
+def test_lamps_that_are_such_instances_shine_as_others(integrator: Integrator) -> None:
+    """Two panels over a floor, modelled in their place or 1000 m off their own origin."""
+
+    def mean(place: np.ndarray) -> float:
+        panel = c.quad(0.5)
+        panel.positions = (panel.positions @ ASKEW.T + place).astype(np.float32)
+        view = c.perspective((0.0, -4.0, 3.0), (0.0, 0.0, 0.3), 32, 24)
+        lamp, floor = c.lambert(0.5, 4.0), c.lambert(0.7)
+        what = c.scene(view, [(panel, lamp), (panel, lamp), (c.quad(3.0), floor)])
+        what.instances.mesh[1] = 0
+        what.instances.matrix[:2, :3, 3] = np.array(((-1, 0, 1), (1, 0, 1))) - place
+        passes = 16 if integrator is Integrator.SPLAT else 256
+        return float(c.picture(what, integrator, passes=passes, photons_per_pass=50_000).mean())
+
+    far = mean(np.array((1000.0, -700.0, 200.0)))
+    assert far == pytest.approx(mean(np.zeros(3)), rel=0.01)

@@ -308,7 +308,7 @@ bool Lights::sample_mesh(const Emitter& e, const Receiver& receiver, const Vec2&
                              static_cast<uint16_t>(receiver.bounces + 1), out.distance) /
                  place.pdf;
     out.normal = back ? -normal : normal;
-    out.rounding = e.mesh.triangles[place.triangle].rounding();
+    out.rounding = scene_.rounding_beyond(0, e.instance, e.mesh.triangles[place.triangle].triangle);
     return !is_black(out.weight);
   }
   return sample_mesh_light(scene_, e.mesh, e.instance, receiver, u, out);

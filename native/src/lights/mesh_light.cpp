@@ -203,7 +203,7 @@ bool sample_mesh_light(const Scene& scene, const MeshLight& mesh, uint32_t insta
                            static_cast<uint16_t>(receiver.bounces + 1), out.distance) /
                out.pdf;
   out.normal = back ? -t.normal : t.normal;
-  out.rounding = t.rounding();
+  out.rounding = scene.rounding_beyond(0, instance, t.triangle);
   return !is_black(out.weight);
 }
 
@@ -230,7 +230,8 @@ PhotonStart emit_mesh_light(const Scene& scene, const MeshLight& mesh, uint32_t 
   const bool on_back = p.side >= t.front_share;
   const Vec3 normal = on_back ? -t.normal : t.normal;
   PhotonStart start;
-  start.origin = p.position + normal * std::max(ray_epsilon(p.position, 0), t.rounding());
+  start.origin = p.position + normal * std::max(ray_epsilon(p.position, 0),
+                                                scene.rounding_beyond(0, instance, t.triangle));
   start.direction = Basis(normal).to_world(sample_cosine_hemisphere(way));
   start.power = emission_of(scene, instance, t, p.u, p.v, on_back, start.direction, time) *
                 (kPi / (t.pdf * (on_back ? 1 - t.front_share : t.front_share)));

@@ -17,8 +17,6 @@ struct alignas(64) EmissiveTriangle {
   float front_share;  // of its power
   uint32_t triangle;  // of the mesh
   uint32_t material;  // into Scene::materials
-
-  float rounding() const { return rounding_of(corner[1] - corner[0], corner[2] - corner[0]); }
 };
 
 struct MeshPoint;
