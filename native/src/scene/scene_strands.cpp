@@ -30,6 +30,7 @@ void Scene::fill_strand(const RawHit& hit, const Vec3& direction, Surface& s) co
   s.ng = s.ns = is_finite(normal) ? normal : -direction;  // of what has no extent
   s.key = lookup.seed << 1;
   s.mark = Strands::mark(hit.instance, strands.strand(hit.triangle));
+  s.rounding = 0;
 }
 
 }  // namespace photon_splat
