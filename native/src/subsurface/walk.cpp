@@ -15,8 +15,14 @@ constexpr float kFaint = 0.05f;  // of what entered: broken off by chance
 // Walks start so far below the surface, of their distance from the origin: a place by barycentric
 // coordinates is that exact. One on a ray is not, and paths of a micrometre would start too deep.
 constexpr float kOffset = 4e-7f;
-// Mean free paths below so many offsets cannot be told from none.
-constexpr float kLeastOffsets = 4;
+// Of the shortest mean free path: where walks would start deeper, they start on the surface, and
+// their rays behind it.
+constexpr float kDeepest = 2e-3f;
+// Mean free paths below so many offsets cannot be told from none, nor those below so much of
+// Surface::rounding, which is a bound and most often far off.
+constexpr float kLeastOffsets = 4, kLeastRounding = 0.25f;
+constexpr float kGrazing = 0.02f;  // least cosine for which rays start further back
+constexpr int kMostEntries = 8;    // that a ray passes within rounding of its start
 
 float min_component(const Rgb& c) { return std::min({c.x, c.y, c.z}); }
 
@@ -24,6 +30,27 @@ SubsurfaceExit leave(const Scene& scene, const Surface& entry, const Scene::OwnH
                      const Vec3& way, const Rgb& weight, float time) {
   const bool back = dot(hit.normal, way) < 0;
   return {scene.surface_at(entry.instance, hit.triangle, hit.u, hit.v, back, time), way, weight};
+}
+
+// True where the walk leaves the body before `far`. By rounding x may lie on the other side of the
+// surface that is to be left, or of the one that was entered: rays start that far behind it.
+bool meets_from_within(const Scene& scene, const Surface& entry, const Vec3& x, const Vec3& way,
+                       float rounding, float far, float time, Scene::OwnHit& hit) {
+  if (rounding == 0) return scene.meets_itself(entry.instance, x, way, 0, far, time, hit);
+  const float back = rounding / std::max(std::abs(dot(way, entry.ng)), kGrazing);
+  const Vec3 origin = x - way * back;
+  float near = 0;
+  for (int i = 0; i < kMostEntries &&
+                  scene.meets_itself(entry.instance, origin, way, near, far + back, time, hit);
+       ++i) {
+    const bool outwards = (dot(hit.normal, way) > 0) != entry.back;
+    if (outwards || hit.distance > 2 * back) {
+      hit.distance = std::max(hit.distance - back, 0.0f);
+      return true;
+    }
+    near = std::nextafter(hit.distance, INFINITY);
+  }
+  return false;
 }
 
 // The chance of each channel to be walked by.
@@ -45,10 +72,10 @@ Vec3 scattered(const Vec3& way, float g, const Vec2& u) {
 std::optional<SubsurfaceExit> walk_below(const Scene& scene, const Surface& entry,
                                          const Subsurface& closure, const Vec3& way,
                                          const Rgb& carried, WalkNumbers& numbers, float time) {
-  const Vec3 place =
-      scene.surface_at(entry.instance, entry.triangle, entry.u, entry.v, entry.back, time).position;
-  const float offset = std::max(kOffset * max_abs(place), 1e-30f);
-  const float least = kLeastOffsets * offset;
+  const Surface from =
+      scene.surface_at(entry.instance, entry.triangle, entry.u, entry.v, entry.back, time);
+  const float offset = std::max(kOffset * max_abs(from.position), 1e-30f);
+  const float least = std::max(kLeastOffsets * offset, kLeastRounding * from.rounding);
   Scattering medium = scattering_of(closure);
   // Too short to be told from its start
   if (1 / std::max(min_component(medium.extinction), 1e-30f) < least)
@@ -56,7 +83,9 @@ std::optional<SubsurfaceExit> walk_below(const Scene& scene, const Surface& entr
   medium.extinction = min(medium.extinction, Rgb{1, 1, 1} / least);
   Rgb weight = medium.factor;
   const float start = max_abs(weight * carried);
-  Vec3 x = place - entry.ng * offset, direction = way;
+  const bool on_surface = from.rounding > 0 || offset * max_component(medium.extinction) > kDeepest;
+  const float rounding = on_surface ? std::max(from.rounding, 2 * offset) : 0;
+  Vec3 x = on_surface ? from.position : from.position - entry.ng * offset, direction = way;
   for (int step = 0; step < kMostSteps; ++step) {
     if (step == kDirectedSteps && medium.g != 0) medium = medium.reduced();
     if (step > 0) direction = scattered(direction, medium.g, numbers.next2());
@@ -66,7 +95,7 @@ std::optional<SubsurfaceExit> walk_below(const Scene& scene, const Surface& entr
     for (; channel < 2 && u.x >= chance[channel]; ++channel) u.x -= chance[channel];
     float t = -std::log1p(-u.y) / medium.extinction[channel];
     Scene::OwnHit hit;
-    const bool leaves = scene.meets_itself(entry.instance, x, direction, 0, t, time, hit);
+    const bool leaves = meets_from_within(scene, entry, x, direction, rounding, t, time, hit);
     if (leaves) t = hit.distance;
     if (!std::isfinite(t)) return std::nullopt;
     const Rgb there = attenuation(medium.extinction, t);

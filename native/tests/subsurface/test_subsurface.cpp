@@ -64,17 +64,17 @@ Surface from_above(const Scene& scene, const Vec3& x) {
 }
 
 // Mean of what leaves of diffuse light that enters, without the closure's weight.
-Rgb walked(const Scene& scene, const Surface& entry, const Subsurface& c) {
+Rgb walked(const Scene& scene, const Surface& entry, const Subsurface& c, uint32_t paths = kPaths) {
   Rgb sum{};
   Random random(1, 2);
   const Basis basis(-entry.ng);
-  for (uint32_t i = 0; i < kPaths; ++i) {
+  for (uint32_t i = 0; i < paths; ++i) {
     const Vec3 way = basis.to_world(sample_cosine_hemisphere(sobol_2d(i, 0, 5)));
     WalkNumbers numbers(random);
     if (const auto exit = walk_below(scene, entry, c, way, {1, 1, 1}, numbers)) {
       REQUIRE(is_finite(exit->weight));
       CHECK(dot(exit->way, exit->surface.ng) > 0);
-      sum += exit->weight / kPaths;
+      sum += exit->weight / float(paths);
     }
   }
   return sum;
@@ -105,6 +105,44 @@ TEST_CASE("a half-space reflects the albedo that a walk was asked for") {
       for (int i = 0; i < 3; ++i)
         CHECK(out[i] == approx(color[i]).epsilon(kind.g < 0 && color[i] < 0.2f ? 0.08 : 0.05));
     }
+}
+
+// The same whatever the size of the body and wherever it lies: rays find its surface less exactly
+// than walks of millimetres need.
+TEST_CASE("short walks in bodies that are large, far off or modelled far from their origin") {
+  const Vec3 up = normalize(Vec3{-0.3f, 0.35f, 0.9f});
+  const Basis basis(up);
+  const Rgb color{0.3f, 0.5f, 0.8f};
+  // A half-space below a plane through x that stands askew.
+  const auto askew = [&](float half, const Vec3& x) {
+    Mesh mesh = make_cube();
+    for (Vec3& corner : mesh.positions)
+      corner =
+          x + basis.to_world(Vec3{corner.x - 0.5f, corner.y - 0.5f, corner.z - 1} * (2 * half));
+    return mesh;
+  };
+  const auto reflected = [&](Mesh mesh, const std::vector<Placement>& places, const Vec3& x,
+                             float radius) {
+    Scene scene(1);
+    fill_body(scene, std::move(mesh), places);
+    Surface entry;
+    REQUIRE(scene.intersect(x + up, -up, 0, INFINITY, false, entry));
+    const Subsurface c = closure(SubsurfaceMethod::kRandomWalk, color, radius);
+    return walked(scene, entry, c, 4 * kPaths);
+  };
+  const auto at = [](const Vec3& x) -> Placement {
+    return {1, 0, 0, x.x, 0, 1, 0, x.y, 0, 0, 1, x.z};
+  };
+  const Rgb plain = reflected(askew(1, {}), {identity}, {}, 0.01f);
+  const auto check = [&](const Rgb& found) {
+    for (int i = 0; i < 3; ++i) CHECK(found[i] == approx(plain[i]).epsilon(0.01f));
+  };
+  check(reflected(askew(100, {}), {identity}, {}, 0.001f));
+  check(reflected(askew(1000, {}), {identity}, {}, 0.005f));
+  const Vec3 far{70, -60, 40};
+  check(reflected(askew(1, far), {identity}, far, 0.001f));
+  const Vec3 away{300, -200, 60};
+  check(reflected(askew(1, away), {at(-away), at(-away - kUp * 30.0f)}, {}, 0.01f));
 }
 
 // By reciprocity light from everywhere is thrown back everywhere by as much, whichever way it is
