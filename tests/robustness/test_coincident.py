@@ -122,6 +122,38 @@ def test_a_warning_names_what_lies_in_each_other_behind_glass() -> None:
     assert said() == []
 
 
+def test_a_warning_names_fog_that_ends_in_the_floor() -> None:
+    """Seen through the fog, whether it casts a shadow or none; not fog a millimetre higher."""
+    import bpy
+    from photon_splat.export import export_scene
+
+    bpy.ops.wm.read_homefile(use_empty=True)
+    stage.scene()
+    stage.camera()
+    stage.lamp()
+    stage.plane("Floor", 2.0)
+    bpy.ops.mesh.primitive_cube_add(size=2.0, location=(0.0, 0.0, 1.0))
+    fog = bpy.context.object
+    fog.name = "Fog"
+    fog.data.materials.append(stage.material("Fog", (1, 1, 1), "ShaderNodeVolumeScatter"))
+    tree = fog.data.materials[0].node_tree
+    out = tree.nodes["Material Output"]
+    tree.links.new(out.inputs["Surface"].links[0].from_socket, out.inputs["Volume"])
+    tree.links.remove(out.inputs["Surface"].links[0])
+
+    def said() -> list[str]:
+        bpy.context.view_layer.update()
+        what = export_scene(bpy.context.evaluated_depsgraph_get())
+        return c.shoot(what, passes=1, photons_per_pass=1000).statistics["warnings"]
+
+    for fog.visible_shadow in (True, False):
+        [warning] = said()
+        assert "('Fog' in 'Floor')" in warning
+        assert "rays miss them" in warning
+    fog.location.z += 0.001
+    assert said() == []
+
+
 @pytest.mark.parametrize("integrator", c.BOTH)
 @pytest.mark.parametrize("through", ["ShaderNodeBsdfTransparent", "ShaderNodeBsdfGlass"])
 @pytest.mark.parametrize("half", [1.0, 0.7], ids=["equal", "smaller"])

@@ -15,30 +15,41 @@ SHARE = 0.004
 """Of the picture, and of light that comes from beside it: below that no one sees it."""
 
 
+OPAQUE = (
+    "Surfaces lie exactly in each other ({}). They are lit here, while in Cycles they shade each "
+    "other, wholly or by chance: delete one, or move it."
+)
+PASSED = (
+    "What light passes lies exactly in other surfaces ({}). They show through it here, while in "
+    "Cycles rays miss them, wholly or by chance: move one by a millimetre."
+)
+
+
 def coincident_surfaces(renderer: Renderer, scene: Scene) -> list[str]:
-    """One warning about doubled surfaces, in view or beside it, the largest of them named: here
-    light reaches them, in Cycles they shade each other. lights_in_surfaces() names those that
-    shine.
+    """A warning about doubled surfaces, and one about panes, decals and fog in others, in view or
+    beside it, the largest of them named. lights_in_surfaces() names those that shine.
     """
     found = renderer.coincident_surfaces()
     if not found:
         return []
     added = instance_order(scene)
     lights = {frozenset(pair) for _, *pair in renderer.lights_in_surfaces}
-    shares: dict[tuple[str, ...], float] = {}
-    for instance, other, share in found:
+    shares: dict[bool, dict[tuple[str, ...], float]] = {False: {}, True: {}}
+    for instance, other, share, passed in found:
         if frozenset((instance, other)) in lights:
             continue
-        names = {name_of(scene, int(added[k])) for k in (instance, other)}
-        pair = tuple(sorted(names))
-        shares[pair] = shares.get(pair, 0.0) + share
-    if sum(shares.values()) < SHARE:
-        return []
-    pairs = [
-        f"'{names[0]}' in '{names[-1]}'" if len(names) > 1 else f"'{names[0]}' in itself"
-        for names in sorted(shares, key=lambda pair: -shares[pair])
-    ]
+        names = [name_of(scene, int(added[k])) for k in (instance, other)]
+        pair = tuple(names if passed else sorted(set(names)))
+        of_kind = shares[passed]
+        of_kind[pair] = of_kind.get(pair, 0.0) + share
     return [
-        f"Surfaces lie exactly in each other ({first_of(pairs)}). They are lit here, while "
-        "in Cycles they shade each other, wholly or by chance: delete one, or move it."
+        text.format(first_of([_said(pair) for pair in sorted(of, key=lambda pair: -of[pair])]))
+        for text, of in ((OPAQUE, shares[False]), (PASSED, shares[True]))
+        if sum(of.values()) >= SHARE
     ]
+
+
+def _said(names: tuple[str, ...]) -> str:
+    return f"'{names[0]}' in " + (
+        f"'{names[1]}'" if names[1:] != names[:1] and len(names) > 1 else "itself"
+    )

@@ -179,11 +179,11 @@ MaterialSide make_side(const Renderer& r, const nb::tuple& t) {
   return side;
 }
 
-std::vector<std::tuple<uint32_t, uint32_t, float>> coincident(const Renderer& r) {
+std::vector<std::tuple<uint32_t, uint32_t, float, bool>> coincident(const Renderer& r) {
   nb::gil_scoped_release release;
-  std::vector<std::tuple<uint32_t, uint32_t, float>> found;
+  std::vector<std::tuple<uint32_t, uint32_t, float, bool>> found;
   for (const Coincident& c : r.coincident_surfaces())
-    found.emplace_back(c.instance, c.other, c.share);
+    found.emplace_back(c.instance, c.other, c.share, c.passed);
   return found;
 }
 
@@ -251,8 +251,8 @@ void bind_geometry(nb::module_& m, RendererClass& renderer) {
           "vertices that do not exist or are not finite.")
       .def(
           "coincident_surfaces", &coincident,
-          "Opaque surfaces that lie exactly in each other, in view or beside it, in a built scene, as (instance, instance\n"
-          "of the other, share of the picture), the largest share first; the two may be the same.")
+          "Surfaces that lie exactly in each other, in view or beside it, in a built scene, as (instance, instance of the\n"
+          "other, share of the picture, whether light passes the first), the largest share first; the two may be the same.")
       .def(
           "displace", &displace_mesh, "instance"_a, "slots"_a, "smooth"_a = nb::none(),
           "own_corners"_a = false,

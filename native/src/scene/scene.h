@@ -30,6 +30,8 @@ namespace photon_splat {
 class Media;
 class MediumStack;
 
+struct Coincident;
+
 class Scene {
  public:
   explicit Scene(int threads);
@@ -91,9 +93,10 @@ class Scene {
   // All that a short ray meets, not the nearest alone.
   Crossings crossings(const Vec3& origin, const Vec3& direction, float near, float far,
                       RayMask kinds, float time) const;
-  // The instance of another opaque surface, or of another triangle of the same one, that lies in
-  // this one to within rounding, where rays of light meet it.
-  std::optional<uint32_t> coincides(const Surface& s) const;
+  // Another surface, or another triangle of the same one, that lies in this one to within rounding:
+  // two opaque ones that shadow rays meet, or of which light passes one and rays of these kinds
+  // meet both. Without a share.
+  std::optional<Coincident> coincides(const Surface& s, RayMask kinds) const;
   // What a ray meets next that has found `s` and passes it: a surface in which that one lies, or
   // what is beyond. True and fills `s` when there is something.
   bool intersect_past(Surface& s, const Vec3& origin, const Vec3& direction, float far,
