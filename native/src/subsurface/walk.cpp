@@ -21,8 +21,8 @@ constexpr float kDeepest = 2e-3f;
 // Mean free paths below so many offsets cannot be told from none, nor those below so much of
 // Surface::rounding, which is a bound and most often far off.
 constexpr float kLeastOffsets = 4, kLeastRounding = 0.25f;
-constexpr float kGrazing = 0.02f;  // least cosine for which rays start further back
-constexpr int kMostEntries = 8;    // that a ray passes within rounding of its start
+constexpr float kGrazing = 0.1f;  // least cosine for which rays start further back
+constexpr int kMostEntries = 8;   // that a ray passes within rounding of its start
 
 float min_component(const Rgb& c) { return std::min({c.x, c.y, c.z}); }
 
@@ -84,7 +84,7 @@ std::optional<SubsurfaceExit> walk_below(const Scene& scene, const Surface& entr
   Rgb weight = medium.factor;
   const float start = max_abs(weight * carried);
   const bool on_surface = from.rounding > 0 || offset * max_component(medium.extinction) > kDeepest;
-  const float rounding = on_surface ? std::max(from.rounding, 2 * offset) : 0;
+  const float rounding = on_surface ? std::max(kLeastRounding * from.rounding, 2 * offset) : 0;
   Vec3 x = on_surface ? from.position : from.position - entry.ng * offset, direction = way;
   for (int step = 0; step < kMostSteps; ++step) {
     if (step == kDirectedSteps && medium.g != 0) medium = medium.reduced();
