@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from photon_splat.core.render.settings import Integrator
@@ -96,62 +98,52 @@ def test_a_warning_names_what_lies_in_each_other() -> None:
     assert "('Plate' in itself)" in warning
 
 
-def test_a_warning_names_what_lies_in_each_other_behind_glass() -> None:
-    """A block of glass that stands on the floor: its foot is seen through it."""
+def block_on_a_floor(name: str, size: float, x: float = 0.0, y: float = 0.0) -> Any:
+    """Before a camera and below a lamp; without a material."""
     import bpy
-    from photon_splat.export import export_scene
 
     bpy.ops.wm.read_homefile(use_empty=True)
     stage.scene()
     stage.camera()
     stage.lamp()
     stage.plane("Floor", 2.0)
-    bpy.ops.mesh.primitive_cube_add(size=1.0, location=(0.2, 0.1, 0.5))
-    block = bpy.context.object
-    block.name = "Block"
+    bpy.ops.mesh.primitive_cube_add(size=size, location=(x, y, size / 2))
+    bpy.context.object.name = name
+    return bpy.context.object
+
+
+def said_of_the_file() -> list[str]:
+    """The warnings of a short render."""
+    import bpy
+    from photon_splat.export import export_scene
+
+    bpy.context.view_layer.update()
+    what = export_scene(bpy.context.evaluated_depsgraph_get())
+    return c.shoot(what, passes=1, photons_per_pass=1000).statistics["warnings"]
+
+
+def test_a_warning_names_what_lies_in_each_other_behind_glass() -> None:
+    """A block of glass that stands on the floor: its foot is seen through it."""
+    block = block_on_a_floor("Block", 1.0, 0.2, 0.1)
     block.data.materials.append(stage.material("Glass", (1, 1, 1), "ShaderNodeBsdfGlass"))
-
-    def said() -> list[str]:
-        bpy.context.view_layer.update()
-        what = export_scene(bpy.context.evaluated_depsgraph_get())
-        return c.shoot(what, passes=1, photons_per_pass=1000).statistics["warnings"]
-
-    [warning] = said()
+    [warning] = said_of_the_file()
     assert "('Block' in 'Floor')" in warning or "('Floor' in 'Block')" in warning
     block.location.z += 0.001
-    assert said() == []
+    assert said_of_the_file() == []
 
 
 def test_a_warning_names_fog_that_ends_in_the_floor() -> None:
     """Seen through the fog, whether it casts a shadow or none; not fog a millimetre higher."""
-    import bpy
-    from photon_splat.export import export_scene
-
-    bpy.ops.wm.read_homefile(use_empty=True)
-    stage.scene()
-    stage.camera()
-    stage.lamp()
-    stage.plane("Floor", 2.0)
-    bpy.ops.mesh.primitive_cube_add(size=2.0, location=(0.0, 0.0, 1.0))
-    fog = bpy.context.object
-    fog.name = "Fog"
-    fog.data.materials.append(stage.material("Fog", (1, 1, 1), "ShaderNodeVolumeScatter"))
-    tree = fog.data.materials[0].node_tree
-    out = tree.nodes["Material Output"]
-    tree.links.new(out.inputs["Surface"].links[0].from_socket, out.inputs["Volume"])
-    tree.links.remove(out.inputs["Surface"].links[0])
-
-    def said() -> list[str]:
-        bpy.context.view_layer.update()
-        what = export_scene(bpy.context.evaluated_depsgraph_get())
-        return c.shoot(what, passes=1, photons_per_pass=1000).statistics["warnings"]
-
+    fog = block_on_a_floor("Fog", 2.0)
+    made, tree = stage.empty_material("Fog")
+    stage.output(tree, tree.nodes.new("ShaderNodeVolumeScatter"), "Volume")
+    fog.data.materials.append(made)
     for fog.visible_shadow in (True, False):
-        [warning] = said()
+        [warning] = said_of_the_file()
         assert "('Fog' in 'Floor')" in warning
         assert "rays miss them" in warning
     fog.location.z += 0.001
-    assert said() == []
+    assert said_of_the_file() == []
 
 
 @pytest.mark.parametrize("integrator", c.BOTH)

@@ -14,7 +14,6 @@ if TYPE_CHECKING:
 SHARE = 0.004
 """Of the picture, and of light that comes from beside it: below that no one sees it."""
 
-
 OPAQUE = (
     "Surfaces lie exactly in each other ({}). They are lit here, while in Cycles they shade each "
     "other, wholly or by chance: delete one, or move it."
@@ -34,22 +33,21 @@ def coincident_surfaces(renderer: Renderer, scene: Scene) -> list[str]:
         return []
     added = instance_order(scene)
     lights = {frozenset(pair) for _, *pair in renderer.lights_in_surfaces}
-    shares: dict[bool, dict[tuple[str, ...], float]] = {False: {}, True: {}}
+    shares: dict[bool, dict[tuple[str, str], float]] = {False: {}, True: {}}
     for instance, other, share, passed in found:
         if frozenset((instance, other)) in lights:
             continue
-        names = [name_of(scene, int(added[k])) for k in (instance, other)]
-        pair = tuple(names if passed else sorted(set(names)))
+        pair = name_of(scene, int(added[instance])), name_of(scene, int(added[other]))
+        if not passed:  # neither comes first
+            pair = min(pair), max(pair)
         of_kind = shares[passed]
         of_kind[pair] = of_kind.get(pair, 0.0) + share
     return [
-        text.format(first_of([_said(pair) for pair in sorted(of, key=lambda pair: -of[pair])]))
+        text.format(first_of([_said(*pair) for pair in sorted(of, key=lambda pair: -of[pair])]))
         for text, of in ((OPAQUE, shares[False]), (PASSED, shares[True]))
         if sum(of.values()) >= SHARE
     ]
 
 
-def _said(names: tuple[str, ...]) -> str:
-    return f"'{names[0]}' in " + (
-        f"'{names[1]}'" if names[1:] != names[:1] and len(names) > 1 else "itself"
-    )
+def _said(name: str, other: str) -> str:
+    return f"'{name}' in itself" if name == other else f"'{name}' in '{other}'"
