@@ -222,6 +222,11 @@ MeshPoint MeshLight::point_at(const Scene& scene, uint32_t instance, float pick,
   return p;
 }
 
+float start_offset(const Scene& scene, uint32_t instance, const EmissiveTriangle& t,
+                   const Vec3& x) {
+  return std::max(ray_epsilon(x, 0), scene.rounding_beyond(0, instance, t.triangle));
+}
+
 PhotonStart emit_mesh_light(const Scene& scene, const MeshLight& mesh, uint32_t instance,
                             float pick, const Vec2& place, const Vec2& way, float time) {
   EmissiveTriangle moved;
@@ -230,8 +235,7 @@ PhotonStart emit_mesh_light(const Scene& scene, const MeshLight& mesh, uint32_t 
   const bool on_back = p.side >= t.front_share;
   const Vec3 normal = on_back ? -t.normal : t.normal;
   PhotonStart start;
-  start.origin = p.position + normal * std::max(ray_epsilon(p.position, 0),
-                                                scene.rounding_beyond(0, instance, t.triangle));
+  start.origin = p.position + normal * start_offset(scene, instance, t, p.position);
   start.direction = Basis(normal).to_world(sample_cosine_hemisphere(way));
   start.power = emission_of(scene, instance, t, p.u, p.v, on_back, start.direction, time) *
                 (kPi / (t.pdf * (on_back ? 1 - t.front_share : t.front_share)));

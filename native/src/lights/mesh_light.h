@@ -19,6 +19,9 @@ struct alignas(64) EmissiveTriangle {
   uint32_t material;  // into Scene::materials
 };
 
+// How far off its triangle at x a photon of an emissive mesh starts, m.
+float start_offset(const Scene& scene, uint32_t instance, const EmissiveTriangle& t, const Vec3& x);
+
 struct MeshPoint;
 
 // A triangle of an emissive instance at a time: `t` itself where that does not move, else `moved`.

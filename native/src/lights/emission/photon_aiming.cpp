@@ -134,9 +134,8 @@ void PhotonEmitter::weigh_mesh(const Emitter& e, const MeshPoint& p, Draft& draf
   draft.natural = side_share * std::abs(cosine) / kPi;
   start.power = {};
   if (!(draft.natural > 0)) return;
-  start.origin = p.position + (on_back ? -t.normal : t.normal) *
-                                  std::max(ray_epsilon(p.position, 0),
-                                           scene_.rounding_beyond(0, e.instance, t.triangle));
+  start.origin = p.position +
+                 (on_back ? -t.normal : t.normal) * start_offset(scene_, e.instance, t, p.position);
   start.power = emission_of(scene_, e.instance, t, p.u, p.v, on_back, start.direction, start.time) *
                 (kPi / (t.pdf * side_share));
 }

@@ -212,9 +212,8 @@ void PhotonEmitter::emit_meshes(const EmissionPrimary* primaries, const uint32_t
   for (uint32_t k = count; k < lanes; ++k) normals.put(k, {0, 0, 1});
   for (uint32_t k = 0; k < lanes; ++k) {
     const Vec3 n = normals.at(k), x = places.at(k);
-    const float rounding =
-        k < count ? scene_.rounding_beyond(0, emitter(k).instance, triangles[k]->triangle) : 0;
-    places.put(k, x + n * std::max(ray_epsilon(x, 0), rounding));
+    const float off = k < count ? start_offset(scene_, emitter(k).instance, *triangles[k], x) : 0;
+    places.put(k, x + n * off);
     ways.put(k, Basis(n).to_world(sample_cosine_hemisphere({way_x[k], way_y[k]})));
   }
   for (uint32_t k = 0; k < count; ++k) {
