@@ -1,5 +1,7 @@
 #include "density/bent_mass.h"
 
+#include <span>
+
 #include "density/kernel_mass.h"
 #include "density/point_block.h"
 
@@ -7,9 +9,11 @@ namespace photon_splat {
 namespace {
 
 constexpr double kNarrow2 = double(kNarrow) * kNarrow;
-constexpr double kSmall2 = 0.04;    // squared edges of small triangles, in squared radii
-constexpr float kSmall = 0.28f;     // radius of small branches, in h
-constexpr float kTiny = 0.02f;      // of those that are taken whole whatever their normals
+constexpr double kSmall2 = 0.04;  // squared edges of small triangles, in squared radii
+constexpr float kSmall = 0.28f;   // radius of small branches, in h
+constexpr float kTiny = 0.02f;    // of those that are taken whole whatever their normals
+// No point of a triangle is further than this times its longest edge from the nearest corner.
+constexpr double kAboutCorners = 0.57736;
 constexpr float kClear = 1.00001f;  // times a squared distance: farther, whatever the rounding
 constexpr float kEven = 0.97f;      // length of the mean normal of branches that are nearly flat
 
@@ -30,6 +34,21 @@ struct Piece {
     return k <= -reach ? 0 : (k + reach) * (k + reach) / (4 * reach);
   }
 };
+
+double sqr(double x) { return x * x; }
+
+// What a convex outline holds of a disc's mass, its radius in units of h.
+double mass_within(std::span<const EdgeInPlane> outline, double radius) {
+  bool cut = false, inside = !outline.empty();
+  for (const EdgeInPlane& edge : outline) {
+    cut |= comes_within(rescaled(edge, radius));
+    inside &= edge.distance > 0;
+  }
+  if (!cut) return inside ? 1 : 0;
+  double mass = 0;
+  for (const EdgeInPlane& edge : outline) mass += triangle_mass(rescaled(edge, radius));
+  return mass;
+}
 
 struct Sum {
   const Scene& scene;
@@ -90,6 +109,17 @@ struct Sum {
     for (int i = 0; i < 3; ++i)
       corner[i] = placed.to_world.point(mesh.positions[mesh.triangles[triangle][i]]);
     if (placed.mirrored) std::swap(corner[1], corner[2]);
+    double squares[3], least = INFINITY, most = 0, sum_of_squares = 0;
+    float longest = 0;
+    for (int i = 0; i < 3; ++i) {
+      squares[i] = length2(corner[i] - x);
+      least = std::min(least, squares[i]);
+      most = std::max(most, squares[i]);
+      sum_of_squares += squares[i];
+      longest = std::max(longest, length2(corner[i] - corner[(i + 1) % 3]));
+    }
+    const double about_corners = kAboutCorners * std::sqrt(double(longest));
+    if (least > sqr(h + about_corners)) return;
     const Vec3 n = cross(corner[1] - corner[0], corner[2] - corner[0]);
     const float len = length(n);
     if (!(len > 0)) return;
@@ -97,24 +127,18 @@ struct Sum {
     const float weight = weight_of(front);
     const float height = dot(x - corner[0], front), relative = height / h;
     if (weight <= 0) return;
+    const double h2 = double(h) * h, narrow2 = h2 * kNarrow2;
     // Wholly within a ball the kernel is a polynomial: the mean of d^2 over a triangle is (sum of
     // the corners' + |sum of corners|^2)/12.
-    double squares[3], most = 0, sum_of_squares = 0;
-    for (int i = 0; i < 3; ++i) {
-      squares[i] = length2(corner[i] - x);
-      most = std::max(most, squares[i]);
-      sum_of_squares += squares[i];
-    }
-    const double h2 = double(h) * h, narrow2 = h2 * kNarrow2;
     const double mean =
         (sum_of_squares + length2(corner[0] + corner[1] + corner[2] - x * 3.0f)) / 12;
     const double area = 0.5 * len;
-    const bool wide_done = most <= h2, narrow_done = most <= narrow2;
+    const bool wide_done = most <= h2, narrow_done = most <= narrow2,
+               narrow_apart = least > sqr(kNarrow * h + about_corners);
     if (wide_done) mass.wide += weight * area * 2 / (M_PI * h2) * (1 - mean / h2);
     if (narrow_done) mass.narrow += weight * area * 2 / (M_PI * narrow2) * (1 - mean / narrow2);
-    if (wide_done && narrow_done) return;
-    if (std::max({length2(corner[1] - corner[0]), length2(corner[2] - corner[1]),
-                  length2(corner[0] - corner[2])}) < kSmall2 * h2) {
+    if (wide_done && (narrow_done || narrow_apart)) return;
+    if (longest < kSmall2 * h2) {
       // Small ones on the rim, where the kernel fades to 0: seven points (corners 1/20, middles of
       // edges 2/15, centre 9/20).
       double wide = 0, narrow = 0;
@@ -135,18 +159,16 @@ struct Sum {
     const double cut2 = 1 - relative * relative, narrow_cut2 = cut2 - (1 - kNarrow2);
     if (cut2 <= 0) return;
     const Vec3 foot = x - front * height;
-    EdgeInPlane e;
-    Masses share;
-    for (int i = 0; i < 3; ++i) {
-      if (!project(foot, front, h, corner[i], corner[(i + 1) % 3], e)) continue;
-      if (!wide_done) share.wide += triangle_mass(rescaled(e, std::sqrt(cut2)));
-      if (!narrow_done && narrow_cut2 > 0)
-        share.narrow += triangle_mass(rescaled(e, std::sqrt(narrow_cut2)));
-    }
+    EdgeInPlane edges[3];
+    int count = 0;
+    for (int i = 0; i < 3; ++i)
+      count += project(foot, front, h, corner[i], corner[(i + 1) % 3], edges[count]);
+    const std::span<const EdgeInPlane> outline(edges, count);
     // The kernel on that plane is cut2^2 times one of the smaller radius
-    mass.wide += weight * cut2 * cut2 * share.wide;
-    if (!narrow_done && narrow_cut2 > 0)
-      mass.narrow += weight * std::pow(narrow_cut2 / kNarrow2, 2) * share.narrow;
+    if (!wide_done) mass.wide += weight * cut2 * cut2 * mass_within(outline, std::sqrt(cut2));
+    if (!narrow_done && !narrow_apart && narrow_cut2 > 0)
+      mass.narrow +=
+          weight * sqr(narrow_cut2 / kNarrow2) * mass_within(outline, std::sqrt(narrow_cut2));
   }
 };
 

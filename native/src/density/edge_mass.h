@@ -1,7 +1,7 @@
 // What an edge means for the mass of a kernel in its plane.
 #pragma once
 
-#include "math/vec.h"
+#include "math/sampling.h"
 
 namespace photon_splat {
 
@@ -36,21 +36,33 @@ inline bool project(const Vec3& x, const Vec3& front, float h, const Vec3& a, co
   return true;
 }
 
+// The angle at x from one point of the edge to another, as a share of a full turn, to within 6e-8.
+inline double turn_between(double distance, double from, double to) {
+  return turn_of(static_cast<float>((to - from) * std::abs(distance)),
+                 static_cast<float>(distance * distance + from * to));
+}
+
 // Angle and kernel integral of the triangle (x, begin, end), signed by the side of the edge on
 // which x lies.
 inline double triangle_mass(const EdgeInPlane& e) {
   const double d = e.distance;
   if (d == 0) return 0;
-  const auto angle = [d](double from, double to) {  // between two points of the edge
-    return from == to ? 0.0 : std::atan2((to - from) * std::abs(d), d * d + from * to);
-  };
   const double half = std::sqrt(std::max(0.0, 1 - d * d));  // where the line leaves the unit disc
   const double t0 = std::clamp(e.begin, -half, half), t1 = std::clamp(e.end, -half, half);
-  // Seen beyond the disc: of a line that misses it all, in two parts, each less than pi.
-  double mass = (angle(e.begin, t0) + angle(t1, e.end)) / (2 * M_PI);
+  const auto signed_by_side = [d](double mass) { return d > 0 ? mass : -mass; };
+  if (t0 == t1) return signed_by_side(turn_between(d, e.begin, e.end));
+  double mass = 0;  // first what is seen beyond the disc
+  if (e.begin < t0) mass += turn_between(d, e.begin, t0);
+  if (t1 < e.end) mass += turn_between(d, t1, e.end);
   // Inside: integral of (1/pi)(1 - s^2/2) |d| dt with s^2 = d^2 + t^2.
   mass += std::abs(d) / M_PI * ((1 - d * d / 2) * (t1 - t0) - (t1 * t1 * t1 - t0 * t0 * t0) / 6);
-  return d > 0 ? mass : -mass;
+  return signed_by_side(mass);
+}
+
+// Whether any of the edge lies within the unit disc.
+inline bool comes_within(const EdgeInPlane& e) {
+  const double nearest = std::clamp(0.0, e.begin, e.end);
+  return e.distance * e.distance + nearest * nearest < 1;
 }
 
 // The kernel's mass beyond an edge: what the edge takes from 1.
@@ -60,11 +72,10 @@ inline double mass_beyond(const EdgeInPlane& e) {
   const double half = std::sqrt(1 - d * d);
   const double t0 = std::max(e.begin, -half), t1 = std::min(e.end, half);
   if (t0 >= t1) return 0;
-  const auto primitive = [d](double t) {  // of (1 - s^2)^2 |d| / s^2
-    const double a = std::abs(d);
-    return std::atan2(t, a) - 2 * a * t + a * (d * d * t + t * t * t / 3);
-  };
-  const double mass = (primitive(t1) - primitive(t0)) / (2 * M_PI);
+  const double a = std::abs(d);
+  // Of (1 - s^2)^2 |d| / s^2, the angle between t0 and t1 apart
+  const auto primitive = [=](double t) { return a * t * (d * d - 2 + t * t / 3); };
+  const double mass = turn_between(d, t0, t1) + (primitive(t1) - primitive(t0)) / (2 * M_PI);
   return d >= 0 ? mass : -mass;
 }
 
