@@ -1,4 +1,6 @@
 // Where on a ray through a medium the light of near lights is scattered.
+#include <array>
+
 #include "lights/lights.h"
 
 namespace photon_splat {
@@ -52,22 +54,49 @@ Stretch in_front(const Lamp& lamp, const Vec3& origin, const Vec3& direction, St
                   : Stretch{s.from, std::clamp(crossing, s.from, s.to)};
 }
 
-// Samples distances along a ray so that the angle about a centre is uniform (equiangular sampling).
-struct Equiangular {
-  float nearest, height, begin, end;  // distance along the ray and from it; angles
+}  // namespace
+
+// How a ray through a medium passes an emitter, for distances whose angles about that are even
+// (equiangular sampling).
+struct AlongWay {
+  float nearest, height;  // distance along the ray where it comes nearest, and from it there
+  float begin, angle;     // of the first one that may be drawn, from there; of all of them
   Stretch of;
+  float weight = 0;
+
+  float distance(float u) const {
+    return std::clamp(nearest + height * std::tan(begin + angle * u), of.from, of.to);
+  }
+  float pdf(float distance) const {
+    if (distance < of.from || distance > of.to) return 0;
+    return height / (angle * (sqr(height) + sqr(distance - nearest)));
+  }
 };
 
-Equiangular equiangular(const Vec3& center, float radius, const Vec3& origin, const Vec3& direction,
-                        Stretch s) {
+namespace {
+
+float angle_of(float y, float x) { return 2 * kPi * turn_of(y, x); }
+
+AlongWay way_past(const Vec3& center, float radius, const Vec3& origin, const Vec3& direction,
+                  Stretch s) {
   const Vec3 to = center - origin;
   const float nearest = dot(to, direction);
   const float height = std::max(
       {length(to - direction * nearest), 0.5f * radius, 1e-5f * std::abs(nearest), 1e-12f});
-  const auto angle = [&](float t) {
-    return std::isfinite(t) ? std::atan2(t - nearest, height) : 0.5f * kPi;
-  };
-  return {nearest, height, angle(s.from), angle(s.to), s};
+  const float begin = angle_of(s.from - nearest, height);
+  // Exact however narrow
+  const float y = (s.to - s.from) * height, x = sqr(height) + (s.from - nearest) * (s.to - nearest);
+  const float angle = std::isfinite(y) && std::isfinite(x) ? angle_of(y, x) : 0.5f * kPi - begin;
+  return {nearest, height, begin, angle, s};
+}
+
+float pdf_of(std::span<const AlongWay> ways, float distance) {
+  float all = 0, sum = 0;
+  for (const AlongWay& way : ways) {
+    all += way.weight;
+    sum += way.weight * way.pdf(distance);
+  }
+  return sum / all;
 }
 
 }  // namespace
@@ -86,10 +115,11 @@ void Lights::choose_along() {
   along_.resize(kMostAlong);
 }
 
-// Calls see(how, weight) for those whose light a ray meets.
-template <class See>
-void Lights::near_emitters(const Vec3& origin, const Vec3& direction, float near, float far,
-                           See&& see) const {
+// Those whose light the ray meets.
+std::span<const AlongWay> Lights::ways_to_emitters(const Vec3& origin, const Vec3& direction,
+                                                   float near, float far,
+                                                   std::span<AlongWay> room) const {
+  size_t count = 0;
   for (const uint32_t i : along_) {
     const Emitter& e = emitters_[i];
     const Lamp* const lamp = e.lamp >= 0 ? &lamps_[e.lamp] : nullptr;
@@ -99,43 +129,41 @@ void Lights::near_emitters(const Vec3& origin, const Vec3& direction, float near
     else if (lamp && lamp->s.kind == LampKind::kArea)
       lit = in_front(*lamp, origin, direction, lit);
     if (!(lit.from < lit.to)) continue;
-    const Equiangular q = equiangular(e.center, e.radius, origin, direction, lit);
-    const float weight = e.importance * (q.end - q.begin) / q.height;
-    if (weight > 0) see(q, weight);
+    AlongWay way = way_past(e.center, e.radius, origin, direction, lit);
+    way.weight = e.importance * way.angle / way.height;
+    if (way.weight > 0) room[count++] = way;
   }
+  return room.first(count);
 }
 
 std::optional<Lights::AlongRay> Lights::sample_along(const Vec3& origin, const Vec3& direction,
                                                      float near, float far, float choice,
                                                      float u) const {
+  std::array<AlongWay, kMostAlong> ways;
+  const std::span<const AlongWay> met = ways_to_emitters(origin, direction, near, far, ways);
   float all = 0;
-  near_emitters(origin, direction, near, far, [&](const Equiangular&, float w) { all += w; });
+  for (const AlongWay& way : met) all += way.weight;
   if (!(all > 0)) return std::nullopt;
   float target = choice * all;
-  std::optional<float> found;
-  near_emitters(origin, direction, near, far, [&](const Equiangular& q, float w) {
-    if (target < 0) return;
-    found = std::clamp(q.nearest + q.height * std::tan(q.begin + (q.end - q.begin) * u), q.of.from,
-                       q.of.to);
-    target -= w;
-  });
-  const float distance = *found;
-  const auto pdf = pdf_along(origin, direction, near, far, distance);
-  if (!std::isfinite(distance) || !pdf || !(*pdf > 0)) return std::nullopt;
-  return AlongRay{distance, *pdf};
+  const AlongWay* drawn = &met.front();
+  for (const AlongWay& way : met) {
+    if (target < 0) break;
+    drawn = &way;
+    target -= way.weight;
+  }
+  const float distance = drawn->distance(u);
+  if (!std::isfinite(distance)) return std::nullopt;
+  const float pdf = pdf_of(met, distance);
+  if (!(pdf > 0)) return std::nullopt;
+  return AlongRay{distance, pdf};
 }
 
 std::optional<float> Lights::pdf_along(const Vec3& origin, const Vec3& direction, float near,
                                        float far, float distance) const {
-  float all = 0, sum = 0;
-  near_emitters(origin, direction, near, far, [&](const Equiangular& q, float w) {
-    const float away = distance - q.nearest;
-    all += w;
-    if (distance < q.of.from || distance > q.of.to) return;
-    sum += w * q.height / ((q.end - q.begin) * (q.height * q.height + away * away));
-  });
-  if (!(all > 0)) return std::nullopt;
-  return sum / all;
+  std::array<AlongWay, kMostAlong> ways;
+  const auto met = ways_to_emitters(origin, direction, near, far, ways);
+  if (met.empty()) return std::nullopt;
+  return pdf_of(met, distance);
 }
 
 }  // namespace photon_splat

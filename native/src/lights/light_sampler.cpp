@@ -1,5 +1,7 @@
 // Direct light: one light drawn from a place in about its share of the light there, and rays that
 // meet lights, weighted by multiple importance sampling.
+#include <bit>
+
 #include "lights/lights.h"
 
 namespace photon_splat {
@@ -410,7 +412,8 @@ Rgb Lights::lamps_met(const Receiver& to, const Vec3& direction, float near, flo
                 [&](uint32_t item) { add(tree_emitters_[item]); });
     for (uint32_t sun : suns_) add(sun);
   } else {
-    for (uint32_t i = 0; i < emitters_.size(); ++i) add(i);
+    for (uint32_t met = near_lamps_.met_by(to.x, direction); met; met &= met - 1)
+      add(static_cast<uint32_t>(std::countr_zero(met)));
   }
   return sum;
 }

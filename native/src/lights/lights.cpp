@@ -41,7 +41,10 @@ Lights::Lights(Scene& scene, const std::vector<LampSettings>& lamps)
   add_emissive_instances(scene.pool());
   find_lights_in_surfaces();
   share_power();
-  if (emitters_.size() > kFewEmitters) build_tree();
+  if (emitters_.size() > kFewEmitters)
+    build_tree();
+  else
+    place_lamps();
   choose_along();
   for (uint32_t i = 0; i < emitters_.size(); ++i)
     if (emitters_[i].lamp >= 0 && lamps_[emitters_[i].lamp].s.camera_visible)
@@ -208,6 +211,19 @@ void Lights::share_power() {
 void Lights::focus(const Vec3& center, float radius) {
   discs_.focus(center, radius);
   share_power();
+}
+
+void Lights::place_lamps() {
+  for (const Emitter& e : emitters_) {
+    float radius2 = -1;  // rays that meet a mesh's light meet the mesh
+    if (e.lamp >= 0) {
+      const LampSettings& s = lamps_[e.lamp].s;
+      radius2 = s.kind == LampKind::kSun    ? INFINITY
+                : s.kind == LampKind::kArea ? 0.25f * sqr(e.bounds.diagonal())
+                                            : sqr(s.radius);
+    }
+    near_lamps_.add(e.center, radius2);
+  }
 }
 
 void Lights::build_tree() {

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 
 #include "lights/close_light.h"
 #include "lights/emission/emission_discs.h"
@@ -15,6 +16,7 @@
 #include "lights/lamp.h"
 #include "lights/light_tree.h"
 #include "lights/mesh_light.h"
+#include "lights/near_lamps.h"
 
 namespace photon_splat {
 
@@ -40,6 +42,8 @@ struct Emitter {
   float over_share = 0;    // one over its share of all lights' power
   MeshLight mesh{};        // of an instance
 };
+
+struct AlongWay;
 
 class Lights {
  public:
@@ -160,7 +164,8 @@ class Lights {
   const float& over_world_share() const { return over_world_share_; }
 
  private:
-  static constexpr size_t kFewEmitters = 32;  // up to here every emitter is ranked at every point
+  // Up to here every emitter is ranked at every point
+  static constexpr size_t kFewEmitters = NearLamps::kMost;
   // Surfaces that lie in the plane of a light or so close to it that light samples might pass them.
   struct Closeness {
     int found = 0, within_rounding = 0;
@@ -179,9 +184,9 @@ class Lights {
   bool is_emissive(const Instance& instance) const;
   std::optional<Emitter> emitter_of(uint32_t number, ThreadPool* pool) const;
   void choose_along();
-  template <class See>
-  void near_emitters(const Vec3& origin, const Vec3& direction, float near, float far,
-                     See&& see) const;
+  void place_lamps();
+  std::span<const AlongWay> ways_to_emitters(const Vec3& origin, const Vec3& direction, float near,
+                                             float far, std::span<AlongWay> room) const;
   float emitter_weight(const Emitter& e, const Receiver& to) const;
   bool shares_with_rays(const Emitter& e, const Receiver& to) const;
   struct Pick {
@@ -222,6 +227,7 @@ class Lights {
   std::vector<Emitter> emitters_;
   std::vector<int32_t> emitter_of_instance_;  // -1: none
   LightTree tree_;                            // of many emitters all but suns; of few: empty
+  NearLamps near_lamps_;                      // of few: by their numbers
   // Emitters of the tree's items; suns among many emitters
   std::vector<uint32_t> tree_emitters_, suns_;
   std::vector<int32_t> tree_item_;       // of an emitter; -1: a sun
