@@ -2,8 +2,6 @@
 
 #include <numeric>
 
-#include "math/sampling.h"
-
 namespace photon_splat {
 namespace {
 
@@ -29,6 +27,18 @@ Cone joined(const Cone& a, const Cone& b) {
   const float turn = spread - wide.spread;
   return {normalize(wide.axis * std::cos(turn) + across * (std::sin(turn) / length_across)), spread,
           emission};
+}
+
+// Cosine and sine of an angle in [0, pi].
+Vec2 angle_of(float cosine) {
+  const float c = std::clamp(cosine, -1.0f, 1.0f);
+  return {c, std::sqrt(1 - c * c)};
+}
+
+// Of an angle less another one, both in [0, pi]; of 0 where that is larger.
+Vec2 less(const Vec2& angle, const Vec2& by) {
+  if (angle.x >= by.x) return {1, 0};
+  return {angle.x * by.x + angle.y * by.y, angle.y * by.x - angle.x * by.y};
 }
 
 // A set of lights: how much a random point sees of them, relative to others.
@@ -85,7 +95,8 @@ uint32_t LightTree::add(const std::vector<Item>& items, uint32_t* begin, uint32_
     if (!items[*i].reach.empty()) reach.add(items[*i].reach);
     centers.add(items[*i].bounds.center());
   }
-  nodes_.push_back({all.bounds, reach, all.cone.axis, all.cone.spread, all.cone.emission,
+  const Vec2 spread{std::cos(all.cone.spread), std::sin(all.cone.spread)};
+  nodes_.push_back({all.bounds, reach, all.cone.axis, spread, std::cos(all.cone.emission),
                     all.energy, *begin, *begin, parent, true});
   if (end - begin == 1) {
     leaf_of_item_[*begin] = index;
@@ -141,19 +152,17 @@ float LightTree::importance(const Node& node, const Vec3& x, const Vec3& n) {
   const float falloff = node.energy / std::max({d2, radius2, 1e-30f});
   if (d2 <= radius2) return falloff;
   const Vec3 w = to / std::sqrt(d2);
-  const float seen = std::asin(std::sqrt(radius2 / d2));  // half angle that the bounds fill
-  float cosine = 1;
+  // Half of the angle that the bounds fill
+  const Vec2 seen{std::sqrt(1 - radius2 / d2), std::sqrt(radius2 / d2)};
+  float incoming = 1;  // cosine
   if (length2(n) > 0) {
-    const float incoming = std::acos(std::clamp(dot(n, w), -1.0f, 1.0f)) - seen;
-    if (incoming >= 0.5f * kPi) return 0;
-    cosine = std::cos(std::max(incoming, 0.0f));
+    incoming = less(angle_of(dot(n, w)), seen).x;
+    if (incoming <= 0) return 0;
   }
-  const float outgoing =
-      std::acos(std::clamp(-dot(node.axis, w), -1.0f, 1.0f)) - node.spread - seen;
-  if (outgoing >= node.emission) return 0;
+  const float outgoing = less(less(angle_of(-dot(node.axis, w)), node.spread), seen).x;
+  if (outgoing < 1 && outgoing <= node.cos_emission) return 0;
   // Lights need not be Lambertian: what leaves sideways counts for something.
-  return falloff * std::max(cosine, 0.05f) *
-         std::max(std::cos(std::clamp(outgoing, 0.0f, 0.5f * kPi)), 0.05f);
+  return falloff * std::max(incoming, 0.05f) * std::max(outgoing, 0.05f);
 }
 
 std::optional<LightTree::Choice> LightTree::pick(const Vec3& x, const Vec3& n, float u) const {

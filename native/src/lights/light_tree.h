@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "math/vec.h"
+#include "math/sampling.h"
 
 namespace photon_splat {
 
@@ -52,7 +52,8 @@ class LightTree {
   struct Node {
     Bounds bounds, reach;
     Vec3 axis;
-    float spread, emission, energy;
+    Vec2 spread;  // cosine and sine
+    float cos_emission, energy;
     uint32_t first, second;  // children; a leaf: the item, twice
     uint32_t parent;
     bool leaf;
