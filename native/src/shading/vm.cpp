@@ -168,7 +168,9 @@ void run_program(const Scene& scene, const Program& program, const ShadingPoint&
   if (program.registers > kOnStack) {
     more = std::make_unique<float[]>(program.registers);
     memory = more.get();
-  } else {
+  } else if (program.registers > 0) {
+    // Never of no bytes: with AVX-512 that is a masked store, which takes hundreds of cycles where
+    // nothing has ever been written
     std::memset(registers, 0, program.registers * sizeof(float));
   }
   NoiseQueue noise;
