@@ -84,7 +84,7 @@ def render_view_layer(engine: Any, depsgraph: Any) -> None:
     scene_name, layer_name = depsgraph.scene.name, depsgraph.view_layer_eval.name
     try:
         held = held_for(engine, depsgraph)
-        frame = export_frame(depsgraph.scene_eval, depsgraph.view_layer)
+        frame = export_frame(depsgraph.scene_eval, depsgraph.view_layer, _settings_of(engine))
         _, _, width, height = frame.region
         blender_result = engine.begin_result(0, 0, width, height, layer=layer_name)
         views = views_of(engine, blender_result, depsgraph.scene)
@@ -112,6 +112,14 @@ def render_view_layer(engine: Any, depsgraph: Any) -> None:
         layer, whole = f"{layer_name}.", engine.get_result()
         for key, value in manifests(result.labels, layer).items():
             whole.stamp_data_add_field(key, value)
+
+
+def _settings_of(engine: Any) -> Any:
+    """The bpy.types.RenderSettings of the picture. Where a compositor asks for other scenes too all
+    of them are rendered in the size, and with the border, of the one that is rendered.
+    """
+    # RenderEngine.render, which the method of that name hides
+    return engine.path_resolve("render")
 
 
 @dataclass(frozen=True, slots=True)

@@ -59,13 +59,14 @@ def _export_still(
     from .visibility import wants_shadow_pass
 
     scene = depsgraph.scene_eval
-    seen = export_camera(camera or scene.camera, scene, report, view)
+    frame = frame or export_frame(scene, depsgraph.view_layer)
+    seen = export_camera(camera or scene.camera, scene, report, view, (frame.width, frame.height))
     # Here and below, of originals: a graph that Blender keeps is not told when they change.
     light_groups = [group.name for group in depsgraph.view_layer.lightgroups]
     exported = export_contents(
         depsgraph,
         seen,
-        frame or export_frame(scene, depsgraph.view_layer),
+        frame,
         report,
         kept,
         kept_by_culling(scene, seen),

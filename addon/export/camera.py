@@ -24,9 +24,11 @@ def resolution(render: Any) -> tuple[int, int]:
     )
 
 
-def export_frame(scene: Any, view_layer: Any) -> Frame:
-    """Raster, border, film and filter of a bpy.types.Scene."""
-    render = scene.render
+def export_frame(scene: Any, view_layer: Any, given: Any = None) -> Frame:
+    """Raster, border, film and filter of a bpy.types.Scene. `given`: the bpy.types.RenderSettings
+    that have the raster and the border, if those are another scene's.
+    """
+    render = given or scene.render
     width, height = resolution(render)
     return Frame(
         width=width,
@@ -52,9 +54,16 @@ def film_of(scene: Any) -> dict[str, Any]:
     }
 
 
-def export_camera(ob: Any, scene: Any, report: Report, view: View | None = None) -> Camera:
-    """Camera object `ob` (evaluated) framed by `scene.render`, in one view of several if there is a
-    `view`; raises NoCameraError if there is no camera.
+def export_camera(
+    ob: Any,
+    scene: Any,
+    report: Report,
+    view: View | None = None,
+    size: tuple[int, int] | None = None,
+) -> Camera:
+    """Camera object `ob` (evaluated) framed by `scene.render`, or for pictures of `size` (width,
+    height in pixels), in one view of several if there is a `view`; raises NoCameraError if there is
+    no camera.
     """
     if ob is None:
         raise NoCameraError(
@@ -71,7 +80,7 @@ def export_camera(ob: Any, scene: Any, report: Report, view: View | None = None)
             f"Camera '{ob.name}' is of type {camera.type}; there are perspective, orthographic "
             "and panoramic cameras"
         )
-    width, height = resolution(render)
+    width, height = size or resolution(render)
     x, y = view.shift_x(ob) if view else float(camera.shift_x), float(camera.shift_y)
     whole = (
         (x, 1.0 + x, y, 1.0 + y)
@@ -84,7 +93,11 @@ def export_camera(ob: Any, scene: Any, report: Report, view: View | None = None)
         orthographic=camera.type == "ORTHO",
         clip_start=float(camera.clip_start),
         clip_end=float(camera.clip_end),
-        panorama=_panorama(ob.name, camera, render) if camera.type == "PANO" else None,
+        panorama=_panorama(
+            ob.name, camera, width * render.pixel_aspect_x, height * render.pixel_aspect_y
+        )
+        if camera.type == "PANO"
+        else None,
         aperture=_aperture(ob, camera) if camera.dof.use_dof else None,
         stereo=view.stereo(ob) if view else None,
     )
@@ -120,7 +133,9 @@ def screen(
     return (x - half_x, x + half_x, y - half_y, y + half_y)
 
 
-def _panorama(name: str, camera: Any, render: Any) -> Panorama:
+def _panorama(name: str, camera: Any, x: float, y: float) -> Panorama:
+    """x, y: width and height of the picture, in any unit."""
+
     def setting(key: str) -> Any:
         """Before Blender 5 panoramas were Cycles' own."""
         return getattr(camera, key) if hasattr(camera, key) else getattr(camera.cycles, key)
@@ -128,8 +143,6 @@ def _panorama(name: str, camera: Any, render: Any) -> Panorama:
     kind = setting("panorama_type")
     if kind.lower() not in set(PanoramaKind):
         raise ValueError(f"Camera '{name}' is a panorama of type {kind}, which is not supported")
-    width, height = resolution(render)
-    x, y = width * render.pixel_aspect_x, height * render.pixel_aspect_y
     fit = camera.sensor_fit
     if fit == "HORIZONTAL" or (fit == "AUTO" and x > y):
         sensor = (camera.sensor_width, camera.sensor_width * y / x)

@@ -101,8 +101,10 @@ def eye_of(depsgraph: Any, camera: Camera, frame: Frame) -> Eye:
     chosen = _dicing_camera(depsgraph)
     if chosen is None:
         return Eye(camera, frame.width, frame.height, offscreen)
-    given = export_camera(chosen.evaluated_get(depsgraph), scene, Report())
-    return Eye(given, *resolution(scene.render), offscreen)
+    viewport = depsgraph.mode == "VIEWPORT"
+    size = resolution(scene.render) if viewport else (frame.width, frame.height)
+    given = export_camera(chosen.evaluated_get(depsgraph), scene, Report(), size=size)
+    return Eye(given, *size, offscreen)
 
 
 def _dicing_camera(depsgraph: Any) -> Any:

@@ -215,3 +215,46 @@ def test_a_panorama_and_its_settings() -> None:
     assert camera.panorama.sensor == pytest.approx((30.0, 15.0))
     data.sensor_fit, data.sensor_height = "VERTICAL", 10.0
     assert stage.exported().camera.panorama.sensor == pytest.approx((20.0, 10.0))
+
+
+@in_blender
+def test_all_scenes_of_a_compositor_have_the_frame_of_the_one_that_is_rendered() -> None:
+    import bpy
+
+    made = stage.room()
+    stage.resize(48, 32)
+    made.render.use_border, made.render.border_max_x = True, 0.5
+    other = bpy.data.scenes.new("Other")
+    other.render.engine = made.render.engine
+    other.render.resolution_x, other.render.resolution_y = 20, 90
+    other.render.resolution_percentage = 50
+    other.render.use_border, other.render.border_max_y = True, 0.25
+    other.camera = stage.add("Eye", bpy.data.cameras.new("Eye"), collection=other.collection)
+    _show(made, other)
+    seen = stage.exports()
+    assert seen
+    for what in seen:
+        assert (what.frame.width, what.frame.height) == (48, 32)
+        assert what.frame.region == (0, 0, 24, 32)
+        left, right, bottom, top = what.camera.screen
+        assert (right - left) / (top - bottom) == pytest.approx(1.5)
+
+
+def _show(made: Any, other: Any) -> None:
+    """The compositor of `made` shows `other`."""
+    import bpy
+
+    if hasattr(made, "compositing_node_group"):
+        tree = bpy.data.node_groups.new("Compositing", "CompositorNodeTree")
+        made.compositing_node_group = tree
+        tree.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
+        end = tree.nodes.new("NodeGroupOutput")
+    else:
+        made.use_nodes = True
+        tree = made.node_tree
+        tree.nodes.clear()
+        end = tree.nodes.new("CompositorNodeComposite")
+    made.render.use_compositing = True
+    layers = tree.nodes.new("CompositorNodeRLayers")
+    layers.scene = other
+    tree.links.new(layers.outputs["Image"], end.inputs[0])
