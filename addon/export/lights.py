@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.scene import NO_PROGRAM, NO_TEXTURE, Light, LightKind
+from ..core.scene import NO_PROGRAM, NO_TEXTURE, Light, LightKind, Ray
 from .materials import Shading
 from .nodes.links import output_node, report_foreign_output, uses_nodes
 from .nodes.node import Owner, Want
@@ -28,10 +28,15 @@ KINDS = {
 
 
 def export_light(
-    ob: Any, matrix: NDArray[np.float64], shading: Shading, read: Callable[[Want], Any]
+    ob: Any,
+    matrix: NDArray[np.float64],
+    rays: int,
+    shading: Shading,
+    read: Callable[[Want], Any],
 ) -> Light | None:
     """A lamp object placed by `matrix`, or None if it sheds no light or cannot be rendered (which
-    is reported). `read`: what its nodes ask of the instance that it is.
+    is reported). `rays`: those that meet it, by itself and by what makes it an instance; `read`:
+    what its nodes ask of the instance that it is.
     """
     lamp = ob.data
     report = shading.around.report
@@ -64,7 +69,7 @@ def export_light(
         KINDS[lamp.type],
         matrix,
         (r, g, b),
-        camera_visible=bool(ob.visible_camera),
+        camera_visible=bool(rays & Ray.CAMERA),
         program=program,
     )
     if getattr(cycles, "is_caustics_light", False):
@@ -73,7 +78,7 @@ def export_light(
             " of their caustics: {}",
             ob.name,
         )
-    light.seen_by = lamp_seen_by(ob)
+    light.seen_by = lamp_seen_by(rays)
     light.casts_shadows = bool(lamp.use_shadow and getattr(cycles, "cast_shadow", True))
     most = int(getattr(cycles, "max_bounces", FEW_BOUNCES))
     light.max_bounces = most if most < FEW_BOUNCES else None

@@ -134,7 +134,9 @@ class Objects:
                     repeats.keep(key, ob, self._rows.kinds[rows.start])
             elif kind == "LIGHT":
                 if instance.show_self:
-                    self._add_light(instance, matrices.of(place), linking)
+                    self._add_light(
+                        instance, matrices.of(place), linking, visibility.of(instance)[0]
+                    )
             elif kind in PENCILS and instance.show_self:
                 self._report.warn(
                     "Blender draws grease pencil objects over the picture; they cast no shadow, "
@@ -202,14 +204,16 @@ class Objects:
     def _light_group(self, ob: Any) -> int:
         return self._light_group_of.get(ob.original.lightgroup, NO_LIGHT_GROUP)
 
-    def _add_light(self, instance: Any, matrix: NDArray[np.float64], linking: Linking) -> None:
+    def _add_light(
+        self, instance: Any, matrix: NDArray[np.float64], linking: Linking, rays: int
+    ) -> None:
         ob = instance.object
 
         def read(want: Want) -> Any:
             graph = self._shading.around.depsgraph
             return reader_of(want, graph, self._of_nodes)(instance)
 
-        light = export_light(ob, matrix, self._shading, read)
+        light = export_light(ob, matrix, rays, self._shading, read)
         if light is None:
             return
         light.lit_groups, light.blockers = linking.lit_groups(ob), linking.blockers(ob)

@@ -79,11 +79,11 @@ def wants_shadow_pass(view_layer: Any) -> bool:
     return bool(cycles is not None and cycles.use_pass_shadow_catcher)
 
 
-def lamp_seen_by(ob: Any) -> int:
-    """The rays that bring a lamp's light; shadow rays always do, and of the camera
-    Light.camera_visible tells.
+def lamp_seen_by(rays: int) -> int:
+    """The rays that bring a lamp's light, of those that seen_by() says: shadow rays always do, and
+    of the camera Light.camera_visible tells.
     """
-    return _own(ob) | Ray.SHADOW | Ray.CAMERA
+    return rays | Ray.SHADOW | Ray.CAMERA
 
 
 def world_seen_by(world: Any) -> int:

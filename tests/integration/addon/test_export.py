@@ -637,6 +637,35 @@ def test_what_is_said_of_lamps() -> None:
 
 
 @in_blender
+def test_what_makes_a_lamp_an_instance_has_a_say_in_who_sees_it() -> None:
+    import bpy
+
+    def lamp() -> tuple[int, bool]:
+        (light,) = stage.exported().lights
+        return light.seen_by, light.camera_visible
+
+    bulb, source = stage.lamp(), bpy.data.collections.new("Source")
+    bulb.visible_camera = True
+    source.objects.link(bulb)
+    stage.scene().collection.objects.unlink(bulb)
+    maker = stage.add("Maker")
+    maker.instance_type, maker.instance_collection = "COLLECTION", source
+    assert lamp() == (ALL_RAYS, True)
+    maker.visible_diffuse = False
+    assert lamp() == (ALL_RAYS - Ray.DIFFUSE, True)
+    maker.visible_diffuse, bulb.visible_glossy = True, False
+    maker.visible_camera = False
+    assert lamp() == (ALL_RAYS - Ray.GLOSSY, False)
+    maker.visible_camera = True
+    child = bpy.data.collections.new("Indirect")
+    stage.scene().collection.children.link(child)
+    child.objects.link(maker)
+    stage.scene().collection.objects.unlink(maker)
+    bpy.context.view_layer.layer_collection.children["Indirect"].indirect_only = True
+    assert lamp() == (ALL_RAYS - Ray.GLOSSY, False)
+
+
+@in_blender
 def test_light_groups() -> None:
     """What names a group that the view layer has is of it."""
     layer = stage.scene().view_layers[0]
