@@ -209,30 +209,40 @@ class Moving:
             shape.rows.append(row)
 
     def _shape(self, key: Key, ob: Any, parent: Any, steps: int, mesh: Mesh) -> _Shape | None:
-        if id(mesh) in self._shape_of:
-            return self._shape_of[id(mesh)]
-        shape = None
-        may_change = self._may_change(ob, parent)
-        if not mesh.shading.grids and may_change:
-            of_hair = mesh.strands is not None and ob.type == "MESH"
-            velocity, places = None if of_hair else _velocities(ob.data), _places(mesh)
-            if velocity is not None and len(velocity) == len(places):
-                shape = _Shape(ob.name, 3, mesh, None, known=True)
-                way = np.zeros_like(places)
-                way[:, :3] = velocity * np.float32(
-                    0.5 * self._blur.shutter * self._blur.frame_seconds
-                )
-                shape.positions = {-1.0: places - way, 1.0: places + way}
-            elif ob.is_deform_modified(self._scene, "RENDER"):
-                corners = None
-                if mesh.corner_normals is not None:
-                    found = sound_triangles(ob.data, ob.name, Report())
-                    corners = None if found is None else np.array(found.corners)
-                shape = _Shape(ob.name, steps, mesh, corners, of_hair=of_hair)
-        self._shape_of[id(mesh)] = shape
+        """That of the mesh, which any instance tells that is there at the time."""
+        if not self._may_change(ob, parent):
+            return None
+        if id(mesh) not in self._shape_of:
+            self._shape_of[id(mesh)] = self._new_shape(ob, steps, mesh)
+        shape = self._shape_of[id(mesh)]
         if shape is not None:
             self._shapes[key] = shape
         return shape
+
+    def _new_shape(self, ob: Any, steps: int, mesh: Mesh) -> _Shape | None:
+        if mesh.shading.grids:
+            return None
+        of_hair = mesh.strands is not None and ob.type == "MESH"
+        velocity, places = None if of_hair else _velocities(ob.data), _places(mesh)
+        if velocity is not None and len(velocity) == len(places):
+            shape = _Shape(ob.name, 3, mesh, None, known=True)
+            way = np.zeros_like(places)
+            way[:, :3] = velocity * np.float32(0.5 * self._blur.shutter * self._blur.frame_seconds)
+            shape.positions = {-1.0: places - way, 1.0: places + way}
+            return shape
+        if not self._is_deformed(ob):
+            return None
+        corners = None
+        if mesh.corner_normals is not None:
+            found = sound_triangles(ob.data, ob.name, Report())
+            corners = None if found is None else np.array(found.corners)
+        return _Shape(ob.name, steps, mesh, corners, of_hair=of_hair)
+
+    def _is_deformed(self, ob: Any) -> bool:
+        """Blender does not tell of text and curves that their own settings may be keyed."""
+        return ob.original.type in {"FONT", "CURVE", "SURFACE"} or bool(
+            ob.is_deform_modified(self._scene, "RENDER")
+        )
 
     def _may_change(self, ob: Any, parent: Any) -> bool:
         asked = [getattr(one, "cycles", None) for one in (ob, parent) if one is not None]
@@ -241,7 +251,7 @@ class Moving:
     def _changes(self, ob: Any, parent: Any) -> bool:
         """Whether the shape of a mesh does."""
         return self._may_change(ob, parent) and (
-            _velocities(ob.data) is not None or ob.is_deform_modified(self._scene, "RENDER")
+            _velocities(ob.data) is not None or self._is_deformed(ob)
         )
 
     def add_camera(self, ob: Any, report: Report) -> None:
@@ -265,10 +275,12 @@ class Moving:
                 continue
             placed.matrices[time] = np.array(instance.matrix_world, np.float64)
             for shape in (self._shapes.get(key), self._shapes.get((*key, HAIR))):
-                if shape is not None and shape.mesh.strands is not None and not shape.known:
+                if shape is None or shape.known or time in shape.positions:
+                    continue
+                if shape.mesh.strands is not None:
                     rendered = depsgraph.mode == "RENDER"
                     self._see_strands(shape, instance.object, time, rendered, go_on)
-                elif shape is not None and not shape.known:
+                else:
                     self._see_shape(shape, instance.object, time)
         if self._camera_steps and time in times_of(self._camera_steps):
             self._see_camera(time, camera.evaluated_get(depsgraph), Report())
@@ -328,7 +340,7 @@ class Moving:
             if _differ(steps, own) and np.isfinite(steps).all():
                 motion |= dict.fromkeys(rows, steps)
         scene.instances.motion = motion
-        for shape in self._shapes.values():
+        for shape in filter(None, self._shape_of.values()):
             self._move_shape(scene, shape)
         self._move_camera(scene)
         _remove(scene, lost)
@@ -345,7 +357,7 @@ class Moving:
             if _differ(steps, own) and np.isfinite(steps).all() and np.linalg.det(own) != 0.0:
                 moves |= dict.fromkeys(placed.rows, steps @ np.linalg.inv(own))
         shapes: dict[int, NDArray[np.float32]] = {}
-        for shape in self._shapes.values():
+        for shape in filter(None, self._shape_of.values()):
             places = _places(shape.mesh)
             by = np.stack([(shape.positions.get(t, places) - places)[:, :3] for t in times])
             if by.any():

@@ -179,6 +179,54 @@ def test_a_mesh_that_deforms_has_its_vertices_at_all_steps() -> None:
 
 
 @in_blender
+def test_text_and_curves_deform_by_their_own_settings() -> None:
+    import bpy
+
+    blurred(shutter=2.0)
+    letters = bpy.data.curves.new("Letters", "FONT")
+    letters.body, letters.extrude = "X", 0.1
+    stage.add("Text", letters)
+    keyed(letters, "size", {0: 1.0, 10: 11.0})
+    bow = bpy.data.curves.new("Bow", "CURVE")
+    bow.dimensions = "3D"
+    line = bow.splines.new("POLY")
+    line.points.add(1)
+    line.points[1].co = (3.0, 0.0, 0.0, 1.0)
+    stage.add("Tube", bow)
+    keyed(bow, "bevel_depth", {0: 0.0, 10: 1.0})
+    exported = stage.exported()
+    wide = [np.ptp(mesh.motion.positions, axis=1) for mesh in exported.meshes if mesh.motion]
+    assert len(wide) == 2
+    text, tube = sorted(wide, key=lambda sides: -float(sides[1, 1]))
+    assert np.allclose(text[:, 1] / text[1, 1], np.array([5, 6, 7]) / 6, atol=1e-5)
+    assert np.allclose(tube[:, 2], (0.8, 1.0, 1.2), atol=1e-5)
+    assert exported.warnings == []
+
+
+@pytest.mark.parametrize("how", ["born", "stiff"])
+@in_blender
+def test_any_instance_of_a_mesh_tells_how_it_deforms(how: str) -> None:
+    import bpy
+
+    scene = blurred(shutter=2.0)
+    group = bpy.data.collections.new("Group")
+    ob = stage.plane(collection=group)
+    rise(ob)
+    stands = [stage.add(f"Stand {k}", location=(k, 0, 0)) for k in range(2)]
+    for stand in stands:
+        stand.instance_type, stand.instance_collection = "COLLECTION", group
+    if how == "stiff":
+        stands[0].cycles.use_deform_motion = False
+    else:
+        keyed(stands[0], "hide_render", {0: True, 5: False})
+        keyed(stands[0], "hide_viewport", {0: True, 5: False})
+    scene.frame_set(5)
+    (mesh,) = stage.exported().meshes
+    assert mesh.motion is not None
+    assert np.allclose(mesh.motion.positions[:, 0, 2], (4.0, 5.0, 6.0), atol=1e-5)
+
+
+@in_blender
 def test_normals_of_smooth_meshes_move_with_them() -> None:
     blurred(shutter=2.0)
     ob = stage.plane()
