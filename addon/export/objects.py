@@ -93,6 +93,7 @@ class Objects:
         repeats, matrices = Repeats(), Matrices(depsgraph)
         self._rows.of_graph = matrices.all
         plain = self._moving is None and self._labelled is None
+        catches, of_things = False, list[str]()
         for place, instance in enumerate(depsgraph.object_instances):
             ob = instance.object
             if visible is not None and not visible(instance):
@@ -110,6 +111,7 @@ class Objects:
             kind = ob.type
             if kind in {"MESH", "VOLUME"} or kind in STRANDS:
                 rays, holdout, catcher = visibility.of(instance)
+                catches |= catcher
                 if not rays & SEEING_RAYS:
                     continue
                 matrix = matrices.of(place)
@@ -134,6 +136,8 @@ class Objects:
                     repeats.keep(key, ob, self._rows.kinds[rows.start])
             elif kind == "LIGHT":
                 if instance.show_self:
+                    if not ob.is_shadow_catcher:
+                        of_things.append(ob.name)
                     self._add_light(
                         instance, matrices.of(place), linking, visibility.of(instance)[0]
                     )
@@ -143,6 +147,12 @@ class Objects:
                     "and nothing mirrors them: {}",
                     ob.name,
                 )
+        for name in of_things if catches else ():
+            self._report.warn(
+                "Lamps whose Shadow Catcher is off light shadow catchers as any other lamp does, "
+                "while in Cycles they add light to them: {}",
+                name,
+            )
 
     def _describe(self, place: int, instance: Any, rows: range, traits: Traits) -> None:
         """Of an instance of the graph that has become these rows."""

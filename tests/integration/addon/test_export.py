@@ -637,6 +637,17 @@ def test_what_is_said_of_lamps() -> None:
 
 
 @in_blender
+def test_lamps_that_add_light_to_catchers_are_named_where_there_are_some() -> None:
+    floor, sun = stage.plane("Floor"), stage.lamp("SUN")
+    sun.is_shadow_catcher = False
+    assert stage.exported().warnings == []
+    floor.is_shadow_catcher = True
+    assert stage.the_one_warning(stage.exported()).endswith("add light to them: 'SUN'")
+    sun.is_shadow_catcher = True
+    assert stage.exported().warnings == []
+
+
+@in_blender
 def test_what_makes_a_lamp_an_instance_has_a_say_in_who_sees_it() -> None:
     import bpy
 
