@@ -152,6 +152,21 @@ def resize(width: int, height: int | None = None) -> None:
     )
 
 
+def compositor(made: Any) -> tuple[Any, Any]:
+    """A new compositor of a scene: its nodes, and the one whose input is the picture."""
+    import bpy
+
+    made.render.use_compositing = True
+    if not hasattr(made, "compositing_node_group"):  # before Blender 5
+        made.use_nodes = True
+        made.node_tree.nodes.clear()
+        return made.node_tree, made.node_tree.nodes.new("CompositorNodeComposite")
+    tree = bpy.data.node_groups.new("Compositing", "CompositorNodeTree")
+    made.compositing_node_group = tree
+    tree.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
+    return tree, tree.nodes.new("NodeGroupOutput")
+
+
 def exported() -> Scene:
     """The scene as a final render exports it: through Blender's render operator, with a session
     that renders nothing.

@@ -230,7 +230,10 @@ def test_all_scenes_of_a_compositor_have_the_frame_of_the_one_that_is_rendered()
     other.render.resolution_percentage = 50
     other.render.use_border, other.render.border_max_y = True, 0.25
     other.camera = stage.add("Eye", bpy.data.cameras.new("Eye"), collection=other.collection)
-    _show(made, other)
+    tree, end = stage.compositor(made)
+    layers = tree.nodes.new("CompositorNodeRLayers")
+    layers.scene = other
+    tree.links.new(layers.outputs["Image"], end.inputs[0])
     seen = stage.exports()
     assert seen
     for what in seen:
@@ -238,23 +241,3 @@ def test_all_scenes_of_a_compositor_have_the_frame_of_the_one_that_is_rendered()
         assert what.frame.region == (0, 0, 24, 32)
         left, right, bottom, top = what.camera.screen
         assert (right - left) / (top - bottom) == pytest.approx(1.5)
-
-
-def _show(made: Any, other: Any) -> None:
-    """The compositor of `made` shows `other`."""
-    import bpy
-
-    if hasattr(made, "compositing_node_group"):
-        tree = bpy.data.node_groups.new("Compositing", "CompositorNodeTree")
-        made.compositing_node_group = tree
-        tree.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
-        end = tree.nodes.new("NodeGroupOutput")
-    else:
-        made.use_nodes = True
-        tree = made.node_tree
-        tree.nodes.clear()
-        end = tree.nodes.new("CompositorNodeComposite")
-    made.render.use_compositing = True
-    layers = tree.nodes.new("CompositorNodeRLayers")
-    layers.scene = other
-    tree.links.new(layers.outputs["Image"], end.inputs[0])

@@ -53,10 +53,8 @@ def _mattes(made: Any, engine: str, folder: str) -> NDArray[np.float32]:
     import OpenImageIO as oiio
 
     made.render.engine = engine
-    tree = bpy.data.node_groups.new("Compositing", "CompositorNodeTree")
-    made.compositing_node_group, made.render.use_compositing = tree, True
-    tree.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
-    end, four = tree.nodes.new("NodeGroupOutput"), tree.nodes.new("CompositorNodeCombineColor")
+    tree, end = stage.compositor(made)
+    four = tree.nodes.new("CompositorNodeCombineColor")
     tree.links.new(four.outputs[0], end.inputs[0])
     picks = [tree.nodes.new("CompositorNodeCryptomatteV2") for _ in range(4)]
     for channel, pick in enumerate(picks):

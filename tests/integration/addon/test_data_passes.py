@@ -328,13 +328,8 @@ def test_blenders_cryptomatte_node_picks_an_object(tmp_path: str) -> None:
     if bpy.app.version < (5, 0, 0):
         return  # the compositor has another interface there
     made = _board()
-    tree = bpy.data.node_groups.new("Compositing", "CompositorNodeTree")
-    made.compositing_node_group, made.render.use_compositing = tree, True
-    tree.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
-    end, pick = (
-        tree.nodes.new("NodeGroupOutput"),
-        tree.nodes.new("CompositorNodeCryptomatteV2"),
-    )
+    tree, end = stage.compositor(made)
+    pick = tree.nodes.new("CompositorNodeCryptomatteV2")
     pick.source, pick.scene = "RENDER", made
     pick.layer_name = f"{made.view_layers[0].name}.CryptoObject"
     pick.matte_id = "Behind"
