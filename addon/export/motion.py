@@ -143,7 +143,8 @@ class _Placed:
 @dataclass(slots=True)
 class _Shape:
     """A mesh that may change its shape. corners: loops of its triangles, where normals are
-    theirs. known: positions are, by the velocities of its vertices.
+    theirs. known: positions are, by the velocities of its vertices. looked_at: times at which an
+    instance has been asked, whether it could tell or not.
     """
 
     name: str
@@ -153,6 +154,7 @@ class _Shape:
     rows: list[int] = field(default_factory=list)
     known: bool = False
     of_hair: bool = False  # keys of particles' hair; positions of strands have radii
+    looked_at: set[float] = field(default_factory=set)
     positions: dict[float, NDArray[np.float32]] = field(default_factory=dict)
     normals: dict[float, NDArray[np.float32]] = field(default_factory=dict)
 
@@ -275,8 +277,9 @@ class Moving:
                 continue
             placed.matrices[time] = np.array(instance.matrix_world, np.float64)
             for shape in (self._shapes.get(key), self._shapes.get((*key, HAIR))):
-                if shape is None or shape.known or time in shape.positions:
+                if shape is None or shape.known or time in shape.looked_at:
                     continue
+                shape.looked_at.add(time)
                 if shape.mesh.strands is not None:
                     rendered = depsgraph.mode == "RENDER"
                     self._see_strands(shape, instance.object, time, rendered, go_on)

@@ -41,7 +41,7 @@ double sqr(double x) { return x * x; }
 double mass_within(std::span<const EdgeInPlane> outline, double radius) {
   bool cut = false, inside = !outline.empty();
   for (const EdgeInPlane& edge : outline) {
-    cut |= comes_within(rescaled(edge, radius));
+    cut |= comes_within(edge, radius);
     inside &= edge.distance > 0;
   }
   if (!cut) return inside ? 1 : 0;

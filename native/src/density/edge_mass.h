@@ -59,10 +59,10 @@ inline double triangle_mass(const EdgeInPlane& e) {
   return signed_by_side(mass);
 }
 
-// Whether any of the edge lies within the unit disc.
-inline bool comes_within(const EdgeInPlane& e) {
+// Whether any of the edge lies within a disc of that radius about x.
+inline bool comes_within(const EdgeInPlane& e, double radius) {
   const double nearest = std::clamp(0.0, e.begin, e.end);
-  return e.distance * e.distance + nearest * nearest < 1;
+  return e.distance * e.distance + nearest * nearest < radius * radius;
 }
 
 // The kernel's mass beyond an edge: what the edge takes from 1.

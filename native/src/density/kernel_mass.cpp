@@ -75,9 +75,7 @@ KernelMass kernel_mass(const Scene& scene, uint32_t instance, uint32_t triangle,
       const BoundaryEdge& edge = topology.edges[i];
       if (!project(x, world_front(edge), h, world(edge.a), world(edge.b), e)) continue;
       edges[used++] = e;
-      const double half2 = 1 - e.distance * e.distance;  // does it come within the disc?
-      cut |= half2 > 0 && (e.begin < 0 || e.begin * e.begin < half2) &&
-             (e.end > 0 || e.end * e.end < half2);
+      cut |= comes_within(e, 1);
     }
     if (!cut) return {1, true, 1};
     for (uint32_t i = 0; i < used; ++i) {
