@@ -182,17 +182,29 @@ void BeamTree::fill(std::span<const PhotonBeam> beams, const Media& media, uint6
     all += part.refs.size();
     for (const auto& [cell, id] : part.refs) ++cells_[cell].count;
   }
+  struct Next {  // place of a cell's next beam: a row has one of each group
+    uint32_t steps, each, longer, at, i = 0, row = 0;
+  };
+  std::vector<Next> next;
+  next.reserve(cells_.size());
   uint32_t sum = 0;
   for (Cell& cell : cells_) {
     cell.first = sum;
     sum += cell.count;
-    cell.count = 0;
+    const uint32_t of = steps(cell);
+    next.push_back({of, cell.count / of, cell.count % of, cell.first});
   }
   refs_.resize(all);
   for (Part& part : found) {
     const uint32_t before = static_cast<uint32_t>(pieces_.size());
-    for (const auto& [cell, id] : part.refs)
-      refs_[cells_[cell].first + cells_[cell].count++] = before + id;
+    for (const auto& [cell, id] : part.refs) {
+      Next& to = next[cell];
+      refs_[to.at] = before + id;
+      to.at += to.each + (to.i < to.longer);
+      if (++to.i < to.steps) continue;
+      to.i = 0;
+      to.at = cells_[cell].first + ++to.row;
+    }
     pieces_.insert(pieces_.end(), part.pieces.begin(), part.pieces.end());
     part = {};
   }
@@ -201,7 +213,8 @@ void BeamTree::fill(std::span<const PhotonBeam> beams, const Media& media, uint6
     for (size_t i = begin; i < end; ++i) {
       const BeamPiece& piece = pieces_[i];
       lines_[i] = {piece.direction,
-                   photon_splat::cross(piece.origin - settings_.middle, piece.direction)};
+                   photon_splat::cross(piece.origin - settings_.middle, piece.direction),
+                   piece.stack};
     }
   });
 }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "photons/photon_beam.h"
+#include "util/large_pages.h"
 #include "util/parallel.h"
 
 namespace photon_splat {
@@ -81,6 +82,13 @@ class BeamTree {
     float radius = 0;               // of those below the largest
     uint32_t first = 0, count = 0;  // of refs_
   };
+  // A ray looks at one in so many beams of a cell: at those of a group, which lie side by side.
+  uint32_t steps(const Cell& cell) const { return std::max(1u, cell.count / settings_.looks); }
+  static std::pair<uint32_t, uint32_t> group(const Cell& cell, uint32_t steps, uint32_t i) {
+    const uint32_t each = cell.count / steps, longer = cell.count % steps,
+                   first = cell.first + i * each + std::min(i, longer);
+    return {first, first + each + (i < longer)};
+  }
   struct Box {
     Vec3 lower;
     float edge;
@@ -89,7 +97,9 @@ class BeamTree {
   // A beam's line in Plücker's coordinates about the middle, for a first look at it.
   struct alignas(32) Line {
     Vec3 direction, moment;
+    int stack;
   };
+  static constexpr uint32_t kFetched = 16;
   using StackKey = std::array<uint16_t, MediumStack::kMost + 1>;
   static StackKey key_of(const MediumStack& stack);
   void grow(uint32_t cell, const Box& box, int depth, double parent_density,
@@ -162,28 +172,34 @@ void BeamTree::each(int stack, const Vec3& origin, const Vec3& direction, float 
     const Cell& leaf = cells_[cell];
     const float radius = leaf.radius * factor_, most = 1.01f * radius * radius;
     // Of many beams only some are looked at, chosen at random; each stands for as many
-    const uint32_t step = std::max(1u, leaf.count / settings_.looks);
-    const uint32_t skipped =
-        step > 1 ? static_cast<uint32_t>(random.next() * static_cast<float>(step)) : 0;
-    for (uint32_t r = leaf.first + skipped; r < leaf.first + leaf.count; r += step) {
-      const Line& line = lines_[refs_[r]];
-      const float d = dot(direction, line.moment) + dot(moment, line.direction),
-                  cosine = dot(direction, line.direction);
-      if (d * d > most * (1.0001f - cosine * cosine)) continue;
-      const BeamPiece& piece = pieces_[refs_[r]];
-      float distance, along, between, sine;
-      if (piece.stack != stack ||
-          !cross(origin, direction, piece, radius, &distance, &along, &between, &sine))
-        continue;
-      if (!(distance >= t && distance < next && distance < end)) continue;
-      // Epanechnikov's
-      const float x2 = between * between / (radius * radius),
-                  scale = 0.75f * static_cast<float>(step) / (radius * sine);
-      if (!(x2 < 1)) continue;
-      see(BeamCrossing{
-          piece, distance, along, scale * (1 - x2),
-          x2 < 0.5f ? scale * 1.41421356f * (1 - 2 * x2) : 0,
-          photon_splat::cross(direction, piece.direction) * (between / (radius * sine)), radius});
+    const uint32_t step = steps(leaf);
+    const auto [first, past] = group(
+        leaf, step, step > 1 ? static_cast<uint32_t>(random.next() * static_cast<float>(step)) : 0);
+    for (uint32_t r = first; r < past;) {
+      // Beams of a cell lie anywhere in memory: several are fetched at once
+      uint32_t ids[kFetched], looked_at = 0, close = 0;
+      for (; r < past && looked_at < kFetched; ++r) prefetch(&lines_[ids[looked_at++] = refs_[r]]);
+      for (uint32_t i = 0; i < looked_at; ++i) {
+        const Line& line = lines_[ids[i]];
+        const float d = dot(direction, line.moment) + dot(moment, line.direction),
+                    cosine = dot(direction, line.direction);
+        if (line.stack != stack || d * d > most * (1.0001f - cosine * cosine)) continue;
+        prefetch(&pieces_[ids[close++] = ids[i]]);
+      }
+      for (uint32_t i = 0; i < close; ++i) {
+        const BeamPiece& piece = pieces_[ids[i]];
+        float distance, along, between, sine;
+        if (!cross(origin, direction, piece, radius, &distance, &along, &between, &sine)) continue;
+        if (!(distance >= t && distance < next && distance < end)) continue;
+        // Epanechnikov's
+        const float x2 = between * between / (radius * radius),
+                    scale = 0.75f * static_cast<float>(step) / (radius * sine);
+        if (!(x2 < 1)) continue;
+        see(BeamCrossing{
+            piece, distance, along, scale * (1 - x2),
+            x2 < 0.5f ? scale * 1.41421356f * (1 - 2 * x2) : 0,
+            photon_splat::cross(direction, piece.direction) * (between / (radius * sine)), radius});
+      }
     }
     t = next;
   }
