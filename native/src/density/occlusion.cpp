@@ -22,6 +22,8 @@ constexpr float kRim = 0.98f;
 // What lies closer over the surface than this, in h, keeps photons off it
 constexpr float kCover = 0.12f;
 constexpr float kTouching = 1e-3f;
+constexpr int kMostInGap = 32;  // bounces of light below a cover
+constexpr int kMuchLight = kCoverProbes / 10;
 constexpr float kUnderWall = 0.2f;  // in h: of discs in the gap below a wall that hovers
 // Away from walls: from one, from another that stands across the first, and once more
 constexpr int kSteps = 3;
@@ -56,17 +58,30 @@ std::optional<Cover> cover_of(const Scene& scene, RayMask kinds, const Vec3& y, 
   return Cover{*gives, hit.back};
 }
 
-// Whether light comes in from the rim of the cover of y: by one direction, so that the mean tells
-// how much.
-bool lit_from_the_rim(const Scene& scene, RayMask kinds, const Vec3& y, const Basis& basis, float h,
-                      Random& random) {
-  const Vec3 way = basis.to_world(sample_cosine_hemisphere(random.next2()));
-  return !scene.occluded(y + basis.normal * ray_epsilon(y, h), way, 0, h, kinds);
+enum class FromRim { kNone, kStraight, kThrown };
+// Whether light comes in from the rim of the cover of y, straight or thrown to and fro in the gap
+// below it: by one path, so that the mean tells how much.
+FromRim light_from_rim(const Scene& scene, RayMask kinds, const Vec3& y, const Vec3& normal,
+                       float h, Random& random) {
+  Vec3 from = y + normal * ray_epsilon(y, h), n = normal;
+  for (int bounce = 0; bounce < kMostInGap; ++bounce) {
+    const Vec3 way = Basis(n).to_world(sample_cosine_hemisphere(random.next2()));
+    Surface hit;
+    if (!scene.intersect(from, way, 0, h, false, hit, kinds))
+      return bounce ? FromRim::kThrown : FromRim::kStraight;
+    Bsdf bsdf(Transport::kRadiance, -way, hit.ng, hit.ns, hit.back);
+    scene.shade(hit, -way, {}, bsdf);
+    if (!(random.next() < max_abs(bsdf.albedo()))) break;
+    n = dot(hit.ng, way) < 0 ? hit.ng : -hit.ng;
+    from = hit.position + n * ray_epsilon(hit.position, h);
+  }
+  return FromRim::kNone;
 }
 
 // The parts of the two kernels where the patch is covered. Under a cover itself nothing is left
 // out; under a wall that hovers light ends a few gaps from where it comes in, and so does the disc;
-// under what shines it does where that ends.
+// under what shines it does where that ends, and below a cover that lets much light in, too: what
+// is thrown to and fro there is another light than that of open places.
 void add_covered(const Scene& scene, RayMask kinds, PatchOutline& outline, const Vec3& x,
                  const Basis& basis, float h, uint32_t seed, DiscOcclusion& out) {
   const Vec3& normal = basis.normal;
@@ -79,6 +94,9 @@ void add_covered(const Scene& scene, RayMask kinds, PatchOutline& outline, const
   const float far = length_of_look(x, h);
   if (!(far > 0)) return;
   bool any = false;
+  int lit = 0;     // of those that are covered
+  float edge = h;  // how close they are
+  Vec3 way{};
   constexpr int kTogether = Scene::kPacket;
   static_assert(kCoverScouts % kTogether == 0 && kCoverProbes % kTogether == 0);
   for (int first = 0; first < kCoverProbes; first += kTogether) {
@@ -104,16 +122,29 @@ void add_covered(const Scene& scene, RayMask kinds, PatchOutline& outline, const
       any = true;
       // Through the gap below a wall light of a far brighter place may come, and there is such
       // light below what shines
-      if (const float distance = h * std::sqrt(squares[i]);
-          cover->parts() && distance < out.clear) {
+      const float distance = h * std::sqrt(squares[i]);
+      if (cover->parts() && distance < out.clear) {
         out.clear = distance;
         out.wall = basis.to_world(offsets[i] / distance);
       }
-      if (cover->shines || lit_from_the_rim(scene, kinds, y, basis, h, random)) continue;
+      if (cover->shines) continue;
+      const FromRim light = light_from_rim(scene, kinds, y, normal, h, random);
+      if (light != FromRim::kNone) {
+        ++lit;
+        if (distance < edge) {
+          edge = distance;
+          way = basis.to_world(offsets[i] / distance);
+        }
+      }
+      if (light == FromRim::kStraight) continue;
       out.hidden += 1.0f / kCoverProbes;
       const float s2 = squares[i], n2 = sqr(kNarrow);
       if (s2 < n2) out.narrow_hidden += (1 - s2 / n2) / (n2 * (1 - s2)) / kCoverProbes;
     }
+  }
+  if (lit > kMuchLight && edge < out.clear) {
+    out.clear = edge;
+    out.wall = way;
   }
 }
 

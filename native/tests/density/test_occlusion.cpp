@@ -209,6 +209,18 @@ TEST_CASE("light comes in under a board that hovers higher, and one that shines 
   CHECK(at_floor(shining, 0.25f, 0.5f, 0.2f).clear == 0.2f);
 }
 
+TEST_CASE("no disc reaches below a board that hovers so high that much light is thrown in") {
+  Scene scene(1);
+  fill_all(scene, floor_and(make_box({0.5f, -1, 0.018f}, {2, 2, 0.021f})));
+  CHECK(at_floor(scene, 0.47f, 0.5f, 0.2f).clear == approx(0.03).epsilon(0.5));
+  CHECK(at_floor(scene, 0.25f, 0.5f, 0.2f).clear == 0.2f);
+  Scene dark(1);  // and throws none back
+  dark.materials.resize(1);
+  dark.materials[0].front.albedo = dark.materials[0].back.albedo = {0, 0, 0};
+  fill_all(dark, floor_and(make_box({0.5f, -1, 0.01f}, {2, 2, 0.014f})));
+  CHECK(at_floor(dark, 0.47f, 0.5f, 0.2f).clear == 0.2f);
+}
+
 TEST_CASE("of balls that run into each other what lies inside is hidden") {
   const float h = 0.3f;
   for (const float apart : {0.1f, 0.2f, 0.4f}) {
