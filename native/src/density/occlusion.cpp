@@ -22,9 +22,9 @@ constexpr float kRim = 0.98f;
 // What lies closer over the surface than this, in h, keeps photons off it
 constexpr float kCover = 0.12f;
 constexpr float kTouching = 1e-3f;
-constexpr int kMostInGap = 32;  // bounces of light below a cover
-constexpr int kMuchLight = kCoverProbes / 10;
-constexpr float kUnderWall = 0.2f;  // in h: of discs in the gap below a wall that hovers
+constexpr int kMostInGap = 32;                 // bounces of light below a cover
+constexpr int kMuchLight = kCoverProbes / 10;  // probes that light comes to
+constexpr float kUnderWall = 0.2f;             // in h: of discs in the gap below a wall that hovers
 // Away from walls: from one, from another that stands across the first, and once more
 constexpr int kSteps = 3;
 constexpr float kPastRim = 1.05f;  // of a disc's radius: so far from its middle a wall is to be
