@@ -19,6 +19,7 @@ from .report import Report
 
 BLENDER_5 = bpy.app.version >= (5, 0, 0)
 FIRST_TILE = 1001
+LEAST_BELOW_ZERO = 0.002  # of an image's light: less nobody sees
 MISSING_RGBA = (255, 0, 255, 255)  # what Cycles shows in place of an image that cannot be read
 PINK = np.full((1, 1, 4), MISSING_RGBA, np.uint8)
 INTERPOLATIONS = {
@@ -38,12 +39,14 @@ EXTENSIONS = {
 class ImagePixels:
     """(height, width, 4) as core.scene.Texture has them, colour times alpha as Cycles has them, and
     whether they are sRGB-encoded; `gray`: the file has nothing but grey, which Cycles shows opaque
-    outside of the picture too.
+    outside of the picture too; `below_zero`: the sum of the colours below zero over that of those
+    above.
     """
 
     pixels: NDArray
     srgb: bool
     gray: bool = False
+    below_zero: float = 0.0
 
 
 class Textures:
@@ -55,6 +58,7 @@ class Textures:
         self.list: list[Texture] = []
         self._report, self._kept, self._watch = report, kept, watch or Watch()
         self._known: dict[tuple[Any, ...], int] = {}
+        self._below_zero: dict[int, float] = {}
         # however many textures read it
         self._read: dict[tuple[int, str, int], ImagePixels] = {}
 
@@ -92,7 +96,17 @@ class Textures:
                     extension,
                 )
             )
+            self._below_zero[self._known[key]] = found.below_zero
         return self._known[key]
+
+    def report_below_zero(self, index: int, owner: str) -> None:
+        """Warn if the texture as a world would take light away in Cycles: here it takes none."""
+        share = self._below_zero.get(index, 0.0)
+        if share > LEAST_BELOW_ZERO:
+            self._report.warn(
+                f"{owner}: image '{self.list[index].name}' has light below zero, "
+                f"{100.0 * share:.1f} % of that above; taken as none"
+            )
 
     def _once(self, image: Any, path: str, owner: str, tile: int) -> ImagePixels:
         key = (image.as_pointer() if image else 0, path, tile)
@@ -177,7 +191,8 @@ def _read(image: Any, path: str, owner: str, report: Report, tile: int = FIRST_T
         # decoded after pixels are interpolated, as in Cycles
         if multiplies:
             _multiply(pixels)
-        return ImagePixels(pixels, space == "sRGB", gray=gray)
+        below_zero = 0.0 if pixels.dtype == np.uint8 else _below_zero(pixels[..., :3])
+        return ImagePixels(pixels, space == "sRGB", gray, below_zero)
     return _decoded(pixels, space, mode, multiplies, gray, f"{owner}: {named}", report)
 
 
@@ -218,7 +233,15 @@ def _decoded(
     pixels[..., :3] = linear
     if after:
         pixels[..., :3] *= alpha
-    return ImagePixels(pixels, False, gray)
+    return ImagePixels(pixels, False, gray, _below_zero(linear))
+
+
+def _below_zero(colors: NDArray) -> float:
+    if colors.size == 0 or colors.min() >= 0.0:
+        return 0.0
+    given = float(np.maximum(colors, 0.0).sum(dtype=np.float64))
+    taken = float(-np.minimum(colors, 0.0).sum(dtype=np.float64))
+    return taken / given if given > 0.0 else 1.0
 
 
 def _path(image: Any, node: Any, tile: int) -> str:

@@ -105,7 +105,9 @@ class _World:
         if color.node.type == "TEX_SKY":
             self._sky(color.node, to_lookup)
         else:
-            texture = self.textures.of_node(color.node, f"{self.owner}, node '{label(color.node)}'")
+            named = f"{self.owner}, node '{label(color.node)}'"
+            texture = self.textures.of_node(color.node, named)
+            self.textures.report_below_zero(texture, named)
             self.scene.world_map = WorldMap(
                 texture, to_lookup[:3], color.node.projection == "MIRROR_BALL"
             )

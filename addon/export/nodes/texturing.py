@@ -144,7 +144,10 @@ def image(n: Node) -> Outputs:
 
 def environment(n: Node) -> Outputs:
     node = n.node
-    index = n.around.textures.of_node(node, f"{n.owner.name}, node '{label(node)}'")
+    named = f"{n.owner.name}, node '{label(node)}'"
+    index = n.around.textures.of_node(node, named)
+    if n.owner.of_world:
+        n.around.textures.report_below_zero(index, named)
     where = coordinates(n, n.graph.one("Geometry", what="POSITION"))
     return {
         "Color": n.graph.add(

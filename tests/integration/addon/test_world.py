@@ -63,6 +63,25 @@ def test_an_environment_image_and_its_rotation() -> None:
 
 
 @in_blender
+def test_an_image_with_light_below_zero_is_named_with_its_share() -> None:
+    tree, background = _tree()
+    node = _image(tree, background)
+    pixels = np.ones((4, 8, 4), np.float32)
+    pixels[0, :, :3] = -0.1  # of a quarter
+    node.image.pixels.foreach_set(pixels.ravel())
+    share = "image 'Map' has light below zero, 3.3 % of that above; taken as none"
+    (warning,) = stage.exported().warnings
+    assert warning.startswith("World 'Sky', node ")
+    assert warning.endswith(share)
+    _mapped(tree, node, "Window")
+    (warning,) = stage.exported().warnings
+    assert warning.endswith(share)
+    pixels[0, :, :3] = -0.001
+    node.image.pixels.foreach_set(pixels.ravel())
+    assert stage.exported().warnings == []
+
+
+@in_blender
 def test_any_other_tree_is_a_program() -> None:
     tree, background = _tree()
     _mapped(tree, _image(tree, background), "Window")
