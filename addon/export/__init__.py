@@ -15,7 +15,8 @@ if TYPE_CHECKING:
     from ..core.scene import Camera, Frame
     from .cancelled import Watch
     from .kept import Kept
-    from .motion import Blur, FrameSet, Moving
+    from .motion import Moving
+    from .shutter import Blur, FrameSet
     from .views import View
 
 
@@ -36,7 +37,7 @@ def export_scene(
     Raises ValueError with one sentence if there is nothing to look through; whatever else cannot be
     rendered is named in the result's `warnings`.
     """
-    from .motion import blur_of
+    from .shutter import blur_of
 
     blur = blur_of(depsgraph) if frame_set is not None else None
     if blur is None or frame_set is None:
@@ -93,7 +94,8 @@ def _export_moving(
     at other times.
     """
     from .cancelled import Watch
-    from .motion import Moving, other_times
+    from .motion import Moving
+    from .shutter import other_times
 
     watch, report = watch or Watch(), Report()
     # the same all of the time

@@ -10,7 +10,7 @@ import numpy as np
 
 from ...core.scene import SunDisc
 from ..directions import direction_map
-from ..images import is_associated
+from ..image_pixels import is_associated
 from ..sky import ExportedSky, export_sky, sun_disc
 from .inputs import uv
 from .links import Source

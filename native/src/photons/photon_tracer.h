@@ -78,6 +78,8 @@ class PhotonTracer {
   bool guided() const { return guide_.has_value() || targets_.has_value(); }
 
  private:
+  static constexpr uint32_t kStartsAtOnce = SobolPair::kMost;
+
   // What seldom matters of a path between two of its rays.
   struct Rest {
     uint32_t place;       // among the chunk's paths as they started
@@ -131,8 +133,6 @@ class PhotonTracer {
       return path.bounces == 0 ? first_bounce.at(index) : path.random.next2();
     }
   };
-  uint32_t start_all(uint64_t first, uint32_t count, double total, uint32_t seed,
-                     Travellers& travellers) const;
   // What each path has stored, of what `filter` and `places` let pass where there are any: the
   // number of photons, which diffuse surfaces leave all alike, times the path's squared power over
   // the mean one's; of a caustic path the sum of their squared powers over its own at the start.
@@ -144,9 +144,28 @@ class PhotonTracer {
   };
   const Photons& trace(uint64_t first, uint64_t count, double total, uint32_t seed,
                        const SurfaceFilter& visible, const CancelFlag& cancel, Usefulness* useful);
-  void trace_chunk(uint64_t first, uint64_t count, double total, uint32_t seed,
-                   const SurfaceFilter& visible, const Usefulness* filter, float* useful,
-                   Travellers& travellers, PhotonRun& run) const;
+  // Paths `first` and on, of `total` in all; what of theirs is of use goes into `useful`, if that
+  // is asked for.
+  struct Chunk {
+    uint64_t first;
+    uint32_t count;
+    double total;
+    uint32_t seed;
+    const SurfaceFilter& visible;
+    const Usefulness* filter;
+    float* useful;  // by path
+    Travellers& travellers;
+    PhotonRun& run;
+    SobolPair first_bounce;
+    uint32_t alive = 0, kept = 0;  // paths whose rays are traced, and those that go on so far
+  };
+  uint32_t start_all(const Chunk& c) const;
+  void trace_chunk(Chunk& c) const;
+  void advance(Chunk& c, uint32_t begin, const RayHits& hits, unsigned met,
+               const BounceSettings& settings) const;
+  void advance_alone(Chunk& c, uint32_t i, const RayHits& hits, uint32_t k, bool there) const;
+  unsigned bounce_together(const PhotonPaths& paths, uint32_t begin, const RayHits& hits,
+                           unsigned met, PlainSurfaces& surfaces) const;
   // The stream's share of a path with that share of caustic light.
   float share_of(float caustic) const {
     return stream_ == PhotonStream::kAll       ? 1
@@ -165,8 +184,7 @@ class PhotonTracer {
     return path.bounces == 0 || path.guessed || ~start.max_bounces;
   }
   uint32_t split(Path& path, const Surface& hit, size_t room) const;
-  void leave_beam(const Travellers& travellers, uint32_t i, const Surface* hit, double total,
-                  float* useful, std::vector<PhotonBeam>& beams) const;
+  void leave_beam(Chunk& c, uint32_t i, const Surface* hit) const;
   PhotonStart start(uint64_t index, uint32_t seed) const;
   void start(uint64_t first, uint32_t count, uint32_t seed, PhotonStart* starts) const;
   // Whether such rays see the light that the path has just left.
