@@ -4,6 +4,7 @@
 
 #include "density/bent_mass.h"
 #include "density/bent_places.h"
+#include "density/cover.h"
 #include "density/enclosure.h"
 
 namespace photon_splat {
@@ -95,6 +96,33 @@ bool meets_others(const BentDisc& disc, float turn) {
   return false;
 }
 
+// Whether anything else lies close over the disc, by looks down to it from all over it.
+bool is_covered_somewhere(const BentDisc& disc, float turn) {
+  Vec3 origins[Scene::kPacket], ways[Scene::kPacket];
+  for (uint32_t k = 0; k < Scene::kPacket; ++k) {
+    const float s = std::sqrt((static_cast<float>(k) + 0.5f) / Scene::kPacket),
+                angle = turn + kGoldenAngle * static_cast<float>(k);
+    origins[k] = disc.x + disc.basis.to_world({disc.h * s * std::cos(angle),
+                                               disc.h * s * std::sin(angle), kCover * disc.h});
+    ways[k] = -disc.normal();
+  }
+  Surface hits[Scene::kPacket];
+  for (unsigned met = disc.scene.intersect_packet(origins, ways, Scene::kPacket, hits, disc.kinds);
+       met; met &= met - 1) {
+    const Surface& hit = hits[std::countr_zero(met)];
+    if (hit.distance < disc.h && !disc.is_own(hit)) return true;
+  }
+  return false;
+}
+
+// Whether something lies, or hovers, close over that place, and no light comes in under it.
+bool is_covered(const BentDisc& disc, const Vec3& place, const Vec3& normal, Random& random) {
+  const auto cover = cover_of(disc.scene, disc.kinds, place, normal, disc.h);
+  return cover && !cover->shines && (cover->key | 1u) != (disc.key | 1u) &&
+         light_from_rim(disc.scene, disc.kinds, place, normal, disc.h, random) !=
+             FromRim::kStraight;
+}
+
 // Whether the way from over x to over that place ends inside of something closed that lets no light
 // through.
 bool is_inside(const BentDisc& disc, const BentPlaces::Place& place) {
@@ -159,7 +187,10 @@ OverOpen over_open_share(const Scene& scene, uint32_t instance, uint32_t triangl
                          const Vec3& x, const Vec3& normal, float h, uint32_t seed) {
   const BentDisc disc(scene, instance, triangle, key, x, normal, h);
   Random random(seed, 0xbe47);
-  if (!meets_others(disc, 2 * kPi * random.next())) return {};
+  const float turn = 2 * kPi * random.next();
+  const bool covered =
+      is_covered_somewhere(disc, turn) && !cover_of(scene, disc.kinds, x, normal, h);
+  if (!covered && !meets_others(disc, turn)) return {};
   const BentPlaces places(scene, instance, triangle, x, normal, h);
   Masses all, open;
   int probes = 0, opened = 0;
@@ -171,7 +202,7 @@ OverOpen over_open_share(const Scene& scene, uint32_t instance, uint32_t triangl
     const double narrow =
         y.weight * std::max(1 - y.distance2 / sqr(kNarrow), 0.0f) / (1 - y.distance2);
     all.wide += y.weight, all.narrow += narrow;
-    if (is_inside(disc, y)) continue;
+    if ((covered && is_covered(disc, y.position, y.normal, random)) || is_inside(disc, y)) continue;
     ++opened;
     open.wide += y.weight, open.narrow += narrow;
   }

@@ -11,10 +11,10 @@ namespace photon_splat {
 bool stands_in_bent_disc(const Scene& scene, uint32_t instance, uint32_t triangle, uint32_t key,
                          const Vec3& x, const Vec3& normal, float h);
 
-// One over the shares of the kernels of radius h and kNarrow * h about x that do not lie inside of
-// other closed things: of balls that run into each other the parts that photons reach. A place of
-// the patch is inside of what the way there, close over the surface, enters and does not leave.
-// Both are estimates, right in the mean.
+// One over the shares of the kernels of radius h and kNarrow * h about x that photons reach: of
+// balls that run into each other not what lies inside of the other, of a table not what a sheet of
+// paper covers, unless it covers x. A place of the patch is inside of what the way there, close
+// over the surface, enters and does not leave. Both are estimates, right in the mean.
 struct OverOpen {
   float whole = 1, narrow = 1;
 };

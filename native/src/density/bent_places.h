@@ -23,13 +23,23 @@ class BentPlaces {
   bool draw(Random& random, Place& place) const;
 
  private:
-  // A branch of the mesh's tree that is small, or a leaf. What is drawn in it has `most` of the
-  // kernel of x, at most.
+  // A branch of the mesh's tree that is small, or a leaf; or a triangle of a leaf that is wide,
+  // from the part of whose plane places are drawn that the ball about x cuts out, where that is
+  // smaller. What is drawn in it has `most` of the kernel of x, at most.
   struct Piece {
-    const SurfaceNode* node;
+    const SurfaceNode* node;  // null: a triangle
+    uint32_t triangle;
+    float cut;            // radius of the part of a triangle's plane; 0: all of the triangle
     float most, stretch;  // of areas by the transform
     float sum;            // of the masses up to here
   };
+  struct Corners {
+    Vec3 a, b, c;
+  };
+  Corners corners_of(uint32_t triangle) const;
+  void add_triangle(uint32_t triangle, float h);
+  bool place_on(const Piece& piece, Random& random, Place& place) const;
+  bool place_in_cut(const Piece& piece, Random& random, Place& place) const;
 
   const Instance& placed_;
   const Mesh& mesh_;

@@ -2,6 +2,7 @@
 
 #include <bit>
 
+#include "density/cover.h"
 #include "density/enclosure.h"
 #include "density/kernel_mass.h"
 #include "math/sampling.h"
@@ -19,10 +20,6 @@ constexpr float kHeight =
 constexpr int kCoverScouts = 16, kCoverProbes = 80;
 // In h: beyond, the kernel is nothing, and probes would lie in the blocker itself
 constexpr float kRim = 0.98f;
-// What lies closer over the surface than this, in h, keeps photons off it
-constexpr float kCover = 0.12f;
-constexpr float kTouching = 1e-3f;
-constexpr int kMostInGap = 32;                 // bounces of light below a cover
 constexpr int kMuchLight = kCoverProbes / 10;  // probes that light comes to
 constexpr float kUnderWall = 0.2f;             // in h: of discs in the gap below a wall that hovers
 // Away from walls: from one, from another that stands across the first, and once more
@@ -34,48 +31,6 @@ constexpr float kFurthest = 3;     // of it: so far a disc may be moved
 float mass_within(float s) {
   const float s2 = std::min(1.0f, s * s);
   return s2 * (2 - s2);
-}
-
-// What lies close over a point is looked for from above it, down to just before the surface.
-float length_of_look(const Vec3& y, float h) {
-  return kCover * h - std::max(kTouching * h, ray_epsilon(y, h));
-}
-
-// What keeps photons from a place, or gives it light that no other one has.
-struct Cover {
-  bool shines;
-  bool back;  // is met: the look has begun inside of it, as in a wall, which is higher than a cover
-  bool parts() const { return shines || back; }
-};
-std::optional<Cover> cover_of(const Scene& scene, RayMask kinds, const Vec3& y, const Vec3& normal,
-                              float h) {
-  Surface hit;
-  const float far = length_of_look(y, h);
-  if (!(far > 0) || !scene.intersect(y + normal * (kCover * h), -normal, 0, far, false, hit, kinds))
-    return {};
-  const auto gives = shines(scene, hit, normal);
-  if (!gives) return {};
-  return Cover{*gives, hit.back};
-}
-
-enum class FromRim { kNone, kStraight, kThrown };
-// Whether light comes in from the rim of the cover of y, straight or thrown to and fro in the gap
-// below it: by one path, so that the mean tells how much.
-FromRim light_from_rim(const Scene& scene, RayMask kinds, const Vec3& y, const Vec3& normal,
-                       float h, Random& random) {
-  Vec3 from = y + normal * ray_epsilon(y, h), n = normal;
-  for (int bounce = 0; bounce < kMostInGap; ++bounce) {
-    const Vec3 way = Basis(n).to_world(sample_cosine_hemisphere(random.next2()));
-    Surface hit;
-    if (!scene.intersect(from, way, 0, h, false, hit, kinds))
-      return bounce ? FromRim::kThrown : FromRim::kStraight;
-    Bsdf bsdf(Transport::kRadiance, -way, hit.ng, hit.ns, hit.back);
-    scene.shade(hit, -way, {}, bsdf);
-    if (!(random.next() < max_abs(bsdf.albedo()))) break;
-    n = dot(hit.ng, way) < 0 ? hit.ng : -hit.ng;
-    from = hit.position + n * ray_epsilon(hit.position, h);
-  }
-  return FromRim::kNone;
 }
 
 // The parts of the two kernels where the patch is covered. Under a cover itself nothing is left
