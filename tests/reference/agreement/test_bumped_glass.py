@@ -41,9 +41,9 @@ def _constant_normal() -> Any:
     return made
 
 
-def _mean_beside_cycles(samples: int) -> float:
+def _mean_beside_cycles(samples: int, passes: int = 32) -> float:
     """Of the open scene, as a ratio."""
-    ours, cycles = means_beside_cycles(samples, passes=32, photons_per_pass=40_000)
+    ours, cycles = means_beside_cycles(samples, passes=passes, photons_per_pass=40_000)
     return ours / cycles
 
 
@@ -71,10 +71,10 @@ def test_light_of_a_sun_through_steep_bumps(displacement: float) -> None:
 @pytest.mark.parametrize("displacement", [0.6, 1.5])
 def test_the_sky_that_steep_bumps_mirror(displacement: float) -> None:
     """From below, by normals that are turned until they mirror the horizon. Once 26 and 47 % were
-    missing.
+    missing. After 32 passes seeds scatter by 1 %, and processors differ as seeds do.
     """
     _under_a_sheet(lambda: _glass(displacement))
-    assert _mean_beside_cycles(1024) == pytest.approx(1.0, rel=0.02)
+    assert _mean_beside_cycles(1024, passes=192) == pytest.approx(1.0, rel=0.02)
 
 
 def test_no_light_through_a_sheet_that_turns_its_normal_away() -> None:
