@@ -96,6 +96,7 @@ void VisiblePoints::split_at_walls(Scene& scene, const GatherPoints& gather_poin
 void VisiblePoints::correct_boundaries(Scene& scene, const CancelFlag& cancel) {
   std::atomic<uint64_t> obstructed{0}, cut{0}, measured{0};
   waiting_.assign(places_.size(), 0);
+  const bool looks = !looks_.empty();  // at what stands in discs
   scene.pool().for_each(blocks_.size(), cancel, [&](size_t b, int) {
     PointBlock& block = blocks_[b];
     const size_t first = b * kBlockSize, last = std::min(first + kBlockSize, places_.size());
@@ -106,9 +107,9 @@ void VisiblePoints::correct_boundaries(Scene& scene, const CancelFlag& cancel) {
       const Vec3 n{block.nx[lane], block.ny[lane], block.nz[lane]};
       float h = 1 / std::sqrt(block.inverse_h2[lane]);
       DiscOcclusion inside{0, 0, h};
-      if (!looks_.empty()) inside = looks_[i].found;
+      if (looks) inside = looks_[i].found;
       obstructed.fetch_add(inside.hidden > 0 || inside.clear < h, std::memory_order_relaxed);
-      if (looks_at_bent_ && !scene.is_planar(instance, triangle)) waiting_[i] = kLook;
+      if (looks && !scene.is_planar(instance, triangle)) waiting_[i] = kLook;
       if (inside.clear >= h && has_exact_mass(scene, instance, triangle, h)) {
         waiting_[i] |= kMass;
         continue;

@@ -30,7 +30,6 @@ void VisiblePoints::build(Scene& scene, const GatherPoints& gather_points, const
   find_cells(scene, gather_points, radii, settings, pass, seed, cancel);
   pick_points(scene, cancel);
   looks_.clear();
-  looks_at_bent_ = settings.occlusion;
   if (settings.occlusion) split_at_walls(scene, gather_points, cancel);
   fill_blocks(scene, gather_points, cancel);
 }

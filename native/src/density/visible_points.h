@@ -94,8 +94,6 @@ class VisiblePoints {
   std::vector<Point> points_;
   // Per point, first as they are found, then in block order; none without occlusion
   std::vector<Look> looks_;
-  // At bent discs: for caustics alone, as paths bring other light where things stand in them
-  bool looks_at_bent_ = false;
   // Instance and triangle per point, in block order
   std::vector<std::pair<uint32_t, uint32_t>> places_;
   // By point, in block order: what is found once it has photons
