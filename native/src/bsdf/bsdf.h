@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 
 #include "bsdf/lobe.h"
 
@@ -93,6 +94,10 @@ class Bsdf {
   // Photons estimate nothing here, all is left to `rest`; and no lobe counts as one that focuses
   // light, which caustic photons would have to be aimed at. Before finish().
   void gather_nothing() { gathers_ = false; }
+  // Who collects what photons bring knows the ways they come: it follows bumps (math/bumps.h),
+  // except where a displacement or coarse smooth normals bend the surface itself. Radiance; before
+  // finish().
+  void gather_bumps() { follows_bumps_ = true; }
   // Lobes whose normals turn towards who sees them are looked for from the surfaces that they
   // light: photons leave them out. After finish(): there is nothing but them, or nothing but lobes
   // as smooth; false if there is none.
@@ -158,6 +163,16 @@ class Bsdf {
   // gather_through/pi E(the other side).
   const Rgb& gather() const { return gather_; }
   const Rgb& gather_through() const { return gather_through_; }
+  // Of these what has a normal of its own, by its offset from the shading normal of the side that
+  // the light comes from. After gather_bumps(); none where no normal is off.
+  struct Part {
+    Rgb albedo;
+    Vec3 offset;  // as encode_offset() keeps it
+    bool through;
+  };
+  std::span<const Part> gather_parts() const { return {parts_, static_cast<size_t>(part_count_)}; }
+  // What photons estimate of the light that comes from wi, f |cos|.
+  Rgb gathered(const Vec3& wi) const;
   // Lets sample() choose lobes for the sake of `rest`: those that photons estimate keep `kept` of
   // their chance, or what they differ from a Lambertian of the surface's shading normal. After
   // finish(); evaluate()'s pdf follows. Before it `rest` must not be used: only then sample() finds
@@ -189,6 +204,7 @@ class Bsdf {
   // Flux: probability of sample(), or sample_sharp(), to go through by such a lobe.
   float smooth_chance(bool sharp) const;
   bool has_rest() const;  // scatters beyond what is gathered: camera paths go on
+  bool has_narrow() const { return narrow_; }  // scatters otherwise than in proportion to a cosine
   // Directional albedo towards wo, about; for the denoiser and Russian roulette
   Rgb albedo() const;
   // Of its lobes of at most that roughness.
@@ -254,7 +270,10 @@ class Bsdf {
   template <class Closure>
   void keep(const Closure& closure);
   void expand(const View& view, LobeList& out) const;
-  void cover_gathered();
+  void find_parts();
+  Vec3 offset_of(const Lobe& lobe) const;
+  const Part* part_of(const Lobe& lobe) const;  // nullptr: none
+  void cover_gathered(const float* below);
   void cover_hemispheres();
   void add_cover(const Vec3& n, float same, float through);
   // sampled: the lobe that wi was drawn by, or -1
@@ -276,7 +295,11 @@ class Bsdf {
   View view_;
   LobeList lobes_;
   Rgb gather_{}, gather_through_{};
-  bool rest_ = false, gathers_ = true, loses_below_ = false, turned_apart_ = false;
+  static constexpr int kMostBumps = 4, kMostParts = kMostBumps + 2;
+  Part parts_[kMostParts];
+  int part_count_ = 0;
+  bool rest_ = false, narrow_ = false, gathers_ = true, follows_bumps_ = false,
+       loses_below_ = false, turned_apart_ = false;
   size_t tape_used_ = 0;
   alignas(16) std::byte tape_[kTapeBytes];  // flux only
 };

@@ -28,6 +28,21 @@ Lobe translucent_lobe(const View& view, const Rgb& weight, const Vec3& n) {
   return lobe;
 }
 
+// Directions w above n and below the bump's horizon, in proportion to its -bump . w. n and bump
+// span a plane, and its normal is the frame's t: w = sin(a) t + cos(a) v with v in the plane, and
+// the density is cos(a)^2 sin(f), f being the angle of v below the horizon.
+Lobe below_bump_lobe(const Vec3& n, const Vec3& bump, bool through) {
+  Lobe lobe;
+  lobe.kind = through ? LobeKind::kBelowBumpThrough : LobeKind::kBelowBump;
+  lobe.weight = {};
+  lobe.albedo = 0;
+  lobe.n = through ? -n : n;
+  lobe.t = normalize(cross(n, bump));
+  lobe.b = bump;
+  lobe.p[0] = kPi / 4 * length2(bump - n);
+  return lobe;
+}
+
 namespace {
 
 // Integral over the hemisphere of the improved Oren-Nayar model's second term (Fujii, "A tiny
@@ -130,6 +145,18 @@ Vec3 toon_axis(const Lobe& lobe, const Vec3& wo) {
   return lobe.kind == LobeKind::kToonGlossy ? lobe.n * (2 * dot(lobe.n, wo)) - wo : lobe.n;
 }
 
+// A place x, y in the unit disc has x as sin(a) is spread, and y's share of its range whatever x
+// is.
+Vec3 sample_below_bump(const Lobe& lobe, const Vec2& u) {
+  const float r = std::sqrt(u.x), x = r * std::cos(2 * kPi * u.y), y = r * std::sin(2 * kPi * u.y);
+  const float width = std::sqrt(std::max(0.0f, 1 - x * x));
+  const float share = width > 0 ? saturate(0.5f * (y / width + 1)) : 0.5f;
+  const float fall = share * lobe.p[0] * (2 / kPi);  // 1 - cos(f)
+  const float cosine = 1 - fall, sine = std::sqrt(std::max(0.0f, fall * (2 - fall)));
+  const Vec3 along = cross(lobe.b, lobe.t);  // the bump's horizon, above n's
+  return normalize(lobe.t * x + (along * cosine - lobe.b * sine) * width);
+}
+
 }  // namespace
 
 FacetValue Lobe::evaluate(const View& view, const Vec3& wi, bool sampled) const {
@@ -152,6 +179,11 @@ FacetValue Lobe::evaluate(const View& view, const Vec3& wi, bool sampled) const 
       if (!(side < 0 && cosine < 0)) return {};
       // As in Cycles, whose rays go through without that (measured)
       return {weight * (-cosine / kPi * (view.lit ? bump_shadow(view, n, -wi) : 1)), -cosine / kPi};
+    case LobeKind::kBelowBump:
+    case LobeKind::kBelowBumpThrough: {
+      const float on = kind == LobeKind::kBelowBump ? 1.0f : -1.0f, below = -dot(b, wi);
+      return {{}, on * side > 0 && on * cosine > 0 && below > 0 ? below / p[0] : 0};
+    }
     case LobeKind::kSheen: {
       if (!(side > 0 && cosine > 0)) return {};
       const Vec3 w = to_local(wi);
@@ -212,6 +244,8 @@ bool Lobe::sample(const View& view, float choice, const Vec2& u, Vec3* wi) const
     case LobeKind::kLambert:
     case LobeKind::kOrenNayar: w = sample_cosine_hemisphere(u); break;
     case LobeKind::kTranslucent: w = -sample_cosine_hemisphere(u); break;
+    case LobeKind::kBelowBump:
+    case LobeKind::kBelowBumpThrough: *wi = sample_below_bump(*this, u); return true;
     case LobeKind::kSheen: {
       const Vec3 c = sample_cosine_hemisphere(u);
       w = normalize({c.x - c.z * p[1], c.y, c.z * p[0]});

@@ -15,6 +15,10 @@ enum class LobeKind : uint8_t {
   kLambert,
   kOrenNayar,
   kTranslucent,
+  // Of no weight: where light comes to the surface from below a bump's horizon, on the side of wo
+  // and on the other
+  kBelowBump,
+  kBelowBumpThrough,
   kFacets,
   kThinFacets,  // what facets reflect, on the other side: light through two boundaries close by
   kAshikhminShirley,
@@ -61,7 +65,8 @@ struct Lobe {
   Vec3 from;         // of facets: wo in the lobe's frame
   float masked = 0;  // of facets: lambda of it
   // kOrenNayar: a, b, 1 - E(wo); kSheen: LTC a and b; kVelvet: 1/sigma^2; toon: size, smooth, pdf;
-  // kAshikhminShirley: exponents along t and b, roughness; hair: roughness along and around, offset
+  // kAshikhminShirley: exponents along t and b, roughness; hair: roughness along and around,
+  // offset; below a bump: the integral of its cosine there
   float p[3] = {};
   Rgb multiple;    // kOrenNayar: factor of the energy-preserving term
   Rgb gather;      // diffuse-like lobes: Lambertian albedo that photons estimate
@@ -76,7 +81,8 @@ struct Lobe {
   bool of_hair() const { return kind >= LobeKind::kHairReflection; }
   bool of_facets() const { return kind == LobeKind::kFacets || kind == LobeKind::kThinFacets; }
   bool transmits() const {
-    return kind == LobeKind::kTranslucent || kind == LobeKind::kThinFacets || of_hair() ||
+    return kind == LobeKind::kTranslucent || kind == LobeKind::kBelowBumpThrough ||
+           kind == LobeKind::kThinFacets || of_hair() ||
            (kind == LobeKind::kFacets && max_component(fresnel.transmit_tint) > 0);
   }
   bool delta() const { return kind == LobeKind::kFacets && facets.delta(); }
@@ -161,6 +167,9 @@ Lobe oren_nayar_lobe(const View& view, const Rgb& weight, const Vec3& n, float r
                      const Rgb& color);
 // n as valid_reflection() makes it, as in Cycles
 Lobe translucent_lobe(const View& view, const Rgb& weight, const Vec3& n);
+// Below the horizon of the unit normal `bump`, which the surface has instead of n; through: both
+// are of the side away from wo.
+Lobe below_bump_lobe(const Vec3& n, const Vec3& bump, bool through);
 Lobe sheen_lobe(const View& view, const Rgb& weight, const Vec3& n, float roughness);
 Lobe velvet_lobe(const View& view, const Rgb& weight, const Vec3& n, float sigma);
 Lobe toon_lobe(const Rgb& weight, const Vec3& n, bool glossy, float size, float smooth);

@@ -1,10 +1,11 @@
 // What the lobes of a surface scatter together, of light from a direction.
 #include "bsdf/bsdf.h"
+#include "math/bumps.h"
 
 namespace photon_splat {
 namespace {
 
-// What photons estimate of the light that comes from wi, f |cos|.
+// What photons estimate of the light that comes from wi, f |cos|, where there are no bumps.
 Rgb gathered(const View& view, const Vec3& wi, const Rgb& same, const Rgb& through) {
   const float cosine = dot(wi, view.ns);
   if (dot(wi, view.ng) > 0) return cosine > 0 ? same * (cosine / kPi) : Rgb{};
@@ -52,7 +53,7 @@ Rgb Bsdf::adjoint(const Vec3& wi, Rgb* rest, Rgb* diffuse) const {
   if (rest) {
     Rgb same{}, through{};
     if (gathers_) lobes.sum_gather(&same, &through);
-    *rest = (sum - gathered(view, view_.wo, same, through)) * scale;
+    *rest = (sum - photon_splat::gathered(view, view_.wo, same, through)) * scale;
   }
   if (diffuse) *diffuse = soft * scale;
   return sum * scale;
@@ -90,9 +91,22 @@ Rgb Bsdf::evaluate_as(const View& view, const Vec3& wi, float* pdf, Rgb* rest, R
   if (pdf) *pdf = density;
   if (sharp) *sharp = density > 0 ? sharp_density / density : 0;
   if (!radiance) return adjoint(wi, rest, diffuse);
-  if (rest) *rest = rest_ ? sum - gathered(view, wi, gather_, gather_through_) : Rgb{};
+  if (rest) *rest = rest_ ? sum - gathered(wi) : Rgb{};
   if (diffuse) *diffuse = soft;
   return sum;
+}
+
+Rgb Bsdf::gathered(const Vec3& wi) const {
+  if (part_count_ == 0) return photon_splat::gathered(view_, wi, gather_, gather_through_);
+  const bool through = !(dot(wi, view_.ng) > 0);
+  const float side = through ? -1.0f : 1.0f, cosine = side * dot(wi, view_.ns);
+  if (!(cosine > 0)) return {};
+  const Vec3 ng = view_.ng * side;
+  const Vec3 way = way_over_cosine(way_for_smooth(wi, ng, view_.ns * side), ng);
+  Rgb sum{};
+  for (const Part& part : gather_parts())
+    if (part.through == through) sum += part.albedo * (1 + dot(part.offset, way));
+  return sum * (cosine / kPi);
 }
 
 Rgb Bsdf::diffuse_share(const BsdfSample& s, float light_pdf) const {

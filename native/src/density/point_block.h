@@ -48,17 +48,35 @@ struct alignas(64) SplatGroup {
   float r[kGroupSize], g[kGroupSize], b[kGroupSize], luminance[kGroupSize];
 };
 
+// Of the same photons: the ways they came by over the cosines (math/bumps.h).
+struct alignas(64) WayGroup {
+  float x[kGroupSize], y[kGroupSize], z[kGroupSize];
+};
+
+// Of the points of a block: sums of power * way over cosine * w(n_x . n_y) * (1 - d^2/h^2), x, y
+// and z.
+struct alignas(64) WayBlock {
+  float r[3][kBlockSize], g[3][kBlockSize], b[3][kBlockSize];
+};
+
+// Photons, and where the block's points want them, their ways and the sums of these; else nullptr.
+struct Splatted {
+  const SplatGroup* groups;
+  const WayGroup* ways;
+  WayBlock* way_sums;
+};
+
 // Adds the photons of groups[numbers[0 .. count)], in this order, to the sums of a part of a block.
-using SplatKernel = void (*)(PointBlock& block, const SplatPart& part, const SplatGroup* groups,
+using SplatKernel = void (*)(PointBlock& block, const SplatPart& part, const Splatted& photons,
                              const uint32_t* numbers, uint32_t count);
 
-void splat_part_generic(PointBlock& block, const SplatPart& part, const SplatGroup* groups,
+void splat_part_generic(PointBlock& block, const SplatPart& part, const Splatted& photons,
                         const uint32_t* numbers, uint32_t count);
-void splat_part_sse42(PointBlock& block, const SplatPart& part, const SplatGroup* groups,
+void splat_part_sse42(PointBlock& block, const SplatPart& part, const Splatted& photons,
                       const uint32_t* numbers, uint32_t count);
-void splat_part_avx2(PointBlock& block, const SplatPart& part, const SplatGroup* groups,
+void splat_part_avx2(PointBlock& block, const SplatPart& part, const Splatted& photons,
                      const uint32_t* numbers, uint32_t count);
-void splat_part_avx512(PointBlock& block, const SplatPart& part, const SplatGroup* groups,
+void splat_part_avx512(PointBlock& block, const SplatPart& part, const Splatted& photons,
                        const uint32_t* numbers, uint32_t count);
 
 }  // namespace photon_splat

@@ -215,6 +215,21 @@ void Splatter::sort_photons(const Photon* photons, size_t count, const Bounds& w
   });
 }
 
+// Of the photons sorted last.
+void Splatter::find_ways(const Photon* photons, size_t count, ThreadPool& pool) {
+  way_groups_.resize(groups_.size());
+  pool.for_parts(groups_.size(), kGroupsPerChunk, CancelFlag(), [&](size_t begin, size_t end) {
+    for (size_t g = begin; g < end; ++g)
+      for (size_t k = 0, i = g * kGroupSize; k < kGroupSize; ++k, ++i) {
+        prefetch(&photons[static_cast<uint32_t>(curve_[std::min(i + kFetched, count - 1)])]);
+        const Photon& p = i < count ? photons[static_cast<uint32_t>(curve_[i])] : kNoPhoton;
+        const Vec3 way = way_over_cosine(decode_direction(p.from), decode_direction(p.normal));
+        WayGroup& to = way_groups_[g];
+        to.x[k] = way.x, to.y[k] = way.y, to.z[k] = way.z;
+      }
+  });
+}
+
 void Splatter::make_parts(const PointBlocks& blocks, ThreadPool& pool) {
   parts_.resize(blocks.size());
   pool.for_each(blocks.size(), CancelFlag(), [&](size_t b, int) {
@@ -227,18 +242,20 @@ void Splatter::make_parts(const PointBlocks& blocks, ThreadPool& pool) {
   });
 }
 
-void Splatter::splat(const Photons& photons, PointBlocks& blocks, ThreadPool& pool,
+void Splatter::splat(const Photons& photons, PointBlocks& blocks, WaySums& ways, ThreadPool& pool,
                      const CancelFlag& cancel) {
   if (blocks.empty()) return;
   for (size_t first = 0; first < photons.size(); first += kRun) {
-    sort_photons(photons.data() + first, std::min(photons.size() - first, kRun), bounds_, pool);
-    splat_sorted(blocks, pool, cancel);
+    const size_t count = std::min(photons.size() - first, kRun);
+    sort_photons(photons.data() + first, count, bounds_, pool);
+    if (!ways.empty()) find_ways(photons.data() + first, count, pool);
+    splat_sorted(blocks, ways, pool, cancel);
   }
 }
 
-void Splatter::splat_kept(const Photons& photons, PointBlocks& blocks, ThreadPool& pool,
-                          const CancelFlag& cancel) {
-  if (photons.size() > kRun) return splat(photons, blocks, pool, cancel);
+void Splatter::splat_kept(const Photons& photons, PointBlocks& blocks, WaySums& ways,
+                          ThreadPool& pool, const CancelFlag& cancel) {
+  if (photons.size() > kRun) return splat(photons, blocks, ways, pool, cancel);
   if (blocks.empty() || photons.empty()) return;
   if (kept_ != photons.size()) {
     Bounds all;
@@ -246,11 +263,16 @@ void Splatter::splat_kept(const Photons& photons, PointBlocks& blocks, ThreadPoo
     sort_photons(photons.data(), photons.size(), all, pool);
     kept_ = photons.size();
   }
-  splat_sorted(blocks, pool, cancel);
+  if (!ways.empty() && kept_ways_ != kept_) {
+    find_ways(photons.data(), photons.size(), pool);
+    kept_ways_ = kept_;
+  }
+  splat_sorted(blocks, ways, pool, cancel);
 }
 
 // The photons sorted last.
-void Splatter::splat_sorted(PointBlocks& blocks, ThreadPool& pool, const CancelFlag& cancel) {
+void Splatter::splat_sorted(PointBlocks& blocks, WaySums& ways, ThreadPool& pool,
+                            const CancelFlag& cancel) {
   if (parts_.size() != blocks.size()) make_parts(blocks, pool);
   const size_t chunk_count = (groups_.size() + kGroupsPerChunk - 1) / kGroupsPerChunk;
   if (chunk_pairs_.size() < chunk_count) chunk_pairs_.resize(chunk_count);
@@ -281,9 +303,9 @@ void Splatter::splat_sorted(PointBlocks& blocks, ThreadPool& pool, const CancelF
             met[part * most + count[part]] = order_[i];
         }
       }
+      const Splatted photons{groups_.data(), way_groups_.data(), ways.of(b)};
       for (size_t part = 0; part < parts.size(); ++part)
-        if (count[part])
-          kernel_(blocks[b], parts[part], groups_.data(), &met[part * most], count[part]);
+        if (count[part]) kernel_(blocks[b], parts[part], photons, &met[part * most], count[part]);
     }
   });
 }

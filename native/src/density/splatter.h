@@ -4,6 +4,7 @@
 #include <string>
 
 #include "density/point_blocks.h"
+#include "density/way_sums.h"
 #include "photons/photon.h"
 #include "util/large_pages.h"
 #include "util/parallel.h"
@@ -22,16 +23,17 @@ class Splatter {
   // Makes the search tree over block bounds (grown by kernel radii). Call after the points changed.
   void set_blocks(const std::vector<Bounds>& bounds);
 
-  // Adds photons to the sums of all blocks they may reach. They are sorted along a space-filling
-  // curve first, and search together in groups of neighbours; each block takes them in that order,
-  // so that the sums are the same for any number of threads.
-  void splat(const Photons& photons, PointBlocks& blocks, ThreadPool& pool,
+  // Adds photons to the sums of all blocks they may reach, and their ways to `ways` where it has
+  // any. They are sorted along a space-filling curve first, and search together in groups of
+  // neighbours; each block takes them in that order, so that the sums are the same for any number
+  // of threads.
+  void splat(const Photons& photons, PointBlocks& blocks, WaySums& ways, ThreadPool& pool,
              const CancelFlag& cancel);
 
   // The same for photons that are splatted on other points again and again: they are sorted when
   // there are more of them than the last time. For this splatter never any but these, and no more
   // than a million at once.
-  void splat_kept(const Photons& photons, PointBlocks& blocks, ThreadPool& pool,
+  void splat_kept(const Photons& photons, PointBlocks& blocks, WaySums& ways, ThreadPool& pool,
                   const CancelFlag& cancel);
 
   // Which photons each block may catch, for a splatter elsewhere: block b those of
@@ -59,7 +61,8 @@ class Splatter {
   static Node make_node(const std::vector<Bounds>& bounds, size_t first);
   struct Query;
   void sort_photons(const Photon* photons, size_t count, const Bounds& within, ThreadPool& pool);
-  void splat_sorted(PointBlocks& blocks, ThreadPool& pool, const CancelFlag& cancel);
+  void find_ways(const Photon* photons, size_t count, ThreadPool& pool);
+  void splat_sorted(PointBlocks& blocks, WaySums& ways, ThreadPool& pool, const CancelFlag& cancel);
   void make_parts(const PointBlocks& blocks, ThreadPool& pool);
   void deal_pairs(size_t chunk_count, size_t block_count);
   void find_blocks(const Bounds& bounds, uint32_t index, std::vector<Pair>& out) const;
@@ -74,9 +77,10 @@ class Splatter {
   std::vector<uint32_t> first_, order_;
   LargeArray<uint64_t> curve_, curve_scratch_;  // place on the curve and index of each photon
   LargeArray<SplatGroup> groups_;
+  LargeArray<WayGroup> way_groups_;  // of the same photons, where they are wanted
   std::vector<Bounds> group_bounds_;
   uint64_t pairs_ = 0;
-  size_t kept_ = 0;  // photons that splat_kept() has sorted
+  size_t kept_ = 0, kept_ways_ = 0;  // photons that splat_kept() has sorted, and found the ways of
 };
 
 }  // namespace photon_splat

@@ -1,5 +1,6 @@
 #include "density/visible_points.h"
 
+#include <atomic>
 #include <bit>
 #include <numeric>
 
@@ -202,6 +203,7 @@ void VisiblePoints::fill_blocks(Scene& scene, const GatherPoints& gather_points,
   blocks_.resize(block_count);
   bounds_.resize(block_count);
   places_.resize(points_.size());
+  want_ways(scene, gather_points, cancel);
   keys_.clear();
   for (const Point& p : points_) keys_.add(gather_points[p.gather_point].key);
   scene.pool().for_each(block_count, cancel, [&](size_t b, int) {
@@ -237,6 +239,21 @@ void VisiblePoints::fill_blocks(Scene& scene, const GatherPoints& gather_points,
     }
     bounds_[b] = bounds;
   });
+}
+
+// Of blocks around bumps.
+void VisiblePoints::want_ways(Scene& scene, const GatherPoints& gather_points,
+                              const CancelFlag& cancel) {
+  ways_.reset(blocks_.size());
+  std::atomic<bool> bumps{false};
+  scene.pool().for_each(chunks_of(gather_points.size()), cancel, [&](size_t c, int) {
+    for (size_t i = c * kChunk; i < std::min(gather_points.size(), (c + 1) * kChunk); ++i)
+      if (gather_points[i].offset) return bumps.store(true, std::memory_order_relaxed);
+  });
+  if (!bumps) return;
+  for (size_t i = 0; i < gather_points.size(); ++i)
+    if (gather_points[i].offset && point_of_[i] != kNone) ways_.want(point_of_[i] / kBlockSize);
+  ways_.set_up();
 }
 
 }  // namespace photon_splat

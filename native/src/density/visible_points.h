@@ -8,6 +8,7 @@
 #include "density/point_blocks.h"
 #include "density/radius_map.h"
 #include "density/surface_filter.h"
+#include "density/way_sums.h"
 #include "integrators/gather_point.h"
 
 namespace photon_splat {
@@ -57,6 +58,9 @@ class VisiblePoints {
   size_t size() const { return points_.size(); }
   PointBlocks& blocks() { return blocks_; }
   const PointBlocks& blocks() const { return blocks_; }
+  // Of blocks around bumps
+  WaySums& ways() { return ways_; }
+  const WaySums& ways() const { return ways_; }
   const std::vector<Bounds>& block_bounds() const { return bounds_; }  // grown by the kernel radii
   const SurfaceFilter& keys() const { return keys_; }
   static constexpr uint32_t kNone = ~0u;  // of a gather point that wants none of this light
@@ -88,6 +92,7 @@ class VisiblePoints {
   Look look(Scene& scene, const GatherPoint& r, float h) const;
   // GatherPoints that see their point only through a wall get one of their own.
   void split_at_walls(Scene& scene, const GatherPoints& gather_points, const CancelFlag& cancel);
+  void want_ways(Scene& scene, const GatherPoints& gather_points, const CancelFlag& cancel);
   void fill_blocks(Scene& scene, const GatherPoints& gather_points, const CancelFlag& cancel);
 
   std::vector<Cell> cells_;
@@ -106,6 +111,7 @@ class VisiblePoints {
   std::vector<std::vector<BentLook>> bent_looks_;  // by block
   std::vector<uint32_t> point_of_;
   PointBlocks blocks_;
+  WaySums ways_;
   std::vector<Bounds> bounds_;
   SurfaceFilter keys_;
   Counts counts_;

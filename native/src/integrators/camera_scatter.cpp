@@ -1,5 +1,6 @@
 // Where camera paths go on, and the gather points that they leave for photons.
 #include "integrators/camera_path.h"
+#include "math/bumps.h"
 
 namespace photon_splat {
 
@@ -34,24 +35,25 @@ bool CameraTracer::continues(Path& path, const Surface& hit, const Bsdf& bsdf) c
 
 void CameraTracer::leave_gather_points(Path& path, const Surface& hit, const Bsdf& bsdf,
                                        bool caustics_only) const {
-  Vec3 position = hit.position, normal = hit.ng;
-  if (scene_.moves(hit.instance)) {
-    const PlaceAtRest rest = scene_.at_rest(hit, path.info.time);
-    position = rest.position;
-    normal = rest.ng;
-  }
-  const auto leave = [&](const Rgb& albedo, uint32_t key, const Vec3& ng) {
+  std::optional<PlaceAtRest> rest;
+  if (scene_.moves(hit.instance)) rest = scene_.at_rest(hit, path.info.time);
+  const Vec3 position = rest ? rest->position : hit.position, normal = rest ? rest->ng : hit.ng;
+  const auto leave = [&](const Rgb& albedo, bool through, uint32_t offset) {
     const Rgb throughput = path.throughput * albedo * (1 / kPi);
     if (is_zero(throughput)) return;
     if (!is_finite(throughput))
       ++path.tile.bad_samples;
     else
-      path.tile.gather_points.push_back({position, key, ng, path.info.footprint, throughput,
-                                         path.pixel_index, hit.instance, hit.triangle,
-                                         path.category, caustics_only, path.gather_bounces > 0});
+      path.tile.gather_points.push_back(
+          {position, through ? hit.key ^ 1u : hit.key, through ? -normal : normal,
+           path.info.footprint, throughput, path.pixel_index, hit.instance, hit.triangle, offset,
+           path.category, caustics_only, path.gather_bounces > 0});
   };
-  leave(bsdf.gather(), hit.key, normal);
-  leave(bsdf.gather_through(), hit.key ^ 1u, -normal);
+  for (const Bsdf::Part& part : bsdf.gather_parts())
+    leave(part.albedo, part.through, encode_offset(rest ? rest->turn(part.offset) : part.offset));
+  if (!bsdf.gather_parts().empty()) return;
+  leave(bsdf.gather(), false, 0);
+  leave(bsdf.gather_through(), true, 0);
 }
 
 // Sends the path on for light that gather points do not bring; false where it ends.
@@ -104,8 +106,15 @@ bool CameraTracer::scatter(Path& path, const Surface& hit, const Bsdf& bsdf,
     ++path.tile.bad_samples;
     return false;
   }
-  const float strength = std::max(max_abs(path.throughput + path.world_throughput),
-                                  max_abs(path.emission_throughput + path.world_emission));
+  // What photons leave to diffuse lobes on bumps is mostly next to nothing: the path then goes on
+  // to look for lights, if at all.
+  if (s->diffuse && !whole && !bsdf.gather_parts().empty()) {
+    const float worth = path.survival(max_abs(path.throughput));
+    if (worth < 1) path.throughput = path.random.next() < worth ? path.throughput / worth : Rgb{};
+  }
+  float strength = max_abs(path.throughput + path.world_throughput);
+  if (receiver.sharp || lights_.wants_bsdf_ray(receiver))
+    strength = std::max(strength, max_abs(path.emission_throughput + path.world_emission));
   const float survival =
       path.vertex == 0 ? std::min(1.0f, strength * kFirstRoulette) : path.survival(strength);
   const bool narrow = !(s->pdf > 0) || s->pdf > kNarrow;

@@ -128,6 +128,7 @@ bool CameraTracer::meet_surface(Path& path, const Surface& hit) const {
   Bsdf bsdf(Transport::kRadiance, wo, hit.ng, hit.ns, hit.back);
   if (scene_.features() & kProgramSubsurface && !hit.on_strand())
     bsdf.keep_subsurface(path.info.after_diffuse ? SubsurfaceUse::kWalks : SubsurfaceUse::kAll);
+  if (follows_bumps_) bsdf.gather_bumps();
   scene_.shade(hit, wo, path.info, bsdf);
   const bool clear = seen_clearly(path), holdout = clear && scene_.instances[hit.instance].holdout;
   if (!holdout) add_emission(path, hit, bsdf.emission());
@@ -183,7 +184,7 @@ bool CameraTracer::meet(Path& path, const Surface& hit, Bsdf& bsdf) const {
 
 // What lights and photons bring to a surface.
 CameraTracer::Meeting CameraTracer::light(Path& path, const Surface& hit, Bsdf& bsdf) const {
-  Receiver receiver{hit.position, bsdf.transmits() ? Vec3{} : hit.ng, bsdf.has_rest(),
+  Receiver receiver{hit.position, bsdf.transmits() ? Vec3{} : hit.ng, bsdf.has_narrow(),
                     scene_.instances[hit.instance].group};
   if (!brings_all()) receiver.guide = lights_.guide_at(receiver.x, receiver.n);
   // Light samples start where the normal that a displacement has bent sees the light

@@ -29,6 +29,8 @@ class CameraTracer {
         seed_(seed),
         turned_mirrors_(std::ranges::any_of(scene.programs, &Program::turns_mirrors)) {}
 
+  // Gather points ask for light on bumps: photons are splatted with the ways they come.
+  void follow_bumps(bool follow) { follows_bumps_ = follow; }
   // Of the samples from now on.
   void set_seed(uint32_t seed) { seed_ = seed; }
 
@@ -261,6 +263,7 @@ class CameraTracer {
   float radius_factor_ = 1, ambient_distance_ = 0;
   bool lobe_colors_ = false;
   bool turned_mirrors_;  // there may be some
+  bool follows_bumps_ = false;
 };
 
 }  // namespace photon_splat

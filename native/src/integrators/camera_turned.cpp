@@ -22,12 +22,10 @@ void CameraTracer::look_for_turned_mirrors(const Path& path, const Surface& hit,
   Path aside = path;
   aside.random = Random(path.sample, hash_combine(path.seed, kTurnedStream + path.vertex));
   const bool below = aside.random.next() * (here + through) < through;
-  const Rgb albedo = below ? bsdf.gather_through() * ((here + through) / through)
-                           : bsdf.gather() * ((here + through) / here);
-  aside.throughput = path.throughput * albedo;
-  const float survival = kLook * std::min(1.0f, max_abs(aside.throughput));
+  const float side = (here + through) / (below ? through : here);
+  const Rgb albedo = below ? bsdf.gather_through() : bsdf.gather();
+  const float survival = kLook * std::min(1.0f, side * max_abs(path.throughput * albedo));
   if (!(survival > 0) || aside.random.next() >= survival) return;
-  aside.throughput *= 1 / survival;
   aside.emission_throughput = aside.diffuse_emission = aside.covered = aside.withheld =
       aside.covered_diffuse = aside.withheld_diffuse = aside.world_throughput =
           aside.world_emission = {};
@@ -35,8 +33,11 @@ void CameraTracer::look_for_turned_mirrors(const Path& path, const Surface& hit,
   aside.category = path.vertex == 0 ? LobeCategory::kDiffuse : path.category;
   aside.learns = aside.shows_features = aside.shows_normal = false;
   aside.info = path.info.scattered(true, below, false);
-  aside.direction =
-      Basis(below ? -hit.ng : hit.ng).to_world(sample_cosine_hemisphere(aside.random.next2()));
+  const Vec3 way = sample_cosine_hemisphere(aside.random.next2());
+  if (!(way.z > 0)) return;
+  aside.direction = Basis(below ? -hit.ng : hit.ng).to_world(way);
+  aside.throughput =
+      path.throughput * bsdf.gathered(aside.direction) * (kPi / way.z * side / survival);
   aside.origin = leave(hit, aside.direction);
   aside.near = 0;
   aside.far = INFINITY;

@@ -16,6 +16,7 @@ struct GatherPoint {
   Rgb throughput;   // albedo / pi times what the path gathered on its way
   uint32_t pixel;
   uint32_t instance, triangle;
+  uint32_t offset;  // of the normal that E is wanted on, encode_offset(); 0: none
   LobeCategory category;
   bool caustics_only = false;  // indirect light comes by the camera path itself
   bool after_gather = false;   // the path has gone on from such a place

@@ -10,7 +10,7 @@ struct Photon {
   Vec3 position;    // m, relative to the scene's origin
   uint32_t key;     // surface patch and side
   uint16_t normal;  // geometric normal on the side it hit, encoded
-  uint16_t from;    // direction towards where it came from, encoded
+  uint16_t from;    // way_for_smooth() of the direction towards where it came from, encoded
   Rgb power;        // W; the shading normal's factor |w.ns|/|w.ng| is in it
 };
 static_assert(sizeof(Photon) == 32);

@@ -72,7 +72,8 @@ bool PhotonTracer::take_own_share(Path& path, const Vertex& v, const BsdfSample&
   }
   if (start.shares_with_rays || path.unshadowed)
     path.power *= share_of_way(
-        path, start, v.receiver(scene_, v.bsdf.transmits() ? Vec3{} : v.hit.ng, v.bsdf.has_rest()),
+        path, start,
+        v.receiver(scene_, v.bsdf.transmits() ? Vec3{} : v.hit.ng, v.bsdf.has_narrow()),
         s.pdf > 0 ? v.bsdf.ray_pdf(s.direction) : INFINITY);
   return true;
 }

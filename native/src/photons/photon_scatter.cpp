@@ -1,4 +1,5 @@
 // What happens to a photon path where it meets a surface that is not bounced off with others.
+#include "math/bumps.h"
 #include "photons/photon_tracer.h"
 
 namespace photon_splat {
@@ -15,15 +16,16 @@ void PhotonTracer::store(const Path& path, const Surface& hit, const Vec3& direc
   // Density on the surface measures the geometric cosine; the BSDF wants the shading one (Veach
   // 1997, section 5.3).
   const Rgb power = path.power * (share * cos_shading / cos_geometric);
+  const Vec3 way = way_for_smooth(-direction, hit.ng, hit.ns);
   if (scene_.moves(hit.instance)) {
     const PlaceAtRest rest = scene_.at_rest(hit, path.time);
     if (!(rest.area > 0) || !is_finite(rest.ng)) return;  // there is nothing of it
     photons.push_back({rest.position, hit.key, encode_direction(rest.ng),
-                       encode_direction(rest.turn(-direction)), power * rest.area});
+                       encode_direction(rest.turn(way)), power * rest.area});
     return;
   }
   photons.push_back(
-      {hit.position, hit.key, encode_direction(hit.ng), encode_direction(-direction), power});
+      {hit.position, hit.key, encode_direction(hit.ng), encode_direction(way), power});
 }
 
 // Stores a photon where one belongs and sends the path on; false where it ends.

@@ -17,8 +17,8 @@ struct PhotonTracer::Vertex {
         bsdf(Transport::kFlux, -way, at.ng, at.ns, at.back) {}
 
   bool has(uint32_t features) const { return hit.program->features & features; }
-  Receiver receiver(const Scene& scene, const Vec3& normal, bool has_rest) const {
-    return {hit.position, normal, has_rest, scene.instances[hit.instance].group};
+  Receiver receiver(const Scene& scene, const Vec3& normal, bool sharp) const {
+    return {hit.position, normal, sharp, scene.instances[hit.instance].group};
   }
 
   const Surface& hit;

@@ -16,7 +16,7 @@ void LightGroupSums::swap(PointBlocks& blocks, int group) {
 }
 
 void LightGroupSums::splat(Splatter& splatter, const Photons& photons,
-                           const std::vector<int16_t>& groups, PointBlocks& blocks,
+                           const std::vector<int16_t>& groups, PointBlocks& blocks, WaySums& ways,
                            ThreadPool& pool, const CancelFlag& cancel) {
   if (blocks.empty()) return;
   for (int group = kNoLightGroup; group < groups_; ++group) {
@@ -25,7 +25,7 @@ void LightGroupSums::splat(Splatter& splatter, const Photons& photons,
       if (groups[i] == group) of_group_.push_back(photons[i]);
     if (of_group_.empty()) continue;
     if (group != kNoLightGroup) swap(blocks, group);
-    splatter.splat(of_group_, blocks, pool, cancel);
+    splatter.splat(of_group_, blocks, ways, pool, cancel);
     if (group != kNoLightGroup) swap(blocks, group);
   }
 }

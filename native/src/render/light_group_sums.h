@@ -17,7 +17,7 @@ class LightGroupSums {
   // Splats photons whose groups are `groups`: those of none into the blocks, which hold the rest
   // until join().
   void splat(Splatter& splatter, const Photons& photons, const std::vector<int16_t>& groups,
-             PointBlocks& blocks, ThreadPool& pool, const CancelFlag& cancel);
+             PointBlocks& blocks, WaySums& ways, ThreadPool& pool, const CancelFlag& cancel);
   // Adds the groups' sums to the rest that is in the blocks.
   void join(PointBlocks& blocks) const;
   // The sum of a light group at a point, of `block_count` blocks of points.

@@ -205,9 +205,10 @@ void PhotonMap::splat() {
     Timer timer(context_.seconds.splat);
     ThreadPool& pool = context_.scene.pool();
     if (!batch_groups_->empty())
-      groups_.splat(*splatter_, *batch_, *batch_groups_, points_.blocks(), pool, context_.cancel);
+      groups_.splat(*splatter_, *batch_, *batch_groups_, points_.blocks(), points_.ways(), pool,
+                    context_.cancel);
     else
-      splatter_->splat(*batch_, points_.blocks(), pool, context_.cancel);
+      splatter_->splat(*batch_, points_.blocks(), points_.ways(), pool, context_.cancel);
   }
   find_masses();
 }
@@ -253,7 +254,7 @@ uint64_t PhotonMap::add_to_film(const GatherPoints& gather_points,
       const PointBlock& block = blocks[point / kBlockSize];
       const Rgb irradiance = Rgb{block.r[lane], block.g[lane], block.b[lane]} * block.scale[lane];
       Pixel& pixel = pixels[film.place_in_tile(at.pixel)];
-      const Rgb light = at.throughput * irradiance;
+      const Rgb light = at.throughput * irradiance_on(at, point);
       if (!can_be_added(light)) {
         ++bad;
         continue;
@@ -342,18 +343,25 @@ void PhotonMap::place_viewport_points(const GatherPoints& gather_points) {
   groups_.reset(points_.blocks(), context_.scene.light_groups);  // all of the light is the rest
   if (options.boundary_correction) points_.correct_boundaries(context_.scene, context_.cancel);
   viewport_splatter_->set_blocks(points_.block_bounds());
-  viewport_splatter_->splat_kept(there.photons(), points_.blocks(), context_.scene.pool(),
-                                 context_.cancel);
+  viewport_splatter_->splat_kept(there.photons(), points_.blocks(), points_.ways(),
+                                 context_.scene.pool(), context_.cancel);
   if (options.boundary_correction) points_.find_masses(context_.scene, context_.cancel);
   scale_sums(points_.blocks(), static_cast<float>(1.0 / paths));
 }
 
 Rgb PhotonMap::light_at(const GatherPoints& gather_points, size_t i) const {
-  const uint32_t point = points_.point_of(i), lane = point % kBlockSize;
+  const uint32_t point = points_.point_of(i);
   if (point == VisiblePoints::kNone) return {};
-  const PointBlock& block = points_.blocks()[point / kBlockSize];
-  return gather_points[i].throughput *
-         (Rgb{block.r[lane], block.g[lane], block.b[lane]} * block.scale[lane]);
+  return gather_points[i].throughput * irradiance_on(gather_points[i], point);
+}
+
+Rgb PhotonMap::irradiance_on(const GatherPoint& at, uint32_t point) const {
+  const uint32_t lane = point % kBlockSize;
+  const size_t b = point / kBlockSize;
+  const PointBlock& block = points_.blocks()[b];
+  Rgb sum{block.r[lane], block.g[lane], block.b[lane]};
+  if (at.offset) sum += points_.ways().added(b, lane, decode_offset(at.offset));
+  return sum * block.scale[lane];
 }
 
 }  // namespace photon_splat

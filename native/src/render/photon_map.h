@@ -112,6 +112,8 @@ class PhotonMap {
   std::optional<double> seconds_per_path;  // of the last batch: what a time limit is kept by
 
  private:
+  // W/m^2, of a visible point, on the normal that the gather point wants it on.
+  Rgb irradiance_on(const GatherPoint& at, uint32_t point) const;
   const RenderContext context_;
   const Camera* viewer_;
   PhotonStream stream_;

@@ -6,7 +6,8 @@ namespace photon_splat {
 
 namespace {
 
-void add(PointBlock& block, const SplatPart& part, const SplatGroup& p, uint32_t k) {
+void add(PointBlock& block, const SplatPart& part, const SplatGroup& p, uint32_t k,
+         const WayGroup* ways, WayBlock* way_sums) {
   for (uint32_t lane = part.first; lane < part.first + kPartSize; ++lane) {
     const float dx = p.x[k] - block.x[lane], dy = p.y[k] - block.y[lane],
                 dz = p.z[k] - block.z[lane];
@@ -21,16 +22,26 @@ void add(PointBlock& block, const SplatPart& part, const SplatGroup& p, uint32_t
     block.b[lane] += weight * p.b[k];
     block.count[lane] += 1;
     if (within > 0) block.narrow[lane] += within * shared * p.luminance[k];
+    if (!way_sums) continue;
+    const float way[3] = {weight * ways->x[k], weight * ways->y[k], weight * ways->z[k]};
+    for (int axis = 0; axis < 3; ++axis) {
+      way_sums->r[axis][lane] += way[axis] * p.r[k];
+      way_sums->g[axis][lane] += way[axis] * p.g[k];
+      way_sums->b[axis][lane] += way[axis] * p.b[k];
+    }
   }
 }
 
 }  // namespace
 
-void splat_part_generic(PointBlock& block, const SplatPart& part, const SplatGroup* groups,
+void splat_part_generic(PointBlock& block, const SplatPart& part, const Splatted& photons,
                         const uint32_t* numbers, uint32_t count) {
-  for (uint32_t i = 0; i < count; ++i)
+  for (uint32_t i = 0; i < count; ++i) {
+    const SplatGroup& group = photons.groups[numbers[i]];
+    const WayGroup* const ways = photons.way_sums ? &photons.ways[numbers[i]] : nullptr;
     for (uint32_t k = 0; k < kGroupSize; ++k)
-      if (groups[numbers[i]].key[k] == part.key) add(block, part, groups[numbers[i]], k);
+      if (group.key[k] == part.key) add(block, part, group, k, ways, photons.way_sums);
+  }
 }
 
 }  // namespace photon_splat

@@ -178,21 +178,75 @@ __attribute__((always_inline)) inline void add(PointBlock& block, const SplatPar
   }
 }
 
+// Likewise the ways of the same photons to the sums of these.
+template <bool kFullWeight>
+__attribute__((always_inline)) inline void add_ways(PointBlock& block, const SplatPart& part,
+                                                    const Splatted& photons, const uint32_t* found,
+                                                    uint32_t count) {
+  const Floats full = Floats{} + 1.0f;
+  for (uint32_t lane = part.first; lane < part.first + kPartSize; lane += kLanes) {
+    const auto at = [lane](float* p) __attribute__((always_inline)) {
+      return reinterpret_cast<Floats*>(p + lane);
+    };
+    const Truths same = equal(*reinterpret_cast<const Ints*>(block.key + lane),
+                              Ints{} + static_cast<int32_t>(part.key));
+    if (!mask_of(same)) continue;
+    const Floats x = *at(block.x), y = *at(block.y), z = *at(block.z);
+    const Floats inverse_h2 = choose(same, *at(block.inverse_h2), Floats{} + __builtin_inff());
+    WayBlock& to = *photons.way_sums;
+    Floats rx = *at(to.r[0]), ry = *at(to.r[1]), rz = *at(to.r[2]);
+    Floats gx = *at(to.g[0]), gy = *at(to.g[1]), gz = *at(to.g[2]);
+    Floats bx = *at(to.b[0]), by = *at(to.b[1]), bz = *at(to.b[2]);
+    for (uint32_t i = 0; i < count; ++i) {
+      const float* const p = reinterpret_cast<const float*>(photons.groups) + found[i];
+      const Floats dx = *p - x, dy = p[kY] - y, dz = p[kZ] - z;
+      const Floats kernel = 1.0f - (dx * dx + dy * dy + dz * dz) * inverse_h2;
+      Floats weight = select(kernel > 0.0f, kernel);
+      if constexpr (!kFullWeight) {
+        const Floats facing =
+            kNormalWeightSlope *
+            (*at(block.nx) * p[kNx] + *at(block.ny) * p[kNy] + *at(block.nz) * p[kNz]);
+        const Ints partly = facing < full;
+        weight *= select(facing > 0.0f, select(partly, facing) + select(~partly, full));
+      }
+      const uint32_t number = found[i] / kGroupFloats;
+      const float* const way = photons.ways[number].x + found[i] % kGroupFloats;
+      const float r = p[kR], g = p[kG], b = p[kB];
+      const Floats wx = weight * *way, wy = weight * way[kGroupSize],
+                   wz = weight * way[2 * kGroupSize];
+      rx += wx * r, ry += wy * r, rz += wz * r;
+      gx += wx * g, gy += wy * g, gz += wz * g;
+      bx += wx * b, by += wy * b, bz += wz * b;
+    }
+    *at(to.r[0]) = rx, *at(to.r[1]) = ry, *at(to.r[2]) = rz;
+    *at(to.g[0]) = gx, *at(to.g[1]) = gy, *at(to.g[2]) = gz;
+    *at(to.b[0]) = bx, *at(to.b[1]) = by, *at(to.b[2]) = bz;
+  }
+}
+
+template <bool kFullWeight>
+__attribute__((always_inline)) inline void add_all(PointBlock& block, const SplatPart& part,
+                                                   const Splatted& photons, const uint32_t* found,
+                                                   uint32_t count) {
+  add<kFullWeight>(block, part, photons.groups, found, count);
+  if (photons.way_sums) add_ways<kFullWeight>(block, part, photons, found, count);
+}
+
 }  // namespace
 
-void PHOTON_SPLAT_KERNEL(PointBlock& block, const SplatPart& part, const SplatGroup* groups,
+void PHOTON_SPLAT_KERNEL(PointBlock& block, const SplatPart& part, const Splatted& photons,
                          const uint32_t* numbers, uint32_t count) {
   uint32_t found[kFound + kGroupSize + kLanes], n = 0;
   bool full_weight = true;
   for (uint32_t k = 0; k < count; ++k) {
-    const Found more = find_within(part, groups, numbers[k], found + n);
+    const Found more = find_within(part, photons.groups, numbers[k], found + n);
     n += more.count;
     full_weight &= more.full_weight;
     if (n < kFound && (k + 1 < count || n == 0)) continue;
     if (full_weight)
-      add<true>(block, part, groups, found, n);
+      add_all<true>(block, part, photons, found, n);
     else
-      add<false>(block, part, groups, found, n);
+      add_all<false>(block, part, photons, found, n);
     n = 0;
     full_weight = true;
   }

@@ -53,7 +53,7 @@ Photons make_photons(size_t count) {
     photons[i] = {place,
                   random.next() < 0.5f ? 7u : 8u,
                   encode_direction(normalize(normal)),
-                  0,
+                  encode_direction(normalize(normal + Vec3{random.next(), random.next(), 0} * 3)),
                   {random.next(), 1, 2}};
   }
   return photons;
@@ -61,7 +61,7 @@ Photons make_photons(size_t count) {
 
 // Sums in double precision, photon by photon and point by point.
 struct Sums {
-  double r = 0, b = 0, count = 0, narrow = 0;
+  double r = 0, b = 0, count = 0, narrow = 0, way_x = 0, way_z = 0;  // ways: by the power's r and b
 };
 Sums sums_at(const PointBlock& block, uint32_t i, const Photons& photons) {
   Sums sums;
@@ -77,9 +77,22 @@ Sums sums_at(const PointBlock& block, uint32_t i, const Photons& photons) {
     sums.r += kernel * facing * p.power.x;
     sums.b += kernel * facing * p.power.z;
     ++sums.count;
+    const Vec3 way = way_over_cosine(decode_direction(p.from), n);
+    sums.way_x += kernel * facing * p.power.x * way.x;
+    sums.way_z += kernel * facing * p.power.z * way.z;
     sums.narrow += std::max(0.0, 2 * kernel - 1) * facing * luminance(p.power);  // 1 - 2 d^2/h^2
   }
   return sums;
+}
+
+// Two blocks of three are around bumps.
+WaySums ways_of(size_t block_count) {
+  WaySums ways;
+  ways.reset(block_count);
+  for (size_t b = 0; b < block_count; ++b)
+    if (b % 3) ways.want(b);
+  ways.set_up();
+  return ways;
 }
 
 std::vector<std::string> kernels_of_this_machine() {
@@ -105,9 +118,13 @@ TEST_CASE("every kernel gives the sums of the definition") {
     Splatter splatter(name);
     CHECK(splatter.kernel_name() == name);
     splatter.set_blocks(bounds);
-    splatter.splat(photons, blocks, pool, CancelFlag());
+    WaySums ways = ways_of(blocks.size());
+    splatter.splat(photons, blocks, ways, pool, CancelFlag());
     double caught = 0;
-    for (const PointBlock& block : blocks)
+    for (const PointBlock& block : blocks) {
+      const size_t number = size_t(&block - blocks.data());
+      const WayBlock* const along = ways.of(number);
+      REQUIRE((along != nullptr) == (number % 3 > 0));
       for (uint32_t i = 0; i < kBlockSize; ++i) {
         const Sums expected = sums_at(block, i, photons);
         CHECK(block.r[i] == approx(expected.r).epsilon(1e-3));
@@ -116,7 +133,13 @@ TEST_CASE("every kernel gives the sums of the definition") {
         CHECK(std::abs(block.count[i] - expected.count) <= 1);
         CHECK(block.narrow[i] == approx(expected.narrow).epsilon(1e-3));
         caught += block.count[i];
+        if (!along) continue;
+        CHECK(along->r[0][i] == approx(expected.way_x).epsilon(1e-3).scale(0.1));
+        CHECK(along->b[2][i] == approx(expected.way_z).epsilon(1e-3).scale(0.1));
+        const Rgb added = ways.added(number, i, {1, 0, 0.5f});
+        CHECK(added.x == approx(along->r[0][i] + 0.5f * along->r[2][i]).epsilon(1e-5));
       }
+    }
     CHECK(caught > 1000);
   }
 }
@@ -124,13 +147,16 @@ TEST_CASE("every kernel gives the sums of the definition") {
 TEST_CASE("the sums are the same bit for bit for any number of threads") {
   const Photons photons = make_photons(20000);
   std::vector<PointBlocks> results;
+  std::vector<WaySums> way_results;
   for (int threads : {1, 2, 5}) {
     std::vector<Bounds> bounds;
     results.push_back(make_blocks(100, bounds));
     ThreadPool pool(threads);
     Splatter splatter;
     splatter.set_blocks(bounds);
-    splatter.splat(photons, results.back(), pool, CancelFlag());
+    way_results.push_back(ways_of(100));
+    splatter.splat(photons, results.back(), way_results.back(), pool, CancelFlag());
+    CHECK(std::memcmp(way_results.back().of(1), way_results[0].of(1), sizeof(WayBlock)) == 0);
     CHECK(std::memcmp(results.back().data(), results[0].data(),
                       results[0].size() * sizeof(PointBlock)) == 0);
   }
@@ -142,9 +168,10 @@ TEST_CASE("no photons, no blocks: nothing happens") {
   std::vector<Bounds> bounds;
   PointBlocks none, blocks = make_blocks(1, bounds);
   splatter.set_blocks({});
-  splatter.splat(make_photons(10), none, pool, CancelFlag());
+  WaySums ways;
+  splatter.splat(make_photons(10), none, ways, pool, CancelFlag());
   splatter.set_blocks(bounds);
-  splatter.splat({}, blocks, pool, CancelFlag());
+  splatter.splat({}, blocks, ways, pool, CancelFlag());
   CHECK(splatter.pairs() == 0);
 }
 

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from tests.reference.agreement.beside import means_beside_cycles
 from tests.reference.agreement.room import lit_room
 from tests.support import stage
 from tests.support.corescene import BOTH, Integrator
+
+BUMPED_NOISE = 1.5
+"""Most of it, over that of even walls."""
 
 
 def _tiles(specular: float) -> object:
@@ -44,3 +48,29 @@ def test_a_room_of_bumps_is_as_bright_as_in_cycles(
         seen_from.data.type, seen_from.data.ortho_scale = "ORTHO", 2.8
     ours, cycles = means_beside_cycles(128, integrator, passes=16, photons_per_pass=20_000)
     assert ours == pytest.approx(cycles, rel=0.01)
+
+
+def test_bumps_add_little_noise_to_what_photons_bring() -> None:
+    """Left to camera paths, what bumps see otherwise than the wall is several times as noisy."""
+    import bpy
+    from photon_splat.export import export_scene
+
+    from tests.support.corescene import shoot
+
+    def noise(steep: float) -> float:
+        bpy.ops.wm.read_homefile(use_empty=True)
+        stage.scene()
+        stage.resize(48, 48)
+        tiles = _tiles(0.0)
+        bump = tiles.node_tree.nodes["Bump"]
+        bump.inputs["Strength"].default_value = steep
+        lit_room(tiles)
+        bpy.context.view_layer.update()
+        what = export_scene(bpy.context.evaluated_depsgraph_get())
+        first, second = (
+            shoot(what, seed=seed, passes=4, photons_per_pass=50_000).passes["Combined"][..., :3]
+            for seed in (1, 2)
+        )
+        return float(np.median(np.abs(first - second) / (first + second)))
+
+    assert noise(0.5) < BUMPED_NOISE * noise(0.0)
