@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import tempfile
+from collections.abc import Sequence
 from typing import Any
 
 import bpy
@@ -13,6 +14,7 @@ from numpy.typing import NDArray
 from .color_spaces import is_data
 
 FIRST_TILE = 1001
+EXR = b"\x76\x2f\x31\x01"
 
 
 def image_path(image: Any, node: Any, tile: int) -> str:
@@ -37,8 +39,10 @@ channels; whether its colours are not times their alpha.
 """
 
 
-def file_pixels(path: str) -> RawPixels | None:
-    """None: OpenImageIO is not there or cannot."""
+def file_pixels(path: str, layer: str = "") -> RawPixels | None:
+    """None: OpenImageIO is not there or cannot. `layer`: its channels, if it is there, instead of
+    the first ones.
+    """
     try:
         import OpenImageIO as oiio
     except ImportError:
@@ -52,10 +56,10 @@ def file_pixels(path: str) -> RawPixels | None:
         oiio.geterror()
         return None
     spec = file.spec()
-    channels = min(spec.nchannels, 4)
+    begin, channels = _channels_of(spec.channelnames, layer)
     straight = bool(spec.get_int_attribute("oiio:UnassociatedAlpha"))
     eight_bit = spec.format.basetype == oiio.UINT8
-    pixels = file.read_image(0, 0, 0, channels, oiio.UINT8 if eight_bit else oiio.FLOAT)
+    pixels = file.read_image(0, 0, begin, begin + channels, oiio.UINT8 if eight_bit else oiio.FLOAT)
     broken = (
         pixels is None
         or spec.depth > 1
@@ -75,6 +79,14 @@ def file_pixels(path: str) -> RawPixels | None:
     return rgba, channels, straight
 
 
+def _channels_of(names: Sequence[str], layer: str) -> tuple[int, int]:
+    """The first of its channels, and how many, four at the most."""
+    of_layer = [i for i, name in enumerate(names) if layer and layer in name.split(".")[:-1]]
+    if not of_layer:
+        return 0, min(len(names), 4)
+    return of_layer[0], min(len(of_layer), 4)
+
+
 def packed_tile_pixels(image: Any, tile: int) -> RawPixels | None:
     """As file_pixels(), of a tile that is packed into the .blend file; None if it is not."""
     packed = next((file for file in image.packed_files if file.tile_number == tile), None)
@@ -83,14 +95,14 @@ def packed_tile_pixels(image: Any, tile: int) -> RawPixels | None:
     return _from_data(packed.packed_file.data, image)
 
 
-def _from_data(data: bytes, image: Any) -> RawPixels | None:
+def _from_data(data: bytes, image: Any, layer: str = "") -> RawPixels | None:
     """As file_pixels(), of what a file of the image holds; None as well where no room is for it."""
     try:
         with tempfile.TemporaryDirectory() as folder:
             path = os.path.join(folder, "image" + os.path.splitext(image.filepath)[1])
             with open(path, "wb") as file:
                 file.write(data)
-            return file_pixels(path)
+            return file_pixels(path, layer)
     except OSError:
         return None
 
@@ -107,7 +119,11 @@ def own_pixels(image: Any) -> NDArray | None:
         if found is not None and found[0].dtype == np.uint8:
             multiplied = image.alpha_mode == "PREMUL" and not is_data(image)
             return _unmultiplied(found[0]) if multiplied else found[0]
-    return _from_blender(image)
+    pixels = _from_blender(image)
+    if pixels is None and data.startswith(EXR):  # of layers, which Blender has one by one
+        found = _from_data(data, image, "Combined")
+        return found[0] if found is not None else None
+    return pixels
 
 
 def _unmultiplied(pixels: NDArray) -> NDArray:

@@ -83,6 +83,32 @@ def test_packed_image(tmp_path: str) -> None:
 
 
 @in_blender
+def test_packed_layers(tmp_path: str) -> None:
+    """A picture as Blender saves them with their passes; of a layer Combined is shown."""
+    import bpy
+    import OpenImageIO as oiio
+
+    spec = oiio.ImageSpec(2, 2, 7, oiio.FLOAT)
+    spec.channelnames = tuple(f"View.AO.{c}" for c in "RGB") + tuple(
+        f"View.Combined.{c}" for c in "RGBA"
+    )
+    opaque = np.ones((2, 2, 1))
+    values = np.concatenate([np.full((2, 2, 3), 0.5), COLORS[::-1], opaque], axis=2)
+    file = oiio.ImageOutput.create(f"{tmp_path}/passes.exr")
+    assert file.open(f"{tmp_path}/passes.exr", spec)
+    file.write_image(np.ascontiguousarray(values, np.float32))
+    file.close()
+    image = bpy.data.images.load(f"{tmp_path}/passes.exr")
+    image.pack()
+    _textured(image)
+    what = stage.exported()
+    (texture,) = what.textures
+    assert np.allclose(texture.pixels[..., :3], COLORS, atol=1e-6)
+    assert not texture.srgb
+    assert what.warnings == []
+
+
+@in_blender
 def test_a_packed_image_where_the_temporary_folder_is_full(tmp_path: str) -> None:
     from unittest.mock import patch
 
