@@ -57,6 +57,7 @@ void CameraPass::reset_view(const PackedFilm& film, const PhotonMaps& maps) {
   strategy_.reset();
   chosen_ = false;
   tracer_.set_seed(common_seed());
+  follow_bumps(true);
   focus_ = {};
   gather_points_ = nullptr;
 }

@@ -23,8 +23,8 @@ class CameraPass {
   // Camera samples of the pass into `film`, which then holds them alone. The first pass after
   // reset_view() chooses the strategy; a pilot of the indirect photon map is part of that.
   void trace(uint32_t pass, const PhotonMaps& maps, PackedFilm& film);
-  // See CameraTracer.
-  void follow_bumps(bool follow) { tracer_.follow_bumps(follow); }
+  // See CameraTracer. Of light groups no ways are kept apart.
+  void follow_bumps(bool follow) { tracer_.follow_bumps(follow && !context_.scene.light_groups); }
   // trace() without a choice of strategy: gather points that all want photons.
   void trace_gather_points(uint32_t pass, const PhotonMaps& maps, PackedFilm& film,
                            CameraTracer::Tiles tiles = CameraTracer::Tiles::kAll);

@@ -75,8 +75,7 @@ bool Renderer::splat_photons(double seconds, uint64_t paths_per_batch_wanted,
 }
 
 Renderer::PassSize Renderer::learn_in_common(double seconds, ExternalSplatter* elsewhere) {
-  // Splatters elsewhere know nothing of ways; and those of light groups are not kept apart.
-  camera_pass_->follow_bumps(!elsewhere && !scene.light_groups);
+  camera_pass_->follow_bumps(!elsewhere);  // which knows nothing of ways
   if (begun_ || options.part.whole()) return {0, 0};
   const double began = PassClock::now();
   const StageSeconds before = seconds_;
