@@ -197,6 +197,7 @@ bool Bsdf::keep_lobes(const Kept& kept) {
   }
   lobes_.drop_below();
   gather_ = gather_through_ = {};
+  part_count_ = 0;
   rest_ = total > 0;
   for (Lobe& lobe : lobes_) lobe.pick = total > 0 ? lobe.pick / total : 0;
   return total > 0;

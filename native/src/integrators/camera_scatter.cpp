@@ -108,12 +108,13 @@ bool CameraTracer::scatter(Path& path, const Surface& hit, const Bsdf& bsdf,
   }
   // What photons leave to diffuse lobes on bumps is mostly next to nothing: the path then goes on
   // to look for lights, if at all.
-  if (s->diffuse && !whole && !bsdf.gather_parts().empty()) {
+  const bool leftover = s->diffuse && !whole;
+  if (leftover && !bsdf.gather_parts().empty()) {
     const float worth = path.survival(max_abs(path.throughput));
     if (worth < 1) path.throughput = path.random.next() < worth ? path.throughput / worth : Rgb{};
   }
   float strength = max_abs(path.throughput + path.world_throughput);
-  if (receiver.sharp || lights_.wants_bsdf_ray(receiver))
+  if (!leftover || receiver.sharp || lights_.wants_bsdf_ray(receiver))
     strength = std::max(strength, max_abs(path.emission_throughput + path.world_emission));
   const float survival =
       path.vertex == 0 ? std::min(1.0f, strength * kFirstRoulette) : path.survival(strength);
