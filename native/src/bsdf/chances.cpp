@@ -116,9 +116,8 @@ void Bsdf::prefer_rest(float kept) {
     total += lobe.pick;
   }
   for (float missed : below) total += missed;
-  const float scale = total > 0 ? 1 / total : 0;
-  for (Lobe& lobe : lobes_) lobe.pick *= scale;
-  for (float& missed : below) missed *= scale;
+  for (Lobe& lobe : lobes_) lobe.pick = total > 0 ? lobe.pick / total : 0;
+  for (float& missed : below) missed = total > 0 ? missed / total : 0;
   cover_gathered(below);
 }
 
