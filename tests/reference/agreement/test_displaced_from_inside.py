@@ -2,22 +2,38 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import pytest
 
 from tests.reference.agreement.beside import means_beside_cycles
 from tests.support import stage
 
 
-def test_a_displaced_and_bumped_ball_is_lit_inside_as_in_cycles() -> None:
-    """With bumps the wrong way it is a sixth darker."""
+def _ball(segments: int) -> Any:
+    """Smooth, alone in a new scene."""
     import bpy
 
     bpy.ops.wm.read_homefile(use_empty=True)
     stage.scene()
     stage.resize(48, 36)
-    bpy.ops.mesh.primitive_uv_sphere_add(segments=96, ring_count=48, radius=2.0)
-    ball = bpy.context.object
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=segments, ring_count=segments // 2, radius=2.0)
     bpy.ops.object.shade_smooth()
+    return bpy.context.object
+
+
+def _look_around() -> None:
+    """A lamp and the camera in the ball."""
+    import bpy
+
+    bpy.ops.object.light_add(type="POINT", location=(0.5, 0.3, 0.6))
+    bpy.context.object.data.energy = 100.0
+    stage.camera((0, 0, 1.2)).data.angle = 1.4
+
+
+def test_a_displaced_and_bumped_ball_is_lit_inside_as_in_cycles() -> None:
+    """With bumps the wrong way it is a sixth darker."""
+    ball = _ball(96)
     made, tree = stage.empty_material("Wrinkled")
     made.displacement_method = "BOTH"
     cloth, noise, displacement, place = (
@@ -31,10 +47,7 @@ def test_a_displaced_and_bumped_ball_is_lit_inside_as_in_cycles() -> None:
     tree.links.new(displacement.outputs[0], tree.nodes["Material Output"].inputs["Displacement"])
     stage.surface(tree, cloth)
     ball.data.materials.append(made)
-    bpy.ops.object.light_add(type="POINT", location=(0.5, 0.3, 0.6))
-    bpy.context.object.data.energy = 100.0
-    view = stage.camera((0, 0, 1.2))
-    view.data.angle = 1.4
+    _look_around()
     ours, cycles = means_beside_cycles(128, passes=24, photons_per_pass=20_000)
     assert ours == pytest.approx(cycles, rel=0.01)
 
@@ -45,12 +58,7 @@ def test_a_wrinkled_ball_of_true_normals_is_lit_inside_as_in_cycles() -> None:
     """
     import bpy
 
-    bpy.ops.wm.read_homefile(use_empty=True)
-    stage.scene()
-    stage.resize(48, 36)
-    bpy.ops.mesh.primitive_uv_sphere_add(segments=160, ring_count=80, radius=2.0)
-    ball = bpy.context.object
-    bpy.ops.object.shade_smooth()
+    ball = _ball(160)
     clouds = bpy.data.textures.new("Clouds", "CLOUDS")
     clouds.noise_scale = 0.5
     wrinkles = ball.modifiers.new("Wrinkles", "DISPLACE")
@@ -60,9 +68,6 @@ def test_a_wrinkled_ball_of_true_normals_is_lit_inside_as_in_cycles() -> None:
     tree.links.new(place.outputs["True Normal"], cloth.inputs["Normal"])
     stage.surface(tree, cloth)
     ball.data.materials.append(made)
-    bpy.ops.object.light_add(type="POINT", location=(0.5, 0.3, 0.6))
-    bpy.context.object.data.energy = 100.0
-    view = stage.camera((0, 0, 1.2))
-    view.data.angle = 1.4
+    _look_around()
     ours, cycles = means_beside_cycles(128, passes=16, photons_per_pass=50_000)
     assert ours == pytest.approx(cycles, rel=0.01)
