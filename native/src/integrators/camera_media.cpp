@@ -5,32 +5,38 @@
 namespace photon_splat {
 namespace {
 
+// Paths that scatter on their first way in a medium, over those that would if none did both
+constexpr float kSplit = 1;
 constexpr float kThinAims = 0.4f;  // more than half of samples that go where lamps are, at most
 
 }  // namespace
+
+void CameraTracer::add_emission_of_media(Path& path, const Rgb& emission) const {
+  if (is_black(emission)) return;
+  const Rgb kept = path.emission_throughput;  // photons bring nothing of this light
+  path.emission_throughput = kept + path.withheld + path.world_emission;
+  add_met(path, emission, path.pixel.emission,
+          path.groups ? scene_.media()->light_group_of(path.media) : kNoLightGroup);
+  path.emission_throughput = kept;
+}
 
 // A path's way to what its ray has found, `hit` (or nothing), through the media around it.
 CameraTracer::InMedium CameraTracer::pass_media(Path& path, const Surface* hit, float far) const {
   const Rgb throughput = path.throughput + path.world_throughput;
   add_beams(path, far);
   const bool single = add_single_scattering(path, far);
+  if (path.vertex == 0 && far > path.near && !scene_.has_catchers())
+    if (const auto medium =
+            scene_.media()->homogeneous(scene_.media()->seen(path.media, ray_mask(path.info)));
+        medium && !is_black(medium->scattering))
+      return split_in_medium(path, *medium, hit, far, single);
   const Flight flight = scene_.media()->fly(
       scene_.media()->seen(path.media, ray_mask(path.info)), path.origin, path.direction, path.near,
       far, throughput, path.emission_throughput + path.withheld + path.world_emission, path.info,
       path.flight());
-  if (!is_black(flight.emission)) {
-    const Rgb kept = path.emission_throughput;  // photons bring nothing of this light
-    path.emission_throughput = kept + path.withheld + path.world_emission;
-    add_met(path, flight.emission, path.pixel.emission,
-            path.groups ? scene_.media()->light_group_of(path.media) : kNoLightGroup);
-    path.emission_throughput = kept;
-  }
+  add_emission_of_media(path, flight.emission);
   path.scale(flight.weight);
-  if (!is_finite(path.throughput) || !is_finite(path.emission_throughput) ||
-      !is_finite(path.world_throughput) || !is_finite(path.world_emission)) {
-    ++path.tile.bad_samples;
-    return InMedium::kAbsorbed;
-  }
+  if (!path.is_sound()) return InMedium::kAbsorbed;
   const bool first = path.vertex == 0 && !path.through_glass;
   if (!flight.scatters) {
     if (max_abs(path.emission_throughput + path.withheld + path.world_emission) > 0)
@@ -47,6 +53,49 @@ CameraTracer::InMedium CameraTracer::pass_media(Path& path, const Surface* hit, 
     path.shows_features = false;
   }
   return scatter_in_medium(path, flight, !single) ? InMedium::kScattered : InMedium::kAbsorbed;
+}
+
+// Where a medium is the same everywhere, what is behind it shows in all samples, as much as it lets
+// through; another path shows what it scatters.
+CameraTracer::InMedium CameraTracer::split_in_medium(Path& path, const MediumPoint& medium,
+                                                     const Surface* hit, float far,
+                                                     bool single) const {
+  const StraightWay way =
+      Media::straight_way(medium, far - path.near, path.throughput + path.world_throughput);
+  add_emission_of_media(path, way.emission);
+  const bool first = path.vertex == 0 && !path.through_glass;
+  const bool opaque = hit && !scene_.may_be_transparent(*hit);
+  if (first) {
+    const float part = opaque ? 1 : 1 - average(way.through);
+    path.pixel.alpha += path.shown * part;
+    path.shown *= 1 - part;
+  }
+  FlightNumbers numbers = path.flight();
+  const float chance = std::min(1.0f, kSplit * dot(way.chance, way.scatters));
+  if (chance > 0 && numbers.decide(chance)) {
+    Path part = path;
+    part.shows_normal = false;
+    part.take_numbers_of_exit();
+    part.random = Random(path.random.state(), 1);
+    const Flight flight =
+        Media::scatter_on(way, medium, path.near, far, FlightNumbers(part.random));
+    part.scale(flight.weight / chance);
+    if (part.shows_features) part.pixel.albedo += part.features * medium.scattering;
+    part.shows_features = false;
+    if (part.is_sound() && scatter_in_medium(part, flight, !single)) {
+      if (lights_.shadow_linked()) add_linked(part);
+      follow(part);
+    }
+  }
+  path.scale(way.through);
+  const float left = max_abs(path.emission_throughput + path.withheld + path.world_emission);
+  const float survival = path.survival(left);
+  if (left > 0 && !path.ends(survival)) {
+    path.shown /= survival;
+    return InMedium::kNothing;
+  }
+  if (hit && path.shows_normal) show_depth_behind(path, *hit);
+  return InMedium::kAbsorbed;
 }
 
 // Media have no depth: the pixel shows that of the first thing behind, from `hit` on, which stops

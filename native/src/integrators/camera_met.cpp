@@ -64,7 +64,7 @@ void CameraTracer::add_linked(Path& path) const {
 
 void CameraTracer::add_world(Path& path) const {
   const bool first = path.vertex == 0 && !path.through_glass;
-  if (first) path.pixel.alpha += 1;
+  if (first) path.pixel.alpha += path.shown;
   const CameraSettings& film = camera_.settings();
   if (film.transparent && (first || (path.clear && film.transparent_glass >= 0))) {
     path.pixel.alpha -= average(path.emission_throughput);

@@ -168,6 +168,7 @@ struct CameraTracer::Path {
   Rgb features{1, 1, 1};
   bool shows_features = true, shows_normal = true;
   Vec3 mirror_normal{};
+  float shown = 1;  // of the pixel's alpha, where it ends at the first vertex
   // The last vertex
   Receiver from{{}, {}, true, ~uint64_t{0}, nullptr, 1, ray_bit(RayInfo::kCamera)};
   float pdf = INFINITY;  // of the direction, by its BSDF
@@ -189,6 +190,14 @@ struct CameraTracer::Path {
     world_throughput *= factor;
     world_emission *= factor;
     features *= factor;
+  }
+  // False, and counted, where what it carries is no number.
+  bool is_sound() {
+    if (is_finite(throughput) && is_finite(emission_throughput) && is_finite(world_throughput) &&
+        is_finite(world_emission))
+      return true;
+    ++tile.bad_samples;
+    return false;
   }
   // The chance to go on, for a path of that throughput. The root keeps the work of deep paths in
   // bounds, and what they bring too: a path of throughput t that goes on is worth sqrt(t) then, and

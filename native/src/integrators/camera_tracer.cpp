@@ -166,12 +166,12 @@ bool CameraTracer::meet_surface(Path& path, const Surface& hit) const {
     return true;
   }
   if (passing == Passing::kAbsorbed) {
-    if (path.vertex == 0 && !path.through_glass) path.pixel.alpha += 1;
+    if (path.vertex == 0 && !path.through_glass) path.pixel.alpha += path.shown;
     return false;
   }
   if (path.vertex == 0 && path.shows_normal && !hole) show_depth(path, hit);
   if (path.shows_features && !holdout) end_features(path, bsdf, mirrored);
-  if (path.vertex == 0 && !path.through_glass) path.pixel.alpha += 1;
+  if (path.vertex == 0 && !path.through_glass) path.pixel.alpha += path.shown;
   if (body) return scatters && meet_body(path, hit, bsdf);
   return meeting && go_on(path, hit, bsdf, *meeting);
 }
@@ -318,7 +318,7 @@ void CameraTracer::pass_glass(Path& path) const {
   path.from = {path.origin, {}, true};
   path.from.time = path.info.time;
   path.from.ray = path.from.diffuse_ray = lobe_rays(false, true);
-  path.pixel.alpha += 1;
+  path.pixel.alpha += path.shown;
 }
 
 }  // namespace photon_splat

@@ -208,6 +208,9 @@ class CameraTracer {
   void pass_glass(Path& path) const;
   enum class InMedium { kNothing, kScattered, kAbsorbed };
   InMedium pass_media(Path& path, const Surface* hit, float far) const;
+  void add_emission_of_media(Path& path, const Rgb& emission) const;
+  InMedium split_in_medium(Path& path, const MediumPoint& medium, const Surface* hit, float far,
+                           bool single) const;
   bool sees_beams(const Path& path) const;
   bool beams_bring_all(const Path& path) const;
   void add_beams(Path& path, float far) const;

@@ -1,5 +1,7 @@
 #include "lights/environment.h"
 
+#include "media/media.h"
+
 namespace photon_splat {
 namespace {
 
@@ -27,7 +29,13 @@ Vec3 direction_at(float polar, float longitude) {
 }  // namespace
 
 Environment::Environment(Scene& scene)
-    : scene_(scene), straight_(scene.world_map.to_lookup.m == Affine{}.m) {
+    : scene_(scene),
+      hidden_(scene.media() && scene.media()->stops_far_light()),
+      straight_(scene.world_map.to_lookup.m == Affine{}.m) {
+  if (hidden_) {
+    measure({Rgb{}}, 1, 1);
+    return;
+  }
   find_kinds();
   add_discs();
   if (scene_.world_map.texture >= 0 || scene_.world_program >= 0)

@@ -27,7 +27,7 @@ class Environment {
   // thought to see by diffuse light.
   static RayInfo photon_ray(bool diffuse, bool transmitted, bool delta);
   // W/m^2/sr out of the direction `d` (unit, away from the scene).
-  Rgb radiance(const Vec3& d) const { return map_radiance(d) + disc_radiance(d); }
+  Rgb radiance(const Vec3& d) const { return hidden_ ? Rgb{} : map_radiance(d) + disc_radiance(d); }
   Rgb mean() const { return mean_; }  // over all directions
 
   // How densely a direction is drawn, 1/sr: by the table, within the table's patch, and as part of
@@ -98,6 +98,7 @@ class Environment {
   float disc_density(const Vec3& d) const;  // of the share that the discs have of sample()'s
 
   Scene& scene_;
+  bool hidden_;            // by a medium that fills the world
   bool straight_ = false;  // the image is looked up as directions come
   bool asks_camera_ = false, asks_depth_ = false;
   std::vector<RayInfo> kinds_;  // of a program: rays that may see something of their own

@@ -1,6 +1,7 @@
 #include "lights/lights.h"
 
 #include "lights/emission/photon_emitter.h"
+#include "media/media.h"
 
 namespace photon_splat {
 namespace {
@@ -69,6 +70,8 @@ void Lights::add_lamp(const LampSettings& settings) {
   lamp.axis_y = y / lamp.scale_y;
   lamp.forward = z / -lamp.scale_z;
   if (is_black(settings.strength)) return;
+  if (settings.kind == LampKind::kSun && scene_.media() && scene_.media()->stops_far_light())
+    return;
   if (settings.program >= 0) lamp.place = {m, inverse(m)};
 
   std::optional<LampOutput> output;

@@ -178,15 +178,10 @@ Fading Media::fading(const MediumStack& stack, const Vec3& origin, const Vec3& d
   return out;
 }
 
-// One distance for all of a medium that is the same everywhere: of one channel, chosen by what the
-// path may carry there, weighted as drawn by any of them.
-Flight Media::fly_straight(const MediumPoint& medium, float near, float far, const Rgb& scattered,
-                           FlightNumbers numbers) const {
-  Random& random = numbers.random;
-  Flight flight;
-  const Rgb extinction = medium.extinction(), scattering = medium.scattering;
-  const float length = far - near;
-  const Rgb end = attenuation(extinction, length);
+StraightWay Media::straight_way(const MediumPoint& medium, float length, const Rgb& scattered) {
+  StraightWay way;
+  const Rgb extinction = medium.extinction();
+  way.through = attenuation(extinction, length);
   if (!is_black(medium.emission)) {
     const auto emitted = [&](float e, float c, float t) {
       return e <= 0                  ? 0
@@ -194,39 +189,75 @@ Flight Media::fly_straight(const MediumPoint& medium, float near, float far, con
              : std::isfinite(length) ? e * length
                                      : 0;
     };
-    flight.emission = {emitted(medium.emission.x, extinction.x, end.x),
-                       emitted(medium.emission.y, extinction.y, end.y),
-                       emitted(medium.emission.z, extinction.z, end.z)};
+    way.emission = {emitted(medium.emission.x, extinction.x, way.through.x),
+                    emitted(medium.emission.y, extinction.y, way.through.y),
+                    emitted(medium.emission.z, extinction.z, way.through.z)};
   }
-  Rgb chance = absolute(scattered) * scattering;
-  const float all = chance.x + chance.y + chance.z;
-  if (!(all > 0)) {
-    flight.weight = end;
-    return flight;
-  }
-  chance = chance / all;
-  // Probability, for each channel, to scatter on the way at all
-  const Rgb scatters = Rgb{1, 1, 1} - end;
-  float u = random.next();
-  int channel = 0;
-  for (; channel < 2 && u >= chance[channel]; ++channel) u -= chance[channel];
-  if (!numbers.decide(scatters[channel])) {
-    const float p = dot(chance, Rgb{1, 1, 1} - scatters);
-    flight.weight = p > 0 ? end / p : Rgb{};
-    return flight;
-  }
-  const float c = extinction[channel], inside = 1 - end[channel];
-  const float t = std::min(-std::log1p(-numbers.rest() * inside) / c, length);
+  const Rgb may = absolute(scattered) * medium.scattering;
+  const float all = may.x + may.y + may.z;
+  if (!(all > 0)) return way;
+  way.chance = may / all;
+  way.scatters = Rgb{1, 1, 1} - way.through;
+  return way;
+}
+
+namespace {
+
+// Where a path scatters that does so for sure, drawn by one channel and weighted as drawn by any of
+// them; chances: of each channel to draw, and that it scatters at all.
+Flight scatter_by(int channel, const Rgb& chances, const MediumPoint& medium, const Rgb& through,
+                  float near, float far, FlightNumbers numbers) {
+  const Rgb extinction = medium.extinction();
+  const float c = extinction[channel], inside = 1 - through[channel];
+  const float t = std::min(-std::log1p(-numbers.rest() * inside) / c, far - near);
   const Rgb there = attenuation(extinction, t);
   float p = 0;
   for (int k = 0; k < 3; ++k)
-    if (extinction[k] > 0 && end[k] < 1)
-      p += chance[k] * scatters[k] * extinction[k] * there[k] / (1 - end[k]);
+    if (extinction[k] > 0 && through[k] < 1)
+      p += chances[k] * extinction[k] * there[k] / (1 - through[k]);
+  Flight flight;
   flight.scatters = true;
   flight.distance = near + t;
   flight.weight = p > 0 && std::isfinite(p) ? there / p : Rgb{};
   flight.point = medium;
   return flight;
+}
+
+int drawn(const Rgb& chance, float u) {
+  int channel = 0;
+  for (; channel < 2 && u >= chance[channel]; ++channel) u -= chance[channel];
+  return channel;
+}
+
+}  // namespace
+
+Flight Media::scatter_on(const StraightWay& way, const MediumPoint& medium, float near, float far,
+                         FlightNumbers numbers) {
+  const Rgb all = way.chance * way.scatters, chance = all / (all.x + all.y + all.z);
+  return scatter_by(drawn(chance, numbers.random.next()), chance, medium, way.through, near, far,
+                    numbers);
+}
+
+// One distance for all of a medium that is the same everywhere.
+Flight Media::fly_straight(const MediumPoint& medium, float near, float far, const Rgb& scattered,
+                           FlightNumbers numbers) const {
+  const StraightWay way = straight_way(medium, far - near, scattered);
+  Flight flight;
+  flight.emission = way.emission;
+  if (is_black(way.chance)) {
+    flight.weight = way.through;
+    return flight;
+  }
+  const int channel = drawn(way.chance, numbers.random.next());
+  if (!numbers.decide(way.scatters[channel])) {
+    const float p = dot(way.chance, Rgb{1, 1, 1} - way.scatters);
+    flight.weight = p > 0 ? way.through / p : Rgb{};
+    return flight;
+  }
+  Flight found =
+      scatter_by(channel, way.chance * way.scatters, medium, way.through, near, far, numbers);
+  found.emission = flight.emission;
+  return found;
 }
 
 Flight Media::fly(const MediumStack& stack, const Vec3& origin, const Vec3& direction, float near,

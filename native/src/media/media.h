@@ -29,6 +29,15 @@ struct Flight {
   MediumPoint point;  // where it scatters
 };
 
+// A way through a medium that is the same everywhere.
+struct StraightWay {
+  Rgb through;     // transmittance
+  Rgb emission{};  // of the way, attenuated
+  // Probability of each channel to draw where a path scatters, by what it may carry there, and to
+  // scatter on the way then
+  Rgb chance{}, scatters{};
+};
+
 // Random numbers of a flight, the first of which may be spread evenly over those of a pixel.
 struct FlightNumbers {
   FlightNumbers(Random& all) : random(all) {}
@@ -99,6 +108,12 @@ class Media {
   }
   bool emits() const { return emits_; }
   bool scatters() const { return scatters_; }
+  // Whether a medium fills the world that lets none of the light of suns and of the world through.
+  bool stops_far_light() const {
+    if (world_ < 0 || !regions_[world_].homogeneous) return false;
+    const Rgb c = regions_[world_].point.extinction();
+    return std::min({c.x, c.y, c.z}) > 0;
+  }
   // Whether some scatter what is seen and let straight light pass as if they were not there.
   bool hides_from_shadows() const { return hides_from_shadows_; }
   // Light group of what media of the stack emit: that of the one entered first of those that do.
@@ -121,6 +136,10 @@ class Media {
                 float far, const RayInfo& ray, Random& random) const;
   // `scattered`, `passing`: throughput of what scatters on the way and of what comes to its end, by
   // which channels and collisions are chosen.
+  static StraightWay straight_way(const MediumPoint& medium, float length, const Rgb& scattered);
+  // Scatters on that way, which has a chance to.
+  static Flight scatter_on(const StraightWay& way, const MediumPoint& medium, float near, float far,
+                           FlightNumbers numbers);
   Flight fly(const MediumStack& stack, const Vec3& origin, const Vec3& direction, float near,
              float far, const Rgb& scattered, const Rgb& passing, const RayInfo& ray,
              FlightNumbers numbers) const;

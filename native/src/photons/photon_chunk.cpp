@@ -6,6 +6,11 @@
 namespace photon_splat {
 namespace {
 
+constexpr uint32_t kIdleStops = 8;   // of paths that bring nothing any more one is kept
+constexpr size_t kPathsPerStop = 2;  // at the most, where all of them do
+
+float squared(float x) { return x * x; }
+
 Scene::Rays rays_of(const PhotonPaths& paths, uint32_t first, bool moves, bool strands) {
   return {paths.origin_x + first,
           paths.origin_y + first,
@@ -57,8 +62,10 @@ void PhotonTracer::Travellers::put(uint32_t i, const Path& path, const Vec3& ori
 
 // How many of a chunk's paths carry anything.
 uint32_t PhotonTracer::start_all(const Chunk& c) const {
-  auto& [starts, paths, rest, more] = c.travellers;
+  auto& [starts, paths, rest, more, brought, stops] = c.travellers;
   more.clear();
+  stops.clear();
+  if (c.useful) brought.assign(c.count, 0);
   starts.resize(c.count);
   const bool guesses_first = scene_.first_kinds_differ();
   uint32_t n = 0;
@@ -157,7 +164,9 @@ void PhotonTracer::leave_beam(Chunk& c, uint32_t i, const Surface* hit) const {
                          encode_direction(hit ? hit->ng : -direction),
                          start.light_group,
                          rest.time});
-  if (c.useful) c.useful[rest.place] += use_of(c.run.beams.back(), start, c.total);
+  if (!c.useful) return;
+  c.useful[rest.place] += use_of(c.run.beams.back(), start, c.total);
+  c.travellers.brought[rest.place] += squared(power_of_use(c.run.beams.back()));
 }
 
 // Path i, whose ray meets lane k of the hits or, where not `there`, nothing.
@@ -179,7 +188,11 @@ void PhotonTracer::advance_alone(Chunk& c, uint32_t i, const RayHits& hits, uint
   const Draws draws{c.first_bounce, static_cast<uint32_t>(c.first + path.place)};
   if (scene_.media()) {
     const InMedium way = pass_media(path, surface.distance, start, draws, origin, direction);
-    if (way == InMedium::kScattered) travellers.put(c.kept++, path, origin, direction, true);
+    if (way == InMedium::kScattered) {
+      travellers.put(c.kept++, path, origin, direction, true);
+      if (const float power = squared(luminance(path.power)); c.useful && power > 0)
+        travellers.stops.push_back({origin, path.place, power, travellers.brought[path.place]});
+    }
     if (way != InMedium::kPasses || !there) return;
   }
   c.run.shaded += surface.program != nullptr;
@@ -232,9 +245,29 @@ void PhotonTracer::advance(Chunk& c, uint32_t begin, const RayHits& hits, unsign
     }
     if (c.useful)
       for (size_t p = stored; p < photons.size(); ++p)
-        if (c.filter->counts(photons[p]))
+        if (c.filter->counts(photons[p])) {
           c.useful[place] += use_of(photons[p], c.travellers.starts[place], c.total);
+          c.travellers.brought[place] += squared(luminance(photons[p].power));
+        }
     if (keeps_groups_) c.run.groups.resize(photons.size(), c.travellers.starts[place].light_group);
+  }
+}
+
+// What is to be learnt of where paths have scattered in media, now that it is known what each has
+// brought after that.
+void PhotonTracer::keep_stops(Chunk& c) const {
+  auto& [starts, paths, rest, more, brought, stops] = c.travellers;
+  for (const float of_path : brought) c.run.brought += of_path;
+  std::erase_if(stops, [&](PathWorth::Stop& stop) {
+    stop.brought = brought[stop.path] - stop.brought;
+    if (stop.brought > 0) return false;
+    stop.weight = kIdleStops;
+    return hash_of(stop.place) % kIdleStops != 0;
+  });
+  const size_t each = 1 + kPathsPerStop * stops.size() / c.count;
+  for (size_t i = c.first % each; i < stops.size(); i += each) {
+    stops[i].weight *= static_cast<float>(each);
+    c.run.stops.push_back(stops[i]);
   }
 }
 
@@ -267,6 +300,7 @@ void PhotonTracer::trace_chunk(Chunk& c) const {
     travellers.more.clear();
     c.alive = c.kept;
   }
+  if (c.useful) keep_stops(c);
 }
 
 }  // namespace photon_splat

@@ -21,7 +21,9 @@ void PhotonJoin::clear() {
   photons_.clear();
   groups_.clear();
   beams_.clear();
+  stops_.clear();
   runs_.clear();
+  brought_ = 0;
   rays_ = shaded_ = next_ = 0;
 }
 
@@ -46,6 +48,8 @@ void PhotonJoin::count(const PhotonRun& run) {
   photons_.resize(photons_.size() + run.photons.size());
   if (with_groups_) groups_.resize(photons_.size());
   beams_.insert(beams_.end(), run.beams.begin(), run.beams.end());
+  stops_.insert(stops_.end(), run.stops.begin(), run.stops.end());
+  brought_ += run.brought;
   rays_ += run.rays;
   shaded_ += run.shaded;
 }

@@ -4,6 +4,7 @@
 #include <memory>
 #include <mutex>
 
+#include "photons/path_worth.h"
 #include "photons/photon.h"
 #include "photons/photon_beam.h"
 #include "util/parallel.h"
@@ -18,11 +19,15 @@ struct PhotonRun {
   Photons photons;
   std::vector<int16_t> groups;  // light groups of the photons, or empty
   std::vector<PhotonBeam> beams;
+  std::vector<PathWorth::Stop> stops;  // in media, where those are learnt from,
+  double brought = 0;                  // and squared powers of what is of use
   uint64_t rays = 0, shaded = 0;
 
   void clear() {
     photons.clear();
     beams.clear();
+    stops.clear();
+    brought = 0;
     groups.clear();
     rays = shaded = 0;
   }
@@ -44,6 +49,8 @@ class PhotonJoin {
   const Photons& photons() const { return photons_; }
   const std::vector<int16_t>& groups() const { return groups_; }
   const std::vector<PhotonBeam>& beams() const { return beams_; }
+  const std::vector<PathWorth::Stop>& stops() const { return stops_; }
+  double brought() const { return brought_; }
   uint64_t rays() const { return rays_; }
   uint64_t shaded() const { return shaded_; }
 
@@ -54,6 +61,8 @@ class PhotonJoin {
   Photons photons_;
   std::vector<int16_t> groups_;
   std::vector<PhotonBeam> beams_;
+  std::vector<PathWorth::Stop> stops_;
+  double brought_ = 0;
   bool with_groups_ = false;
   uint64_t rays_ = 0, shaded_ = 0;
   // Guards what follows, and the sizes of what is above

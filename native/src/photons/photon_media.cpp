@@ -3,10 +3,16 @@
 
 namespace photon_splat {
 
-// Light of suns and of the world that crosses a medium which fills the world does not arrive.
+// Light of suns and of the world has come a long way through a medium that fills the world.
 bool PhotonTracer::start_in_media(Path& path, const PhotonStart& start) const {
   path.media = scene_.media()->around(start.origin, path.time);
-  return !(start.from_afar && scene_.world_volume >= 0);
+  if (!start.from_afar || scene_.world_volume < 0) return true;
+  RayInfo ray;
+  ray.kind = RayInfo::kShadow;
+  ray.time = path.time;
+  path.power *= scene_.media()->transmittance(path.media, start.origin, -start.direction, 0,
+                                              INFINITY, ray, path.random);
+  return !is_black(path.power);
 }
 
 // The way of a path up to the next surface, `far` off. Caustic light is what scatters nowhere on
@@ -85,7 +91,8 @@ bool PhotonTracer::scatter_in_medium(Path& path, const Flight& flight, const Pho
     path.kind = guess_kind(path.random, RayInfo::kDiffuse, &chance);
     path.power *= 1 / chance;
   }
-  const float survival = std::min(1.0f, max_abs(path.power) / path.reference);
+  float survival = std::min(1.0f, max_abs(path.power) / path.reference);
+  if (worth_) survival *= worth_->chance(place, luminance(path.power), total_);
   if (!(survival > 0) || path.random.next() >= survival || !is_finite(path.power)) return false;
   path.power *= 1 / survival;
   path.caustic = 0;

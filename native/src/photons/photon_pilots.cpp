@@ -1,4 +1,5 @@
 // What pilots teach: where photons that end on visible surfaces start.
+#include "math/random_streams.h"
 #include "photons/caustic_targets.h"
 #include "photons/photon_tracer.h"
 #include "photons/seen_places.h"
@@ -11,6 +12,9 @@ constexpr double kUsefulShare = 0.3;
 constexpr uint64_t kPilotsMore = 3;  // after the first, for emission that is guided
 // Share of useful caustic paths below which targets are cut finer
 constexpr double kFewArrive = 0.003;
+// Over those of one that is the first to know where paths in media are worth to go on
+constexpr uint64_t kPilotOverFirst = 8;
+constexpr float kWorldReach = 32;  // that is learnt of then, in radii of the scene
 
 }  // namespace
 
@@ -29,13 +33,25 @@ float PhotonTracer::use_of(const Photon& photon, const PhotonStart& start, doubl
   return std::isfinite(share) ? share * share : 0;
 }
 
-// Use of a beam: the square of the power that a medium scatters of its path.
+// Of a beam: what a medium scatters of it.
+float PhotonTracer::power_of_use(const PhotonBeam& beam) const {
+  const float power = luminance(beam.power);
+  const auto medium = scene_.media()->homogeneous(beam.media);
+  return medium ? power * -std::expm1(-average(medium->scattering) * beam.length) : power;
+}
+
+// Use of a beam: its square, of the path's own.
 float PhotonTracer::use_of(const PhotonBeam& beam, const PhotonStart& start, double total) const {
   const float own = luminance(start.power) * static_cast<float>(1 / total);
-  float share = own > 0 ? luminance(beam.power) / own : 0;
-  if (const auto medium = scene_.media()->homogeneous(beam.media))
-    share *= -std::expm1(-average(medium->scattering) * beam.length);
+  const float share = own > 0 ? power_of_use(beam) / own : 0;
   return std::isfinite(share) ? share * share : 0;
+}
+
+// What paths are worth that scatter in media, of the pilot traced last.
+void PhotonTracer::learn_worth() {
+  if (!(join_.brought() > 0) || join_.stops().empty()) return;
+  if (!worth_) worth_.emplace(scene_.near_center(), kWorldReach * scene_.near_radius());
+  worth_->learn(join_.stops(), join_.brought() / static_cast<double>(last_counts_.traced), total_);
 }
 
 // Of paths that leave photons those that do; of those that leave beams, which are long or short,
@@ -79,6 +95,7 @@ const Photons* PhotonTracer::learn_emission(uint64_t paths, uint32_t seed,
                                             const CancelFlag& cancel) {
   guide_.reset();
   targets_.reset();
+  worth_.reset();
   if (lights_.total_power() <= 0 || max_bounces_ < 1) return nullptr;
   if (stream_ == PhotonStream::kCaustic) {
     const double share = aim(caustic_targets(scene_), paths, seed, visible, places, cancel);
@@ -91,8 +108,15 @@ const Photons* PhotonTracer::learn_emission(uint64_t paths, uint32_t seed,
     return nullptr;
   }
   Usefulness useful{&visible, places, {}};
+  if (scatters_in_media()) {
+    const uint64_t few = std::max<uint64_t>(1, paths / kPilotOverFirst);
+    trace(0, few, static_cast<double>(few), stream_seed(seed, RandomStream::kPilot), stored, cancel,
+          &useful);
+    learn_worth();
+  }
   const Photons& photons =
       trace(0, paths, static_cast<double>(paths), seed, stored, cancel, &useful);
+  learn_worth();
   const double share = useful_share(useful.of_path);
   if (share > kUsefulShare || share == 0) return &photons;
   EmissionGuide guide = emitter_.make_guide();
@@ -101,6 +125,7 @@ const Photons* PhotonTracer::learn_emission(uint64_t paths, uint32_t seed,
   // Where few were of use, those of further pilots tell more
   for (uint64_t first = paths; first <= kPilotsMore * paths; first += paths) {
     trace(first, paths, static_cast<double>(paths), seed, stored, cancel, &useful);
+    learn_worth();
     teach(*guide_, &*guide_, first, seed, useful.of_path);
   }
   return nullptr;

@@ -39,6 +39,7 @@ const Photons& PhotonTracer::trace(uint64_t first, uint64_t count, double total,
                                    const SurfaceFilter& visible, const CancelFlag& cancel,
                                    Usefulness* useful) {
   join_.clear();
+  total_ = total;
   if (useful) useful->of_path.assign(count, 0);
   if (lights_.total_power() <= 0 || max_bounces_ < 1) return join_.photons();
   const size_t chunk_count = (count + kPathsPerChunk - 1) / kPathsPerChunk;

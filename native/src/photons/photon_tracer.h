@@ -119,6 +119,9 @@ class PhotonTracer {
       Vec3 origin, direction;
     };
     std::vector<Waiting> more;  // ways of paths that have split: they go on with the others' next
+    // By path as they started, where that is to be learnt: squared powers of what is of use
+    std::vector<float> brought;
+    std::vector<PathWorth::Stop> stops;
 
     Path take(uint32_t i) const;
     unsigned in_media(uint32_t begin, uint32_t count) const;
@@ -180,11 +183,14 @@ class PhotonTracer {
              std::span<const float> useful) const;
   float use_of(const Photon& photon, const PhotonStart& start, double total) const;
   float use_of(const PhotonBeam& beam, const PhotonStart& start, double total) const;
+  float power_of_use(const PhotonBeam& beam) const;
+  void learn_worth();
   static bool goes_alone(const Path& path, const PhotonStart& start) {
     return path.bounces == 0 || path.guessed || ~start.max_bounces;
   }
   uint32_t split(Path& path, const Surface& hit, size_t room) const;
   void leave_beam(Chunk& c, uint32_t i, const Surface* hit) const;
+  void keep_stops(Chunk& c) const;
   PhotonStart start(uint64_t index, uint32_t seed) const;
   void start(uint64_t first, uint32_t count, uint32_t seed, PhotonStart* starts) const;
   // Whether such rays see the light that the path has just left.
@@ -279,6 +285,8 @@ class PhotonTracer {
   const Camera* viewer_ = nullptr;
   std::optional<EmissionGuide> guide_;
   std::optional<EmissionTargets> targets_;
+  std::optional<PathWorth> worth_;
+  double total_ = 1;                    // paths of the set that is being traced
   std::vector<Travellers> travellers_;  // by worker
   PhotonJoin join_;
   bool keeps_groups_ = false;

@@ -157,7 +157,7 @@ TEST_CASE("no light gets through a screen in the fog that is thinner than beams 
   fill_room(dark, room);
   dark.lamps.resize(1);
   dark.relight();
-  CHECK(light_of(lit, 16) == approx(light_of(dark, 16)).epsilon(0.02));
+  CHECK(light_of(lit, 64) == approx(light_of(dark, 64)).epsilon(0.02));
   CHECK(lit.statistics().beams.stored > 10000);
 }
 
