@@ -11,11 +11,12 @@ constexpr double kDark = 1e-2;  // of the picture's mean squared light: darker p
 
 }  // namespace
 
-// The share of the variance of camera paths, relative to what pixels show, that is of light which
+// share: that of the variance of camera paths, relative to what pixels show, that is of light which
 // beams of indirect light would bring in place of paths; 0 to 1, or more where the rest happens to
 // make up for it. Light of gather points is left out. Pixels of the whole picture are tried with
 // random numbers of their own.
-double CameraTracer::variance_in_media(uint32_t seed, int max_bounces, const CancelFlag& cancel) {
+CameraTracer::MediaTrial CameraTracer::try_media(uint32_t seed, int max_bounces,
+                                                 const CancelFlag& cancel) {
   const CameraSettings& c = camera_.settings();
   const uint64_t width = static_cast<uint64_t>(c.region_width),
                  all_pixels = width * static_cast<uint64_t>(c.region_height),
@@ -59,7 +60,11 @@ double CameraTracer::variance_in_media(uint32_t seed, int max_bounces, const Can
     all += s.variance / scale;
     shallow += s.shallow_variance / scale;
   }
-  return all > 0 ? 1 - shallow / all : 0;
+  std::vector<double> variances;
+  for (const Seen& s : seen) variances.push_back(std::isfinite(s.variance) ? s.variance : 0);
+  const auto low = variances.begin() + static_cast<std::ptrdiff_t>(variances.size() / 4);
+  if (!variances.empty()) std::nth_element(variances.begin(), low, variances.end());
+  return {all > 0 ? 1 - shallow / all : 0, variances.empty() ? 0 : *low};
 }
 
 }  // namespace photon_splat

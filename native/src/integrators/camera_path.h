@@ -123,7 +123,7 @@ struct CameraTracer::Path {
   int gather_bounces = 0;      // times that it went on for light that photons were to bring
   int diffuse_bounces = 0;     // those of them by a diffuse lobe
   bool tries_density = false;  // see CameraTracer::Trial
-  bool tries_beams = false;    // see variance_in_media()
+  bool tries_beams = false;    // see try_media()
   bool after_medium = false;   // it has scattered where beams may bring all light
   bool deep = false;           // the ray on its way brings light that photons would bring
   bool badly_served = false;   // because they would bring it badly

@@ -53,7 +53,11 @@ class CameraTracer {
   void keep_trial(Trial trial) { trial_ = trial; }
   GatherTrial trial() const;
   // See beam_trial.cpp. With the strategy and the beams that are set.
-  double variance_in_media(uint32_t seed, int max_bounces, const CancelFlag& cancel);
+  struct MediaTrial {
+    double share;
+    double variance;  // of a sample, of all light: of the pixel that a quarter of all are below
+  };
+  MediaTrial try_media(uint32_t seed, int max_bounces, const CancelFlag& cancel);
   // Whether scouts are less than all.
   static bool sends_scouts(const PackedFilm& film);
 

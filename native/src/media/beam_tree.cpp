@@ -49,14 +49,16 @@ void BeamTree::learn(std::span<const PhotonBeam> pilot, const Settings& settings
 void BeamTree::grow(uint32_t cell, const Box& box, int depth, double parent_density,
                     std::vector<uint32_t>& ids, std::span<const PhotonBeam> pilot) {
   const Vec3 upper = box.lower + Vec3{box.edge, box.edge, box.edge};
-  double way = 0;  // of all beams in the cell
+  double way = 0, sent = 0;  // of all beams in the cell, and what they send out on it
   size_t kept = 0;
   for (const uint32_t id : ids) {
     const PhotonBeam& beam = pilot[id];
     const beams::Range in = beams::within(beam.origin, beams::inverse(beam.direction), box.lower,
                                           upper, 0, beam.length);
     if (!(in.far > in.near)) continue;
-    way += double(in.far - in.near);
+    const double own_way = double(in.far - in.near);
+    way += own_way;
+    if (settings_.variance > 0) sent += own_way * settings_.strength(beam);
     ids[kept++] = id;
   }
   ids.resize(kept);
@@ -78,6 +80,12 @@ void BeamTree::grow(uint32_t cell, const Box& box, int depth, double parent_dens
     cells_[cell].radius = largest;
     return;
   }
+  // A ray that goes through sees about that much, and looks at so many tell it within as much
+  const double light = sent / (double(box.edge) * double(box.edge));
+  cells_[cell].looks = settings_.looks;
+  if (settings_.variance > 0)
+    cells_[cell].looks = static_cast<uint32_t>(
+        std::clamp<double>(light * light / settings_.variance, 1, settings_.looks));
   const double area = settings_.beams_per_disc / (density * settings_.more_beams);
   const float radius = static_cast<float>(std::sqrt(area / double(kPi)));
   cells_[cell].radius =  // infinite where there is nothing

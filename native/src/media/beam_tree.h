@@ -52,7 +52,11 @@ class BeamTree {
     float reach = 1;            // half an edge of the whole, m
     double beams_per_disc = 1;  // wanted from one pass through a disc of the radius
     double more_beams = 1;      // of a pass than of the pilot
-    uint32_t looks = 16;        // about so many beams a ray looks at in a cell
+    uint32_t looks = 16;        // about so many beams a ray looks at in a cell, at the most
+    // Fewer where those are enough for this variance of the light that it sees there, (W/m^2/sr)^2
+    double variance = 0;
+    // What a metre of a beam sends out into directions, root mean square of all, W/(m sr)
+    std::function<double(const PhotonBeam&)> strength;
     // Width of what is seen as one at a place, m: cells and radii are no finer
     std::function<float(const Vec3&)> footprint;
   };
@@ -78,12 +82,13 @@ class BeamTree {
 
  private:
   struct Cell {
-    int32_t first_child = -1;       // of eight in a row
-    float radius = 0;               // of those below the largest
+    int32_t first_child = -1;  // of eight in a row
+    float radius = 0;          // of those below the largest
+    uint32_t looks = 1;
     uint32_t first = 0, count = 0;  // of refs_
   };
   // A ray looks at one in so many beams of a cell: at those of a group, which lie side by side.
-  uint32_t steps(const Cell& cell) const { return std::max(1u, cell.count / settings_.looks); }
+  uint32_t steps(const Cell& cell) const { return std::max(1u, cell.count / cell.looks); }
   static std::pair<uint32_t, uint32_t> group(const Cell& cell, uint32_t steps, uint32_t i) {
     const uint32_t each = cell.count / steps, longer = cell.count % steps,
                    first = cell.first + i * each + std::min(i, longer);

@@ -14,8 +14,25 @@ constexpr uint32_t kLooks = 16, kSmoothLooks = 8;  // at so many beams, about, b
 constexpr double kBeamsPerDisc = 2, kSmoothBeamsPerDisc = 4;
 // h ~ paths^(-1/5): for a kernel of one dimension variance falls with h and squared bias with h^4
 constexpr double kShrinkExponent = -1.0 / 5.0;
+constexpr double kBeside = 0.1;  // of the variance of other light, that of beams in a cell may be
+constexpr int kWays = 8;         // that tell how a medium scatters
 // A medium that fills the world is looked at so far, in radii of what is in it
 constexpr float kWorldReach = 32;
+
+// What a metre of a beam sends out into directions, root mean square of all, W/(m sr): of phases p
+// that is the root of the mean of p / 4 pi over what they send out.
+double strength(const Media& media, const PhotonBeam& beam) {
+  const auto medium = media.homogeneous(beam.media);
+  if (!medium) return INFINITY;
+  double mean = 0;
+  for (int i = 0; i < kWays; ++i) {
+    const float u = (static_cast<float>(i) + 0.5f) / kWays;
+    float pdf = 0;
+    medium->evaluate(beam.direction, medium->sample(beam.direction, u, {u, 0.5f}), &pdf);
+    mean += pdf / kWays;
+  }
+  return luminance(absolute(beam.power) * medium->scattering) * std::sqrt(mean / (4 * kPi));
+}
 
 }  // namespace
 
@@ -77,6 +94,8 @@ void BeamMap::learn() {
   s.footprint = [&](const Vec3& x) { return viewer_.footprint_from(x); };
   s.beams_per_disc = smooth_ ? kSmoothBeamsPerDisc : kBeamsPerDisc;
   s.looks = smooth_ ? kSmoothLooks : kLooks;
+  s.variance = kBeside * variance_beside_;
+  s.strength = [&](const PhotonBeam& beam) { return strength(*context_.scene.media(), beam); };
   s.more_beams = static_cast<double>(paths_) / static_cast<double>(paths);
   tree_.learn(tracer_.beams(), s);
   before_ = tracer_.counts();

@@ -21,6 +21,10 @@ class BeamMap {
   void begin_part();
   // As a few paths tell, the first time that it is asked.
   double beams_per_path();
+  // Before the first pass: how much a camera sample varies by other light, (W/m^2/sr)^2. Beams are
+  // looked at as closely as is worth it beside that.
+  void set_variance_beside(double variance) { variance_beside_ = variance; }
+  bool learnt() const { return tree_.learnt(); }
   // The beams of the next pass; the first time a pilot chooses radii.
   void trace_pass();
   const BeamTree& tree() const { return tree_; }
@@ -37,6 +41,7 @@ class BeamMap {
   uint32_t seed_;
   bool smooth_;                  // light that is not caustic
   uint64_t most_paths_, paths_;  // of a pass
+  double variance_beside_ = 0;   // 0: not known
   std::optional<double> beams_per_path_;
   uint64_t passes_ = 0, first_path_ = 0;
   PhotonCounts before_{};

@@ -106,18 +106,26 @@ void CameraPass::trace(uint32_t pass, const PhotonMaps& maps, PackedFilm& film) 
   chosen_ = true;
 }
 
+double CameraPass::variance_beside_beams(const PhotonMaps& maps) {
+  return try_media(maps).variance;
+}
+
 // Beams' noise is common to many pixels, as that of all photons: a denoiser takes off what paths
 // have instead. So beams have to take off nearly all there is.
 bool CameraPass::wants_indirect_beams(const PhotonMaps& maps) {
+  return try_media(maps).share > kBeamsShare;
+}
+
+CameraTracer::MediaTrial CameraPass::try_media(const PhotonMaps& maps) {
   Timer timer(context_.seconds.pilot);
   const RenderOptions& options = context_.options;
   std::optional<IndirectStrategy> gathers;
   if (options.gathers()) gathers.emplace(context_.scene, IndirectStrategy::Kind::kFinalGather);
   tracer_.set_strategy(gathers ? &*gathers : nullptr, maps.size() > 1, 1);
-  const double share = tracer_.variance_in_media(
+  const CameraTracer::MediaTrial trial = tracer_.try_media(
       stream_seed(options.seed, RandomStream::kBeamTrial), options.max_bounces, context_.cancel);
   tracer_.set_strategy(strategy_ ? &*strategy_ : nullptr, maps.size() > 1, 1);
-  return share > kBeamsShare;
+  return trial;
 }
 
 // Before any photon is traced: whether paths had better bring all of the indirect light in this

@@ -33,6 +33,9 @@ class CameraPass {
   void trace_from_cache(const CameraTracer::CacheUse& use, const PhotonMaps& maps,
                         PackedFilm& film);
   void set_beams(const CameraTracer::Beams& beams) { tracer_.set_beams(beams); }
+  // How much a sample of this view varies by other light than that of beams of caustics, none of
+  // which is set: (W/m^2/sr)^2, in places of little noise.
+  double variance_beside_beams(const PhotonMaps& maps);
   // Whether most noise of this view is of light that beams of indirect light would bring into
   // media. All beams but those are set.
   bool wants_indirect_beams(const PhotonMaps& maps);
@@ -64,6 +67,7 @@ class CameraPass {
  private:
   uint32_t common_seed() const;
   void teach(PhotonMap& map, const SurfaceFilter& seen, bool all_surfaces);
+  CameraTracer::MediaTrial try_media(const PhotonMaps& maps);
   bool try_paths(uint32_t pass, const PhotonMaps& maps, PackedFilm& film);
   void choose(uint32_t pass, bool scouts, const PhotonMaps& maps, PackedFilm& film);
   bool trace_more(uint32_t pass, CameraTracer::Tiles tiles, const PhotonMaps& maps,

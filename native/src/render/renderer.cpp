@@ -231,7 +231,13 @@ void Renderer::limit_pass(const PassSize& most) {
 
 void Renderer::trace_camera(uint32_t pass) {
   map();
-  if (caustic_beams_) caustic_beams_->trace_pass();
+  if (caustic_beams_) {
+    if (!caustic_beams_->learnt()) {
+      camera_pass_->set_beams({});
+      caustic_beams_->set_variance_beside(camera_pass_->variance_beside_beams(maps_));
+    }
+    caustic_beams_->trace_pass();
+  }
   CameraTracer::Beams beams{caustic_beams_ ? &caustic_beams_->tree() : nullptr, nullptr};
   camera_pass_->set_beams(beams);
   if (wants_indirect_beams()) {

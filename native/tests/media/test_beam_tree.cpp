@@ -61,13 +61,16 @@ std::vector<PhotonBeam> sheet(const Scene& scene, uint32_t count, const Vec3& di
 }
 
 BeamTree tree_of(Scene& scene, const std::vector<PhotonBeam>& pilot,
-                 const std::vector<PhotonBeam>& beams, float factor = 1, uint32_t looks = 1 << 20) {
+                 const std::vector<PhotonBeam>& beams, float factor = 1, uint32_t looks = 1 << 20,
+                 double variance = 0) {
   BeamTree tree;
   BeamTree::Settings s;
   s.middle = {0.5f, 0.5f, 0.5f};
   s.reach = 0.6f;
   s.beams_per_disc = 2;
   s.looks = looks;
+  s.variance = variance;
+  s.strength = [](const PhotonBeam& beam) { return luminance(beam.power); };
   s.footprint = [](const Vec3&) { return 2e-3f; };
   s.more_beams = double(beams.size()) / double(pilot.size());
   tree.learn(pilot, s);
@@ -169,6 +172,41 @@ TEST_CASE("rays that look at some of the beams see as much light in the mean") {
   }
   CHECK(by_some == approx(by_all).epsilon(0.01));
   CHECK(few < hits / 4);
+}
+
+TEST_CASE("rays look at fewer beams where other light is much noisier, and see as much") {
+  Scene scene(1);
+  fill(scene, 2);
+  const auto beams = sheet(scene, 1 << 14, {1, 0, 0}, 2),
+             pilot = sheet(scene, 1 << 11, {1, 0, 0}, 1);
+  const Vec3 way = normalize({0.1f, 0.9f, 0.2f});
+  struct Looks {
+    double light = 0, squares = 0, met = 0;
+  };
+  const auto look = [&](double variance) {
+    const BeamTree tree = tree_of(scene, pilot, beams, 1, 64, variance);
+    Looks all;
+    Random random(7, 7);
+    constexpr int kRays = 100000;
+    for (int ray = 0; ray < kRays; ++ray) {
+      double light = 0;
+      tree.each(tree.stack_of(scene.media()->around({0.5f, 0.5f, 0.5f})), {0.2f, 0.1f, 0.4f}, way,
+                0, 0.8f, random, [&](const BeamCrossing& at) {
+                  light += luminance(at.piece.power * attenuation(at.piece.extinction, at.along)) *
+                           at.kernel;
+                  all.met += 1.0 / kRays;
+                });
+      all.light += light / kRays;
+      all.squares += light * light / kRays;
+    }
+    return all;
+  };
+  const Looks still = look(0), noisy = look(1);
+  CHECK(noisy.met < 0.2 * still.met);
+  CHECK(noisy.light == approx(still.light).epsilon(0.02));
+  // What is left of the noise is what was said to be no matter, in each of the cells
+  CHECK(noisy.squares - noisy.light * noisy.light < 1);
+  CHECK(look(1e-12).met == approx(still.met).epsilon(0.02));
 }
 
 TEST_CASE("what is faint of a beam is broken off by chance") {
