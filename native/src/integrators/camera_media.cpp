@@ -5,8 +5,6 @@
 namespace photon_splat {
 namespace {
 
-// Paths that scatter on their first way in a medium, over those that would if none did both
-constexpr float kSplit = 1;
 constexpr float kThinAims = 0.4f;  // more than half of samples that go where lamps are, at most
 
 }  // namespace
@@ -71,8 +69,8 @@ CameraTracer::InMedium CameraTracer::split_in_medium(Path& path, const MediumPoi
     path.shown *= 1 - part;
   }
   FlightNumbers numbers = path.flight();
-  const float chance = std::min(1.0f, kSplit * dot(way.chance, way.scatters));
-  if (chance > 0 && numbers.decide(chance)) {
+  const float chance = dot(way.chance, way.scatters);
+  if (numbers.decide(chance)) {
     Path part = path;
     part.shows_normal = false;
     part.take_numbers_of_exit();
@@ -88,10 +86,12 @@ CameraTracer::InMedium CameraTracer::split_in_medium(Path& path, const MediumPoi
     }
   }
   path.scale(way.through);
+  path.behind *= 1 - chance;
   const float left = max_abs(path.emission_throughput + path.withheld + path.world_emission);
   const float survival = path.survival(left);
   if (left > 0 && !path.ends(survival)) {
     path.shown /= survival;
+    path.behind /= survival;
     return InMedium::kNothing;
   }
   if (hit && path.shows_normal) show_depth_behind(path, *hit);

@@ -168,7 +168,8 @@ struct CameraTracer::Path {
   Rgb features{1, 1, 1};
   bool shows_features = true, shows_normal = true;
   Vec3 mirror_normal{};
-  float shown = 1;  // of the pixel's alpha, where it ends at the first vertex
+  // What media leave to what is behind them, of normals, and of the alpha that is still to come
+  float behind = 1, shown = 1;
   // The last vertex
   Receiver from{{}, {}, true, ~uint64_t{0}, nullptr, 1, ray_bit(RayInfo::kCamera)};
   float pdf = INFINITY;  // of the direction, by its BSDF

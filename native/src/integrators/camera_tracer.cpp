@@ -241,7 +241,7 @@ Rgb CameraTracer::show_features(Path& path, const Bsdf& bsdf) const {
 void CameraTracer::end_features(Path& path, const Bsdf& bsdf, const Rgb& mirrored) const {
   const Vec3 normal = bsdf.mean_normal();
   if (is_black(mirrored)) {
-    path.pixel.feature_normal += normal;
+    path.pixel.feature_normal += normal * path.behind;
     path.shows_features = false;
     return;
   }
@@ -253,7 +253,7 @@ void CameraTracer::end_features(Path& path, const Bsdf& bsdf, const Rgb& mirrore
 void CameraTracer::show_first(Path& path, const Surface& hit, const Bsdf& bsdf) const {
   const float through = average(bsdf.transparency() - bsdf.straight());
   if (through > 0 && 1 - through < camera_.settings().alpha_threshold) return;
-  path.pixel.normal += bsdf.mean_normal();
+  path.pixel.normal += bsdf.mean_normal() * path.behind;
   show_depth(path, hit);
   path.shows_normal = false;
 }

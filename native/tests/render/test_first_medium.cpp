@@ -51,6 +51,9 @@ TEST_CASE("every sample shows what shines in fog, as much as that lets through")
     CHECK(p.emission.x * p.share() == approx(std::exp(-2 * kDensity)).epsilon(1e-4));
     CHECK(p.emission.y * p.share() == approx(std::exp(-kDensity)).epsilon(1e-4));
     CHECK(p.alpha * p.share() == 1);
+    // As seldom as a path gets there that takes the channels as they scatter, as in Cycles
+    CHECK(p.normal.z * p.share() ==
+          approx((4 * std::exp(-2 * kDensity) + std::exp(-kDensity)) / 5).epsilon(1e-4));
   }
 }
 
