@@ -17,7 +17,9 @@ constexpr float kLeast = 1.0f / 32;  // chance to go on: no path gets stronger t
 uint64_t PathWorth::cell(const Vec3& x, int level) const {
   const float most = static_cast<float>(1 << level), scale = most / size_;
   const Vec3 p = (x - corner_) * scale;
-  const auto index = [&](float f) { return static_cast<uint64_t>(std::clamp(f, 0.0f, most - 1)); };
+  const auto index = [&](float f) {  // of no number: the first
+    return f > 0 ? static_cast<uint64_t>(std::min(f, most - 1)) : 0;
+  };
   return hash64(hash64(index(p.x) | index(p.y) << 20 | index(p.z) << 40) +
                 static_cast<uint64_t>(level));
 }

@@ -74,6 +74,7 @@ TEST_CASE("paths go on where others have brought something, and end where they h
         approx(worth.chance({0.7f, 0.5f, 0.5f}, 0.002f, kPaths)));
   // Beyond all that it has seen
   CHECK(worth.chance({1e9f, -1e9f, 0}, 0.01f, kPaths) > 0);
+  CHECK(worth.chance({INFINITY, NAN, 0}, 0.01f, kPaths) > 0);
 }
 
 TEST_CASE("in endless fog photons do not go astray, and bring what paths find") {
