@@ -26,6 +26,10 @@ from .splatter import CpuSplatter, ExternalSplatter, Splatter, SplatterFailed
 
 OF_LEARNING = 0.15
 """Of the time that is left, for what a part learns before its passes."""
+OF_UNEVEN = 0.5
+"""Of the time that is left, for a second pass after one that has brought all light by paths: its
+samples go where there is noise, and those may take several times as long as the even ones before.
+"""
 
 
 class Worker(threading.Thread):
@@ -129,11 +133,14 @@ class Worker(threading.Thread):
         """One pass and what is told of it. Returns whether another may follow."""
         began, pilot = time.monotonic(), self.renderer.pilot_seconds
         before, size = self._stage_seconds(), PassSize(*self.renderer.next_pass)
+        tried = False
         self.stage = f"Pass {self.passes_done + 1}"
         if self.settings.integrator is Integrator.REFERENCE:
             self.renderer.trace_reference(self.passes_done)
         else:
             self._splat_pass(self.passes_done)
+            tried = self.renderer.samples_of_last_pass > size.samples
+            size = size._replace(samples=self.renderer.samples_of_last_pass)
         self.passes_done += 1
         self.samples_done += size.samples
         self.film_bytes = max(self.film_bytes, self.renderer.film_bytes)
@@ -151,7 +158,7 @@ class Worker(threading.Thread):
         now, took = self._stage_seconds(), time.monotonic() - began - pilot
         photons = min(max(now.photons - before.photons - pilot, 0.0), took)
         seconds = PassSize(min(now.samples - before.samples, took - photons), photons)
-        return self._another_fits(took, seconds, size)
+        return self._another_fits(took, seconds, size, OF_UNEVEN if tried else 1.0)
 
     def _learn_in_common(self) -> None:
         """What a part does before its passes; it tells how much of the first one there is time
@@ -171,9 +178,11 @@ class Worker(threading.Thread):
     def _stage_seconds(self) -> PassSize:
         return PassSize(self.renderer.camera_seconds, self.renderer.photon_seconds)
 
-    def _another_fits(self, took: float, seconds: PassSize, last: PassSize) -> bool:
+    def _another_fits(
+        self, took: float, seconds: PassSize, last: PassSize, share: float = 1.0
+    ) -> bool:
         """Whether one more pass keeps the time limit, if need be a smaller one, which it then will
-        be.
+        be. `share`: of the time that is left, for a pass that is not the last one.
         """
         wanted = PassSize(*self.renderer.next_pass)
         left = self._seconds_left(wanted.samples)
@@ -182,7 +191,11 @@ class Worker(threading.Thread):
             and self.settings.integrator is Integrator.SPLAT
             and self.passes_done > 0
         )
-        fitting = pass_that_fits(left, took, seconds, last, wanted, may_lack_pixels=may_lack)
+        fitting = None
+        if share < 1.0:
+            fitting = pass_that_fits(share * left, took, seconds, last, wanted)
+        if fitting is None:
+            fitting = pass_that_fits(left, took, seconds, last, wanted, may_lack_pixels=may_lack)
         if fitting is None:
             return False
         if fitting != wanted:

@@ -168,6 +168,10 @@ void bind_render(nb::module_& m, RendererClass& renderer) {
             return std::pair(size.samples, size.photons);
           },
           "Of the next pass: camera samples in each pixel on average; photons over those of the first pass, by their work.")
+      .def_prop_ro(
+          "samples_of_last_pass", &Renderer::samples_of_last_pass,
+          "Camera samples in each pixel of the last pass on average: more than next_pass said where a first\n"
+          "pass has tried what paths can do.")
       .def(
           "limit_pass",
           [](Renderer& r, double samples, double photons) { r.limit_pass({samples, photons}); },

@@ -117,7 +117,7 @@ bool CameraPass::wants_indirect_beams(const PhotonMaps& maps) {
 }
 
 CameraTracer::MediaTrial CameraPass::try_media(const PhotonMaps& maps) {
-  Timer timer(context_.seconds.pilot);
+  Timer timer(context_.seconds.photons), pilot_timer(context_.seconds.pilot);
   const RenderOptions& options = context_.options;
   std::optional<IndirectStrategy> gathers;
   if (options.gathers()) gathers.emplace(context_.scene, IndirectStrategy::Kind::kFinalGather);
@@ -132,6 +132,7 @@ CameraTracer::MediaTrial CameraPass::try_media(const PhotonMaps& maps) {
 // view. Then the pass is done.
 bool CameraPass::try_paths(uint32_t pass, const PhotonMaps& maps, PackedFilm& film) {
   const bool gathers = context_.options.gathers();
+  const double camera_before = context_.seconds.camera;
   strategy_.emplace(context_.scene, IndirectStrategy::Kind::kPathTraced);
   tracer_.keep_trial(gathers ? CameraTracer::Trial::kGather : CameraTracer::Trial::kDensity);
   const bool scouts = CameraTracer::sends_scouts(film) || !gathers;
@@ -145,6 +146,10 @@ bool CameraPass::try_paths(uint32_t pass, const PhotonMaps& maps, PackedFilm& fi
   const bool pays = gathers ? tracer_.trial().paths_pay(photon_paths / camera_paths)
                             : tracer_.trial().paths_beat_density();
   if (!pays) {
+    const double tried = context_.seconds.camera - camera_before;
+    context_.seconds.camera = camera_before;
+    context_.seconds.photons += tried;  // as other pilots
+    context_.seconds.pilot += tried;
     context_.sampler.begin_with(1);
     strategy_.reset();
     return false;

@@ -95,7 +95,7 @@ Renderer::PassSize Renderer::learn_in_common(double seconds, ExternalSplatter* e
       }
       const StageSeconds so_far = seconds_;
       render_pass(pass, {}, elsewhere);
-      of_one = {(seconds_.camera - so_far.camera) / size.samples,
+      of_one = {(seconds_.camera - so_far.camera) / samples_of_last_pass_,
                 (seconds_.with_photons() - so_far.with_photons()) / size.photons};
     }
   } catch (...) {
@@ -271,6 +271,7 @@ void Renderer::resolve() {
   map();
   if (!camera_pass_->gather_points())
     throw std::logic_error("trace_camera() comes before resolve()");
+  samples_of_last_pass_ = sampler_.mean_count();
   const bool whole = !sampler_.lacks_pixels(), adaptive = options.adaptive_samples && whole;
   Timer timer(seconds_.splat);
   PackedFilm& pass = film_.pass();

@@ -41,6 +41,9 @@ class Renderer {
     double samples = 1, photons = 1;
   };
   PassSize next_pass();
+  // Camera samples in each pixel of the last pass, in the mean: not what next_pass() said where a
+  // first pass has tried what paths can do.
+  double samples_of_last_pass() const { return samples_of_last_pass_; }
   // Less in the passes to come; one camera sample in each pixel at the least.
   void limit_pass(const PassSize& most);
 
@@ -154,8 +157,9 @@ class Renderer {
   const VisiblePoints no_points_{};
   const Photons no_photons_{};
   RenderFilm film_;
-  bool begun_ = false;      // the film has a pass, or what comes before has been learnt
-  bool learns_ = false;     // passes teach, and are not for the film
+  bool begun_ = false;   // the film has a pass, or what comes before has been learnt
+  bool learns_ = false;  // passes teach, and are not for the film
+  double samples_of_last_pass_ = 1;
   uint64_t bad_light_ = 0;  // gather points whose light from photons was not finite
 };
 

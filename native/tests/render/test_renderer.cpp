@@ -158,3 +158,26 @@ TEST_CASE("a pass that is short of time has fewer photons, and is as bright") {
   CHECK(mean_radiance(cut.film().unpacked()) ==
         approx(mean_radiance(whole.film().unpacked())).epsilon(0.02));
 }
+
+TEST_CASE("a first pass that tries paths says how many samples it has taken") {
+  Renderer renderer(2);
+  Scene& scene = renderer.scene;
+  scene.materials.resize(1);
+  scene.meshes.push_back(padded(make_grid(1)));
+  scene.add_instance(0, identity, {0});  // a floor alone: there is no light for photons to bring
+  scene.world = {1, 1, 1};
+  CameraSettings& camera = renderer.camera_settings;
+  camera.to_world = Affine{{1, 0, 0, 0.5f, 0, 1, 0, 0.5f, 0, 0, 1, 0.4f}};
+  camera.width = camera.height = camera.region_width = camera.region_height = size;
+  renderer.options.photons_per_pass = 20000;
+  renderer.options.adaptive_samples = true;
+  renderer.options.indirect_light = IndirectLight::kPhotonsOrPaths;
+  renderer.build();
+  CHECK(renderer.next_pass().samples == 1);
+  renderer.render_pass(0);
+  REQUIRE(renderer.statistics().all_path_traced);
+  CHECK(renderer.samples_of_last_pass() == 4);
+  const double next = renderer.next_pass().samples;
+  renderer.render_pass(1);
+  CHECK(renderer.samples_of_last_pass() == next);
+}
