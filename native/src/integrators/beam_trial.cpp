@@ -14,13 +14,13 @@ constexpr double kDark = 1e-2;  // of the picture's mean squared light: darker p
 // share: that of the variance of camera paths, relative to what pixels show, that is of light which
 // beams of indirect light would bring in place of paths; 0 to 1, or more where the rest happens to
 // make up for it. Light of gather points is left out. Pixels of the whole picture are tried with
-// random numbers of their own.
-CameraTracer::MediaTrial CameraTracer::try_media(uint32_t seed, int max_bounces,
+// random numbers of their own: one in `each`, but not too many.
+CameraTracer::MediaTrial CameraTracer::try_media(uint32_t seed, int max_bounces, uint64_t each,
                                                  const CancelFlag& cancel) {
   const CameraSettings& c = camera_.settings();
   const uint64_t width = static_cast<uint64_t>(c.region_width),
                  all_pixels = width * static_cast<uint64_t>(c.region_height),
-                 count = std::min(all_pixels, kPixels);
+                 count = std::clamp<uint64_t>(all_pixels / each, 1, kPixels);
   struct Seen {
     double light = 0, variance = 0, shallow_variance = 0;
   };

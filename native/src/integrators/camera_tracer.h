@@ -57,7 +57,7 @@ class CameraTracer {
     double share;
     double variance;  // of a sample, of all light: of the pixel that a quarter of all are below
   };
-  MediaTrial try_media(uint32_t seed, int max_bounces, const CancelFlag& cancel);
+  MediaTrial try_media(uint32_t seed, int max_bounces, uint64_t each, const CancelFlag& cancel);
   // Whether scouts are less than all.
   static bool sends_scouts(const PackedFilm& film);
 

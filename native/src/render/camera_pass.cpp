@@ -14,12 +14,13 @@ constexpr uint32_t kGatheredSamples = 4;
 // Photons of equal power in such a pass: its mean is uncertain by one over their root. Four times
 // as many were no better in gi_demo and interior.
 constexpr double kGatheredPhotons = 20000;
-constexpr uint32_t kTrialSamples = 4;  // of a pixel, to tell their variance
-constexpr uint32_t kPathSamples = 8;   // of a pixel in a pass where paths bring all indirect light
-constexpr double kMeanOfShort = 2;     // samples of a pixel where passes are to be short
-constexpr double kBeamsShare = 0.8;    // of the variance
-constexpr double kServedWell = 0.5;    // share of places
-constexpr size_t kLaterLooks = 16;     // one gather point in so many, in each pass but the first
+constexpr uint64_t kPixelsPerLook = 64;  // of which one tells how much samples vary beside beams
+constexpr uint32_t kTrialSamples = 4;    // of a pixel, to tell their variance
+constexpr uint32_t kPathSamples = 8;  // of a pixel in a pass where paths bring all indirect light
+constexpr double kMeanOfShort = 2;    // samples of a pixel where passes are to be short
+constexpr double kBeamsShare = 0.8;   // of the variance
+constexpr double kServedWell = 0.5;   // share of places
+constexpr size_t kLaterLooks = 16;    // one gather point in so many, in each pass but the first
 
 bool wants_lobe_colors(const PackedFilm& film) {
   return (film.kept & channels_of(&Pixel::glossy_color, &Pixel::transmission_color)).any();
@@ -107,23 +108,24 @@ void CameraPass::trace(uint32_t pass, const PhotonMaps& maps, PackedFilm& film) 
 }
 
 double CameraPass::variance_beside_beams(const PhotonMaps& maps) {
-  return try_media(maps).variance;
+  return try_media(maps, kPixelsPerLook).variance;
 }
 
 // Beams' noise is common to many pixels, as that of all photons: a denoiser takes off what paths
 // have instead. So beams have to take off nearly all there is.
 bool CameraPass::wants_indirect_beams(const PhotonMaps& maps) {
-  return try_media(maps).share > kBeamsShare;
+  return try_media(maps, 1).share > kBeamsShare;
 }
 
-CameraTracer::MediaTrial CameraPass::try_media(const PhotonMaps& maps) {
+CameraTracer::MediaTrial CameraPass::try_media(const PhotonMaps& maps, uint64_t each) {
   Timer timer(context_.seconds.photons), pilot_timer(context_.seconds.pilot);
   const RenderOptions& options = context_.options;
   std::optional<IndirectStrategy> gathers;
   if (options.gathers()) gathers.emplace(context_.scene, IndirectStrategy::Kind::kFinalGather);
   tracer_.set_strategy(gathers ? &*gathers : nullptr, maps.size() > 1, 1);
-  const CameraTracer::MediaTrial trial = tracer_.try_media(
-      stream_seed(options.seed, RandomStream::kBeamTrial), options.max_bounces, context_.cancel);
+  const CameraTracer::MediaTrial trial =
+      tracer_.try_media(stream_seed(options.seed, RandomStream::kBeamTrial), options.max_bounces,
+                        each, context_.cancel);
   tracer_.set_strategy(strategy_ ? &*strategy_ : nullptr, maps.size() > 1, 1);
   return trial;
 }

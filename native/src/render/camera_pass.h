@@ -67,7 +67,7 @@ class CameraPass {
  private:
   uint32_t common_seed() const;
   void teach(PhotonMap& map, const SurfaceFilter& seen, bool all_surfaces);
-  CameraTracer::MediaTrial try_media(const PhotonMaps& maps);
+  CameraTracer::MediaTrial try_media(const PhotonMaps& maps, uint64_t each);
   bool try_paths(uint32_t pass, const PhotonMaps& maps, PackedFilm& film);
   void choose(uint32_t pass, bool scouts, const PhotonMaps& maps, PackedFilm& film);
   bool trace_more(uint32_t pass, CameraTracer::Tiles tiles, const PhotonMaps& maps,
