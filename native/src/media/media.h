@@ -114,6 +114,8 @@ class Media {
     const Rgb c = regions_[world_].point.extinction();
     return std::min({c.x, c.y, c.z}) > 0;
   }
+  // Whether some object with a medium hides from some rays.
+  bool hides() const { return hides_; }
   // Whether some scatter what is seen and let straight light pass as if they were not there.
   bool hides_from_shadows() const { return hides_from_shadows_; }
   // Light group of what media of the stack emit: that of the one entered first of those that do.

@@ -165,8 +165,9 @@ void Renderer::make_maps() {
 }
 
 // Photon beams for light in media: caustics where the scene can have some, and the rest of what
-// photons bring where media are the same everywhere and nothing moves (a path sees what is there at
-// its own time, and no beam of another).
+// photons bring where media are the same everywhere, hide from no ray (beams do not know by what
+// rays they are seen) and nothing moves (a path sees what is there at its own time, and no beam of
+// another).
 void Renderer::make_beams() {
   caustic_beams_.reset();
   indirect_beams_.reset();
@@ -176,7 +177,8 @@ void Renderer::make_beams() {
   if (caustics)
     caustic_beams_ = std::make_unique<BeamMap>(context(), *lights_, *camera_, BeamLight::kCaustic,
                                                PhotonStream::kCaustic);
-  if (scene.media()->any_homogeneous() && !scene.needs_paths() && !scene.moves())
+  if (scene.media()->any_homogeneous() && !scene.media()->hides() && !scene.needs_paths() &&
+      !scene.moves())
     indirect_beams_ =
         std::make_unique<BeamMap>(context(), *lights_, *camera_, BeamLight::kIndirect,
                                   caustics ? PhotonStream::kIndirect : PhotonStream::kAll);
