@@ -9,8 +9,6 @@ namespace {
 constexpr uint32_t kIdleStops = 8;   // of paths that bring nothing any more one is kept
 constexpr size_t kPathsPerStop = 2;  // at the most, where all of them do
 
-float squared(float x) { return x * x; }
-
 Scene::Rays rays_of(const PhotonPaths& paths, uint32_t first, bool moves, bool strands) {
   return {paths.origin_x + first,
           paths.origin_y + first,
@@ -166,7 +164,7 @@ void PhotonTracer::leave_beam(Chunk& c, uint32_t i, const Surface* hit) const {
                          rest.time});
   if (!c.useful) return;
   c.useful[rest.place] += use_of(c.run.beams.back(), start, c.total);
-  c.travellers.brought[rest.place] += squared(power_of_use(c.run.beams.back()));
+  c.travellers.brought[rest.place] += sqr(power_of_use(c.run.beams.back()));
 }
 
 // Path i, whose ray meets lane k of the hits or, where not `there`, nothing.
@@ -190,7 +188,7 @@ void PhotonTracer::advance_alone(Chunk& c, uint32_t i, const RayHits& hits, uint
     const InMedium way = pass_media(path, surface.distance, start, draws, origin, direction);
     if (way == InMedium::kScattered) {
       travellers.put(c.kept++, path, origin, direction, true);
-      if (const float power = squared(luminance(path.power)); c.useful && power > 0)
+      if (const float power = c.useful ? sqr(luminance(path.power)) : 0; power > 0)
         travellers.stops.push_back({origin, path.place, power, travellers.brought[path.place]});
     }
     if (way != InMedium::kPasses || !there) return;
@@ -247,7 +245,7 @@ void PhotonTracer::advance(Chunk& c, uint32_t begin, const RayHits& hits, unsign
       for (size_t p = stored; p < photons.size(); ++p)
         if (c.filter->counts(photons[p])) {
           c.useful[place] += use_of(photons[p], c.travellers.starts[place], c.total);
-          c.travellers.brought[place] += squared(luminance(photons[p].power));
+          c.travellers.brought[place] += sqr(luminance(photons[p].power));
         }
     if (keeps_groups_) c.run.groups.resize(photons.size(), c.travellers.starts[place].light_group);
   }

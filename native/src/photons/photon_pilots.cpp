@@ -14,7 +14,6 @@ constexpr uint64_t kPilotsMore = 3;  // after the first, for emission that is gu
 constexpr double kFewArrive = 0.003;
 // Over those of one that is the first to know where paths in media are worth to go on
 constexpr uint64_t kPilotOverFirst = 8;
-constexpr float kWorldReach = 32;  // that is learnt of then, in radii of the scene
 
 }  // namespace
 

@@ -31,6 +31,9 @@ struct PhotonCounts {
 // this share of the path's power, indirect ones the rest.
 enum class PhotonStream : uint8_t { kAll, kIndirect, kCaustic };
 
+// A medium that fills the world is looked at so far, in radii of what is in it.
+inline constexpr float kWorldReach = 32;
+
 // See choose_variant().
 BounceKernel choose_bounce_kernel(const std::string& name = {});
 

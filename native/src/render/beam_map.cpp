@@ -16,8 +16,6 @@ constexpr double kBeamsPerDisc = 2, kSmoothBeamsPerDisc = 4;
 constexpr double kShrinkExponent = -1.0 / 5.0;
 constexpr double kBeside = 0.1;  // of the variance of other light, that of beams in a cell may be
 constexpr int kWays = 8;         // that tell how a medium scatters
-// A medium that fills the world is looked at so far, in radii of what is in it
-constexpr float kWorldReach = 32;
 
 // What a metre of a beam sends out into directions, root mean square of all, W/(m sr): of phases p
 // that is the root of the mean of p / 4 pi over what they send out.
