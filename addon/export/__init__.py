@@ -162,7 +162,7 @@ def export_contents(
     materials = Materials(shading, aovs(view_layer) if labelled else ())
     objects = Objects(materials, shading, kept, exported.light_groups, moving, labelled)
     objects.collect(depsgraph, visible)
-    objects.collect_shading(depsgraph, shading.around.wants, *shading.wanted)
+    objects.collect_shading(depsgraph, shading.around.wants, shading.wanted_of_instances)
     objects.displace(depsgraph, camera, frame)
     world = getattr(view_layer, "world_override", None) or scene.world
     if not view_layer.use_sky:

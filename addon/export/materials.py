@@ -74,13 +74,10 @@ class Shading:
         return Compiler(owner, self.around, self.folding).pass_value(outputs, is_color)
 
     @property
-    def wanted(self) -> tuple[frozenset[int], frozenset[int]]:
-        """Ids of what programs read from meshes, and from instances."""
+    def wanted_of_instances(self) -> frozenset[int]:
+        """Ids of what programs read from instances."""
         programs = self.programs + self.of_vertices
-        meshes = frozenset[int]().union(*(program.wants for program in programs))
-        return meshes - {UNDISPLACED_NORMALS}, frozenset[int]().union(
-            *(program.wants_instances for program in programs)
-        )
+        return frozenset[int]().union(*(program.wants_instances for program in programs))
 
     @property
     def asked_of_displaced(self) -> frozenset[int]:
@@ -150,6 +147,17 @@ class Materials:
             [self._aov_programs.get((k, i), NO_PROGRAM) for i in range(len(self.list))]
             for k in range(len(self._aovs))
         ]
+
+    def wanted_of_meshes(self, index: int) -> frozenset[int]:
+        """Ids of what a material's programs read from the meshes that have it."""
+        material = self.list[index]
+        numbers = [material.program, material.volume]
+        numbers += [number for (_, of), number in self._aov_programs.items() if of == index]
+        programs = [self._shading.programs[number] for number in numbers if number != NO_PROGRAM]
+        if index in self.displacements:
+            programs.append(self.displacements[index].program)
+        wanted = frozenset[int]().union(*(program.wants for program in programs))
+        return wanted - {UNDISPLACED_NORMALS}
 
     def _remember(self, key: Key, make: Callable[[], Material]) -> int:
         if key not in self._known:

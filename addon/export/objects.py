@@ -182,15 +182,20 @@ class Objects:
         self._rows.add(flattened, materials, np.eye(4))
         self._describe(place, instance, range(row, row + 1), self._rows.traits(kind))
 
-    def collect_shading(
-        self, depsgraph: Any, wants: Wants, of_meshes: frozenset[int], of_instances: frozenset[int]
-    ) -> None:
+    def collect_shading(self, depsgraph: Any, wants: Wants, of_instances: frozenset[int]) -> None:
         """What programs read from meshes and instances (ids of `wants`). The graph has not changed
         since collect().
         """
+        of_materials = [
+            self._materials.wanted_of_meshes(index) for index in range(len(self._materials.list))
+        ]
+        of_sets = [
+            frozenset[int]().union(*(of_materials[index] for index in set(found.tolist())))
+            for found in self._sets.list
+        ]
         with_uv = wants.active_uv_map or depsgraph.view_layer.use_pass_uv
         self._attributes = self._object_shading.collect(
-            depsgraph, wants, of_meshes, of_instances, with_uv
+            depsgraph, wants, self._rows.of_meshes(of_sets), of_instances, with_uv
         )
 
     def displace(self, depsgraph: Any, camera: Camera, frame: Frame) -> None:

@@ -61,28 +61,25 @@ class ObjectShading:
         self,
         depsgraph: Any,
         wants: Wants,
-        of_meshes: frozenset[int],
+        of_meshes: dict[int, frozenset[int]],
         of_instances: frozenset[int],
         with_uv: bool,
     ) -> list[InstanceAttribute]:
-        """Gives meshes what programs read from them, and returns what they read from instances: ids
-        of `wants`. The graph has not changed since the rows were made. `with_uv`: meshes are to
-        have their render-active UV maps.
+        """Gives meshes what programs read from them (ids of `wants`, by mesh), and returns what
+        they read from instances (ids). The graph has not changed since the rows were made.
+        `with_uv`: meshes are to have their render-active UV maps.
         """
-        if not of_meshes and not of_instances and not with_uv:
+        of_any = with_uv or any(of_meshes.values())
+        if not of_any and not of_instances:
             return []
         names = {number: want for want, number in wants.ids.items()}
-        mesh_wants = {number: names[number] for number in sorted(of_meshes)}
-        askers = {
-            number: list(found) for number, found in wants.askers.items() if number in of_meshes
-        }
         of_nodes = InstanceAttributes(self._report)
         readers = [
             Reading(number, names[number], reader_of(names[number], depsgraph, of_nodes))
             for number in sorted(of_instances)
         ]
         done: set[int] = set()
-        meshes, of_any = self._shapes.list, bool(mesh_wants or with_uv)
+        meshes = self._shapes.list
         rows, first_rows = self._rows, set(self._rows.first_rows)
         looked_at = (
             rows.first_rows if all(reader.by_kind for reader in readers) else list(range(len(rows)))
@@ -111,8 +108,14 @@ class ObjectShading:
                 ob = instance.object
                 if with_uv:
                     self._shapes.give_uv(ob, index)
-                if not mesh_wants:
+                if not of_meshes[index]:
                     continue
+                mesh_wants = {number: names[number] for number in sorted(of_meshes[index])}
+                askers = {
+                    number: list(wants.askers[number])
+                    for number in mesh_wants
+                    if number in wants.askers
+                }
                 meshes[index] = replace(
                     meshes[index], shading=self._of_mesh(ob, index, mesh_wants, depsgraph)
                 )

@@ -75,6 +75,13 @@ class Rows:
         """Mesh and material set."""
         return self._placed[self.kinds[row]]
 
+    def of_meshes(self, of_sets: Sequence[frozenset[int]]) -> dict[int, frozenset[int]]:
+        """By mesh: what the material sets ask for that it has somewhere."""
+        found: dict[int, frozenset[int]] = {}
+        for mesh, materials in set(self._placed):
+            found[mesh] = found.get(mesh, frozenset()) | of_sets[materials]
+        return found
+
     def traits(self, kind: int) -> Traits:
         return self._traits[kind]
 

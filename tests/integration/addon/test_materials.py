@@ -384,6 +384,35 @@ def test_only_what_programs_ask_for_is_exported() -> None:
     assert what.meshes[0].shading.generated is None
 
 
+@in_blender
+def test_meshes_have_only_what_their_own_materials_ask_for() -> None:
+    """A mesh that stands in two places has what the materials of both ask for."""
+    import bpy
+
+    def asking(name: str) -> Any:
+        made, tree = stage.empty_material(f"Asks for {name}")
+        shader, asked = tree.nodes.new("ShaderNodeEmission"), tree.nodes.new("ShaderNodeAttribute")
+        asked.attribute_name = name
+        tree.links.new(asked.outputs["Color"], shader.inputs["Color"])
+        stage.surface(tree, shader)
+        return made
+
+    one, two, plain = (stage.plane(name) for name in ("One", "Two", "Plain"))
+    for ob in (one, two, plain):
+        for name in ("A", "B", "C"):
+            ob.data.attributes.new(name, "FLOAT_COLOR", "POINT")
+    one.data.materials[0] = asking("A")
+    two.data.materials[0] = asking("B")
+    other = bpy.data.objects.new("Other", one.data)
+    stage.scene().collection.objects.link(other)
+    other.material_slots[0].link = "OBJECT"
+    other.material_slots[0].material = asking("C")
+    what = stage.exported()
+    by_owner = dict(zip(what.instances.owners, what.instances.mesh, strict=True))
+    found = {owner: len(what.meshes[mesh].shading.attributes) for owner, mesh in by_owner.items()}
+    assert found == {"One": 2, "Other": 2, "Two": 1, "Plain": 0}
+
+
 @pytest.mark.parametrize("by", ["ObjectInfo", "Attribute"])
 @in_blender
 def test_instances_have_the_colour_of_what_makes_them(by: str) -> None:
