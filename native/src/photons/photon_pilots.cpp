@@ -122,12 +122,30 @@ const Photons* PhotonTracer::learn_emission(uint64_t paths, uint32_t seed,
   teach(guide, nullptr, 0, seed, useful.of_path);
   guide_ = std::move(guide);
   // Where few were of use, those of further pilots tell more
-  for (uint64_t first = paths; first <= kPilotsMore * paths; first += paths) {
-    trace(first, paths, static_cast<double>(paths), seed, stored, cancel, &useful);
-    learn_worth();
-    teach(*guide_, &*guide_, first, seed, useful.of_path);
-  }
+  for (uint64_t i = 1; i <= kPilotsMore; ++i)
+    teach_guided(i * paths, paths, seed, stored, useful, cancel);
   return nullptr;
+}
+
+const Photons* PhotonTracer::learn_more_emission(uint64_t paths, uint32_t seed,
+                                                 const SurfaceFilter& visible,
+                                                 const SurfaceFilter& stored,
+                                                 const SeenPlaces* places,
+                                                 const CancelFlag& cancel) {
+  if (!guide_) return learn_emission(paths, seed, visible, stored, places, cancel);
+  Usefulness useful{&visible, places, {}};
+  return &teach_guided((kPilotsMore + 1) * paths, paths, seed, stored, useful, cancel);
+}
+
+// Traces a pilot that the guide has drawn, and teaches that by it.
+const Photons& PhotonTracer::teach_guided(uint64_t first, uint64_t paths, uint32_t seed,
+                                          const SurfaceFilter& stored, Usefulness& useful,
+                                          const CancelFlag& cancel) {
+  const Photons& photons =
+      trace(first, paths, static_cast<double>(paths), seed, stored, cancel, &useful);
+  learn_worth();
+  teach(*guide_, &*guide_, first, seed, useful.of_path);
+  return photons;
 }
 
 }  // namespace photon_splat

@@ -69,7 +69,7 @@ class PhotonTracer {
   const PhotonCounts& counts() const { return counts_; }
   const PhotonCounts& last_counts() const { return last_counts_; }  // of the last trace()
 
-  // Traces a pilot and learns from it where photons that end on visible surfaces start. Guided
+  // Traces pilots and learns from them where photons that end on visible surfaces start. Guided
   // emission is taken up only where few unguided paths are of use; where not, the pilot's photons
   // are as good as those of any other paths, and are returned (null otherwise; valid until the next
   // trace()). Caustic photons are aimed at what can focus light instead. `stored`: surfaces whose
@@ -78,6 +78,11 @@ class PhotonTracer {
   const Photons* learn_emission(uint64_t paths, uint32_t seed, const SurfaceFilter& visible,
                                 const SurfaceFilter& stored, const SeenPlaces* places,
                                 const CancelFlag& cancel);
+  // The same once more where it is known by now that more is visible: one pilot that the guide has
+  // drawn tells the rest, and its photons are returned.
+  const Photons* learn_more_emission(uint64_t paths, uint32_t seed, const SurfaceFilter& visible,
+                                     const SurfaceFilter& stored, const SeenPlaces* places,
+                                     const CancelFlag& cancel);
   bool guided() const { return guide_.has_value() || targets_.has_value(); }
 
  private:
@@ -182,6 +187,9 @@ class PhotonTracer {
   // Aims at the spheres as a pilot teaches; the share of its paths that were of use.
   double aim(std::vector<EmissionTargets::Sphere> spheres, uint64_t paths, uint32_t seed,
              const SurfaceFilter& visible, const SeenPlaces* places, const CancelFlag& cancel);
+  const Photons& teach_guided(uint64_t first, uint64_t paths, uint32_t seed,
+                              const SurfaceFilter& stored, Usefulness& useful,
+                              const CancelFlag& cancel);
   void teach(EmissionGuide& guide, const EmissionGuide* drawn_by, uint64_t first, uint32_t seed,
              std::span<const float> useful) const;
   float use_of(const Photon& photon, const PhotonStart& start, double total) const;

@@ -224,7 +224,7 @@ void CameraPass::choose(uint32_t pass, bool scouts, const PhotonMaps& maps, Pack
       known.add(seen);
     else
       known = seen;
-    teach(indirect, known, false);
+    teach(indirect, known, false, true);
     make_strategy(indirect, known);
     if (scouts) {
       Timer pilot(context_.seconds.pilot);
@@ -266,12 +266,13 @@ bool CameraPass::photons_pay(const PhotonMap& indirect) const {
 
 void CameraPass::teach(PhotonMap& map) { teach(map, map.wanted_on(gather_points_), false); }
 
-void CameraPass::teach(PhotonMap& map, const SurfaceFilter& seen, bool all_surfaces) {
+void CameraPass::teach(PhotonMap& map, const SurfaceFilter& seen, bool all_surfaces, bool more) {
   Timer timer(context_.seconds.photons), pilot_timer(context_.seconds.pilot);
   std::optional<SeenPlaces> places;
   if (!context_.options.keeps_photons() && gather_points_)
     places = focus_.look(*gather_points_, lights_);
-  map.learn({seen, all_surfaces, places ? &*places : nullptr, focus_.middle(), focus_.reach()});
+  map.learn(
+      {seen, all_surfaces, places ? &*places : nullptr, more, focus_.middle(), focus_.reach()});
 }
 
 void CameraPass::trace_reference(uint32_t sample, PackedFilm& film) {

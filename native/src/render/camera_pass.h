@@ -66,7 +66,7 @@ class CameraPass {
 
  private:
   uint32_t common_seed() const;
-  void teach(PhotonMap& map, const SurfaceFilter& seen, bool all_surfaces);
+  void teach(PhotonMap& map, const SurfaceFilter& seen, bool all_surfaces, bool more = false);
   CameraTracer::MediaTrial try_media(const PhotonMaps& maps, uint64_t each);
   bool try_paths(uint32_t pass, const PhotonMaps& maps, PackedFilm& film);
   void choose(uint32_t pass, bool scouts, const PhotonMaps& maps, PackedFilm& film);

@@ -104,9 +104,9 @@ void PhotonMap::learn(const PilotTask& task) {
   if (task.all_surfaces) stored.add_all();
   const uint64_t paths = std::max<uint64_t>(1, std::min(first_pass_paths_, kPilotPaths));
   tracer_.set_viewer(viewer_);
-  const Photons* pilot =
-      tracer_.learn_emission(paths, stream_seed(seed_, RandomStream::kEmissionPilot), task.useful,
-                             stored, task.places, context_.cancel);
+  const auto learn = task.more ? &PhotonTracer::learn_more_emission : &PhotonTracer::learn_emission;
+  const Photons* pilot = (tracer_.*learn)(paths, stream_seed(seed_, RandomStream::kEmissionPilot),
+                                          task.useful, stored, task.places, context_.cancel);
   if (!pilot)
     pilot = &tracer_.trace(0, paths, static_cast<double>(paths),
                            stream_seed(seed_, RandomStream::kPilot), stored, context_.cancel);

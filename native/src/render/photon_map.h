@@ -19,6 +19,7 @@ struct PilotTask {
   const SurfaceFilter& useful;         // surfaces on which photons are wanted
   bool all_surfaces = false;           // radii of the others as well: they may turn out to be seen
   const SeenPlaces* places = nullptr;  // where photons are wanted; none: all over those surfaces
+  bool more = false;                   // than the task before, which was of the same view
   Vec3 middle{};
   float reach = INFINITY;  // half of what is seen is no further from the middle, m
 };
