@@ -18,6 +18,10 @@ constexpr float kClearOfWall = 0.9f;  // of the distance to it
 constexpr float kLeastOfWalledRadius[] = {0.34f, 0.15f};
 constexpr float kLeastBetweenWalls = 0.5f;  // of that, where there is no room for it either
 constexpr float kLeastUnhidden = 0.1f;      // of a kernel's mass, whatever the probes say
+// Light below this share of what is beside it is faint, and its points' masses are found with a
+// chance that falls with it, to the least
+constexpr float kFaint = 0.02f, kLeastChance = 1.0f / 8;
+constexpr uint32_t kMassDraw = 0x6d617373;
 
 // Divides by the part of the kernel that lies on the surface and is not hidden there. Returns
 // whether an edge cuts the disc.
@@ -152,7 +156,20 @@ void VisiblePoints::correct_boundaries(Scene& scene, const CancelFlag& cancel) {
   counts_.obstructed += obstructed;
 }
 
-void VisiblePoints::find_masses(Scene& scene, const CancelFlag& cancel) {
+// Of a point's mass to be found. What its photons add to a pixel, over the pixel's other light, is
+// how much an error of theirs matters.
+float VisiblePoints::chance_of_mass(size_t point, const LightBeside& beside) const {
+  if (beside.luminance.empty()) return 1;
+  const GatherPoint& at = (*beside.gather_points)[points_[point].gather_point];
+  const PointBlock& block = blocks_[point / kBlockSize];
+  const size_t lane = point % kBlockSize;
+  const Rgb sum{block.r[lane], block.g[lane], block.b[lane]};
+  const float own = luminance(at.throughput * sum) * block.scale[lane] * beside.more,
+              faint = kFaint * beside.luminance[at.pixel];
+  return own < faint ? std::max(own / faint, kLeastChance) : 1;
+}
+
+void VisiblePoints::find_masses(Scene& scene, const LightBeside& beside, const CancelFlag& cancel) {
   std::atomic<uint64_t> cut{0}, measured{0}, obstructed{0};
   bent_looks_.resize(blocks_.size());
   scene.pool().for_each(blocks_.size(), cancel, [&](size_t b, int) {
@@ -166,23 +183,29 @@ void VisiblePoints::find_masses(Scene& scene, const CancelFlag& cancel) {
       const auto [instance, triangle] = places_[i];
       const Vec3 x{block.x[lane], block.y[lane], block.z[lane]},
           n{block.nx[lane], block.ny[lane], block.nz[lane]};
+      const uint32_t seed = hash_of(x), key = block.key[lane];
+      const float chance = chance_of_mass(i, beside);
+      if (chance < 1 && to_unit_float(hash_combine(seed, kMassDraw)) >= chance) continue;
       const float h = 1 / std::sqrt(block.inverse_h2[lane]);
+      const float scale = block.scale[lane], narrow_scale = block.narrow_scale[lane];
       if (waits & kMass) {
         const KernelMass m = kernel_mass(scene, instance, triangle, x, n, h);
         const DiscOcclusion inside = looks_.empty() ? DiscOcclusion{0, 0, h} : looks_[i].found;
         cut.fetch_add(divide_by_mass(block, lane, m, inside), std::memory_order_relaxed);
         measured.fetch_add(1, std::memory_order_relaxed);
       }
-      if (!(waits & kLook)) continue;
-      const uint32_t seed = hash_of(x), key = block.key[lane];
       const uint64_t region = ClearRegions::region(key, x, h);
-      if (!clear_regions_.to_look_at(region, hash32(seed))) continue;
-      const OverOpen over = over_open_share(scene, instance, triangle, key, x, n, h, seed);
-      const bool clear = !(over.whole > 1);
-      block.scale[lane] *= over.whole;
-      block.narrow_scale[lane] *= over.narrow;
-      obstructed.fetch_add(!clear, std::memory_order_relaxed);
-      bent_looks_[b].push_back({region, clear});
+      if (waits & kLook && clear_regions_.to_look_at(region, hash32(seed))) {
+        const OverOpen over = over_open_share(scene, instance, triangle, key, x, n, h, seed);
+        const bool clear = !(over.whole > 1);
+        block.scale[lane] *= over.whole;
+        block.narrow_scale[lane] *= over.narrow;
+        obstructed.fetch_add(!clear, std::memory_order_relaxed);
+        bent_looks_[b].push_back({region, clear});
+      }
+      // For those as well that were not drawn
+      block.scale[lane] = scale + (block.scale[lane] - scale) / chance;
+      block.narrow_scale[lane] = narrow_scale + (block.narrow_scale[lane] - narrow_scale) / chance;
     }
   });
   for (const auto& looks : bent_looks_)

@@ -30,6 +30,14 @@ struct PointSettings {
   bool steady = false;
 };
 
+// What a picture shows before photons add to it: where that outshines them, few of the points need
+// their masses.
+struct LightBeside {
+  std::span<const float> luminance;  // by pixel; none: not known
+  const GatherPoints* gather_points = nullptr;
+  float more = 1;  // as the photons so far become when all have come
+};
+
 class VisiblePoints {
  public:
   // Chooses radii and points for `gather_points`; `pass` decides the random places of the cells.
@@ -41,8 +49,9 @@ class VisiblePoints {
   // not reach past walls. Before photons are splatted: places and radii of discs, and masses that
   // have a say in those.
   void correct_boundaries(Scene& scene, const CancelFlag& cancel);
-  // After that: the other masses, of points that some photon has reached. May come again.
-  void find_masses(Scene& scene, const CancelFlag& cancel);
+  // After that: the other masses, of points that some photon has reached. May come again. Of points
+  // that are faint beside other light those of some, drawn at random, stand for all.
+  void find_masses(Scene& scene, const LightBeside& beside, const CancelFlag& cancel);
 
   // Another view learns anew, so that its picture does not depend on those before.
   void forget_clear_regions() { clear_regions_ = {}; }
@@ -93,6 +102,7 @@ class VisiblePoints {
   // GatherPoints that see their point only through a wall get one of their own.
   void split_at_walls(Scene& scene, const GatherPoints& gather_points, const CancelFlag& cancel);
   void want_ways(Scene& scene, const GatherPoints& gather_points, const CancelFlag& cancel);
+  float chance_of_mass(size_t point, const LightBeside& beside) const;
   void fill_blocks(Scene& scene, const GatherPoints& gather_points, const CancelFlag& cancel);
 
   std::vector<Cell> cells_;

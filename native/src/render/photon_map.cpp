@@ -190,6 +190,7 @@ void PhotonMap::trace(uint64_t first, uint64_t count) {
     if (keep) context_.kept_bytes += cache_.add(from, count, *batch_, *batch_groups_, most - there);
   }
   used_ += batch_->size();
+  traced_in_pass_ = first + count;
   batch_paths_ = count;
   batch_photons_ = batch_->size();
 }
@@ -216,7 +217,30 @@ void PhotonMap::splat() {
 void PhotonMap::find_masses() {
   if (!context_.options.boundary_correction) return;
   Timer timer(context_.seconds.boundary);
-  points_.find_masses(context_.scene, context_.cancel);
+  LightBeside beside{light_beside_, gather_points_, 1};
+  if (traced_in_pass_)
+    beside.more =
+        static_cast<float>(static_cast<double>(paths_per_pass()) / double(traced_in_pass_));
+  points_.find_masses(context_.scene, beside, context_.cancel);
+}
+
+void PhotonMap::see_light(const GatherPoints& gather_points, const PackedFilm& pass) {
+  light_beside_.clear();
+  traced_in_pass_ = 0;
+  // Wide discs of other photons are corrected by much more, and chance would flicker in a viewport
+  if (!caustic() || context_.options.keeps_photons() || !context_.options.boundary_correction)
+    return;
+  Timer timer(context_.seconds.boundary);
+  gather_points_ = &gather_points;
+  light_beside_.resize(pass.size());
+  context_.scene.pool().for_each(pass.tiles(), context_.cancel, [&](size_t t, int) {
+    PackedFilm::Sums sums;
+    pass.see(t, sums);
+    pass.each(t, [&](size_t i, size_t place) {
+      const float samples = sums.samples[place];
+      light_beside_[i] = samples > 0 ? std::max(sums.luminance[place] / samples, 0.0f) : 0;
+    });
+  });
 }
 
 const Splatter& PhotonMap::find_pairs(size_t first, size_t count) {
@@ -345,7 +369,7 @@ void PhotonMap::place_viewport_points(const GatherPoints& gather_points) {
   viewport_splatter_->set_blocks(points_.block_bounds());
   viewport_splatter_->splat_kept(there.photons(), points_.blocks(), points_.ways(),
                                  context_.scene.pool(), context_.cancel);
-  if (options.boundary_correction) points_.find_masses(context_.scene, context_.cancel);
+  if (options.boundary_correction) points_.find_masses(context_.scene, {}, context_.cancel);
   scale_sums(points_.blocks(), static_cast<float>(1.0 / paths));
 }
 

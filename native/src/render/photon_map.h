@@ -53,6 +53,8 @@ class PhotonMap {
   // Visible points for the gather points of the pass, with radii and kernel masses; sums 0.
   void place_points(const GatherPoints& gather_points, uint32_t pass);
   void clear_points();
+  // What a pass shows of these gather points' pixels before photons add to it.
+  void see_light(const GatherPoints& gather_points, const PackedFilm& pass);
   // Photon paths [first, first + count) of the pass: a batch, kept until the next one.
   void trace(uint64_t first, uint64_t count);
   // Instead of trace(): photons made elsewhere.
@@ -129,6 +131,9 @@ class PhotonMap {
   float dispersion_ = 1;  // of the power of caustic photons: their noise over that of equal ones
   std::unique_ptr<Splatter> splatter_;
   VisiblePoints points_;
+  std::vector<float> light_beside_;  // LightBeside::luminance
+  const GatherPoints* gather_points_ = nullptr;
+  uint64_t traced_in_pass_ = 0;  // paths so far; 0 where photons were made elsewhere
   LightGroupSums groups_;
   AdaptiveRadius adaptive_radius_;
   std::optional<ViewportPhotons> viewport_photons_;

@@ -267,6 +267,7 @@ void Renderer::place_points(uint32_t pass) {
   if (camera_pass_->path_traced(map)) return map.clear_points();
   if (!map.learnt()) camera_pass_->teach(map);
   map.place_points(*gather_points, pass);
+  map.see_light(*gather_points, film_.pass());
 }
 
 void Renderer::resolve() {
