@@ -143,16 +143,17 @@ class Materials:
 
     def aov_programs(self) -> list[list[int]]:
         """By pass, of each material."""
-        return [
-            [self._aov_programs.get((k, i), NO_PROGRAM) for i in range(len(self.list))]
-            for k in range(len(self._aovs))
-        ]
+        of_materials = [self._aov_programs_of(index) for index in range(len(self.list))]
+        return [[found[k] for found in of_materials] for k in range(len(self._aovs))]
+
+    def _aov_programs_of(self, index: int) -> list[int]:
+        """By pass."""
+        return [self._aov_programs.get((k, index), NO_PROGRAM) for k in range(len(self._aovs))]
 
     def wanted_of_meshes(self, index: int) -> frozenset[int]:
         """Ids of what a material's programs read from the meshes that have it."""
         material = self.list[index]
-        numbers = [material.program, material.volume]
-        numbers += [number for (_, of), number in self._aov_programs.items() if of == index]
+        numbers = [material.program, material.volume, *self._aov_programs_of(index)]
         programs = [self._shading.programs[number] for number in numbers if number != NO_PROGRAM]
         if index in self.displacements:
             programs.append(self.displacements[index].program)

@@ -64,8 +64,7 @@ Found masses(Scene& scene, float share) {
 
 }  // namespace
 
-TEST_CASE(
-    "faint points: a few masses stand for all of them, and for those that are not faint none") {
+TEST_CASE("faint points: a few masses stand for all of them; of others all are found") {
   Scene scene(2);
   fill(scene, make_waves(24), {identity});
   const Found all = masses(scene, 0);
