@@ -63,6 +63,15 @@ struct BsdfSample {
   // and photons that come from there do not go to them
   bool by_turned_normal = false;
   bool diffuse = false;  // a diffuse-like lobe (diffuse, translucent, sheen) was chosen
+  float favour = 1;      // the pdf without what is drawn towards a cone, over all of it
+};
+
+// To the samples of a Bsdf come others, so many for each, of which diffuse-like lobes draw their
+// directions from a cone: all weigh by the density of both together.
+struct Towards {
+  Cone cone;
+  float chance = 0;
+  bool drawn = false;  // this one is of the others
 };
 
 // The closures at a hit. Filled by add_*() in any order, then finish(), then used.
@@ -241,7 +250,7 @@ class Bsdf {
   // Draws a direction in proportion to the lobes: u chooses the lobe, and the side of a delta, and
   // places; `choice` chooses the side of others. Transparency and emission are not lobes. nullopt:
   // absorbed.
-  std::optional<BsdfSample> sample(float choice, const Vec2& u) const;
+  std::optional<BsdfSample> sample(float choice, const Vec2& u, const Towards& towards = {}) const;
   // For who has no use for samples of lobes that are not sharp: draws others only, whose weights
   // are as much smaller as they are more.
   std::optional<BsdfSample> sample_sharp(float choice, const Vec2& u) const;
@@ -287,7 +296,9 @@ class Bsdf {
   float scale_of_flux(const Vec3& wi) const;  // of light that comes from wo and leaves along wi
   Rgb adjoint(const Vec3& wi, Rgb* rest, Rgb* diffuse) const;
   float sharp_pick(const Lobe& lobe) const;  // its chance among sharp ones, but for a factor
-  std::optional<BsdfSample> sample_lobe(int index, float choice, const Vec2& u) const;
+  std::optional<BsdfSample> sample_lobe(int index, float choice, const Vec2& u,
+                                        const Towards& towards = {}) const;
+  float more_towards(const Towards& towards, const Vec3& wi) const;
   std::optional<BsdfSample> finish_delta(int index, BsdfSample out) const;
 
   Transport transport_;

@@ -34,7 +34,7 @@ std::optional<BsdfSample> Bsdf::finish_delta(int index, BsdfSample out) const {
   return out;
 }
 
-std::optional<BsdfSample> Bsdf::sample(float choice, const Vec2& u) const {
+std::optional<BsdfSample> Bsdf::sample(float choice, const Vec2& u, const Towards& towards) const {
   int index = -1;
   float along = u.x;
   for (int i = 0; i < lobes_.size(); ++i) {
@@ -47,7 +47,8 @@ std::optional<BsdfSample> Bsdf::sample(float choice, const Vec2& u) const {
   if (index < 0) return std::nullopt;
   const Lobe& lobe = lobes_[index];
   const Vec2 left{std::clamp(along / lobe.pick, 0.0f, kBelowOne), u.y};
-  return sample_lobe(index, lobe.delta() ? left.x : choice, left);  // a delta needs no place
+  // A delta needs no place
+  return sample_lobe(index, lobe.delta() ? left.x : choice, left, towards);
 }
 
 float Bsdf::sharp_pick(const Lobe& lobe) const {
@@ -72,11 +73,25 @@ std::optional<BsdfSample> Bsdf::sample_sharp(float choice, const Vec2& u) const 
   return s;
 }
 
-std::optional<BsdfSample> Bsdf::sample_lobe(int index, float choice, const Vec2& u) const {
+// What those drawn towards a cone add to the density.
+float Bsdf::more_towards(const Towards& towards, const Vec3& wi) const {
+  float picks = 0;
+  for (const Lobe& lobe : lobes_)
+    if (lobe.pick > 0 && lobe.diffuse() && lobe.on_right_side(view_, wi)) picks += lobe.pick;
+  // Rounding must not put one that was drawn there outside
+  return picks * towards.chance *
+         (towards.drawn ? 1 / towards.cone.solid_angle() : towards.cone.pdf(wi));
+}
+
+std::optional<BsdfSample> Bsdf::sample_lobe(int index, float choice, const Vec2& u,
+                                            const Towards& towards) const {
   const Lobe& lobe = lobes_[index];
   BsdfSample out;
   out.lobe = index;
-  if (!lobe.sample(view_, std::clamp(choice, 0.0f, 0.99999994f), u, &out.direction))
+  if (towards.drawn && !lobe.diffuse()) return std::nullopt;
+  if (towards.drawn)
+    out.direction = towards.cone.sample(u);
+  else if (!lobe.sample(view_, std::clamp(choice, 0.0f, 0.99999994f), u, &out.direction))
     return std::nullopt;
   out.transmitted = lobe.of_hair() ? hair_transmits(lobe, choice) : dot(out.direction, lobe.n) < 0;
   out.diffuse = lobe.diffuse();
@@ -85,6 +100,11 @@ std::optional<BsdfSample> Bsdf::sample_lobe(int index, float choice, const Vec2&
   out.by_turned_normal = turned_apart_ && transport_ == Transport::kRadiance && lobe.turned();
   if (!lobe.on_right_side(view_, out.direction)) return std::nullopt;
   const Rgb f = evaluate_as(view_, out.direction, &out.pdf, &out.rest, nullptr, nullptr, index);
+  if (towards.chance > 0) {
+    const float own = out.pdf;
+    out.pdf += more_towards(towards, out.direction);
+    out.favour = own / out.pdf;
+  }
   if (!(out.pdf > 0) || !std::isfinite(out.pdf)) return std::nullopt;
   out.weight = f / out.pdf;
   if (transport_ == Transport::kFlux) out.per_value = scale_of_flux(out.direction) / out.pdf;

@@ -197,4 +197,15 @@ inline Vec3 sample_cone(const Vec2& u, float one_minus_cos) {
   return {d.x * scale, d.y * scale, 1 - z_drop};
 }
 
+struct Cone {
+  Vec3 axis{0, 0, 1};
+  float one_minus_cos = 0;  // of its half angle
+
+  float solid_angle() const { return 2 * kPi * one_minus_cos; }
+  float pdf(const Vec3& way) const {
+    return length2(way - axis) <= 2 * one_minus_cos ? 1 / solid_angle() : 0;
+  }
+  Vec3 sample(const Vec2& u) const { return Basis(axis).to_world(sample_cone(u, one_minus_cos)); }
+};
+
 }  // namespace photon_splat

@@ -94,7 +94,8 @@ uint32_t PhotonTracer::start_all(const Chunk& c) const {
         path.guessed = true;
         path.power *= 1 / chance;
       }
-      c.travellers.put(n++, path, from.origin, from.direction, !from.plain() || path.guessed);
+      c.travellers.put(n++, path, from.origin, from.direction,
+                       !from.plain() || path.guessed || heavy(path));
     }
   }
   return n;
@@ -197,7 +198,21 @@ void PhotonTracer::advance_alone(Chunk& c, uint32_t i, const RayHits& hits, uint
   if (leaves_beams) path.left_normal = encode_direction(surface.ng);
   // Those before this one that are left, it, those after it, and those that wait
   const size_t all = c.kept + (c.alive - i) + travellers.more.size();
-  for (uint32_t ways = split(path, surface, PhotonPaths::kMost - all + 1); ways > 1; --ways) {
+  size_t room = PhotonPaths::kMost - all + 1;
+  if (room > 1) {
+    path.towards = towards_seen(path, surface);
+    if (path.towards.chance > 0 && path.random.next() < path.towards.chance) {
+      Travellers::Waiting way{path, origin, direction};
+      way.path.random = Random(path.random.state(), 0);
+      way.path.towards.drawn = true;
+      // What does not scatter there goes on in the path's own way alone
+      if (shade(way.path, surface, start, draws, c.visible, way.origin, way.direction,
+                c.run.photons) &&
+          way.path.homes)
+        travellers.more.push_back(way), --room;
+    }
+  }
+  for (uint32_t ways = split(path, surface, room); ways > 1; --ways) {
     Travellers::Waiting way{path, origin, direction};
     way.path.random = Random(path.random.state(), ways);
     if (shade(way.path, surface, start, draws, c.visible, way.origin, way.direction, c.run.photons))

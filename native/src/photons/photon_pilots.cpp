@@ -24,7 +24,11 @@ bool PhotonTracer::Usefulness::counts(const Photon& photon) const {
 
 float PhotonTracer::use_of(const Photon& photon, const PhotonStart& start, double total) const {
   if (stream_ != PhotonStream::kCaustic) {
-    const float share = average(start.power) / static_cast<float>(lights_.total_power());
+    // Photons weigh what their path does, unless that was heavy and has been sent here
+    const float power = homing_.heavy(max_component(start.power))
+                            ? average(photon.power) * static_cast<float>(total)
+                            : average(start.power);
+    const float share = power / static_cast<float>(lights_.total_power());
     return std::isfinite(share) ? share * share : 0;
   }
   const float own = luminance(start.power) * static_cast<float>(1 / total),
@@ -75,6 +79,21 @@ double PhotonTracer::aim(std::vector<EmissionTargets::Sphere> spheres, uint64_t 
   return useful_share(useful.of_path);
 }
 
+// How heavy photons usually are where they are of use.
+void PhotonTracer::learn_usual(const Photons& photons, const Usefulness& useful) {
+  if (!useful.places) return;
+  std::vector<float> powers;
+  for (const Photon& photon : photons)
+    if (const float power = max_component(photon.power);
+        power > 0 && std::isfinite(power) && useful.counts(photon))
+      powers.push_back(power);
+  if (powers.empty()) return;
+  const auto middle = powers.begin() + powers.size() / 2;
+  std::nth_element(powers.begin(), middle, powers.end());
+  homing_ = Homing(lights_.discs().seen_center(), lights_.discs().seen_radius(),
+                   *middle * static_cast<float>(total_));
+}
+
 // Of paths from `first` on, which `drawn_by` has chosen.
 void PhotonTracer::teach(EmissionGuide& guide, const EmissionGuide* drawn_by, uint64_t first,
                          uint32_t seed, std::span<const float> useful) const {
@@ -95,6 +114,7 @@ const Photons* PhotonTracer::learn_emission(uint64_t paths, uint32_t seed,
   guide_.reset();
   targets_.reset();
   worth_.reset();
+  homing_ = {};
   if (lights_.total_power() <= 0 || max_bounces_ < 1) return nullptr;
   if (stream_ == PhotonStream::kCaustic) {
     const double share = aim(caustic_targets(scene_), paths, seed, visible, places, cancel);
@@ -116,6 +136,7 @@ const Photons* PhotonTracer::learn_emission(uint64_t paths, uint32_t seed,
   const Photons& photons =
       trace(0, paths, static_cast<double>(paths), seed, stored, cancel, &useful);
   learn_worth();
+  learn_usual(photons, useful);
   const double share = useful_share(useful.of_path);
   if (share > kUsefulShare || share == 0) return &photons;
   EmissionGuide guide = emitter_.make_guide();
@@ -144,6 +165,7 @@ const Photons& PhotonTracer::teach_guided(uint64_t first, uint64_t paths, uint32
   const Photons& photons =
       trace(first, paths, static_cast<double>(paths), seed, stored, cancel, &useful);
   learn_worth();
+  learn_usual(photons, useful);
   teach(*guide_, &*guide_, first, seed, useful.of_path);
   return photons;
 }

@@ -87,7 +87,8 @@ bool PhotonTracer::follow(Path& path, const Vertex& v, const BsdfSample& s, Vec3
   path.power *= s.weight / v.chance;
   // Refraction scales power by the square of the relative index and undoes it on the way out: no
   // reason to end a path.
-  if (s.transmitted) path.reference *= std::clamp(max_abs(s.weight), 0.1f, 10.0f);
+  path.reference *= s.favour;
+  if (s.transmitted) path.reference *= std::clamp(max_abs(s.weight) / s.favour, 0.1f, 10.0f);
   if (caustic && v.direct)
     path.reference *= std::clamp(max_abs(path.power) / path.reference, kFaint, 1.0f);
   const float survival = std::min(1.0f, max_abs(path.power) / path.reference);

@@ -7,7 +7,8 @@ namespace photon_splat {
 // What lands after a bounce is indirect light, or caustic light, or a share of each.
 void PhotonTracer::store(const Path& path, const Surface& hit, const Vec3& direction,
                          const SurfaceFilter& visible, Photons& photons) const {
-  if (path.bounces == 0 || hit.on_strand() || !visible.contains(hit.key)) return;
+  if (path.bounces == 0 || path.towards.drawn || hit.on_strand() || !visible.contains(hit.key))
+    return;
   // What is stored stands for a diffuse ray from here
   if (path.guessed && path.kind != receiver_kind_) return;
   const float share = share_of(path.caustic);
@@ -26,6 +27,18 @@ void PhotonTracer::store(const Path& path, const Surface& hit, const Vec3& direc
   }
   photons.push_back(
       {hit.position, hit.key, encode_direction(hit.ng), encode_direction(way), power});
+}
+
+// A way from a Lambertian surface, in proportion to the cosine, or to what is seen; its weight.
+float PhotonTracer::scatter_diffuse(Path& path, const Vec3& n, const Vec2& u,
+                                    Vec3& direction) const {
+  const auto& [cone, chance, drawn] = path.towards;
+  path.homes = drawn;
+  direction = drawn ? cone.sample(u) : Basis(n).to_world(sample_cosine_hemisphere(u));
+  if (!(chance > 0)) return 1;
+  const float own = std::max(dot(direction, n), 0.0f) * (1 / kPi),
+              there = drawn ? 1 / cone.solid_angle() : cone.pdf(direction);
+  return own / (own + chance * there);
 }
 
 // Stores a photon where one belongs and sends the path on; false where it ends.
@@ -71,7 +84,10 @@ bool PhotonTracer::shade(Path& path, const Surface& hit, const PhotonStart& star
   if (!(survival > 0) || path.random.next() >= survival) return false;
   path.power *= 1 / survival;
   origin = leave(hit, hit.ng);
-  direction = Basis(hit.ng).to_world(sample_cosine_hemisphere(draws.next(path)));
+  const float weight = scatter_diffuse(path, hit.ng, draws.next(path), direction);
+  if (!(weight > 0)) return false;
+  path.power *= weight;
+  path.reference *= weight;
   ++path.bounces;
   path.caustic = 0;
   return true;

@@ -7,6 +7,7 @@
 #include "density/surface_filter.h"
 #include "lights/emission/photon_emitter.h"
 #include "media/media.h"
+#include "photons/homing.h"
 #include "photons/photon_join.h"
 #include "photons/photon_paths.h"
 #include "scene/camera.h"
@@ -115,6 +116,9 @@ class PhotonTracer {
     // Share of light that panes let pass which lie in the surface that it meets: as if that were
     // painted with them, they take of what it sends on and not of what comes to it
     Rgb painted{1, 1, 1};
+    // One more way than those that surfaces draw, to what is seen; where one may be
+    Towards towards{};
+    bool homes = false;  // it went there
   };
   // The paths of a chunk on their way; a worker's own, so that it stays in its cache from chunk to
   // chunk.
@@ -196,9 +200,18 @@ class PhotonTracer {
   float use_of(const PhotonBeam& beam, const PhotonStart& start, double total) const;
   float power_of_use(const PhotonBeam& beam) const;
   void learn_worth();
-  static bool goes_alone(const Path& path, const PhotonStart& start) {
-    return path.bounces == 0 || path.guessed || ~start.max_bounces;
+  bool goes_alone(const Path& path, const PhotonStart& start) const {
+    return path.bounces == 0 || path.guessed || ~start.max_bounces || heavy(path);
   }
+  bool heavy(const Path& path) const {
+    return homing_.heavy(max_component(path.power) * static_cast<float>(total_));
+  }
+  Towards towards_seen(const Path& path, const Surface& hit) const {
+    return homing_.towards(hit.position, hit.ng,
+                           max_component(path.power) * static_cast<float>(total_));
+  }
+  void learn_usual(const Photons& photons, const Usefulness& useful);
+  float scatter_diffuse(Path& path, const Vec3& n, const Vec2& u, Vec3& direction) const;
   uint32_t split(Path& path, const Surface& hit, size_t room) const;
   void leave_beam(Chunk& c, uint32_t i, const Surface* hit) const;
   void keep_stops(Chunk& c) const;
@@ -275,6 +288,8 @@ class PhotonTracer {
   bool scatter_below(Path& path, const Vertex& v, float below, const Draws& draws, Vec3& origin,
                      Vec3& direction) const;
   std::optional<BsdfSample> sample(Path& path, const Vertex& v, float choice, const Vec2& u) const;
+  std::optional<BsdfSample> sample_lobes(Path& path, const Vertex& v, float choice,
+                                         const Vec2& u) const;
   std::optional<BsdfSample> sample_sided(Path& path, const Vertex& v, float choice,
                                          const Vec2& u) const;
   bool agrees(const Path& path, const Vertex& v, const BsdfSample& s) const;
@@ -297,6 +312,7 @@ class PhotonTracer {
   std::optional<EmissionGuide> guide_;
   std::optional<EmissionTargets> targets_;
   std::optional<PathWorth> worth_;
+  Homing homing_;
   double total_ = 1;                    // paths of the set that is being traced
   std::vector<Travellers> travellers_;  // by worker
   PhotonJoin join_;

@@ -68,12 +68,18 @@ PhotonTracer::Passing PhotonTracer::passing(Path& path, const Vertex& v) const {
   return out;
 }
 
+std::optional<BsdfSample> PhotonTracer::sample_lobes(Path& path, const Vertex& v, float choice,
+                                                     const Vec2& u) const {
+  if (stream_ == PhotonStream::kCaustic) return v.bsdf.sample_sharp(choice, u);
+  const auto s = v.bsdf.sample(choice, u, path.towards);
+  path.homes = s && path.towards.drawn;
+  return s;
+}
+
 // Where the surface sends the light, as who looks back from there sees it.
 std::optional<BsdfSample> PhotonTracer::sample(Path& path, const Vertex& v, float choice,
                                                const Vec2& u) const {
-  auto s = v.sided                             ? sample_sided(path, v, choice, u)
-           : stream_ == PhotonStream::kCaustic ? v.bsdf.sample_sharp(choice, u)
-                                               : v.bsdf.sample(choice, u);
+  auto s = v.sided ? sample_sided(path, v, choice, u) : sample_lobes(path, v, choice, u);
   if (s && v.asked_back && !s->transmitted && (s->pdf > 0 || v.hit.program->asks_length)) {
     const Bsdf seen = seen_by_next(v, v.hit, s->direction);
     s->weight = (s->pdf > 0 ? seen.evaluate(-v.direction, nullptr) : seen.mirror_share(s->lobe)) *
@@ -97,7 +103,7 @@ std::optional<BsdfSample> PhotonTracer::sample_sided(Path& path, const Vertex& v
   std::optional<BsdfSample> s;
   bool smooth = forced > 0 && path.random.next() < forced;
   if (!smooth) {
-    s = sharp ? v.bsdf.sample_sharp(choice, u) : v.bsdf.sample(choice, u);
+    s = sample_lobes(path, v, choice, u);
     if (!s) return {};
     smooth = s->transmitted && s->pdf <= 0;
     s->weight *= 1 / (1 - forced);

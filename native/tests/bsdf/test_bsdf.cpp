@@ -318,6 +318,44 @@ TEST_CASE("samples fall as the density says: chi-square over cells of both hemis
   CHECK(tests > 200);
 }
 
+TEST_CASE("others drawn towards a cone: the same light by both together, and less by each inside") {
+  const Cone cone{normalize({0.8f, 0.1f, 0.6f}), 0.01f};
+  constexpr float kOthers = 0.7f;  // for each sample
+  for (const BsdfCase& c : bsdf_cases()) {
+    CAPTURE(c.name);
+    for (const Transport transport : {Transport::kRadiance, Transport::kFlux}) {
+      const Bsdf bsdf = make_bsdf(c, direction(0.6f, 0.9f), transport);
+      constexpr uint32_t kCount = 1 << 16;
+      double plain[2] = {}, both[2] = {}, squares[2] = {};
+      bool heavier = false;
+      for (uint32_t i = 0; i < kCount; ++i) {
+        const float choice = sobol_2d(i, 0, 1).x;
+        const Vec2 u = sobol_2d(i, 1, 1);
+        const auto weight = [&](const std::optional<BsdfSample>& s) {
+          return s ? double(average(s->weight)) / kCount : 0;
+        };
+        const auto inside = [&](const std::optional<BsdfSample>& s) {
+          return s && s->pdf > 0 && cone.pdf(s->direction) > 0;
+        };
+        const auto as_ever = bsdf.sample(choice, u);
+        plain[inside(as_ever)] += weight(as_ever);
+        squares[inside(as_ever)] += weight(as_ever) * weight(as_ever) * kCount;
+        const auto own = bsdf.sample(choice, u, {cone, kOthers, false});
+        both[inside(own)] += weight(own);
+        heavier |= weight(own) > weight(as_ever);
+        if (const auto drawn = bsdf.sample(choice, u, {cone, kOthers, true}))
+          both[1] += kOthers * weight(drawn);
+      }
+      CHECK(!heavier);
+      for (const int k : {0, 1}) {
+        const double deviation =
+            std::sqrt(std::max(squares[k] - plain[k] * plain[k], 0.0) / kCount);
+        CHECK(std::abs(both[k] - plain[k]) <= 5 * deviation + 0.002 * plain[k]);
+      }
+    }
+  }
+}
+
 TEST_CASE("samples of sharp lobes alone: as much light by them as by all samples") {
   const Vec3 up{0, 0, 1}, wo = normalize({0.6f, 0.1f, 0.8f});
   for (const float roughness : {0.0f, 0.15f, 0.3f}) {
