@@ -59,6 +59,21 @@ Rgb PhotonTracer::transmittance_at_lamp(Path& path, float distance,
                                        -start.direction, 0, before, ray, path.random);
 }
 
+// What of the media at a place, among those that the path has flown through, scatters to rays of a
+// kind that look back from where it goes next; false: nothing.
+bool PhotonTracer::seen_from_next(const Path& path, RayInfo::Kind kind, const Vec3& place,
+                                  const Vec3& direction, MediumPoint& point) const {
+  const Media& media = *scene_.media();
+  const MediumStack flown = media.seen(path.media, ray_bit(kind_of_way(path, path.bounces)));
+  const MediumStack back = media.seen(flown, ray_bit(kind));
+  if (back.empty()) return false;
+  RayInfo ray;
+  ray.kind = kind;
+  ray.time = path.time;
+  point = media.at(back, place, -direction, ray);
+  return true;
+}
+
 // False where the path ends.
 bool PhotonTracer::scatter_in_medium(Path& path, const Flight& flight, const PhotonStart& start,
                                      const Draws& draws, Vec3& origin, Vec3& direction) const {
@@ -79,18 +94,22 @@ bool PhotonTracer::scatter_in_medium(Path& path, const Flight& flight, const Pho
     path.reference *= max_component(share);
   }
   const float choice = path.random.next();
-  const Vec3 way = flight.point.sample(direction, choice, draws.next(path));
+  const Vec2 u = draws.next(path);
+  const bool guesses = scene_.kinds_differ();
+  float chance = 1;
+  const RayInfo::Kind seen_by =
+      guesses ? guess_kind(path.random, RayInfo::kDiffuse, &chance) : RayInfo::kDiffuse;
+  MediumPoint point = flight.point;
+  if (scene_.media()->hides() && !seen_from_next(path, seen_by, place, direction, point))
+    return false;
+  const Vec3 way = point.sample(direction, choice, u);
   float pdf;
-  const Rgb scattered = flight.point.evaluate(direction, way, &pdf);
+  const Rgb scattered = point.evaluate(direction, way, &pdf);
   if (!(pdf > 0)) return false;
   path.power *= scattered * (share_of_way(path, start, {place, {}, true}, pdf) / pdf);
-  path.kind = RayInfo::kDiffuse;
-  path.guessed = scene_.kinds_differ();
-  if (path.guessed) {
-    float chance;
-    path.kind = guess_kind(path.random, RayInfo::kDiffuse, &chance);
-    path.power *= 1 / chance;
-  }
+  path.kind = seen_by;
+  path.guessed = guesses;
+  path.power *= 1 / chance;
   float survival = std::min(1.0f, max_abs(path.power) / path.reference);
   if (worth_) survival *= worth_->chance(place, luminance(path.power), total_);
   if (!(survival > 0) || path.random.next() >= survival || !is_finite(path.power)) return false;

@@ -15,6 +15,7 @@ constexpr int size = 16;
 struct Room {
   bool even = true;          // else the fog grows with x
   RayMask block = kAllRays;  // rays that see the block
+  RayMask fog = kAllRays;    // and those that see the fog in the middle
   bool soft_lamp = true, everywhere = false;
 };
 
@@ -55,6 +56,7 @@ void fill_room(Renderer& renderer, const Room& room) {
     scene.world_volume = 1;
   } else {
     scene.add_instance(0, {0.9, 0, 0, 0.02, 0, 0.9, 0, 0.02, 0, 0, 0.7, 0.1}, {2});
+    scene.instances.back().seen_by = room.fog;
   }
   for (const Program& program : scene.programs) check_program(scene, program);
   LampSettings lamp;
@@ -114,4 +116,9 @@ TEST_CASE("the same where rays that media scatter see other things") {
     CAPTURE(static_cast<int>(unseen));
     compare({.block = static_cast<RayMask>(kAllRays & ~ray_bit(unseen))}, IndirectLight::kPhotons);
   }
+}
+
+TEST_CASE("what fog scatters is no light on surfaces whose rays do not see the fog") {
+  compare({.block = 0, .fog = static_cast<RayMask>(kAllRays & ~ray_bit(RayInfo::kDiffuse))},
+          IndirectLight::kPhotons);
 }
