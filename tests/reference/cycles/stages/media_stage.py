@@ -84,6 +84,15 @@ def fog(
     _lights(lamp)
 
 
+def fog_unseen(unseen: tuple[str, ...], box: str = "whole", **inputs: Any) -> None:
+    """fog() in an object that hides from some kinds of rays."""
+    stage._stage()
+    fog = m.add_boxes("Fog", WHOLE if box == "whole" else CLOUD, medium("scatter", **inputs))
+    for kind in unseen:
+        setattr(fog, f"visible_{kind}", False)
+    _lights("point")
+
+
 def fog_camera_inside(**inputs: Any) -> None:
     """A box that holds the stage and the camera."""
     stage._stage()
