@@ -31,7 +31,13 @@ from .matrices import Matrices
 from .motion import Moving
 from .nodes.node import Want, Wants
 from .repeats import Repeats
-from .visibility import FLAGS, Visibility, report_unsupported, terminator_offset
+from .visibility import (
+    FLAGS,
+    Visibility,
+    report_hidden_medium,
+    report_unsupported,
+    terminator_offset,
+)
 
 SEEING_RAYS = sum(FLAGS.values())
 PENCILS = {"GREASEPENCIL", "GPENCIL"}
@@ -309,6 +315,7 @@ class Objects:
         if index is None or is_flat(matrix, ob.name, self._report) is not False:
             return
         report_unsupported(ob, self._report)
+        report_hidden_medium(ob, self._report)
         self._rows.add(index, self._sets.index((own,)), matrix, density_of(ob, matrix))
 
     def _add_mesh(
@@ -354,8 +361,12 @@ class Objects:
         """That of an object's slots; `shape` tells its mesh from its hair."""
         key = (shape, ob.original.as_pointer())
         if key not in self._set_of:
-            self._set_of[key] = self._sets.of_object(ob, self.meshes[index], uv_map, override)
+            found = self._sets.of_object(ob, self.meshes[index], uv_map, override)
+            self._set_of[key] = found
             report_unsupported(ob, self._report)
+            own = self._sets.list[found].tolist()
+            if any(self._materials.list[material].volume != NO_PROGRAM for material in own):
+                report_hidden_medium(ob, self._report)
         return self._set_of[key]
 
     def _add_moving(self, instance: Any, row: int) -> None:

@@ -635,6 +635,18 @@ def test_a_volume_without_surface_is_clear(surface: str, clear: bool) -> None:
 
 
 @in_blender
+def test_a_medium_that_hides_from_what_it_scatters_is_named() -> None:
+    shown, hidden = stage.plane("Shown"), stage.plane("Hidden")
+    shown.visible_diffuse = False
+    hidden.visible_volume_scatter = False
+    stage.plane("Dry").visible_volume_scatter = False
+    shown.data.materials[0] = hidden.data.materials[0] = _beside_a_volume("")
+    said = [text for text in stage.exported().warnings if "hides from volume rays" in text]
+    assert len(said) == 1
+    assert said[0].endswith(": 'Hidden'")
+
+
+@in_blender
 def test_a_material_of_nothing_is_black() -> None:
     made, _ = stage.empty_material("Nothing")
     stage.plane().data.materials[0] = made
