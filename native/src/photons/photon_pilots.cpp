@@ -1,4 +1,6 @@
 // What pilots teach: where photons that end on visible surfaces start.
+#include <algorithm>
+
 #include "math/random_streams.h"
 #include "photons/caustic_targets.h"
 #include "photons/photon_tracer.h"
