@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.scene import NO_LIGHT_GROUP, NO_PROGRAM, Camera, Frame, Instances, Light, Mesh
+from ..core.scene import NO_LIGHT_GROUP, NO_PROGRAM, Camera, Frame, Instances, Light, Mesh, Ray
 from ..core.scene.shading import InstanceAttribute
 from .geometry.adaptive import Adaptive, adaptive_of, eye_of, levels_of
 from .geometry.displacement import Displaced, slots_of
@@ -31,13 +31,7 @@ from .matrices import Matrices
 from .motion import Moving
 from .nodes.node import Want, Wants
 from .repeats import Repeats
-from .visibility import (
-    FLAGS,
-    Visibility,
-    report_hidden_medium,
-    report_unsupported,
-    terminator_offset,
-)
+from .visibility import FLAGS, Visibility, report_unsupported, terminator_offset
 
 SEEING_RAYS = sum(FLAGS.values())
 PENCILS = {"GREASEPENCIL", "GPENCIL"}
@@ -136,6 +130,13 @@ class Objects:
                     terminator_offset=terminator_offset(ob, "geometry"),
                 )
                 self._describe(place, instance, rows, traits)
+                if not rays & Ray.VOLUME and self._has_medium(rows):
+                    self._report.warn(
+                        "Volumes whose object hides from volume rays (Ray Visibility, Volume "
+                        "Scatter) scatter light once; in Cycles more often, so that they may be "
+                        "brighter or darker here: {}",
+                        ob.name,
+                    )
                 mesh, _ = self._rows.placed(rows.start)
                 # neither flattened nor displaced
                 if len(rows) == 1 and kind == "MESH" and mesh == self._shapes.of_mesh(ob):
@@ -159,6 +160,14 @@ class Objects:
                 "while in Cycles they add light to them: {}",
                 name,
             )
+
+    def _has_medium(self, rows: range) -> bool:
+        sets = {self._rows.placed(row)[1] for row in rows}
+        return any(
+            self._materials.list[material].volume != NO_PROGRAM
+            for found in sets
+            for material in self._sets.list[found].tolist()
+        )
 
     def _describe(self, place: int, instance: Any, rows: range, traits: Traits) -> None:
         """Of an instance of the graph that has become these rows."""
@@ -315,7 +324,6 @@ class Objects:
         if index is None or is_flat(matrix, ob.name, self._report) is not False:
             return
         report_unsupported(ob, self._report)
-        report_hidden_medium(ob, self._report)
         self._rows.add(index, self._sets.index((own,)), matrix, density_of(ob, matrix))
 
     def _add_mesh(
@@ -361,12 +369,8 @@ class Objects:
         """That of an object's slots; `shape` tells its mesh from its hair."""
         key = (shape, ob.original.as_pointer())
         if key not in self._set_of:
-            found = self._sets.of_object(ob, self.meshes[index], uv_map, override)
-            self._set_of[key] = found
+            self._set_of[key] = self._sets.of_object(ob, self.meshes[index], uv_map, override)
             report_unsupported(ob, self._report)
-            own = self._sets.list[found].tolist()
-            if any(self._materials.list[material].volume != NO_PROGRAM for material in own):
-                report_hidden_medium(ob, self._report)
         return self._set_of[key]
 
     def _add_moving(self, instance: Any, row: int) -> None:

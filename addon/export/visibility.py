@@ -113,16 +113,6 @@ def report_unsupported(ob: Any, report: Report) -> None:
         report.warn("Shadow Terminator's Shading Offset is not supported; ignored: {}", ob.name)
 
 
-def report_hidden_medium(ob: Any, report: Report) -> None:
-    """Of an object with a volume."""
-    if not ob.visible_volume_scatter and any(getattr(ob, f"visible_{name}") for name in FLAGS):
-        report.warn(
-            "Volumes whose object hides from volume rays (Ray Visibility, Volume Scatter) scatter "
-            "light once; in Cycles more often, so that they may be brighter or darker here: {}",
-            ob.name,
-        )
-
-
 def _own(ob: Any) -> int:
     mask = ALL_RAYS
     for name, ray in FLAGS.items():

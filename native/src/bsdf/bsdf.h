@@ -72,6 +72,11 @@ struct Towards {
   Cone cone;
   float chance = 0;
   bool drawn = false;  // this one is of the others
+
+  // Of the others, of lobes that draw them. Rounding must not put one of them outside.
+  float pdf(const Vec3& way) const {
+    return chance * (drawn ? 1 / cone.solid_angle() : cone.pdf(way));
+  }
 };
 
 // The closures at a hit. Filled by add_*() in any order, then finish(), then used.

@@ -78,9 +78,7 @@ float Bsdf::more_towards(const Towards& towards, const Vec3& wi) const {
   float picks = 0;
   for (const Lobe& lobe : lobes_)
     if (lobe.pick > 0 && lobe.diffuse() && lobe.on_right_side(view_, wi)) picks += lobe.pick;
-  // Rounding must not put one that was drawn there outside
-  return picks * towards.chance *
-         (towards.drawn ? 1 / towards.cone.solid_angle() : towards.cone.pdf(wi));
+  return picks * towards.pdf(wi);
 }
 
 std::optional<BsdfSample> Bsdf::sample_lobe(int index, float choice, const Vec2& u,

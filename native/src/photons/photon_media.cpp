@@ -39,8 +39,9 @@ PhotonTracer::InMedium PhotonTracer::pass_media(Path& path, float far, const Pho
   path.power *= flight.weight;
   if (is_black(path.power) || !is_finite(path.power)) return InMedium::kEnds;
   if (!flight.scatters) return InMedium::kPasses;
-  return scatter_in_medium(path, flight, start, draws, origin, direction) ? InMedium::kScattered
-                                                                          : InMedium::kEnds;
+  return scatter_in_medium(path, around, flight, start, draws, origin, direction)
+             ? InMedium::kScattered
+             : InMedium::kEnds;
 }
 
 // Transmittance before the point of the path that is nearest to the centre of a lamp that faces its
@@ -59,24 +60,10 @@ Rgb PhotonTracer::transmittance_at_lamp(Path& path, float distance,
                                        -start.direction, 0, before, ray, path.random);
 }
 
-// What of the media at a place, among those that the path has flown through, scatters to rays of a
-// kind that look back from where it goes next; false: nothing.
-bool PhotonTracer::seen_from_next(const Path& path, RayInfo::Kind kind, const Vec3& place,
-                                  const Vec3& direction, MediumPoint& point) const {
-  const Media& media = *scene_.media();
-  const MediumStack flown = media.seen(path.media, ray_bit(kind_of_way(path, path.bounces)));
-  const MediumStack back = media.seen(flown, ray_bit(kind));
-  if (back.empty()) return false;
-  RayInfo ray;
-  ray.kind = kind;
-  ray.time = path.time;
-  point = media.at(back, place, -direction, ray);
-  return true;
-}
-
-// False where the path ends.
-bool PhotonTracer::scatter_in_medium(Path& path, const Flight& flight, const PhotonStart& start,
-                                     const Draws& draws, Vec3& origin, Vec3& direction) const {
+// In one of the media that it has flown through; false where the path ends.
+bool PhotonTracer::scatter_in_medium(Path& path, const MediumStack& around, const Flight& flight,
+                                     const PhotonStart& start, const Draws& draws, Vec3& origin,
+                                     Vec3& direction) const {
   const bool direct = path.bounces == 0;
   if (path.bounces == max_bounces_ || path.bounces >= start.max_bounces ||
       !scatters_for(start, path, ray_bit(RayInfo::kVolume)))
@@ -99,9 +86,16 @@ bool PhotonTracer::scatter_in_medium(Path& path, const Flight& flight, const Pho
   float chance = 1;
   const RayInfo::Kind seen_by =
       guesses ? guess_kind(path.random, RayInfo::kDiffuse, &chance) : RayInfo::kDiffuse;
+  // Of the media there those scatter that the ray sees which looks back from where the path goes
   MediumPoint point = flight.point;
-  if (scene_.media()->hides() && !seen_from_next(path, seen_by, place, direction, point))
-    return false;
+  if (scene_.media()->hides()) {
+    const MediumStack back = scene_.media()->seen(around, ray_bit(seen_by));
+    if (back.empty()) return false;
+    RayInfo ray;
+    ray.kind = seen_by;
+    ray.time = path.time;
+    point = scene_.media()->at(back, place, -direction, ray);
+  }
   const Vec3 way = point.sample(direction, choice, u);
   float pdf;
   const Rgb scattered = point.evaluate(direction, way, &pdf);

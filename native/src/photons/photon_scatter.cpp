@@ -32,13 +32,13 @@ void PhotonTracer::store(const Path& path, const Surface& hit, const Vec3& direc
 // A way from a Lambertian surface, in proportion to the cosine, or to what is seen; its weight.
 float PhotonTracer::scatter_diffuse(Path& path, const Vec3& n, const Vec2& u,
                                     Vec3& direction) const {
-  const auto& [cone, chance, drawn] = path.towards;
-  path.homes = drawn;
-  direction = drawn ? cone.sample(u) : Basis(n).to_world(sample_cosine_hemisphere(u));
-  if (!(chance > 0)) return 1;
-  const float own = std::max(dot(direction, n), 0.0f) * (1 / kPi),
-              there = drawn ? 1 / cone.solid_angle() : cone.pdf(direction);
-  return own / (own + chance * there);
+  const Towards& towards = path.towards;
+  path.homes = towards.drawn;
+  direction =
+      towards.drawn ? towards.cone.sample(u) : Basis(n).to_world(sample_cosine_hemisphere(u));
+  if (!(towards.chance > 0)) return 1;
+  const float own = std::max(dot(direction, n), 0.0f) * (1 / kPi);
+  return own / (own + towards.pdf(direction));
 }
 
 // Stores a photon where one belongs and sends the path on; false where it ends.

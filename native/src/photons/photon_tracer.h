@@ -268,10 +268,9 @@ class PhotonTracer {
   enum class InMedium { kPasses, kScattered, kEnds };
   InMedium pass_media(Path& path, float far, const PhotonStart& start, const Draws& draws,
                       Vec3& origin, Vec3& direction) const;
-  bool scatter_in_medium(Path& path, const Flight& flight, const PhotonStart& start,
-                         const Draws& draws, Vec3& origin, Vec3& direction) const;
-  bool seen_from_next(const Path& path, RayInfo::Kind kind, const Vec3& place,
-                      const Vec3& direction, MediumPoint& point) const;
+  bool scatter_in_medium(Path& path, const MediumStack& around, const Flight& flight,
+                         const PhotonStart& start, const Draws& draws, Vec3& origin,
+                         Vec3& direction) const;
   bool pass_before_lamp(Path& path, const Surface& hit, const Vec3& direction,
                         const PhotonStart& start, Vec3& origin) const;
   bool go_straight_on(Path& path, const Surface& hit, const Rgb& weight, Vec3& origin) const;

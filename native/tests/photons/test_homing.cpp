@@ -44,7 +44,6 @@ void fill(Renderer& renderer, bool by_program) {
 
 struct OnPlate {
   double power = 0, heaviest = 0;
-  SurfaceFilter keys;
   std::vector<uint32_t> sides;
 };
 

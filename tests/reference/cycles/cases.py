@@ -185,7 +185,7 @@ CASES: tuple[Case, ...] = (
     _fog("fog_cloud_sun", box="cloud", lamp="sun", varies=True, Density=12.0),
     _fog("fog_varies", varies=True, Density=1.5),
     _fog("fog_in_glass", box="cloud", lamp="world", surface="glass", Density=3.0),
-    _fog("fog_unseen_diffuse", "fog_unseen", unseen=("diffuse",), Density=0.6),
+    _fog("fog_unseen_diffuse", unseen=("diffuse",), Density=0.6),
     _fog("fog_camera_inside", "fog_camera_inside", Density=0.3),
     _fog("fog_world", "fog_world", Density=0.15),
     _fog("fog_world_spot", "fog_world", lamp="spot", Density=0.15),

@@ -75,22 +75,20 @@ def _lights(lamp: str) -> None:
 
 
 def fog(
-    node: str = "scatter", box: str = "whole", lamp: str = "point", surface: str = "", **inputs: Any
+    node: str = "scatter",
+    box: str = "whole",
+    lamp: str = "point",
+    surface: str = "",
+    unseen: tuple[str, ...] = (),
+    **inputs: Any,
 ) -> None:
-    """The stage in a box of fog, or with one in its middle."""
+    """The stage in a box of fog, or with one in its middle; `unseen`: rays that it hides from."""
     stage._stage()
     boxes = WHOLE if box == "whole" else CLOUD
-    m.add_boxes("Fog", boxes, medium(node, surface, **inputs))
-    _lights(lamp)
-
-
-def fog_unseen(unseen: tuple[str, ...], box: str = "whole", **inputs: Any) -> None:
-    """fog() in an object that hides from some kinds of rays."""
-    stage._stage()
-    fog = m.add_boxes("Fog", WHOLE if box == "whole" else CLOUD, medium("scatter", **inputs))
+    made = m.add_boxes("Fog", boxes, medium(node, surface, **inputs))
     for kind in unseen:
-        setattr(fog, f"visible_{kind}", False)
-    _lights("point")
+        setattr(made, f"visible_{kind}", False)
+    _lights(lamp)
 
 
 def fog_camera_inside(**inputs: Any) -> None:
