@@ -131,14 +131,16 @@ def indirect_light(scene: Scene, settings: RenderSettings) -> IndirectLight:
         if settings.final_gather == FinalGather.ON:
             return IndirectLight.FINAL_GATHER
         return IndirectLight.FINAL_GATHER_OR_PATHS
+    if settings.denoise or settings.final_gather != FinalGather.AUTO:
+        return IndirectLight.PHOTONS
     # Photons take more off the noise the longer a render is; of light that media scatter they may
     # bring little.
     limited = settings.time_limit or settings.error_threshold
-    if settings.denoise or settings.final_gather != FinalGather.AUTO:
+    if not limited and not _has_media(scene):
         return IndirectLight.PHOTONS
-    if limited or _has_media(scene):
-        return IndirectLight.PHOTONS_OR_PATHS
-    return IndirectLight.PHOTONS
+    if settings.caustics and not _of_few_bounces(scene):
+        return IndirectLight.ANY
+    return IndirectLight.PHOTONS_OR_PATHS
 
 
 def _has_media(scene: Scene) -> bool:
@@ -195,6 +197,10 @@ def pilot_sentences(statistics: Statistics) -> list[str]:
         sentences.append(
             "The world asks how often rays have bounced: paths from the camera bring all of its "
             "light, photons that of lamps alone."
+        )
+    if statistics["path_traced"]["gathers_after_all"]:
+        sentences.append(
+            "Few photons end in view: camera paths take one more bounce before photons light them."
         )
     share = statistics["path_traced"]["share"]
     if statistics["path_traced"]["everywhere"]:

@@ -27,11 +27,13 @@ class FinalGather(StrEnum):
 class IndirectLight(StrEnum):
     """What brings indirect light, as the plan has decided: photons where camera paths first meet a
     diffuse surface, or after one more bounce. OR_PATHS: a trial may find that it is less work if
-    camera paths bring all of it, caustics excepted.
+    camera paths bring all of it, caustics excepted. ANY: photons or paths, and final gathering
+    where a pilot finds that few photons arrive.
     """
 
     PHOTONS = "PHOTONS"
     PHOTONS_OR_PATHS = "PHOTONS_OR_PATHS"
+    ANY = "ANY"
     FINAL_GATHER = "FINAL_GATHER"
     FINAL_GATHER_OR_PATHS = "FINAL_GATHER_OR_PATHS"
 

@@ -104,6 +104,9 @@ class PathTraced(TypedDict):
     """Of all gather points, 0..1."""
     everywhere: bool
     """The scene is such that paths cost less than photons; caustics excepted."""
+    gathers_after_all: bool
+    """They take one more bounce before photons light them, though final gathering is not asked for:
+    few photons end in view."""
     world: bool
     """They bring all of the world's light: it asks how often rays have bounced."""
 

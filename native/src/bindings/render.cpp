@@ -73,6 +73,8 @@ void bind_options(nb::module_& m) {
       "camera paths bring all of it, caustics excepted.")
       .value("PHOTONS", IndirectLight::kPhotons, "Photons light what camera paths meet first.")
       .value("PHOTONS_OR_PATHS", IndirectLight::kPhotonsOrPaths, "The same, or camera paths.")
+      .value("ANY", IndirectLight::kAny,
+             "Photons or camera paths, and final gathering where few photons arrive.")
       .value("FINAL_GATHER", IndirectLight::kFinalGather,
              "Photons light what camera paths meet after one more bounce.")
       .value("FINAL_GATHER_OR_PATHS", IndirectLight::kFinalGatherOrPaths,

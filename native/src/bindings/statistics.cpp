@@ -81,6 +81,7 @@ nb::dict statistics(Renderer& r) {
   path_traced["share"] =
       s.places ? static_cast<double>(s.path_traced) / static_cast<double>(s.places) : 0.0;
   path_traced["everywhere"] = s.all_path_traced;
+  path_traced["gathers_after_all"] = s.gathers_after_all;
   path_traced["world"] = s.world_path_traced;
   out["path_traced"] = path_traced;
   return out;

@@ -56,6 +56,7 @@ class PhotonTracer {
   // Who is to see what the photons leave: Bump looks as far apart as that one's samples are wide
   // (nullptr: nobody in particular).
   void set_viewer(const Camera* viewer) { viewer_ = viewer; }
+  void set_max_bounces(int count) { max_bounces_ = count; }  // after which paths end
   // Makes light_groups() tell the light group of each photon traced last; else it is empty.
   void keep_light_groups() { keeps_groups_ = true; }
   const std::vector<int16_t>& light_groups() const { return join_.groups(); }

@@ -69,6 +69,8 @@ class CameraPass {
   void teach(PhotonMap& map, const SurfaceFilter& seen, bool all_surfaces, bool more = false);
   CameraTracer::MediaTrial try_media(const PhotonMaps& maps, uint64_t each);
   bool try_paths(uint32_t pass, const PhotonMaps& maps, PackedFilm& film);
+  void sample_for_gathers(const PhotonMaps& maps);
+  bool photons_are_few(const PhotonMap& indirect) const;
   void choose(uint32_t pass, bool scouts, const PhotonMaps& maps, PackedFilm& film);
   bool trace_more(uint32_t pass, CameraTracer::Tiles tiles, const PhotonMaps& maps,
                   PackedFilm& film);

@@ -14,6 +14,7 @@ struct RenderContext {
   AdaptiveSampler& sampler;
   StageSeconds& seconds;
   size_t& kept_bytes;  // of the photons that all photon maps keep for other renders
+  bool& gathers;       // final gathering in this view, asked for or chosen in its first pass
 };
 
 }  // namespace photon_splat

@@ -10,8 +10,15 @@ namespace photon_splat {
 
 // What brings indirect light: photons where camera paths first meet a diffuse surface, or after one
 // more bounce (final gathering). "Or paths": a trial in the first pass (GatherTrial) may find that
-// it is less work if camera paths bring all of it, caustics excepted.
-enum class IndirectLight : uint8_t { kPhotons, kPhotonsOrPaths, kFinalGather, kFinalGatherOrPaths };
+// it is less work if camera paths bring all of it, caustics excepted. Any: photons or paths, and
+// final gathering where a pilot finds that few photons arrive.
+enum class IndirectLight : uint8_t {
+  kPhotons,
+  kPhotonsOrPaths,
+  kAny,
+  kFinalGather,
+  kFinalGatherOrPaths
+};
 
 struct RenderOptions {
   uint64_t photons_per_pass = 200000;  // paths, in each photon map
@@ -42,6 +49,7 @@ struct RenderOptions {
   bool gathers() const { return indirect_light >= IndirectLight::kFinalGather; }
   bool tries_paths() const {
     return indirect_light == IndirectLight::kPhotonsOrPaths ||
+           indirect_light == IndirectLight::kAny ||
            indirect_light == IndirectLight::kFinalGatherOrPaths;
   }
   // Photons serve every view, so nothing about them may depend on this one.

@@ -25,11 +25,6 @@ constexpr double kViewportMore = 2;
 // instead of sharper
 constexpr double kViewportPhotons = 1 << 17;
 
-int photon_bounces(const RenderOptions& options, PhotonStream stream) {
-  // Where photons light what paths meet one bounce on, theirs are one less.
-  return std::max(0, options.max_bounces - (options.gathers() && stream != PhotonStream::kCaustic));
-}
-
 double work_of(const PhotonCounts& counts) {
   return static_cast<double>(counts.rays) / cost::kPhotonRays +
          cost::kShadedPhoton * static_cast<double>(counts.shaded) +
@@ -55,7 +50,7 @@ PhotonMap::PhotonMap(const RenderContext& context, const Lights& lights, const C
                       : context.options.seed),
       first_pass_paths_(context.options.photons_per_pass),
       lights_(lights),
-      tracer_(context.scene, lights, photon_bounces(context.options, stream), stream),
+      tracer_(context.scene, lights, context.options.max_bounces, stream),
       splatter_(std::make_unique<Splatter>(context.options.kernel)) {
   if (context.scene.light_groups) tracer_.keep_light_groups();
 }
@@ -104,6 +99,9 @@ void PhotonMap::learn(const PilotTask& task) {
   if (task.all_surfaces) stored.add_all();
   const uint64_t paths = std::max<uint64_t>(1, std::min(first_pass_paths_, kPilotPaths));
   tracer_.set_viewer(viewer_);
+  // Where photons light what paths meet one bounce on, theirs are one less.
+  tracer_.set_max_bounces(
+      std::max(0, context_.options.max_bounces - (context_.gathers && !caustic())));
   const auto learn = task.more ? &PhotonTracer::learn_more_emission : &PhotonTracer::learn_emission;
   const Photons* pilot = (tracer_.*learn)(paths, stream_seed(seed_, RandomStream::kEmissionPilot),
                                           task.useful, stored, task.places, context_.cancel);
@@ -117,6 +115,9 @@ void PhotonMap::learn(const PilotTask& task) {
   if (caustic()) dispersion_ = dispersion;
   const double share = static_cast<double>(pilot->size()) / dispersion / static_cast<double>(paths);
   effective_photons_ = share * static_cast<double>(first_pass_paths_);
+  const auto useful = [&](const Photon& photon) { return task.useful.contains(photon.key); };
+  useful_photons_ = static_cast<double>(std::count_if(pilot->begin(), pilot->end(), useful)) /
+                    static_cast<double>(paths) * static_cast<double>(first_pass_paths_);
   pilot_ = since(before_, tracer_.counts());
   const RenderOptions& options = context_.options;
   if (caustic() && options.adaptive_samples && !options.keeps_photons())
@@ -151,7 +152,7 @@ void PhotonMap::place_points(const GatherPoints& gather_points, uint32_t pass) {
     s.radius_factor = radius_factor();
     s.caustics = caustic();
     s.spacing = options.point_spacing;
-    if (options.gathers() || context_.scene.scatters_in_media())
+    if (context_.gathers || context_.scene.scatters_in_media())
       s.after_gather_spacing = kGatheredSpacing * options.point_spacing;
     s.steady = options.keeps_photons();
     s.occlusion = options.boundary_correction && options.occlusion;

@@ -108,6 +108,8 @@ class PhotonMap {
   double pilot_work_per_pass() const;
   // Photons of equal power that would be as noisy as those of a first pass, by the pilot.
   double effective_photons() const { return effective_photons_; }
+  // Those of a first pass on the surfaces that want them, by the pilot.
+  double useful_photons() const { return useful_photons_; }
   uint64_t rays() const { return tracer_.counts().rays - before_.rays; }
   const std::string& kernel_name() const { return splatter_->kernel_name(); }
   PhotonMapStatistics statistics() const;
@@ -127,7 +129,7 @@ class PhotonMap {
   const Lights& lights_;
   PhotonTracer tracer_;
   std::unique_ptr<RadiusMap> radii_;
-  double effective_photons_ = 0;
+  double effective_photons_ = 0, useful_photons_ = 0;
   float dispersion_ = 1;  // of the power of caustic photons: their noise over that of equal ones
   std::unique_ptr<Splatter> splatter_;
   VisiblePoints points_;

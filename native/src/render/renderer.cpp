@@ -123,7 +123,7 @@ DataPasses Renderer::data_passes(const DataLabels& labels, DataSettings settings
 }
 
 RenderContext Renderer::context() {
-  return {scene, options, cancel_, sampler_, seconds_, kept_bytes_};
+  return {scene, options, cancel_, sampler_, seconds_, kept_bytes_, gathers_};
 }
 
 void Renderer::build() {
@@ -209,6 +209,7 @@ void Renderer::reset_film() {
   film_.reset(camera_settings.region_width, camera_settings.region_height, scene.light_groups);
   bad_light_ = 0;
   begun_ = false;
+  gathers_ = options.gathers();
   camera_pass_->reset_view(film_.sum(), maps_);
   indirect_beams_wanted_.reset();
   for (BeamMap* const beams : beam_maps())
@@ -373,6 +374,7 @@ RenderStatistics Renderer::statistics() {
   out.places = camera.places();
   out.path_traced = camera.continued();
   out.all_path_traced = camera_pass_->all_path_traced();
+  out.gathers_after_all = gathers_ && !options.gathers();
   out.world_path_traced = lights_ && lights_->world_by_paths();
   return out;
 }

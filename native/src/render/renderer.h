@@ -143,6 +143,7 @@ class Renderer {
   AdaptiveSampler sampler_;
   StageSeconds seconds_;
   size_t kept_bytes_ = 0;  // of photons kept by all maps
+  bool gathers_ = false;   // see RenderContext
   std::unique_ptr<Lights> lights_;
   std::unique_ptr<Camera> camera_;
   std::unique_ptr<CameraPass> camera_pass_;

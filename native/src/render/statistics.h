@@ -61,6 +61,7 @@ struct RenderStatistics {
   // Places where indirect light was wanted, and those where camera paths went on for it
   uint64_t places = 0, path_traced = 0;
   bool all_path_traced = false;    // paths bring all of the indirect light, caustics excepted
+  bool gathers_after_all = false;  // final gathering, which has not been asked for
   bool world_path_traced = false;  // paths bring all of the world's light
 };
 

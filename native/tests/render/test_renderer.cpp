@@ -181,3 +181,28 @@ TEST_CASE("a first pass that tries paths says how many samples it has taken") {
   renderer.render_pass(1);
   CHECK(renderer.samples_of_last_pass() == next);
 }
+
+TEST_CASE("paths gather where few photons arrive, and the picture is as bright") {
+  for (const int bounces : {1, 2, 12}) {
+    CAPTURE(bounces);
+    const auto render = [&](IndirectLight light, uint64_t photons, uint32_t passes) {
+      auto renderer = std::make_unique<Renderer>(2);
+      renderer->options.indirect_light = light;
+      renderer->options.max_bounces = bounces;
+      fill_box(*renderer, false);
+      renderer->options.photons_per_pass = photons;
+      renderer->build();
+      for (uint32_t pass = 0; pass < passes; ++pass) renderer->render_pass(pass);
+      return renderer;
+    };
+    const auto many = render(IndirectLight::kAny, 40000, 20),
+               few = render(IndirectLight::kAny, 2000, 150),
+               told = render(IndirectLight::kPhotonsOrPaths, 2000, 1);
+    CHECK_FALSE(many->statistics().gathers_after_all);
+    CHECK_FALSE(told->statistics().gathers_after_all);
+    CHECK(few->statistics().gathers_after_all);
+    CHECK_FALSE(few->statistics().all_path_traced);
+    CHECK(mean_radiance(few->film().unpacked()) ==
+          approx(mean_radiance(many->film().unpacked())).epsilon(0.01));
+  }
+}

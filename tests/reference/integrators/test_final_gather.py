@@ -109,8 +109,9 @@ def test_what_is_closer_than_the_radius_of_discs_is_not_lit_by_them() -> None:
     ("settings", "decided"),
     [
         ({}, "PHOTONS"),
-        ({"time_limit": 5.0}, "PHOTONS_OR_PATHS"),
-        ({"error_threshold": 0.02}, "PHOTONS_OR_PATHS"),
+        ({"time_limit": 5.0}, "ANY"),
+        ({"error_threshold": 0.02}, "ANY"),
+        ({"time_limit": 5.0, "caustics": False}, "PHOTONS_OR_PATHS"),
         ({"time_limit": 5.0, "final_gather": FinalGather.OFF}, "PHOTONS"),
         ({"denoise": True}, "FINAL_GATHER_OR_PATHS"),
         ({"denoise": True, "error_threshold": 0.02}, "FINAL_GATHER_OR_PATHS"),
