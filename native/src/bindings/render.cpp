@@ -188,7 +188,8 @@ void bind_render(nb::module_& m, RendererClass& renderer) {
   // The stages of a pass, in this order; those between trace_camera() and resolve() for each map.
   renderer
       .def(
-          "trace_camera", &Renderer::trace_camera, "number"_a, released,
+          "trace_camera", nb::overload_cast<uint32_t>(&Renderer::trace_camera), "number"_a,
+          released,
           "Stage 1: camera samples with their direct light, and gather points where photons are wanted.")
       .def_prop_ro(
           "photon_maps", &Renderer::map_count,

@@ -298,24 +298,34 @@ AdaptiveSampler::Rings AdaptiveSampler::rings(const std::vector<float>& values, 
   return found;
 }
 
-// Deviations after one sample of each pixel, from differences between neighbours at most two pixels
-// away. What is seen only further than one pixel away counts little, but an edge that is as bright
-// as a lamp is not to be missed. Light of photons differs little between such neighbours, except at
-// edges.
+// Deviations of one sample after the first pass, from differences between neighbours at most two
+// pixels away. What is seen only further than one pixel away counts little, but an edge that is as
+// bright as a lamp is not to be missed. Light of photons differs little between such neighbours,
+// except at edges. A first pass of more samples knows light better, and photons still as badly:
+// variances count as much more. Without that `village` has 9 % more variance in equal time.
 std::vector<float> AdaptiveSampler::first_deviations(ThreadPool& pool) const {
-  const std::vector<float>& light = all_.sum;
+  std::vector<float> light(all_.sum);
+  float most = 1;
+  for (size_t i = 0; i < light.size(); ++i) {
+    light[i] /= std::max(samples_[i], 1.0f);
+    most = std::max(most, samples_[i]);
+  }
   std::vector<float> across(light.size()), down(light.size()), result(light.size());
   const CancelFlag never;
   const auto rows = [&](auto&& work) {
     pool.for_each(static_cast<size_t>(height_), never,
                   [&](size_t row, int) { work(static_cast<int>(row)); });
   };
-  const auto half_square = [](float a, float b) { return known(0.5f * (a - b) * (a - b)); };
+  const auto of_one = [&](size_t a, size_t b) {
+    const float difference = light[a] - light[b],
+                scale = 1 / std::max(samples_[a], 1.0f) + 1 / std::max(samples_[b], 1.0f);
+    return known(most * difference * difference / scale);
+  };
   rows([&](int y) {  // each pixel and the next one of its row, or of the next row
     for (int x = 0; x < width_; ++x) {
       const size_t i = static_cast<size_t>(y) * width_ + x;
-      if (x + 1 < width_) across[i] = half_square(light[i], light[i + 1]);
-      if (y + 1 < height_) down[i] = half_square(light[i], light[i + width_]);
+      if (x + 1 < width_) across[i] = of_one(i, i + 1);
+      if (y + 1 < height_) down[i] = of_one(i, i + width_);
     }
   });
   rows([&](int y) {

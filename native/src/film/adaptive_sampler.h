@@ -68,6 +68,9 @@ class AdaptiveSampler {
   // Sets the samples of each pixel in the first pass
   void begin_with(uint32_t count) { count_.assign(count_.size(), static_cast<uint16_t>(count)); }
 
+  // Those of pixel i alone
+  void begin_with(size_t i, uint32_t count) { count_[i] = static_cast<uint16_t>(count); }
+
   // What an earlier generation has seen and chosen, as one that follows goes on from it.
   struct Known {
     // Of a pixel: moments of the camera's light and of all light, what photons add to the variance

@@ -19,6 +19,10 @@ bool is_scout(size_t tile, size_t across) {
 
 }  // namespace
 
+bool CameraTracer::scouts(const PackedFilm& film, size_t tile) {
+  return is_scout(tile, tiles_along(film.width));
+}
+
 bool CameraTracer::sends_scouts(const PackedFilm& film) {
   return tiles_along(film.width) * tiles_along(film.height) >= kFewTiles;
 }

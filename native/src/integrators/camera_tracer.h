@@ -60,6 +60,7 @@ class CameraTracer {
   MediaTrial try_media(uint32_t seed, int max_bounces, uint64_t each, const CancelFlag& cancel);
   // Whether scouts are less than all.
   static bool sends_scouts(const PackedFilm& film);
+  static bool scouts(const PackedFilm& film, size_t tile);  // whether the tile is one of them
 
   // Paths go on for indirect light where `strategy` says so (nullptr: nowhere); with `caustics`
   // photons bring caustics there all the same. `radius_factor`: factor on all radii in the next

@@ -86,7 +86,8 @@ void CameraPass::trace_gather_points(uint32_t pass, const PhotonMaps& maps, Pack
                                   film, context_.cancel, tiles);
 }
 
-void CameraPass::trace(uint32_t pass, const PhotonMaps& maps, PackedFilm& film) {
+void CameraPass::trace(uint32_t pass, const PhotonMaps& maps, PackedFilm& film,
+                       const PassClock& clock) {
   const RenderOptions& options = context_.options;
   PhotonMap& indirect = *maps.front();
   const bool photons = indirect.first_pass_paths() > 0,
@@ -99,7 +100,7 @@ void CameraPass::trace(uint32_t pass, const PhotonMaps& maps, PackedFilm& film) 
   // Photons bring caustics alone then.
   if (!strategy_ && context_.scene.needs_paths())
     strategy_.emplace(context_.scene, IndirectStrategy::Kind::kPathTraced);
-  if (!strategy_ && options.tries_paths() && by_view && try_paths(pass, maps, film)) return;
+  if (!strategy_ && options.tries_paths() && by_view && try_paths(pass, maps, film, clock)) return;
   if (!strategy_ && context_.gathers && photons)
     strategy_.emplace(context_.scene, IndirectStrategy::Kind::kFinalGather);
   if (learns && !by_view) {  // the pilot asks for no view
@@ -142,7 +143,8 @@ CameraTracer::MediaTrial CameraPass::try_media(const PhotonMaps& maps, uint64_t 
 
 // Before any photon is traced: whether paths had better bring all of the indirect light in this
 // view. Then the pass is done.
-bool CameraPass::try_paths(uint32_t pass, const PhotonMaps& maps, PackedFilm& film) {
+bool CameraPass::try_paths(uint32_t pass, const PhotonMaps& maps, PackedFilm& film,
+                           const PassClock& clock) {
   const bool gathers = context_.gathers;
   const double camera_before = context_.seconds.camera;
   strategy_.emplace(context_.scene, IndirectStrategy::Kind::kPathTraced);
@@ -157,8 +159,8 @@ bool CameraPass::try_paths(uint32_t pass, const PhotonMaps& maps, PackedFilm& fi
   const double camera_paths = static_cast<double>(film.size()) * kGatheredSamples;
   const bool pays = gathers ? tracer_.trial().paths_pay(photon_paths / camera_paths)
                             : tracer_.trial().paths_beat_density();
+  const double tried = context_.seconds.camera - camera_before;
   if (!pays) {
-    const double tried = context_.seconds.camera - camera_before;
     context_.seconds.camera = camera_before;
     context_.seconds.photons += tried;  // as other pilots
     context_.seconds.pilot += tried;
@@ -166,10 +168,27 @@ bool CameraPass::try_paths(uint32_t pass, const PhotonMaps& maps, PackedFilm& fi
     strategy_.reset();
     return false;
   }
-  if (scouts) trace_more(pass, CameraTracer::Tiles::kRest, maps, film);
+  if (scouts) {
+    if (!gathers) fit_rest(clock.seconds_for_camera(), tried, film);
+    trace_more(pass, CameraTracer::Tiles::kRest, maps, film);
+  }
   context_.sampler.set_least(gathers && !context_.options.short_passes ? kPathSamples : 1);
   chosen_ = true;
   return true;
+}
+
+// The pixels that scouts have left have fewer samples where there is no time for as many; one at
+// the least. `scouted`: the seconds that scouts took.
+void CameraPass::fit_rest(double seconds, double scouted, const PackedFilm& film) {
+  double done = 0;
+  for (size_t t = 0; t < film.tiles(); ++t)
+    if (CameraTracer::scouts(film, t)) film.each(t, [&](size_t, size_t) { ++done; });
+  const double rest = scouted * (static_cast<double>(film.size()) - done) / done;  // seconds
+  if (rest <= seconds) return;
+  const uint32_t fit = static_cast<uint32_t>(std::max(kTrialSamples * seconds / rest, 1.0));
+  for (size_t t = 0; t < film.tiles(); ++t)
+    if (!CameraTracer::scouts(film, t))
+      film.each(t, [&](size_t i, size_t) { context_.sampler.begin_with(i, fit); });
 }
 
 void CameraPass::make_strategy(const PhotonMap& indirect, const SurfaceFilter& known) {

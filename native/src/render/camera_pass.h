@@ -4,6 +4,7 @@
 #pragma once
 
 #include "integrators/camera_tracer.h"
+#include "render/photon_budget.h"
 #include "render/photon_map.h"
 #include "render/view_focus.h"
 
@@ -22,7 +23,8 @@ class CameraPass {
   void begin_part();
   // Camera samples of the pass into `film`, which then holds them alone. The first pass after
   // reset_view() chooses the strategy; a pilot of the indirect photon map is part of that.
-  void trace(uint32_t pass, const PhotonMaps& maps, PackedFilm& film);
+  void trace(uint32_t pass, const PhotonMaps& maps, PackedFilm& film,
+             const PassClock& clock = PassClock(INFINITY));
   // See CameraTracer. Of light groups no ways are kept apart.
   void follow_bumps(bool follow) { tracer_.follow_bumps(follow && !context_.scene.light_groups); }
   // trace() without a choice of strategy: gather points that all want photons.
@@ -68,7 +70,8 @@ class CameraPass {
   uint32_t common_seed() const;
   void teach(PhotonMap& map, const SurfaceFilter& seen, bool all_surfaces, bool more = false);
   CameraTracer::MediaTrial try_media(const PhotonMaps& maps, uint64_t each);
-  bool try_paths(uint32_t pass, const PhotonMaps& maps, PackedFilm& film);
+  bool try_paths(uint32_t pass, const PhotonMaps& maps, PackedFilm& film, const PassClock& clock);
+  void fit_rest(double seconds, double scouted, const PackedFilm& film);
   void sample_for_gathers(const PhotonMaps& maps);
   bool photons_are_few(const PhotonMap& indirect) const;
   void choose(uint32_t pass, bool scouts, const PhotonMaps& maps, PackedFilm& film);

@@ -33,6 +33,10 @@ class PassClock {
     resolving_ = kOfResolving * seconds;
     late_ = kLate * seconds;
   }
+  // Seconds for camera samples, and for the end of a pass and the photons that belong to them.
+  double seconds_for_camera() const {
+    return std::max(end_ - now(), 0.0) / (1 + kOfResolving + kLate);
+  }
   // Seconds for the next of `maps` photon maps.
   double seconds_for_one_of(size_t maps) const {
     return std::max(end_ - now() - resolving_, late_) / static_cast<double>(maps);

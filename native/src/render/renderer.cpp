@@ -24,7 +24,7 @@ void Renderer::render_pass(uint32_t pass, const PassLimits& limits, ExternalSpla
   PassClock clock(limits.seconds);
   const double before = seconds_.camera;
   // 1. Camera paths: direct light into the film, gather points where photons are wanted.
-  trace_camera(pass);
+  trace_camera(pass, clock);
   clock.see_camera(seconds_.camera - before);
   for (size_t i = 0; i < maps_.size(); ++i) {  // indirect light, then caustics
     select_map(i);
@@ -232,7 +232,7 @@ void Renderer::limit_pass(const PassSize& most) {
   if (options.adaptive_samples) sampler_.limit(most.samples, most.photons, scene.pool());
 }
 
-void Renderer::trace_camera(uint32_t pass) {
+void Renderer::trace_camera(uint32_t pass, const PassClock& clock) {
   map();
   if (caustic_beams_) {
     if (!caustic_beams_->learnt()) {
@@ -248,7 +248,7 @@ void Renderer::trace_camera(uint32_t pass) {
     beams.indirect = &indirect_beams_->tree();
     camera_pass_->set_beams(beams);
   }
-  camera_pass_->trace(pass, maps_, film_.begin_pass());
+  camera_pass_->trace(pass, maps_, film_.begin_pass(), clock);
 }
 
 uint64_t Renderer::paths_per_pass() const {

@@ -56,7 +56,7 @@ class Renderer {
 
   // --- the stages of a pass ---
   // Camera samples with their direct light; gather points where photons are wanted.
-  void trace_camera(uint32_t pass);
+  void trace_camera(uint32_t pass) { trace_camera(pass, PassClock(INFINITY)); }
   // The photon map that the following stages are about: 0, indirect light, at first; 1, caustics.
   size_t map_count() const { return maps_.size(); }
   void select_map(size_t i) { current_ = maps_.at(i).get(); }
@@ -137,6 +137,7 @@ class Renderer {
   void read_light_cache();
   void reset_film();
   void finish_pass(bool whole);  // whole: it has samples of all pixels
+  void trace_camera(uint32_t pass, const PassClock& clock);
   bool splat_photons(double seconds, uint64_t paths_per_batch, ExternalSplatter* elsewhere);
 
   CancelFlag cancel_;

@@ -15,10 +15,12 @@ constexpr int kWidth = 32, kHeight = 24;
 template <class Camera, class Photons>
 AdaptiveSampler after(uint32_t passes, Camera&& camera_noise, Photons&& photon_noise,
                       uint32_t least = 1, const PassWork& work = {1, 0},
-                      const PhotonSet& asked = {}) {
+                      const PhotonSet& asked = {}, uint32_t (*first)(int) = nullptr) {
   ThreadPool pool(2);
   AdaptiveSampler choice;
   choice.reset(kWidth, kHeight, least, {asked});
+  for (size_t i = 0; first && i < size_t(kWidth) * kHeight; ++i)
+    choice.begin_with(i, first(static_cast<int>(i % kWidth)));
   Film film;
   film.reset(kWidth, kHeight);
   Random random(3, 5);
@@ -81,6 +83,17 @@ TEST_CASE(
   CHECK(total(after(16, [](int) { return 0.1f; }, [](int) { return 0.12f; })) == kWidth * kHeight);
   CHECK(total(after(16, nothing, stripe)) == kWidth * kHeight);
   CHECK(total(after(16, stripe, [](int) { return 5.0f; })) == kWidth * kHeight);
+}
+
+TEST_CASE("where a first pass has had more samples, as many are asked for as elsewhere") {
+  const auto left_has_more = [](int x) { return x < kWidth / 2 ? 4u : 1u; };
+  const AdaptiveSampler choice =
+      after(1, [](int) { return 0.3f; }, [](int) { return 0.1f; }, 1, {1, 0}, {}, left_has_more);
+  double left = 0, right = 0;
+  for (size_t i = 0; i < size_t(kWidth) * kHeight; ++i)
+    (i % kWidth < kWidth / 2 ? left : right) += choice.count(i);
+  CHECK(left == approx(right).epsilon(0.1));
+  CHECK(right > 1.2 * kWidth * kHeight / 2);
 }
 
 TEST_CASE("camera noise without any of photons gets more samples everywhere, within bounds") {

@@ -159,20 +159,29 @@ TEST_CASE("a pass that is short of time has fewer photons, and is as bright") {
         approx(mean_radiance(whole.film().unpacked())).epsilon(0.02));
 }
 
-TEST_CASE("a first pass that tries paths says how many samples it has taken") {
-  Renderer renderer(2);
+namespace {
+
+// A floor alone, under a white world: there is no light for photons to bring.
+void fill_floor(Renderer& renderer, int side) {
   Scene& scene = renderer.scene;
   scene.materials.resize(1);
   scene.meshes.push_back(padded(make_grid(1)));
-  scene.add_instance(0, identity, {0});  // a floor alone: there is no light for photons to bring
+  scene.add_instance(0, identity, {0});
   scene.world = {1, 1, 1};
   CameraSettings& camera = renderer.camera_settings;
   camera.to_world = Affine{{1, 0, 0, 0.5f, 0, 1, 0, 0.5f, 0, 0, 1, 0.4f}};
-  camera.width = camera.height = camera.region_width = camera.region_height = size;
+  camera.width = camera.height = camera.region_width = camera.region_height = side;
   renderer.options.photons_per_pass = 20000;
   renderer.options.adaptive_samples = true;
   renderer.options.indirect_light = IndirectLight::kPhotonsOrPaths;
   renderer.build();
+}
+
+}  // namespace
+
+TEST_CASE("a first pass that tries paths says how many samples it has taken") {
+  Renderer renderer(2);
+  fill_floor(renderer, size);
   CHECK(renderer.next_pass().samples == 1);
   renderer.render_pass(0);
   REQUIRE(renderer.statistics().all_path_traced);
@@ -180,6 +189,23 @@ TEST_CASE("a first pass that tries paths says how many samples it has taken") {
   const double next = renderer.next_pass().samples;
   renderer.render_pass(1);
   CHECK(renderer.samples_of_last_pass() == next);
+}
+
+TEST_CASE("a first pass that tries paths has one sample of most pixels where it is short of time") {
+  Renderer whole(2), cut(2);
+  for (Renderer* renderer : {&whole, &cut}) fill_floor(*renderer, 5 * size);
+  whole.render_pass(0, {.seconds = 3600});
+  CHECK(whole.samples_of_last_pass() == 4);
+  cut.render_pass(0, {.seconds = 0});
+  REQUIRE(cut.statistics().all_path_traced);
+  CHECK(cut.samples_of_last_pass() > 1);
+  CHECK(cut.samples_of_last_pass() < 1.6);  // an eighth of the tiles has four
+  CHECK(mean_radiance(cut.film().unpacked()) ==
+        approx(mean_radiance(whole.film().unpacked())).epsilon(0.02));
+  for (Renderer* renderer : {&whole, &cut})
+    for (uint32_t pass = 1; pass < 8; ++pass) renderer->render_pass(pass);
+  CHECK(mean_radiance(cut.film().unpacked()) ==
+        approx(mean_radiance(whole.film().unpacked())).epsilon(0.005));
 }
 
 TEST_CASE("paths gather where few photons arrive, and the picture is as bright") {
