@@ -161,34 +161,43 @@ bool CameraPass::try_paths(uint32_t pass, const PhotonMaps& maps, PackedFilm& fi
                             : tracer_.trial().paths_beat_density();
   const double tried = context_.seconds.camera - camera_before;
   if (!pays) {
-    context_.seconds.camera = camera_before;
-    context_.seconds.photons += tried;  // as other pilots
-    context_.seconds.pilot += tried;
-    context_.sampler.begin_with(1);
+    take_for_pilot(tried);
     strategy_.reset();
     return false;
   }
-  if (scouts) {
-    if (!gathers) fit_rest(clock.seconds_for_camera(), tried, film);
-    trace_more(pass, CameraTracer::Tiles::kRest, maps, film);
-  }
+  if (scouts) trace_rest(pass, gathers ? PassClock(INFINITY) : clock, tried, maps, film);
   context_.sampler.set_least(gathers && !context_.options.short_passes ? kPathSamples : 1);
   chosen_ = true;
   return true;
 }
 
-// The pixels that scouts have left have fewer samples where there is no time for as many; one at
-// the least. `scouted`: the seconds that scouts took.
-void CameraPass::fit_rest(double seconds, double scouted, const PackedFilm& film) {
+// What the camera has done does not count, and the first pass begins anew.
+void CameraPass::take_for_pilot(double seconds) {
+  context_.seconds.camera -= seconds;
+  context_.seconds.photons += seconds;  // as other pilots
+  context_.seconds.pilot += seconds;
+  context_.sampler.begin_with(1);
+}
+
+// What scouts have left, in time if it can be: with fewer samples, but one at the least. Among
+// pixels of one sample the scouts' tiles would show. `scouted`: the seconds that they took.
+void CameraPass::trace_rest(uint32_t pass, const PassClock& clock, double scouted,
+                            const PhotonMaps& maps, PackedFilm& film) {
   double done = 0;
   for (size_t t = 0; t < film.tiles(); ++t)
     if (CameraTracer::scouts(film, t)) film.each(t, [&](size_t, size_t) { ++done; });
-  const double rest = scouted * (static_cast<double>(film.size()) - done) / done;  // seconds
-  if (rest <= seconds) return;
-  const uint32_t fit = static_cast<uint32_t>(std::max(kTrialSamples * seconds / rest, 1.0));
-  for (size_t t = 0; t < film.tiles(); ++t)
-    if (!CameraTracer::scouts(film, t))
-      film.each(t, [&](size_t i, size_t) { context_.sampler.begin_with(i, fit); });
+  const double wanted = scouted * (static_cast<double>(film.size()) - done) / done;  // seconds
+  if (wanted > clock.left() + clock.slack()) {
+    const auto samples = static_cast<uint32_t>(kTrialSamples * clock.left() / wanted);
+    if (samples < 2) {
+      take_for_pilot(scouted);
+      return trace_gather_points(pass, maps, film, CameraTracer::Tiles::kAll);
+    }
+    for (size_t t = 0; t < film.tiles(); ++t)
+      if (!CameraTracer::scouts(film, t))
+        film.each(t, [&](size_t i, size_t) { context_.sampler.begin_with(i, samples); });
+  }
+  trace_more(pass, CameraTracer::Tiles::kRest, maps, film);
 }
 
 void CameraPass::make_strategy(const PhotonMap& indirect, const SurfaceFilter& known) {

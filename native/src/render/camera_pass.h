@@ -71,7 +71,9 @@ class CameraPass {
   void teach(PhotonMap& map, const SurfaceFilter& seen, bool all_surfaces, bool more = false);
   CameraTracer::MediaTrial try_media(const PhotonMaps& maps, uint64_t each);
   bool try_paths(uint32_t pass, const PhotonMaps& maps, PackedFilm& film, const PassClock& clock);
-  void fit_rest(double seconds, double scouted, const PackedFilm& film);
+  void take_for_pilot(double seconds);
+  void trace_rest(uint32_t pass, const PassClock& clock, double scouted, const PhotonMaps& maps,
+                  PackedFilm& film);
   void sample_for_gathers(const PhotonMaps& maps);
   bool photons_are_few(const PhotonMap& indirect) const;
   void choose(uint32_t pass, bool scouts, const PhotonMaps& maps, PackedFilm& film);

@@ -27,16 +27,15 @@ uint64_t batch_that_fits(uint64_t wanted, uint64_t most, double left,
 
 class PassClock {
  public:
-  explicit PassClock(double seconds) : end_(now() + seconds) {}
+  explicit PassClock(double seconds) : seconds_(seconds), end_(now() + seconds) {}
   // Takes off the time for the end of the pass, which grows with that of the camera samples.
   void see_camera(double seconds) {
     resolving_ = kOfResolving * seconds;
     late_ = kLate * seconds;
   }
-  // Seconds for camera samples, and for the end of a pass and the photons that belong to them.
-  double seconds_for_camera() const {
-    return std::max(end_ - now(), 0.0) / (1 + kOfResolving + kLate);
-  }
+  double left() const { return std::max(end_ - now(), 0.0); }
+  // Seconds that a first pass may be late by, rather than have fewer camera samples.
+  double slack() const { return kSlack * seconds_; }
   // Seconds for the next of `maps` photon maps.
   double seconds_for_one_of(size_t maps) const {
     return std::max(end_ - now() - resolving_, late_) / static_cast<double>(maps);
@@ -53,7 +52,8 @@ class PassClock {
   // samples have taken all of the time, photons have so much of theirs on top. cloudy_pool at
   // 1280x720 had 65,000 paths in a pass of 90 s.
   static constexpr double kLate = 0.1;
-  double end_, resolving_ = 0, late_ = 0;
+  static constexpr double kSlack = 0.25;
+  double seconds_, end_, resolving_ = 0, late_ = 0;
 };
 
 }  // namespace photon_splat
