@@ -5,22 +5,34 @@
 namespace photon_splat {
 namespace {
 
-// tiles: one in so many of a row, in the next row so many on
-constexpr int kScoutEvery = 8, kScoutShift = 3;
 constexpr size_t kFewTiles = 256;             // all of them are scouts
 constexpr uint32_t kLearningPaths = 1 << 16;  // at most about so many of a pass
 
+// Scouts: one tile in so many of a row, in the next row so many on
+struct Pattern {
+  size_t every, shift;
+};
+constexpr Pattern kPatterns[] = {{8, 3}, {16, 7}, {32, 13}, {64, 23}};
+
 size_t tiles_along(int pixels) { return static_cast<size_t>((pixels + kTileSize - 1) / kTileSize); }
 
+// The thinnest with about kFewTiles / 2 scouts or more: what they tell does not grow with the
+// picture.
+const Pattern& pattern_of(size_t tiles) {
+  size_t i = 0;
+  while (i + 1 < std::size(kPatterns) && tiles >= kFewTiles / 2 * kPatterns[i + 1].every) ++i;
+  return kPatterns[i];
+}
+
 // The place in the picture alone decides.
-bool is_scout(size_t tile, size_t across) {
-  return (tile % across + kScoutShift * (tile / across)) % kScoutEvery == 0;
+bool is_scout(const Pattern& pattern, size_t tile, size_t across) {
+  return (tile % across + pattern.shift * (tile / across)) % pattern.every == 0;
 }
 
 }  // namespace
 
 bool CameraTracer::scouts(const PackedFilm& film, size_t tile) {
-  return is_scout(tile, tiles_along(film.width));
+  return is_scout(pattern_of(film.tiles()), tile, tiles_along(film.width));
 }
 
 bool CameraTracer::sends_scouts(const PackedFilm& film) {
@@ -42,9 +54,10 @@ void CameraTracer::trace_tiles(const Job& job, PackedFilm& film, const CancelFla
   const size_t across = tiles_along(film.width);
   const bool scouts = job.tiles == Tiles::kScouts, rest = job.tiles == Tiles::kRest;
   tiles_.resize(across * tiles_along(film.height));
+  const Pattern& pattern = pattern_of(tiles_.size());
   scene_.pool().for_each(tiles_.size(), cancel, [&](size_t t, int) {
     Tile& tile = tiles_[t];
-    const bool scout = (scouts || rest) && is_scout(t, across);
+    const bool scout = (scouts || rest) && is_scout(pattern, t, across);
     tile.clear();
     if (scouts && !scout) {
       tile.gather_points.clear();
@@ -163,7 +176,10 @@ const GatherPoints& CameraTracer::trace(uint32_t pass, const AdaptiveSampler& ch
                                         EnvironmentGuide& guide, int max_bounces, PackedFilm& film,
                                         const CancelFlag& cancel, Tiles tiles) {
   const bool learns = guide.learning() && !lights_.environment().black();
-  const uint32_t share = 1 + static_cast<uint32_t>(film.size() / kLearningPaths);
+  const size_t pixels =
+      tiles == Tiles::kScouts ? film.size() / pattern_of(film.tiles()).every : film.size();
+  const size_t paths = trial_ == Trial::kDensity ? pixels * choice.count(0) : pixels;
+  const auto share = static_cast<uint32_t>(1 + paths / kLearningPaths);
   trace_tiles({pass, &choice, max_bounces, true, tiles, learns, share}, film, cancel);
   if (learns) {
     for (Tile& tile : tiles_) {

@@ -34,7 +34,7 @@ class CameraTracer {
   // Of the samples from now on.
   void set_seed(uint32_t seed) { seed_ = seed; }
 
-  // Which tiles of the picture one call traces. Scouts: an eighth of them, all over the picture, or
+  // Which tiles of the picture one call traces. Scouts: at most an eighth of them, all over it, or
   // all of a small one. Rest: those that have been no scouts; of scouts the pixels with gather
   // points where paths go on by now. Again: the same of all tiles.
   enum class Tiles { kAll, kScouts, kRest, kAgain };
