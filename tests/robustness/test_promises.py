@@ -197,6 +197,15 @@ def test_time_limit_is_kept() -> None:
     assert not result.cancelled
 
 
+def test_passes_have_half_of_the_time_limit_however_long_the_scene_took() -> None:
+    limit, began, watch = 2.0, time.monotonic(), Stopwatch()
+    settings = RenderSettings(passes=1_000_000, photons_per_pass=20_000, time_limit=limit)
+    result = render(room(pixels=64), settings, started=began - 10 * limit)
+    assert time.monotonic() - began > 0.3 * limit
+    assert watch.seconds() < 0.8 * limit
+    assert 1 < result.statistics["passes"] < 1_000_000
+
+
 def cancelled_render(
     what: Scene, settings: RenderSettings, after: float = 0.0
 ) -> tuple[RenderResult, float]:

@@ -53,7 +53,8 @@ class RenderSettings:
     """Settings of one render; it stops at whichever of `passes`, `time_limit` and `error_threshold`
     comes first.
 
-    time_limit           seconds from `started` (0 = none)
+    time_limit           seconds from `started` (0 = none); passes have half of it at least, however
+                         long the scene takes before them
     error_threshold      relative RMS error of the picture, as statistics["error"] estimates it (0 =
                          none); with denoise that before denoising, and a hundredth of the pixels
                          does not count

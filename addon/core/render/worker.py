@@ -24,6 +24,10 @@ from .result import Passes, Progress, channels_of_arrays
 from .settings import Backend, Integrator, RenderSettings
 from .splatter import CpuSplatter, ExternalSplatter, Splatter, SplatterFailed
 
+OF_PASSES = 0.5
+"""Of the time limit, for passes and what follows them, however long the scene has taken: a large
+one, which nothing could stop, would be left with a sample of each pixel.
+"""
 OF_LEARNING = 0.15
 """Of the time that is left, for what a part learns before its passes."""
 OF_UNEVEN = 0.5
@@ -55,6 +59,7 @@ class Worker(threading.Thread):
         self.record = record
         self.denoises = settings.denoise and not record.keeps
         self.started = started - record.seconds_before
+        self.end = self.started + settings.time_limit if settings.time_limit else math.inf
         self.want_interim = want_interim
         self.wanted = wanted
         self.stage = "Building acceleration structure"
@@ -124,6 +129,8 @@ class Worker(threading.Thread):
         if labels is not None and asks_rays(labels):
             self.stage = "Passes of data"
             self.data = data_passes(self.renderer, self.scene, labels)
+        if not self.record.samples_before:
+            self.end = max(self.end, time.monotonic() + OF_PASSES * settings.time_limit)
         if settings.time_limit and self.denoises:
             self.stage = "Trying the denoiser"
             self.ending.try_denoiser(settings.threads, settings.denoises_on_card)
@@ -210,9 +217,7 @@ class Worker(threading.Thread):
         return self._seconds_to_limit() - self.ending.seconds(self.passes_done + 1, runs)
 
     def _seconds_to_limit(self) -> float:
-        if not self.settings.time_limit:
-            return math.inf
-        return self.started + self.settings.time_limit - time.monotonic()
+        return self.end - time.monotonic()
 
     def _runs(self, quality: Quality, more_samples: float = 0.0) -> float:
         """Work of denoising the result after so many more camera samples per pixel."""
@@ -257,8 +262,7 @@ class Worker(threading.Thread):
         done, settings = self.record.part.passes_before + self.passes_done, self.settings
         fraction = done / settings.passes
         elapsed = time.monotonic() - self.started
-        if settings.time_limit:
-            fraction = max(fraction, min(elapsed / settings.time_limit, 1.0))
+        fraction = max(fraction, min(elapsed / (self.end - self.started), 1.0))
         message = f"{self.stage} | {done} passes | {elapsed:.1f} s"
         if done:
             message += f" | error {100 * self.error_limit.error:.2g} %"
